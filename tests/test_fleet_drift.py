@@ -12,12 +12,12 @@ from numpy.random import Generator
 from scipy.stats import false_discovery_control
 
 from eccentric.fleet.changed import against_the_past
-from eccentric.fleet.columns import Heading
 from eccentric.fleet.drift import Series, changes, discovered, series_of, shrunk
 from eccentric.fleet.periods import History, Period
 from eccentric.fleet.sums import Coverage
+from eccentric.fleet.sums.columns import Heading
+from eccentric.fleet.sums.triangle import merged, solve, triangles
 from eccentric.fleet.temperatures import temperatures_of
-from eccentric.fleet.triangle import merged, solve, triangles
 
 PERIODS = tuple(f"2025-{k:02d}" for k in range(1, 13))
 SEASON = 22.0 - 8.0 * np.cos(2.0 * np.pi * np.arange(12) / 12.0)

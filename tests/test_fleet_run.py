@@ -24,7 +24,7 @@ from eccentric.fleet.cluster import Failed, connected, spread
 from eccentric.fleet.gathered import gather, plan_of
 from eccentric.fleet.sources import find
 from eccentric.fleet.store import Stored, place_of, read
-from eccentric.fleet.triangle import merged
+from eccentric.fleet.sums.triangle import merged
 from eccentric.fleet.work import work
 from tests.dying import dying
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.fleet.columns import Columns
-from eccentric.fleet.sums import FileSums, sums_of
-from eccentric.fleet.triangle import dependent, merged, solve, triangles
-from eccentric.fleet.windows import any_in, means, rates
+from eccentric.fleet.sums.columns import Columns
+from eccentric.fleet.sums.of_file import FileSums, sums_of
+from eccentric.fleet.sums.triangle import dependent, merged, solve, triangles
+from eccentric.fleet.sums.windows import any_in, means, rates
 from tests.fleets import one_joint, rig_of, write_log
 
 

@@ -19,8 +19,8 @@ from eccentric.fleet import (
     Drifting,
     Examined,
     FleetFound,
-    Problem,
-    Request,
+    FleetProblem,
+    FleetRequest,
     Sample,
     Suspect,
     as_csv,
@@ -80,7 +80,7 @@ def diagnose_fleet(
     if not target.exists() or not any(target.iterdir()):
         with whole_folder(out, _COMMAND):
             pass  # marks the folder as one of ours, so that sums can be kept in it from the first on
-    request = Request(os.fspath(logs), os.fspath(rigs), pattern, scheduler, count, rate)
+    request = FleetRequest(os.fspath(logs), os.fspath(rigs), pattern, scheduler, count, rate)
     found = run_fleet(
         request,
         target,
@@ -120,7 +120,7 @@ class FleetResult(Printed):
     """
 
     drifting: tuple[Drifting, ...]
-    problems: tuple[Problem, ...]
+    problems: tuple[FleetProblem, ...]
     files: int
     reused: int
 
@@ -141,7 +141,7 @@ def _lines(found: FleetFound) -> list[str]:
     return [f"{counted(len(found.histories), 'joint')}; {read}", *lines, fleet_sentence(found)]
 
 
-def _said(problem: Problem) -> str:
+def _said(problem: FleetProblem) -> str:
     where = " ".join(filter(None, (problem.joint, problem.period)))
     return f"{where}: {problem.text}" if where else problem.text
 

@@ -12,8 +12,7 @@ from eccentric.output import own_folder
 
 NAME = "fleet"
 HELP = "reduce the logs of a fleet to friction coefficients by joint and period, and find what changed where"
-EXAMPLE = """eccentric bench --fleet --out build/fleet
-eccentric fleet build/fleet/logs --rigs build/fleet/rigs.csv --out build/fleet_report
+EXAMPLE = """eccentric fleet build/fleet/logs --rigs build/fleet/rigs.csv --out build/fleet_report
 eccentric fleet '/data/2025/*.parquet' --pattern '{joint}_{period}.parquet' --rigs rigs.csv --out report
 eccentric fleet /data/fleet --rigs rigs.csv --out report --scheduler tcp://10.0.0.5:8786"""
 

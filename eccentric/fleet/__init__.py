@@ -1,10 +1,6 @@
 """Fleets: the logs of many joints over many periods, what drifts, and what changed.
 
     sources       LOGS -> files, each of a joint and a period;   assigned  RIGS -> the rig of a joint
-    batches       a file as parts that fit in memory;  pieces  those as stretches of even samples
-    windows       samples -> means over windows, with the rates of the angle
-    columns       a rig and its model -> X and y
-    triangle      X and y -> sums, merged in any order, solved
     sums          a file -> its sums;  store  sums as Parquet, a file for each joint and period
     work          what a worker does;  cluster  Dask: work spread, survived workers;  gathered  both together
     periods       sums -> coefficients with intervals, by joint and period
@@ -20,11 +16,11 @@ In: paths of logs and rigs. Out: `FleetFound`, and the sums of a fleet on disk.
 May import: `diagnosis` and all rooms below it. No log is ever written to.
 """
 
-from eccentric.fleet.found import Drifting, Examined, Suspect
+from eccentric.fleet.found import Drifting, Examined, FleetFound, Suspect
 from eccentric.fleet.limits import RATE
 from eccentric.fleet.page import fleet_page, fleet_sentence
-from eccentric.fleet.problems import Problem, as_csv
-from eccentric.fleet.run import FleetFound, Request, run_fleet
+from eccentric.fleet.problems import FleetProblem, as_csv
+from eccentric.fleet.run import FleetRequest, run_fleet
 from eccentric.fleet.sample import Sample
 from eccentric.fleet.tables import changes_csv, document_of, write_coefficients
 
@@ -33,8 +29,8 @@ __all__ = [
     "Drifting",
     "Examined",
     "FleetFound",
-    "Problem",
-    "Request",
+    "FleetProblem",
+    "FleetRequest",
     "Sample",
     "Suspect",
     "as_csv",

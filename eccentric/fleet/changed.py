@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.fleet.drift import Change
+from eccentric.fleet.drift import FleetChange
 from eccentric.fleet.limits import EXPLAINED, LEAST_CHANGE, LEAST_RANGE_K, LEAST_SIDE, SECOND
 from eccentric.fleet.periods import History, Period
 
@@ -52,14 +52,14 @@ class Changed:
         return self.before**2 - self.usual**2 > (LEAST_CHANGE * self.level) ** 2
 
 
-def recent_of(history: History, change: Change) -> tuple[list[Period], list[Period]]:
+def recent_of(history: History, change: FleetChange) -> tuple[list[Period], list[Period]]:
     """Periods of the past, before a change, and the last ones: what is wrong now, all of it and no less."""
     first = [p.period for p in history.periods].index(change.since)
     last = max(first, len(history.periods) - LEAST_SIDE)
     return list(history.periods[:first]), list(history.periods[last:])
 
 
-def against_the_past(history: History, change: Change, heat: Mapping[str, float]) -> Changed:
+def against_the_past(history: History, change: FleetChange, heat: Mapping[str, float]) -> Changed:
     """What changed at a joint since a change; `heat` [deg C] is the temperature by period, where known."""
     past, recent = recent_of(history, change)
     headings = history.headings

@@ -33,7 +33,7 @@ from eccentric.fleet.limits import (
 )
 from eccentric.fleet.periods import History
 
-__all__ = ["FRICTION", "RESIDUAL", "Change", "Series", "changes", "discovered", "series_of", "shrunk"]
+__all__ = ["FRICTION", "RESIDUAL", "FleetChange", "Series", "changes", "discovered", "series_of", "shrunk"]
 
 Array = NDArray[np.float64]
 
@@ -61,7 +61,7 @@ class Series:
 
 
 @dataclass(frozen=True)
-class Change:
+class FleetChange:
     """The best change of a series: its shape, the period that it begins with, its size and part of friction.
 
     `before` and `after` are the values that the changed part starts from and has at the end, at one
@@ -116,7 +116,7 @@ def series_of(history: History, temperatures: Mapping[str, float]) -> Iterator[S
     yield one(RESIDUAL, "1", np.log(left[:, 0]), left[:, 1] / left[:, 0], 1.0, LEAST_RESIDUAL)
 
 
-def changes(series: Sequence[Series], rate: float) -> list[Change]:
+def changes(series: Sequence[Series], rate: float) -> list[FleetChange]:
     """The best change of each series, and which count at a false discovery rate."""
     fitted = [_fitted(one) for one in series]
     prior = {
@@ -213,7 +213,7 @@ def _shapes(count: int) -> Iterator[tuple[str, int, Array]]:
         yield "ramp", first, np.clip((place - first + 1.0) / (count - first), 0.0, 1.0)
 
 
-def _best(series: Series, fit: _Fitted, variance: float, prior: float) -> Change:
+def _best(series: Series, fit: _Fitted, variance: float, prior: float) -> FleetChange:
     y = series.values * fit.root
     y = y - fit.basis @ (fit.basis.T @ y)
     freedom = len(y) - fit.basis.shape[1] - 1
@@ -238,4 +238,4 @@ def _best(series: Series, fit: _Fitted, variance: float, prior: float) -> Change
     at_rest = _always(series)
     base = np.linalg.lstsq(at_rest * fit.root[:, None], rest, rcond=None)[0]
     before = float(np.mean(at_rest @ base))
-    return Change(series, shape, series.periods[first], slope, before, min(1.0, p_best * max(tried, 1)))
+    return FleetChange(series, shape, series.periods[first], slope, before, min(1.0, p_best * max(tried, 1)))

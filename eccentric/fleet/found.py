@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from eccentric.fleet.changed import Changed
-from eccentric.fleet.drift import FRICTION, Change
+from eccentric.fleet.drift import FRICTION, FleetChange
 from eccentric.fleet.limits import EFFECT_PERCENT
+from eccentric.fleet.periods import History
+from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.sample import Sample
 from eccentric.rigs import Rig
 
-__all__ = ["Drifting", "Examined", "Suspect", "drifting_of"]
+__all__ = ["Drifting", "Examined", "FleetFound", "Suspect", "drifting_of"]
 
 _KINDS = {
     "viscous": "viscous friction",
@@ -34,7 +37,7 @@ class Suspect:
 
     joint: str
     rig: Rig
-    changes: tuple[Change, ...]
+    changes: tuple[FleetChange, ...]
     changed: Changed
     past: Sample | None
     recent: Sample | None
@@ -76,12 +79,30 @@ class Drifting:
     after: float
     unit: str
     report: str
-    changes: tuple[Change, ...] = field(repr=False, default=())
+    changes: tuple[FleetChange, ...] = field(repr=False, default=())
 
     @property
     def urgency(self) -> float:
         """What to look at first: the larger the change of the torque, the higher; sensors come after."""
         return (0.0 if self.sensor else 1e3) + abs(self.part)
+
+
+@dataclass(frozen=True)
+class FleetFound:
+    """What a run found: the histories of all joints, tests, joints that drift (most urgent first), problems.
+
+    `temperatures` are those by joint and period that the tests took out; `files` were read in this run,
+    `reused` were there.
+    """
+
+    histories: tuple[History, ...]
+    temperatures: Mapping[str, Mapping[str, float]]
+    changes: tuple[FleetChange, ...]
+    drifting: tuple[Drifting, ...]
+    problems: tuple[FleetProblem, ...]
+    files: int
+    reused: int
+    rate: float
 
 
 def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:

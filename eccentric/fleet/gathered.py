@@ -11,7 +11,7 @@ from urllib.parse import unquote
 from eccentric.errors import InputError
 from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.cluster import Failed, SchedulerLost, spread
-from eccentric.fleet.problems import Problem
+from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.sources import LogFile, in_order
 from eccentric.fleet.store import Key, Stored, keys, place_of, read, recipe_of, write
 from eccentric.fleet.work import Job, problem_of, tasks_of, work
@@ -33,7 +33,7 @@ class Plan:
     jobs: dict[Place, list[Job]] = field(default_factory=dict)
     rigs: dict[str, Rig] = field(default_factory=dict)
     recipes: dict[str, str] = field(default_factory=dict)
-    problems: list[Problem] = field(default_factory=list)
+    problems: list[FleetProblem] = field(default_factory=list)
     reused: int = 0
 
     @property
@@ -55,7 +55,7 @@ def plan_of(logs: Iterable[LogFile], rigs: Assigned, out: Path) -> Plan:
                 plan.recipes[joint] = recipe_of(plan.rigs[joint])
             except InputError as error:
                 refused[joint] = str(error)
-                plan.problems.append(Problem(joint, "", "", "no rig", str(error)))
+                plan.problems.append(FleetProblem(joint, "", "", "no rig", str(error)))
         if joint in refused:
             continue
         if place not in there:
@@ -68,13 +68,13 @@ def plan_of(logs: Iterable[LogFile], rigs: Assigned, out: Path) -> Plan:
     return plan
 
 
-def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[Problem], int]:
+def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[FleetProblem], int]:
     """Do the jobs of a plan; each joint and period is written when its last file is done.
 
     Returns the problems, and the number of files that were read. A scheduler that goes away ends it: what was
     done is kept, and that is one problem.
     """
-    problems: list[Problem] = []
+    problems: list[FleetProblem] = []
     left = {place: len(jobs) for place, jobs in plan.jobs.items()}
     made: dict[Place, list[Stored]] = {}
     total, done = plan.files, 0
@@ -89,7 +89,7 @@ def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[Problem
             place = (job.log.joint, job.log.period)
             if isinstance(result, Failed):
                 problems.append(problem_of(job, "worker", str(result)))
-            elif isinstance(result, Problem):
+            elif isinstance(result, FleetProblem):
                 problems.append(result)
             else:
                 made.setdefault(place, []).append(result)
@@ -100,7 +100,7 @@ def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[Problem
             told(done / total, "sums")
     except SchedulerLost as error:
         text = f"a scheduler is required to the end, it went away with {total - done} of {total} files to do"
-        problems.append(Problem("", "", "", "scheduler", f"{text} ({error}): start again to go on"))
+        problems.append(FleetProblem("", "", "", "scheduler", f"{text} ({error}): start again to go on"))
     finally:
         for place in list(made):
             put(place)

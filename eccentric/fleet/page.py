@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from eccentric.errors import counted
 from eccentric.fleet.drift import FRICTION, RESIDUAL
-from eccentric.fleet.found import Drifting
-from eccentric.fleet.run import FleetFound
+from eccentric.fleet.found import Drifting, FleetFound
 from eccentric.fleet.sources import in_order
 from eccentric.report import number, rendered
 

@@ -10,12 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from eccentric.fleet.columns import OFFSET, Heading
 from eccentric.fleet.limits import LEAST_BLOCKS, LEAST_DIRECTION, LEAST_SECONDS
-from eccentric.fleet.problems import Problem
+from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.store import Stored
-from eccentric.fleet.sums import Coverage
-from eccentric.fleet.triangle import dependent, merged, solve
+from eccentric.fleet.sums import OFFSET, Coverage, Heading, dependent, merged, solve
 
 __all__ = ["History", "Period", "history_of"]
 
@@ -63,13 +61,13 @@ class History:
     periods: tuple[Period, ...]
 
 
-def history_of(joint: str, stored: Mapping[str, Sequence[Stored]]) -> tuple[History, list[Problem]]:
+def history_of(joint: str, stored: Mapping[str, Sequence[Stored]]) -> tuple[History, list[FleetProblem]]:
     """The history of a joint from its sums by period, in order of time; periods without an answer are named.
 
     If all motion of a period goes in one direction, an offset of the sensor is Coulomb friction there: the
     column is then left out in all periods of the joint.
     """
-    problems: list[Problem] = []
+    problems: list[FleetProblem] = []
     usable: dict[str, tuple[Array, Coverage, int]] = {}
     headings: tuple[Heading, ...] = ()
     for period, rows in stored.items():
@@ -83,7 +81,7 @@ def history_of(joint: str, stored: Mapping[str, Sequence[Stored]]) -> tuple[Hist
                 f"{LEAST_SECONDS:g} s of motion in {math.ceil(LEAST_BLOCKS * len(headings))} blocks are"
                 f" required, received {coverage.seconds:.3g} s in {held}"
             )
-            problems.append(Problem(joint, period, "", "not excited", text))
+            problems.append(FleetProblem(joint, period, "", "not excited", text))
             continue
         usable[period] = stack, coverage, windows
     one_way = any(not LEAST_DIRECTION <= c.forward <= 1.0 - LEAST_DIRECTION for _, c, _ in usable.values())
@@ -95,7 +93,7 @@ def history_of(joint: str, stored: Mapping[str, Sequence[Stored]]) -> tuple[Hist
         if weak := dependent(merged(chosen)):
             names = ", ".join(headings[k].name for k in weak)
             text = f"motion that tells {names} apart is required: more speeds, angles, both directions"
-            problems.append(Problem(joint, period, "", "singular", text))
+            problems.append(FleetProblem(joint, period, "", "singular", text))
             continue
         found.append(_period(period, chosen, headings, coverage, windows))
     return History(joint, headings, tuple(found)), problems

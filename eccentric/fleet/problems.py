@@ -7,11 +7,11 @@ import io
 from collections.abc import Iterable
 from dataclasses import astuple, dataclass, fields
 
-__all__ = ["Problem", "as_csv"]
+__all__ = ["FleetProblem", "as_csv"]
 
 
 @dataclass(frozen=True, order=True)
-class Problem:
+class FleetProblem:
     """A problem of a joint, period or file, as far as known; `kind` in a word or two, `text` in a line."""
 
     joint: str
@@ -21,10 +21,10 @@ class Problem:
     text: str
 
 
-def as_csv(problems: Iterable[Problem]) -> str:
+def as_csv(problems: Iterable[FleetProblem]) -> str:
     """The content of problems.csv, in order."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([field.name for field in fields(Problem)])
+    writer.writerow([field.name for field in fields(FleetProblem)])
     writer.writerows(astuple(problem) for problem in sorted(set(problems)))
     return text.getvalue()

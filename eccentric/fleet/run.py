@@ -12,18 +12,18 @@ from typing import Any, Self
 from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.changed import against_the_past, recent_of
 from eccentric.fleet.cluster import Failed, SchedulerLost, connected, spread
-from eccentric.fleet.drift import Change, changes, series_of
-from eccentric.fleet.found import Drifting, Examined, Suspect, drifting_of
+from eccentric.fleet.drift import FleetChange, changes, series_of
+from eccentric.fleet.found import Examined, FleetFound, Suspect, drifting_of
 from eccentric.fleet.gathered import Told, gather, plan_of, stored_of
 from eccentric.fleet.periods import History, history_of
-from eccentric.fleet.problems import Problem
+from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.sample import Sample, sample_of
 from eccentric.fleet.sources import LogFile, find
 from eccentric.fleet.store import arrow_of
 from eccentric.fleet.temperatures import temperatures_of
 from eccentric.rigs import Rig
 
-__all__ = ["FleetFound", "Request", "run_fleet"]
+__all__ = ["FleetRequest", "run_fleet"]
 
 Examine = Callable[[Sequence[Suspect]], Sequence[Any]]
 """What a worker does to suspects: a diagnosis of each, as something that can be pickled."""
@@ -34,7 +34,7 @@ Known = Callable[[Suspect], Examined | None]
 
 
 @dataclass(frozen=True)
-class Request:
+class FleetRequest:
     """What is asked: logs and rigs as given, a pattern of names, a scheduler or workers, a discovery rate."""
 
     logs: str
@@ -45,26 +45,8 @@ class Request:
     rate: float
 
 
-@dataclass(frozen=True)
-class FleetFound:
-    """What a run found: the histories of all joints, tests, joints that drift (most urgent first), problems.
-
-    `temperatures` are those by joint and period that the tests took out; `files` were read in this run,
-    `reused` were there.
-    """
-
-    histories: tuple[History, ...]
-    temperatures: Mapping[str, Mapping[str, float]]
-    changes: tuple[Change, ...]
-    drifting: tuple[Drifting, ...]
-    problems: tuple[Problem, ...]
-    files: int
-    reused: int
-    rate: float
-
-
 def run_fleet(
-    request: Request, out: Path, examine: Examine, keep: Keep, known: Known, told: Told
+    request: FleetRequest, out: Path, examine: Examine, keep: Keep, known: Known, told: Told
 ) -> FleetFound:
     """Run a fleet; `out` is an absolute path, where sums are kept.
 
@@ -95,7 +77,7 @@ def run_fleet(
         heat, said = temperatures_of(histories)
         problems += said
         tested = changes([one for h in histories for one in series_of(h, heat[h.joint])], request.rate)
-        called: dict[str, list[Change]] = {}
+        called: dict[str, list[FleetChange]] = {}
         for change in tested:
             if change.counts:
                 called.setdefault(change.series.joint, []).append(change)
@@ -129,7 +111,7 @@ def run_fleet(
 class _Cluster:
     """A cluster that is started when its client is first asked for: a run may have nothing to do."""
 
-    def __init__(self, request: Request) -> None:
+    def __init__(self, request: FleetRequest) -> None:
         self._request, self._stack = request, ExitStack()
 
     @cached_property
@@ -146,9 +128,9 @@ class _Cluster:
 
 def _examined(
     left: Sequence[Suspect], client: Any, examine: Examine, keep: Keep, into: dict[str, Examined], told: Told
-) -> list[Problem]:
+) -> list[FleetProblem]:
     """Diagnose suspects on the cluster, one a task; what could not be done is returned."""
-    problems: list[Problem] = []
+    problems: list[FleetProblem] = []
     try:
         for done, (suspect, result) in enumerate(spread(client, examine, ([s] for s in left)), start=1):
             if isinstance(result, Failed):
@@ -156,16 +138,16 @@ def _examined(
             else:
                 into[suspect.joint] = keep(suspect, result)
             if said := into[suspect.joint].said:
-                problems.append(Problem(suspect.joint, "", "", "no diagnosis", said))
+                problems.append(FleetProblem(suspect.joint, "", "", "no diagnosis", said))
             told(done / len(left), "diagnoses")
     except SchedulerLost as error:
         text = f"a scheduler is required to the end, it went away before the diagnoses were done ({error})"
-        problems.append(Problem("", "", "", "scheduler", f"{text}: start again to go on"))
+        problems.append(FleetProblem("", "", "", "scheduler", f"{text}: start again to go on"))
     return problems
 
 
 def _suspect(
-    history: History, called: Sequence[Change], heat: Mapping[str, float], rig: Rig, samples: _Samples
+    history: History, called: Sequence[FleetChange], heat: Mapping[str, float], rig: Rig, samples: _Samples
 ) -> Suspect:
     """What is known of a joint that drifts, and the logs of its past and of now."""
     own = sorted(called, key=lambda change: (change.p, -abs(change.part)))

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.fleet.batches import batches
 from eccentric.fleet.limits import BATCH_ROWS, BLOCKS, SAMPLE_ROWS
 from eccentric.fleet.sources import LogFile
 from eccentric.fleet.store import Stored
+from eccentric.fleet.sums import batches
 from eccentric.logs import Log
 from eccentric.rigs import Rig
 

@@ -14,7 +14,7 @@ from glob import glob
 from pathlib import Path
 
 from eccentric.errors import InputError
-from eccentric.fleet.problems import Problem
+from eccentric.fleet.problems import FleetProblem
 from eccentric.places import given_path
 
 __all__ = ["LogFile", "find", "in_order"]
@@ -40,7 +40,7 @@ class LogFile:
     changed: int
 
 
-def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[Problem]]:
+def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[FleetProblem]]:
     """The files of a folder or a glob, and those that belong to no joint or period.
 
     Raises InputError for a folder or glob without any log, and a pattern without {joint} and {period}.
@@ -48,13 +48,15 @@ def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[Pro
     match = None if pattern is None else _compiled(pattern)
     root, paths = _listed(logs)
     found: list[LogFile] = []
-    problems: list[Problem] = []
+    problems: list[FleetProblem] = []
     for path in sorted(paths):
         name = path.relative_to(root).as_posix()
         at = _of_folders(path.relative_to(root).parts[:-1]) if match is None else match(path.name)
         if "joint" not in at or "period" not in at:
             where = "folders joint=... and month=..." if match is None else f"a name like {pattern}"
-            problems.append(Problem("", "", name, "not grouped", f"{where} are required, received {name}"))
+            problems.append(
+                FleetProblem("", "", name, "not grouped", f"{where} are required, received {name}")
+            )
             continue
         held = path.stat()
         found.append(LogFile(at["joint"], at["period"], name, path, held.st_size, held.st_mtime_ns))

@@ -19,9 +19,8 @@ from urllib.parse import quote
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.fleet.columns import Heading
 from eccentric.fleet.limits import BLOCKS, SLOW, WINDOW_PERIODS
-from eccentric.fleet.sums import Coverage, FileSums
+from eccentric.fleet.sums import Coverage, FileSums, Heading
 from eccentric.output import whole_file
 from eccentric.rigs import Rig
 

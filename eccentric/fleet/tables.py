@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from eccentric.fleet.drift import Change
-from eccentric.fleet.found import Drifting
+from eccentric.fleet.drift import FleetChange
+from eccentric.fleet.found import Drifting, FleetFound
 from eccentric.fleet.periods import History, Period
-from eccentric.fleet.run import FleetFound
 from eccentric.fleet.sources import in_order
 from eccentric.fleet.store import arrow_of
 
@@ -66,7 +65,7 @@ def _rows(history: History, period: Period) -> list[dict[str, Any]]:
     ]
 
 
-def changes_csv(changes: Sequence[Change]) -> str:
+def changes_csv(changes: Sequence[FleetChange]) -> str:
     """The content of changes.csv: every test, the most significant first."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

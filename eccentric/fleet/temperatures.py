@@ -9,12 +9,12 @@ import numpy as np
 
 from eccentric.fleet.limits import LEAST_RANGE_K, STUCK_PERIODS
 from eccentric.fleet.periods import History, Period
-from eccentric.fleet.problems import Problem
+from eccentric.fleet.problems import FleetProblem
 
 __all__ = ["temperatures_of"]
 
 
-def temperatures_of(histories: Sequence[History]) -> tuple[dict[str, dict[str, float]], list[Problem]]:
+def temperatures_of(histories: Sequence[History]) -> tuple[dict[str, dict[str, float]], list[FleetProblem]]:
     """Joint -> period -> temperature [deg C], and sensors that are stuck.
 
     A sensor is stuck if it shows one value in several periods on end while the fleet's temperature varies.
@@ -35,7 +35,7 @@ def temperatures_of(histories: Sequence[History]) -> tuple[dict[str, dict[str, f
         for period in names
     }
     found: dict[str, dict[str, float]] = {}
-    problems: list[Problem] = []
+    problems: list[FleetProblem] = []
     for history in histories:
         joint, own = history.joint, logged[history.joint]
         bad = [period for period in stuck[joint] if period in usual]
@@ -54,7 +54,7 @@ def temperatures_of(histories: Sequence[History]) -> tuple[dict[str, dict[str, f
                 f"a temperature that varies is required, received one value from {bad[0]} to {bad[-1]}: that"
                 " of the other joints is taken"
             )
-            problems.append(Problem(joint, bad[0], "", "temperature sensor", text))
+            problems.append(FleetProblem(joint, bad[0], "", "temperature sensor", text))
     return found, problems
 
 

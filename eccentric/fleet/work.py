@@ -6,12 +6,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from eccentric.errors import InputError
-from eccentric.fleet.columns import Columns
 from eccentric.fleet.limits import TASK_BYTES, TASK_FILES
-from eccentric.fleet.problems import Problem
+from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.sources import LogFile
 from eccentric.fleet.store import Stored
-from eccentric.fleet.sums import sums_of
+from eccentric.fleet.sums import Columns, sums_of
 from eccentric.rigs import Rig
 
 __all__ = ["Job", "problem_of", "tasks_of", "work"]
@@ -40,20 +39,20 @@ def tasks_of(jobs: Iterable[Job]) -> Iterator[list[Job]]:
         yield task
 
 
-def work(jobs: Sequence[Job]) -> list[Stored | Problem]:
+def work(jobs: Sequence[Job]) -> list[Stored | FleetProblem]:
     """The sums of each file, or why there are none."""
     return [_one(job) for job in jobs]
 
 
-def problem_of(job: Job, kind: str, text: str) -> Problem:
+def problem_of(job: Job, kind: str, text: str) -> FleetProblem:
     """A problem of a file."""
-    return Problem(job.log.joint, job.log.period, job.log.name, kind, text)
+    return FleetProblem(job.log.joint, job.log.period, job.log.name, kind, text)
 
 
 _columns: dict[str, Columns] = {}
 
 
-def _one(job: Job) -> Stored | Problem:
+def _one(job: Job) -> Stored | FleetProblem:
     try:
         columns = _columns_of(job)
         sums = sums_of(job.log.path, columns)

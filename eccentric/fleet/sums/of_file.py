@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
-from eccentric.fleet.columns import Columns
 from eccentric.fleet.limits import BATCH_ROWS, BLOCKS, SLOW, STUCK_PART
-from eccentric.fleet.pieces import Piece, pieces
-from eccentric.fleet.triangle import merged, triangles
-from eccentric.fleet.windows import SHARES, any_in, means, rates
+from eccentric.fleet.sums.columns import Columns
+from eccentric.fleet.sums.pieces import Piece, pieces
+from eccentric.fleet.sums.triangle import merged, triangles
+from eccentric.fleet.sums.windows import SHARES, any_in, means, rates
 
 __all__ = ["Coverage", "FileSums", "sums_of"]
 

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
-from eccentric.fleet.batches import batches
 from eccentric.fleet.limits import LEAST_STEPS
-from eccentric.fleet.windows import SHARES, share_of
+from eccentric.fleet.sums.batches import batches
+from eccentric.fleet.sums.windows import SHARES, share_of
 from eccentric.rigs import Rig
 from eccentric.signals import Table, is_even, of_the_motor, read_table, rows_of_each, stretches
 
