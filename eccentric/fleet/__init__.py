@@ -16,16 +16,21 @@ In: paths of logs and rigs. Out: `FleetFound`, and the sums of a fleet on disk.
 May import: `diagnosis` and all rooms below it. No log is ever written to.
 """
 
+from eccentric.fleet.assigned import Assigned
+from eccentric.fleet.cluster import connected
 from eccentric.fleet.found import Drifting, Examined, FleetFound, Suspect
+from eccentric.fleet.gathered import gather, plan_of
 from eccentric.fleet.limits import RATE
 from eccentric.fleet.page import fleet_page, fleet_sentence
 from eccentric.fleet.problems import FleetProblem, as_csv
 from eccentric.fleet.run import FleetRequest, run_fleet
 from eccentric.fleet.sample import Sample
+from eccentric.fleet.sources import find
 from eccentric.fleet.tables import changes_csv, document_of, write_coefficients
 
 __all__ = [
     "RATE",
+    "Assigned",
     "Drifting",
     "Examined",
     "FleetFound",
@@ -35,9 +40,13 @@ __all__ = [
     "Suspect",
     "as_csv",
     "changes_csv",
+    "connected",
     "document_of",
+    "find",
     "fleet_page",
     "fleet_sentence",
+    "gather",
+    "plan_of",
     "run_fleet",
     "write_coefficients",
 ]
