@@ -15,6 +15,7 @@ from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.sources import LogFile, in_order
 from eccentric.fleet.store import Key, Stored, keys, place_of, read, recipe_of, write
 from eccentric.fleet.work import Job, problem_of, tasks_of, work
+from eccentric.output import workshop
 from eccentric.rigs import Rig
 
 __all__ = ["Plan", "gather", "plan_of", "stored_of"]
@@ -81,29 +82,30 @@ def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[FleetPr
 
     def put(place: Place) -> None:
         if rows := made.pop(place, []):
-            _write(out, place, rows, plan.recipes[place[0]])
+            _write(out, place, rows, plan.recipes[place[0]], new_files)
 
-    try:
-        every = (job for place in plan.jobs for job in plan.jobs[place])
-        for job, result in spread(client, work, tasks_of(every)):
-            place = (job.log.joint, job.log.period)
-            if isinstance(result, Failed):
-                problems.append(problem_of(job, "worker", str(result)))
-            elif isinstance(result, FleetProblem):
-                problems.append(result)
-            else:
-                made.setdefault(place, []).append(result)
-            left[place] -= 1
-            done += 1
-            if not left[place]:
+    with workshop(out) as new_files:
+        try:
+            every = (job for place in plan.jobs for job in plan.jobs[place])
+            for job, result in spread(client, work, tasks_of(every)):
+                place = (job.log.joint, job.log.period)
+                if isinstance(result, Failed):
+                    problems.append(problem_of(job, "worker", str(result)))
+                elif isinstance(result, FleetProblem):
+                    problems.append(result)
+                else:
+                    made.setdefault(place, []).append(result)
+                left[place] -= 1
+                done += 1
+                if not left[place]:
+                    put(place)
+                told(done / total, "sums")
+        except SchedulerLost as error:
+            text = f"a scheduler is required to the end, it went away, {total - done} of {total} files to do"
+            problems.append(FleetProblem("", "", "", "scheduler", f"{text} ({error}): start again to go on"))
+        finally:
+            for place in list(made):
                 put(place)
-            told(done / total, "sums")
-    except SchedulerLost as error:
-        text = f"a scheduler is required to the end, it went away with {total - done} of {total} files to do"
-        problems.append(FleetProblem("", "", "", "scheduler", f"{text} ({error}): start again to go on"))
-    finally:
-        for place in list(made):
-            put(place)
     return problems, done
 
 
@@ -118,9 +120,9 @@ def stored_of(out: Path, joint: str, recipe: str) -> dict[str, list[Stored]]:
     return {period: sound[period] for period in in_order(sound) if sound[period]}
 
 
-def _write(out: Path, place: Place, rows: Sequence[Stored], recipe: str) -> None:
+def _write(out: Path, place: Place, rows: Sequence[Stored], recipe: str, new_files: Path) -> None:
     """Write new sums beside those of the place's other files; the ones of another rig are dropped."""
     path = place_of(out, *place)
     new = {row.name: row for row in rows}
     kept = {row.name: row for row in read(path) if row.recipe == recipe and row.name not in new}
-    write(path, sorted({**kept, **new}.values(), key=lambda row: row.name))
+    write(path, sorted({**kept, **new}.values(), key=lambda row: row.name), new_files)

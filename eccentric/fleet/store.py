@@ -21,7 +21,6 @@ import numpy as np
 from eccentric.errors import InputError
 from eccentric.fleet.limits import BLOCKS, SLOW, WINDOW_PERIODS
 from eccentric.fleet.sums import Coverage, FileSums, Heading
-from eccentric.output import whole_file
 from eccentric.rigs import Rig
 
 __all__ = ["Key", "Stored", "arrow_of", "keys", "place_of", "read", "recipe_of", "write"]
@@ -62,8 +61,11 @@ def place_of(out: Path, joint: str, period: str) -> Path:
     return out / "sums" / f"joint={quote(joint, safe=' ')}" / f"period={quote(period, safe=' ')}.parquet"
 
 
-def write(path: Path, rows: Sequence[Stored]) -> None:
-    """Write the sums of the files of one joint and period, all of one rig; the old file stays until then."""
+def write(path: Path, rows: Sequence[Stored], place: Path) -> None:
+    """Write the sums of the files of one joint and period, all of one rig; the old file stays until then.
+
+    The new one is made in the folder `place` on the same file system, and moved.
+    """
     arrow, parquet = arrow_of()
     table: dict[str, list[Any]] = {
         "name": [row.name for row in rows],
@@ -77,8 +79,10 @@ def write(path: Path, rows: Sequence[Stored]) -> None:
         table[field.name] = [getattr(row.sums.coverage, field.name) for row in rows]
     headings = json.dumps([asdict(heading) for heading in rows[0].headings]).encode()
     made = arrow.table(table).replace_schema_metadata({_HEADINGS: headings})
-    with whole_file(path) as new:
-        parquet.write_table(made, new, compression="none", use_dictionary=False, write_statistics=False)
+    new = place / path.name
+    parquet.write_table(made, new, compression="none", use_dictionary=False, write_statistics=False)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    new.replace(path)
 
 
 def read(path: Path) -> list[Stored]:
