@@ -180,7 +180,7 @@ def _duckdb(files: Sequence[Path]) -> None:
     connection = duckdb.connect()
     connection.execute("set threads = 1")
     connection.execute(
-        f"select filename, {sums} from (select *, sign(w) as s, {force} as f from (select filename, theta_m_rad,"
+        f"select filename, {sums} from (select *, sign(w) as s, {force} as f from (select filename, theta_m_rad,"  # noqa: S608 - names are ours
         f" current_A, {steps} as w from read_parquet({list(map(str, files))}, filename = true)"
         " window p as (partition by filename order by time_s))) group by filename"
     ).fetchall()

@@ -1,7 +1,7 @@
 """Work spread over a Dask cluster: results as they come, whatever becomes of workers and scheduler.
 
-A task whose worker dies is tried again elsewhere, by Dask; one that kills several workers is cut into its
-single items, so that what kills is named and all else is done. Results come back to the caller, who alone
+A task whose worker dies is tried again elsewhere, by Dask; what kills workers is told apart from what waited
+beside it, so that it is named and all else is done. Results come back to the caller, who alone
 writes: workers need to see the logs, nothing else.
 """
 
@@ -81,26 +81,45 @@ def spread(
 ) -> Iterator[tuple[Item, Result | Failed]]:
     """Yield each item of each task with its result, in the order in which they are done.
 
+    Dask blames every task that waited on a worker for its death. So a task that is blamed is cut into its
+    items, and an item that is blamed waits until all else is done and is tried once more, by itself.
+
     Raises SchedulerLost.
     """
     distributed = importlib.import_module("distributed")
-    waiting, running = deque(tasks), dict[Any, Sequence[Item]]()
-
-    def submit() -> None:
-        threads = sum(client.nthreads().values()) or 1
-        while waiting and len(running) < AHEAD * threads:
-            task = waiting.popleft()
-            running[client.submit(work, task, pure=False)] = task
-
+    waiting, blamed = deque(tasks), deque[Sequence[Item]]()
+    running = dict[Any, Sequence[Item]]()
     try:
-        submit()
-        while running:
+        while waiting or running or blamed:
+            alone = not waiting and not running
+            threads = sum(client.nthreads().values()) or 1
+            while waiting and len(running) < AHEAD * threads:
+                task = waiting.popleft()
+                running[client.submit(work, task, pure=False)] = task
+            if alone:
+                task = blamed.popleft()
+                running[client.submit(work, task, pure=False)] = task
             for future in _done(client, list(running)):
                 task = running.pop(future)
-                yield from _results(future, task, waiting)
-            submit()
+                try:
+                    results = _results(future)
+                except _LostError:
+                    waiting.append(task)  # its worker died with the result
+                except Failed as failed:
+                    if len(task) > 1:
+                        waiting.extend([item] for item in task)
+                    elif alone:
+                        yield task[0], failed
+                    else:
+                        blamed.append(task)
+                else:
+                    yield from zip(task, results, strict=True)
     except (OSError, TimeoutError, distributed.CancelledError) as error:
         raise SchedulerLost(str(error).splitlines()[0] if str(error) else type(error).__name__) from None
+
+
+class _LostError(Exception):
+    """A result was there, and is no longer."""
 
 
 def _done(client: Any, running: list[Any]) -> Collection[Any]:
@@ -115,17 +134,19 @@ def _done(client: Any, running: list[Any]) -> Collection[Any]:
                 raise SchedulerLost("no connection") from None
 
 
-def _results(future: Any, task: Sequence[Item], waiting: deque[Sequence[Item]]) -> Iterator[tuple[Item, Any]]:
-    """The results of a task that has ended; the items of one that killed its workers wait on their own."""
-    if future.status == "finished":
-        yield from zip(task, future.result(), strict=True)
-        return
-    if future.status != "error":
+def _results(future: Any) -> Sequence[Any]:
+    """The results of a task that has ended. Raises Failed, _LostError, SchedulerLost."""
+    if future.status not in {"finished", "error"}:
         raise SchedulerLost(f"a task is {future.status}")
-    error = future.exception()
-    if len(task) > 1:
-        waiting.extend([item] for item in task)
-        return
-    killed = type(error).__name__ == "KilledWorker"
-    said = "every worker that took it died: out of memory?" if killed else f"{type(error).__name__}: {error}"
-    yield task[0], Failed(said.splitlines()[0])
+    try:
+        return future.result()
+    except Exception as error:  # noqa: BLE001 - whatever a task raises is its result
+        name = type(error).__name__
+        if "Cancelled" in name and future.client.status == "running":
+            raise _LostError from None
+        if "Cancelled" in name or isinstance(error, OSError):
+            raise SchedulerLost(name) from None
+        said = (
+            "every worker that took it died: out of memory?" if name == "KilledWorker" else f"{name}: {error}"
+        )
+        raise Failed(said.splitlines()[0]) from None
