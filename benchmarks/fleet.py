@@ -32,10 +32,8 @@ TIMED_JOINTS = 40
 
 def main(argv: Sequence[str]) -> int:
     """Write a fleet, run it, print what was found, then the times of a part of it."""
-    joints, seconds, seed = (
-        kind(given)
-        for kind, given in zip((int, float, int), [*argv, *("1000", "40", "21")[len(argv) :]], strict=True)
-    )
+    given = [*argv, *("1000", "40", "21")[len(argv) :]]
+    joints, seconds, seed = int(given[0]), float(given[1]), int(given[2])
     with tempfile.TemporaryDirectory() as place:
         root = Path(place)
         eccentric.bench_fleet(
@@ -65,12 +63,14 @@ def _found(root: Path) -> None:
     worn = {joint for joint, sealed in truth.items() if not sealed["sensor"]}
     called = {one.joint: one for one in result.drifting if not one.sensor}
     words = {"coulomb": "Coulomb", "load": "follows the load"}
-    right = [j for j in worn & set(called) if words.get(w := truth[j]["way"], w) in called[j].what]
+    right = {
+        j for j in worn & set(called) if words.get(truth[j]["way"], str(truth[j]["way"])) in called[j].what
+    }
     print(f"whole run: {took:.0f} s")
     print(
         f"found {len(worn & set(called))} of {len(worn)}; family right {len(right)}; false alarms {len(set(called) - worn)}"
     )
-    for joint in sorted(worn - set(right)):
+    for joint in sorted(worn - right):
         print(
             f"  {joint}: {truth[joint]['way']}, said: {called[joint].what if joint in called else 'nothing'}"
         )

@@ -25,7 +25,7 @@ def _values(sums: FileSums, columns: Columns) -> dict[str, float]:
 def test_windows_differentiate_a_parabola_exactly(share: int) -> None:
     """The mean rates of 3 - 2 t + 5 t^2 are -2 + 10 t and 10, far from 0 as well."""
     step = 0.004
-    t = 1000.0 + step * np.arange(20 * share)
+    t = 1000.0 + step * np.arange(20 * share, dtype=np.float64)
     middle = t[0] + step * (share * np.arange(17) + (4 * share - 1) / 2.0)
 
     theta, omega, alpha = rates(3.0 - 2.0 * t + 5.0 * t**2, share, step)
