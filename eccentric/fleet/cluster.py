@@ -137,6 +137,8 @@ def _done(client: Any, running: list[Any]) -> Collection[Any]:
 def _results(future: Any) -> Sequence[Any]:
     """The results of a task that has ended. Raises Failed, _LostError, SchedulerLost."""
     if future.status not in {"finished", "error"}:
+        if future.client.status == "running":
+            raise _LostError
         raise SchedulerLost(f"a task is {future.status}")
     try:
         return future.result()
