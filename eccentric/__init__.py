@@ -11,6 +11,8 @@
     adapt                 a log through the emitted estimator of friction      -> AdaptResult
     bench                 a virtual test bench: log, rig and truth             -> BenchResult
     bench_arm             the same for an arm, on MuJoCo                       -> ArmBenchResult
+    diagnose_fleet        logs of many joints over months -> FleetResult: what changed where
+    bench_fleet           a small fleet to try it on                           -> files
 
 Bad input raises InputError, with a message of one line. Everything is imported when it is first used.
 
@@ -24,6 +26,7 @@ through their `__init__`:
     fit       signals + Model          -> coefficients, residual        (fitting)
     diagnose  residual + effects       -> verdict, extended Model       (search, diagnosis, joints, report)
     follow    channels + fit           -> coefficients over time        (adaptation)
+    watch     logs of a fleet          -> what changed, joint by joint  (fleet)
     run       Model -> its C           -> a Python module               (compiled)
     use       all of it                from Python and from a shell     (api, cli)
 

@@ -25,7 +25,8 @@ settings.load_profile("eccentric")
 
 BENCH = Path(__file__).resolve().parent.parent / "examples" / "bench"
 LONGEST = (
-    "test_effect_pairs", "test_rig_variants", "test_misra", "test_emitted_module", "test_real_rigs",
+    "test_effect_pairs", "test_fleet_run",
+    "test_rig_variants", "test_misra", "test_emitted_module", "test_real_rigs",
     "test_controls", "test_proof", "test_tutorial", "test_docs", "test_diagnose", "test_browser",
     "test_voltage_alone", "test_closed_forms_numpy", "test_compiled_backend", "test_tilted",
     "test_diagnose_input", "test_api_diagnose", "test_jax", "test_compiled_cache", "test_accuracy",

@@ -33,6 +33,7 @@ LAYERS = (
     {"diagnosis", "adaptation"},
     {"joints"},
     {"report"},
+    {"fleet"},
     {"api"},
     {"__init__"},
     {"cli"},

@@ -9,6 +9,7 @@
     emitted     emit       -> files
     adapted     adapt      -> AdaptResult
     simulated   bench      -> BenchResult;  simulated_arm  bench_arm -> ArmBenchResult
+    fleet       diagnose_fleet -> FleetResult;  simulated_fleet  bench_fleet -> files
     tables      ResultTable, Correlation: for a terminal and a notebook
 
 In: paths, tables in memory, mappings. Out: results with named fields, `summary()`, `table()`, `plot()`,

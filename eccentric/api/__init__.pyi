@@ -13,6 +13,8 @@ from eccentric.api.drafted import draft_rig as draft_rig
 from eccentric.api.emitted import emit as emit
 from eccentric.api.fitted import FitResult as FitResult
 from eccentric.api.fitted import fit as fit
+from eccentric.api.fleet import FleetResult as FleetResult
+from eccentric.api.fleet import diagnose_fleet as diagnose_fleet
 from eccentric.api.of_arms import ArmDiagnosisResult as ArmDiagnosisResult
 from eccentric.api.of_arms import ArmFitResult as ArmFitResult
 from eccentric.api.of_arms import diagnose_arm as diagnose_arm
@@ -21,5 +23,6 @@ from eccentric.api.simulated import BenchResult as BenchResult
 from eccentric.api.simulated import bench as bench
 from eccentric.api.simulated_arm import ArmBenchResult as ArmBenchResult
 from eccentric.api.simulated_arm import bench_arm as bench_arm
+from eccentric.api.simulated_fleet import bench_fleet as bench_fleet
 from eccentric.api.tables import Correlation as Correlation
 from eccentric.api.tables import ResultTable as ResultTable

@@ -5,9 +5,9 @@ adds its arguments, and `run(arguments)`, which returns the exit status. It is i
 is given, so help and version do not import SymPy.
 
 Exit status: 0, or what `run` returns: 1 if `fit` or `diagnose` has written its result and the log does not
-fit the rig, or a check failed; 2 with one line on stderr for bad input; 130 after an interrupt,
-143 after SIGTERM, 129 after SIGHUP, none of which leaves anything half written; 141 if the reader of a pipe
-has closed it.
+fit the rig, if `fleet` has done what it could and names the rest, or if a check failed; 2 with one line on
+stderr for bad input; 130 after an interrupt, 143 after SIGTERM, 129 after SIGHUP, none of which leaves
+anything half written; 141 if the reader of a pipe has closed it.
 """
 
 import argparse
@@ -40,6 +40,7 @@ COMMANDS = (
     "diagnose",
     "compare",
     "adapt",
+    "fleet",
     "bench",
     "doctor",
 )

@@ -13,7 +13,8 @@ NAME = "bench"
 HELP = "simulate a realistic log of a test bench, with effects that its rig file does not declare"
 EXAMPLE = """eccentric bench --out LOG.csv.gz --case C2 --effect stribeck=0.12 --effect cogging --seed 7
 eccentric bench --out LOG.csv.gz --effect 'link_harmonic_friction[n=2]=0.2'
-eccentric bench --out LOG.csv.gz --arm 6 --effect gear_efficiency@3=0.2 --seed 4"""
+eccentric bench --out LOG.csv.gz --arm 6 --effect gear_efficiency@3=0.2 --seed 4
+eccentric bench --fleet --out DIR"""
 
 _OPTIONS = {
     "case": "--case",
@@ -25,6 +26,11 @@ _OPTIONS = {
     "seed": "--seed",
     "effect": "--effect",
     "arm": "--arm",
+    "joints": "--joints",
+    "months": "--months",
+    "periods": "--months",
+    "degrading": "--degrading",
+    "bad_sensors": "--bad-sensors",
     "runs": "--runs",
     "measured": "--measured",
     "sample rate [Hz]": "--rate",
@@ -33,6 +39,7 @@ _OPTIONS = {
 _OF_A_DRIVE = {"case": "C2", "mu": 0.2, "log_type": "runs", "drive": "fine", "temperature": False}
 _OF_AN_ARM = {"log_type": "traj", "runs": 5, "measured": "current", "rate": 250}
 """Arguments of one kind of bench, with their values where none is given."""
+_OF_A_FLEET = ("joints", "months", "degrading", "bad_sensors")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -77,10 +84,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--runs", type=int, help="runs of equal length, each from rest, 3 to 20 (5)")
     add("--measured", metavar="current|torque", help="what is logged of the drives (current)")
     add("--rate", type=int, metavar="250|500", help="rows a second (250)")
+    add = parser.add_argument_group("a fleet, in closed form").add_argument
+    add("--fleet", action="store_true", help="a folder of logs of several joints over several months")
+    add("--joints", type=int, help="how many (12)")
+    add("--months", type=int, help="a log of each joint in each of them (6)")
+    add("--degrading", type=int, help="joints whose friction changes (2)")
+    add("--bad-sensors", type=int, help="joints with a sensor that fails (1)")
 
 
 def run(args: argparse.Namespace) -> int:
     """Write the files, or list the effects; return 0. Raises InputError on bad values."""
+    if args.fleet:
+        return _of_a_fleet(args)
     if args.list_effects:
         _list_effects(of_arms=args.arm is not None)
         return 0
@@ -107,6 +122,20 @@ def _of_a_drive(args: argparse.Namespace, common: Mapping[str, Any]) -> tuple[tu
     result = eccentric.bench(effects, **own, **common)
     name = Path(args.out).name.removesuffix(".csv.gz")
     return result.effects, (f"{result.log.rows} rows, case {own['case']}, mu {own['mu']:g}; rig {name}.json")
+
+
+def _of_a_fleet(args: argparse.Namespace) -> int:
+    """Write a small fleet, some of whose joints degrade."""
+    _chosen(args, {}, {**_OF_A_DRIVE, **_OF_AN_ARM, "arm": None}, "no --fleet", "it")
+    if args.effect or args.out is None:
+        what = "no --effect" if args.effect else "the path of a folder as --out"
+        raise InputError(f"--fleet: {what} is required with it, received {'one' if args.effect else 'none'}")
+    own = {name: value for name in _OF_A_FLEET if (value := getattr(args, name)) is not None}
+    with options(_OPTIONS):
+        changed = eccentric.bench_fleet(args.out, seed=args.seed, **own, progress=_bar())
+    print(f"{args.out}: logs/, rigs.csv with its rig files")
+    print(f"sealed in truth.json: {len(changed)} joints change")
+    return 0
 
 
 def _of_an_arm(args: argparse.Namespace, common: Mapping[str, Any]) -> tuple[tuple[str, ...], str]:

@@ -26,13 +26,14 @@ May import: `signals`, `rigs`, `model`, `effects`, `emission`, `estimation`.
 from eccentric.fitting.along import MetAlong
 from eccentric.fitting.columns import back_emf_columns
 from eccentric.fitting.document import emitted_parameters, fit_document
-from eccentric.fitting.drive import DRIVE_UNITS, Drive, loaded_model
+from eccentric.fitting.drive import DRIVE_UNITS, LOAD, Drive, load_gain, loaded_model
 from eccentric.fitting.emitted import Emitted
 from eccentric.fitting.expressions import Signals, base_coefficients, base_columns, compiled, load_torque
 from eccentric.fitting.figure import NEEDS_MATPLOTLIB, Comparison, compare, plot_fit
 from eccentric.fitting.first_fit import drive_of
 from eccentric.fitting.fit_data import FitData, drive_noise, fit_data_of, with_model_current
 from eccentric.fitting.identify import Fit, fit
+from eccentric.fitting.letters import load_letters, require_case, with_own
 from eccentric.fitting.limits import LEAST_R_SQUARED
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.refitting import Refit, refit, residual_samples
@@ -42,6 +43,7 @@ from eccentric.fitting.words import estimate_table, fit_lines, fit_sentence
 __all__ = [
     "DRIVE_UNITS",
     "LEAST_R_SQUARED",
+    "LOAD",
     "NEEDS_MATPLOTLIB",
     "Comparison",
     "Drive",
@@ -67,10 +69,14 @@ __all__ = [
     "fit_document",
     "fit_lines",
     "fit_sentence",
+    "load_gain",
+    "load_letters",
     "load_torque",
     "loaded_model",
     "plot_fit",
     "refit",
+    "require_case",
     "residual_samples",
     "with_model_current",
+    "with_own",
 ]

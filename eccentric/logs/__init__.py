@@ -7,6 +7,7 @@ May import: `errors`.  A new format is one more file beside `csv_file.py` and on
 """
 
 from eccentric.logs.arithmetic import evaluate
+from eccentric.logs.arrow import arrow_columns
 from eccentric.logs.batches import LogStream, stream_log
 from eccentric.logs.log import Excerpt, Log, LogSource, read_log
 from eccentric.logs.units import Unit, parse_unit, parse_value, require_unit
@@ -17,6 +18,7 @@ __all__ = [
     "LogSource",
     "LogStream",
     "Unit",
+    "arrow_columns",
     "evaluate",
     "parse_unit",
     "parse_value",

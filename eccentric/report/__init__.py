@@ -13,8 +13,9 @@ JSON of the figures. The page's own content policy forbids it to fetch anything.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from types import ModuleType
+from typing import Any
 
 import jinja2
 
@@ -25,9 +26,20 @@ from eccentric.report.arm_page import arm_view
 from eccentric.report.data import Parameter, ReportData
 from eccentric.report.gather import report_data
 from eccentric.report.plot import plot_report
+from eccentric.report.text import number
 from eccentric.report.view import view
 
-__all__ = ["Parameter", "ReportData", "arm_page", "page", "plot_report", "report", "report_data"]
+__all__ = [
+    "Parameter",
+    "ReportData",
+    "arm_page",
+    "number",
+    "page",
+    "plot_report",
+    "rendered",
+    "report",
+    "report_data",
+]
 
 
 def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
@@ -37,12 +49,17 @@ def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
 
 def page(data: ReportData) -> str:
     """The page."""
-    return _environment().get_template("report/report.html.jinja").render(view(data, _figures()))
+    return rendered("report", view(data, _figures()))
 
 
 def arm_page(found: ArmDiagnosis) -> str:
     """The page of an arm, which leads to that of each joint, joint_NUMBER/report.html."""
-    return _environment().get_template("report/arm.html.jinja").render(arm_view(found))
+    return rendered("arm", arm_view(found))
+
+
+def rendered(page: str, variables: Mapping[str, Any]) -> str:
+    """A page of `templates/report` with its variables; all text is escaped."""
+    return _environment().get_template(f"report/{page}.html.jinja").render(variables)
 
 
 def _environment() -> jinja2.Environment:

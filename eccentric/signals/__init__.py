@@ -8,18 +8,19 @@ May import: `logs`, `rigs`; `model` for what a rig declares, by the general deri
 from eccentric.signals.band import Band, band_of
 from eccentric.signals.channels import read_channels
 from eccentric.signals.designs import BalanceDesign, balance_design
-from eccentric.signals.filters import low_pass_of
+from eccentric.signals.filters import is_even, low_pass_of
 from eccentric.signals.finding import Finding
 from eccentric.signals.hann import hann_windows
 from eccentric.signals.joints import read_joints
 from eccentric.signals.limits import LEAST_HELD_OUT, MANY_RUNS
 from eccentric.signals.long import FIT_POINTS, SEARCH_POINTS, read_long
 from eccentric.signals.measured import Channels
-from eccentric.signals.motion import motion_of
+from eccentric.signals.motion import motion_of, of_the_motor
 from eccentric.signals.noise import white_noise
 from eccentric.signals.rows import Rows, blocks_of, require_rows
 from eccentric.signals.sampling import fit_rows, rows_of, search_rows
-from eccentric.signals.stretches import rows_of_each
+from eccentric.signals.stretches import rows_of_each, stretches
+from eccentric.signals.table import Table, read_table
 
 __all__ = [
     "FIT_POINTS",
@@ -31,19 +32,24 @@ __all__ = [
     "Channels",
     "Finding",
     "Rows",
+    "Table",
     "balance_design",
     "band_of",
     "blocks_of",
     "fit_rows",
     "hann_windows",
+    "is_even",
     "low_pass_of",
     "motion_of",
+    "of_the_motor",
     "read_channels",
     "read_joints",
     "read_long",
+    "read_table",
     "require_rows",
     "rows_of",
     "rows_of_each",
     "search_rows",
+    "stretches",
     "white_noise",
 ]

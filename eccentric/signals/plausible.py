@@ -76,7 +76,7 @@ def _unwrap(t: Array, theta: Array, segment: Integers, run: Integers, period: fl
     steps = np.diff(theta) / period
     steps[np.diff(segment) != 0] = 0.0
     sizes = np.abs(steps)
-    narrow = all(np.ptp(theta[run == k]) <= WRAP_SPAN * period for k in np.unique(run))
+    narrow = all(np.ptp(theta[rows]) <= WRAP_SPAN * period for rows in rows_of_each(run))
     whole = (
         not np.any((sizes > WRAP_HOLE) & (sizes < WRAP_FULL)) and np.max(sizes, initial=0.0) < 2.0 - WRAP_FULL
     )

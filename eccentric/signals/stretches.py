@@ -20,8 +20,7 @@ def stretches(t: Array, run: Integers) -> Integers:
     """Return the number of the stretch of each row (n,): one starts with a run or after a gap in t [s]."""
     begins = np.ones(len(t), dtype=bool)
     begins[1:] = run[1:] != run[:-1]
-    for k in np.unique(run):
-        rows = np.flatnonzero(run == k)
+    for rows in rows_of_each(run):
         steps = np.diff(t[rows])
         if len(steps):
             begins[rows[1:]] |= steps > GAP_STEPS * np.median(steps)

@@ -2,7 +2,8 @@
 
     random_scenario -> Scenario (plant, controller, course, effects) -> simulate -> BenchRun -> write -> files
 
-and the same for arms, in `arms`: `random_arm_scenario`, `simulate_arm`, `write_arm`.
+and the same for arms, in `arms`: `random_arm_scenario`, `simulate_arm`, `write_arm`; and a fleet of drives
+over months, in closed form: `fleet_plan`, `write_fleet`.
 
 In: the arguments of `random_scenario`. Out: a log, its rig and the sealed truth, in memory (`BenchRun`) or
 as files. It imports nothing from the toolkit but its error and how files are written, so that it can
@@ -22,20 +23,27 @@ from .arms import (
 )
 from .effects import EFFECTS, VARIANTS, Law, PlantedEffect, simply
 from .files import free_paths, write
+from .fleet import BAD_SENSORS, WAYS, FleetJoint, FleetPlan, fleet_plan
+from .fleet_files import write_fleet
 from .scenario import Scenario, known_effect, random_scenario
 from .simulation import BenchRun, simulate
 
 __all__ = [
     "ARM_EFFECTS",
     "ARM_VARIANTS",
+    "BAD_SENSORS",
     "EFFECTS",
     "VARIANTS",
+    "WAYS",
     "ArmRun",
     "ArmScenario",
     "BenchRun",
+    "FleetJoint",
+    "FleetPlan",
     "Law",
     "PlantedEffect",
     "Scenario",
+    "fleet_plan",
     "free_arm_paths",
     "free_paths",
     "known_effect",
@@ -47,4 +55,5 @@ __all__ = [
     "simulate_arm",
     "write",
     "write_arm",
+    "write_fleet",
 ]

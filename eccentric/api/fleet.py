@@ -1,0 +1,222 @@
+"""`eccentric.diagnose_fleet`: the logs of many joints over many periods, what drifts, and what changed."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from urllib.parse import quote
+
+from eccentric.api.diagnosed import DiagnosisResult, diagnose
+from eccentric.api.result import Printed
+from eccentric.api.tables import ResultTable
+from eccentric.errors import InputError, counted
+from eccentric.fleet import (
+    RATE,
+    Drifting,
+    Examined,
+    FleetFound,
+    FleetProblem,
+    FleetRequest,
+    Sample,
+    Suspect,
+    as_csv,
+    changes_csv,
+    document_of,
+    fleet_page,
+    fleet_sentence,
+    run_fleet,
+    write_coefficients,
+)
+from eccentric.output import own_folder, whole_file, whole_folder
+from eccentric.rigs import Rig
+from eccentric.version import __version__
+
+__all__ = ["FleetResult", "diagnose_fleet"]
+
+_COMMAND = "fleet"
+
+
+def diagnose_fleet(
+    logs: str | os.PathLike[str],
+    rigs: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    *,
+    pattern: str | None = None,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    rate: float = RATE,
+    progress: Callable[[float, str], None] | None = None,
+) -> FleetResult:
+    """Reduce the logs of a fleet to coefficients by joint and period, and find what changed where.
+
+    What is in `out` from an earlier run stays: only logs that are new or changed are read, and no log is
+    written to. Joints that changed are diagnosed against their own past.
+
+    Args:
+        logs: a folder or a glob of logs, best Parquet, in folders such as joint=J7/month=2025-03.
+        rigs: a rig file for all joints, or a table (.csv, .toml) of joints, their rig files and own values.
+        out: a folder of its own for sums, coefficients, the page and the joints' reports.
+        pattern: how file names tell joint and period where folders do not: "{joint}_{period}.parquet".
+        scheduler: the address of a Dask scheduler, whose workers see the logs under the same paths; by
+            default a cluster on this machine.
+        workers: processes of that cluster, by default one for each processor.
+        rate: false discovery rate of the tests, above 0 and below 1.
+        progress: told the part that is done, and of what.
+
+    Raises:
+        InputError: there are no logs, rigs or scheduler, dask or pyarrow is not installed, or the folder
+            cannot be written. What concerns a joint or a file is a problem in the result.
+    """
+    if not 0.0 < rate < 1.0:
+        raise InputError(f"rate: a number above 0 and below 1 is required, received {rate:g}")
+    count = os.cpu_count() or 1 if workers is None else workers
+    if count < 1:
+        raise InputError(f"workers: at least 1 is required, received {count}")
+    target = own_folder(out)
+    if not target.exists() or not any(target.iterdir()):
+        with whole_folder(out, _COMMAND):
+            pass  # marks the folder as one of ours, so that sums can be kept in it from the first on
+    request = FleetRequest(os.fspath(logs), os.fspath(rigs), pattern, scheduler, count, rate)
+    found = run_fleet(
+        request,
+        target,
+        _examined,
+        lambda suspect, result: _kept(target, suspect, result),
+        lambda suspect: _known(target, suspect),
+        progress or (lambda part, what: None),
+    )
+    document = document_of(found)
+    with whole_folder(out, _COMMAND) as folder:
+        write_coefficients(found, folder)
+        (folder / "changes.csv").write_text(changes_csv(found.changes), encoding="utf-8")
+        (folder / "problems.csv").write_text(as_csv(found.problems), encoding="utf-8")
+        text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        (folder / "fleet.json").write_text(text, encoding="utf-8")
+        (folder / "report.html").write_text(fleet_page(found), encoding="utf-8")
+    return FleetResult(
+        lines=tuple(_lines(found)),
+        warnings=tuple(_said(problem) for problem in found.problems),
+        document=document,
+        drifting=found.drifting,
+        problems=found.problems,
+        files=found.files,
+        reused=found.reused,
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FleetResult(Printed):
+    """What a fleet's run found. It prints as `summary()`.
+
+    Attributes:
+        drifting: joints that changed, the most urgent first: what, since when, errors before and after.
+        problems: what could not be done, as in problems.csv; all else was.
+        files: logs that were read in this run; `reused`: those whose sums were there.
+        lines, warnings, document: as in Printed; the document is the content of fleet.json.
+    """
+
+    drifting: tuple[Drifting, ...]
+    problems: tuple[FleetProblem, ...]
+    files: int
+    reused: int
+
+    def table(self) -> ResultTable:
+        """The joints that changed."""
+        names = ("joint", "what", "since", "part_of_friction", "p", "rmse_before", "rmse_after", "unit")
+        rows = ((d.joint, d.what, d.since, d.part, d.p, d.before, d.after, d.unit) for d in self.drifting)
+        return ResultTable(names, tuple(rows))
+
+
+def _lines(found: FleetFound) -> list[str]:
+    read = f"{counted(found.files, 'log')} read, the sums of {found.reused} were there"
+    lines = [
+        f"{d.joint}: {d.what}, since {d.since}; {100 * d.part:+.0f} % of the friction;"
+        f" error {d.before:.3g} -> {d.after:.3g} {d.unit}"
+        for d in found.drifting
+    ]
+    return [f"{counted(len(found.histories), 'joint')}; {read}", *lines, fleet_sentence(found)]
+
+
+def _said(problem: FleetProblem) -> str:
+    where = " ".join(filter(None, (problem.joint, problem.period)))
+    return f"{where}: {problem.text}" if where else problem.text
+
+
+def _examined(suspects: Sequence[Suspect]) -> list[tuple[DiagnosisResult | None, tuple[str, ...], str]]:
+    """On a worker: the diagnosis of each suspect's recent log, and the families that its past lacked as well.
+
+    The past is asked only where no coefficient explains the change. In place of a diagnosis: why not.
+    """
+    found: list[tuple[DiagnosisResult | None, tuple[str, ...], str]] = []
+    for suspect in suspects:
+        try:
+            past: tuple[str, ...] = ()
+            if not suspect.changed.names:
+                past = _families(_diagnosed(suspect.rig, suspect.past, "past"))
+            found.append((_diagnosed(suspect.rig, suspect.recent, "recent"), past, ""))
+        except InputError as error:
+            found.append((None, (), str(error)))
+    return found
+
+
+def _diagnosed(rig: Rig, sample: Sample | None, when: str) -> DiagnosisResult:
+    if sample is None:
+        raise InputError(f"a log of the {when} periods is required for a diagnosis, none is there any longer")
+    return diagnose(sample.log(rig), rig)
+
+
+def _families(found: DiagnosisResult) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(effect["family"] for effect in found.document["effects"]))
+
+
+def _kept(
+    out: Path, suspect: Suspect, result: tuple[DiagnosisResult | None, tuple[str, ...], str]
+) -> Examined:
+    """Write the report of a joint, and the word of its diagnosis beside it for the next run."""
+    found, past, said = result
+    if found is None:
+        return Examined(said=said)
+    place = _place(out, suspect)
+    found.write(place)
+    balance = found.document["improvement"]["balance"]
+    rmse = found.rmse[balance]
+    effects = [e for e in found.document["effects"] if e["family"] not in past]
+    word = Examined(
+        tuple(dict.fromkeys(e["family"] for e in effects)),
+        tuple(e["id"] for e in effects),
+        rmse["paper"],
+        rmse["extended"],
+        found.unit,
+        f"joints/{quote(place.name)}/report.html",
+    )
+    with whole_file(place.with_name(f"{place.name}.json")) as new:
+        new.write_text(json.dumps({"of": _digest(suspect), **asdict(word)}), encoding="utf-8")
+    return word
+
+
+def _known(out: Path, suspect: Suspect) -> Examined | None:
+    """The word of an earlier run on the same logs and rig, None without one."""
+    place = _place(out, suspect)
+    try:
+        content = json.loads(place.with_name(f"{place.name}.json").read_text(encoding="utf-8"))
+        if content.pop("of") != _digest(suspect) or not (place / "report.html").is_file():
+            return None
+        lists = {name: tuple(content.pop(name)) for name in ("families", "effects")}
+        return Examined(**lists, **content)
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _place(out: Path, suspect: Suspect) -> Path:
+    return out / "joints" / quote(suspect.joint, safe=" ")
+
+
+def _digest(suspect: Suspect) -> str:
+    """What a diagnosis depends on: the version, the rig's values, the logs, whether the past is asked."""
+    rig = (suspect.rig.case, sorted(suspect.rig.known.items()), suspect.rig.log, suspect.rig.sampling)
+    made = __version__, rig, suspect.past, suspect.recent, bool(suspect.changed.names)
+    return hashlib.sha256(repr(made).encode()).hexdigest()

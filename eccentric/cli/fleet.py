@@ -1,0 +1,94 @@
+"""`eccentric fleet`: the logs of many joints over many periods: what drifts, and what changed."""
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import eccentric
+from eccentric.cli.arguments import options, print_warnings
+from eccentric.output import own_folder
+
+NAME = "fleet"
+HELP = "reduce the logs of a fleet to friction coefficients by joint and period, and find what changed where"
+EXAMPLE = """eccentric fleet build/fleet/logs --rigs build/fleet/rigs.csv --out build/fleet_report
+eccentric fleet '/data/2025/*.parquet' --pattern '{joint}_{period}.parquet' --rigs rigs.csv --out report
+eccentric fleet /data/fleet --rigs rigs.csv --out report --scheduler tcp://10.0.0.5:8786"""
+
+PROBLEMS = 1
+"""Exit status of a run that has done all that could be done, and names the rest in problems.csv."""
+_STATUS = (
+    f"exit status: 0; {PROBLEMS} if problems.csv names what could not be done, all else is; 2 on bad input"
+)
+_OPTIONS = {"pattern": "--pattern", "rate": "--rate", "workers": "--workers"}
+_SHOWN = 8
+"""Problems printed; all are in problems.csv."""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `fleet` to `parser`."""
+    add = parser.add_argument
+    add(
+        "logs",
+        metavar="LOGS",
+        help="a folder or glob of logs, .parquet, .csv[.gz], .mat, in folders such as joint=J7/month=2025-03",
+    )
+    add(
+        "--rigs",
+        metavar="RIGS",
+        required=True,
+        help="one rig file for all joints, or a table (.csv, .toml) of joints, rig files and own values",
+    )
+    add(
+        "--out",
+        metavar="DIR",
+        type=Path,
+        required=True,
+        help="folder of its own for sums, coefficients, the page and reports; what is there from an earlier "
+        "run is used: only new and changed logs are read",
+    )
+    add("--pattern", metavar="NAME", help="how file names tell joint and period: '{joint}_{period}.parquet'")
+    add("--scheduler", metavar="ADDRESS", help="a Dask scheduler (by default a cluster on this machine)")
+    add("--workers", metavar="N", type=int, help="processes on this machine (one for each processor)")
+    add("--rate", metavar="Q", type=float, default=0.01, help="false discovery rate of the tests (0.01)")
+    parser.description = f"{parser.description}\n\n{_STATUS}"
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the fleet, print what changed; return 1 if there are problems."""
+    own_folder(args.out)
+    with options(_OPTIONS):
+        found = eccentric.diagnose_fleet(
+            args.logs,
+            args.rigs,
+            args.out,
+            pattern=args.pattern,
+            scheduler=args.scheduler,
+            workers=args.workers,
+            rate=args.rate,
+            progress=_bar(),
+        )
+    print_warnings(found.warnings[:_SHOWN])
+    if (more := len(found.warnings) - _SHOWN) > 0:
+        print_warnings([f"and {more} more, in problems.csv"])
+    print(found.summary())
+    print(f"{args.out}: report.html, fleet.json, coefficients/, changes.csv, problems.csv")
+    return PROBLEMS if found.problems else 0
+
+
+def _bar() -> Callable[[float, str], None] | None:
+    """A bar with the time left of each stage on a terminal, nothing elsewhere; gone at the end of it."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        return None
+    begun: dict[str, float] = {}
+
+    def show(part: float, what: str) -> None:
+        start = begun.setdefault(what, time.monotonic())
+        left = (time.monotonic() - start) * (1.0 - part) / part if part > 0.0 else 0.0
+        filled = round(30 * part)
+        bar = f"  {what:12} [{'#' * filled}{'.' * (30 - filled)}] {part:4.0%}, {left:.0f} s left   "
+        shown = bar if part < 1.0 else " " * len(bar) + "\r"
+        print(f"\r{shown}", end="", file=sys.stderr, flush=True)
+
+    return show

@@ -1,0 +1,114 @@
+"""RIGS -> the rig of each joint: one rig file for all, or a table that maps joints to files and own values.
+
+    rigs.csv      joint,rig,M_kg,k_i_Nm_per_A     further columns are keys of [known], empty for the file's
+    rigs.toml     [joints.J7]  rig = "arm.toml"  known = { M = "1.2 kg" }
+
+Paths of rig files are relative to the table.
+"""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from eccentric.entries import read_document, read_table, refuse_unknown
+from eccentric.errors import InputError, few
+from eccentric.places import given_path, readable
+from eccentric.rigs import KNOWNS, Rig, read_rig
+
+__all__ = ["Assigned"]
+
+
+class Assigned:
+    """The rigs of a fleet, read when a joint asks for its own."""
+
+    def __init__(self, rigs: str) -> None:
+        """Read a table or a rig file; InputError if it is neither."""
+        self._path = path = given_path(rigs, "rigs")
+        self._files: dict[Path, Mapping[str, Any]] = {}
+        self._table: dict[str, tuple[str, Mapping[str, Any]]] | None
+        readable(path)
+        if path.suffix.lower() == ".csv":
+            self._table = _of_csv(path)
+            return
+        content = read_document(path, "a rig file, or a table of rigs")
+        self._table = _of_toml(content["joints"], path) if "joints" in content else None
+        if self._table is None:
+            read_rig(path)
+
+    def rig(self, joint: str) -> Rig:
+        """The rig of a joint. InputError for one that the table lacks, or whose rig cannot be read."""
+        if self._table is None:
+            return read_rig(self._path)
+        if joint not in self._table:
+            raise InputError(f"{self._path}: a rig of joint {joint} is required, received none")
+        name, own = self._table[joint]
+        path = self._path.parent / name
+        if path not in self._files:
+            self._files[path] = read_document(path, "a rig file")
+        content = dict(self._files[path])
+        content["known"] = _with_own(content.get("known", {}), own)
+        content["name"] = joint
+        where = f"{self._path} (joint {joint})"
+        try:
+            return dataclasses.replace(read_rig(content), path=where)
+        except InputError as error:
+            raise InputError(f"{where}: {str(error).removeprefix('rig: ')}") from None
+
+
+def _with_own(known: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of a rig file with those of a joint in their place, whichever of its keys either uses."""
+    letters = {_letter(key) for key in own}
+    return {key: value for key, value in known.items() if _letter(key) not in letters} | dict(own)
+
+
+def _letter(key: str) -> str:
+    """The letter of a key such as M_kg; a key that is none is left to the reader of rigs."""
+    return next((known.name for known in KNOWNS if key in {known.key, known.name}), key)
+
+
+def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
+    with path.open(newline="", encoding="utf-8-sig") as file:
+        reader = csv.DictReader(file)
+        names = reader.fieldnames or []
+        if not {"joint", "rig"} <= set(names):
+            raise InputError(f"{path}: columns joint and rig are required, received {few(names) or 'none'}")
+        found: dict[str, tuple[str, Mapping[str, Any]]] = {}
+        for line, row in enumerate(reader, start=2):
+            where = f"{path}: line {line}"
+            if None in row or None in row.values():
+                raise InputError(f"{where}: {len(names)} entries are required, received more or fewer")
+            joint, rig = row.pop("joint"), row.pop("rig")
+            _require_new(joint, found, where)
+            found[joint] = rig, {key: _value(text) for key, text in row.items() if text.strip()}
+    return found
+
+
+def _value(text: str) -> float | str:
+    """A number, or a text with a unit."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _of_toml(joints: object, path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
+    found: dict[str, tuple[str, Mapping[str, Any]]] = {}
+    for joint, entry in read_table(joints, f"{path}: [joints]").items():
+        where = f"{path}: [joints.{joint}]"
+        table = read_table(entry, where)
+        refuse_unknown(table, ("rig", "known"), where)
+        if not isinstance(table.get("rig"), str):
+            raise InputError(
+                f"{where}: rig: the path of a rig file is required, received {table.get('rig')!r}"
+            )
+        found[joint] = table["rig"], read_table(table.get("known", {}), f"{where}: known")
+    return found
+
+
+def _require_new(joint: str, found: Mapping[str, object], where: str) -> None:
+    if joint in found:
+        raise InputError(f"{where}: each joint is required only once, received {joint!r} twice")

@@ -1,0 +1,154 @@
+"""Work spread over a Dask cluster: results as they come, whatever becomes of workers and scheduler.
+
+A task whose worker dies is tried again elsewhere, by Dask; what kills workers is told apart from what waited
+beside it, so that it is named and all else is done. Results come back to the caller, who alone
+writes: workers need to see the logs, nothing else.
+"""
+
+from __future__ import annotations
+
+import importlib
+import logging
+from collections import deque
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+from eccentric.errors import InputError
+from eccentric.fleet.limits import AHEAD, ALIVE_S, CONNECT, DEATHS, WORKER_BYTES
+
+__all__ = ["Failed", "SchedulerLost", "connected", "spread"]
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+class SchedulerLost(Exception):
+    """The scheduler went away; what was done until then has been yielded."""
+
+
+class Failed(Exception):
+    """Why an item has no result, in a line."""
+
+
+@contextmanager
+def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
+    """Yield a client of the scheduler at an address, or of a cluster of this many processes on this machine.
+
+    Raises InputError if Dask is not installed, or nothing answers at the address.
+    """
+    try:
+        distributed, dask = (importlib.import_module(name) for name in ("distributed", "dask"))
+    except ImportError:
+        raise InputError('fleet: dask and distributed are required: pip install "eccentric[fleet]"') from None
+    settings = {
+        "distributed.comm.timeouts.connect": CONNECT,
+        "distributed.admin.tick.limit": "1h",
+        "distributed.scheduler.allowed-failures": DEATHS,
+    }
+    with dask.config.set(settings):
+        if scheduler is None:
+            with (
+                distributed.LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    memory_limit=WORKER_BYTES,
+                    dashboard_address="127.0.0.1:0",
+                    silence_logs=logging.CRITICAL,
+                ) as cluster,
+                distributed.Client(cluster) as client,
+            ):
+                yield client
+            return
+        for name in ("distributed.client", "distributed.core"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+        try:
+            client = distributed.Client(scheduler, timeout=CONNECT)
+        except (OSError, ValueError) as error:
+            said = str(error).splitlines()[0]
+            raise InputError(
+                f"--scheduler {scheduler}: a Dask scheduler is required there ({said})"
+            ) from None
+        try:
+            yield client
+        finally:
+            client.close(timeout=2)
+
+
+def spread(
+    client: Any, work: Callable[[Sequence[Item]], Sequence[Result]], tasks: Iterable[Sequence[Item]]
+) -> Iterator[tuple[Item, Result | Failed]]:
+    """Yield each item of each task with its result, in the order in which they are done.
+
+    Dask blames every task that waited on a worker for its death. So a task that is blamed is cut into its
+    items, and an item that is blamed waits until all else is done and is tried once more, by itself.
+
+    Raises SchedulerLost.
+    """
+    distributed = importlib.import_module("distributed")
+    waiting, blamed = deque(tasks), deque[Sequence[Item]]()
+    running = dict[Any, Sequence[Item]]()
+    try:
+        while waiting or running or blamed:
+            alone = not waiting and not running
+            threads = sum(client.nthreads().values()) or 1
+            while waiting and len(running) < AHEAD * threads:
+                task = waiting.popleft()
+                running[client.submit(work, task, pure=False)] = task
+            if alone:
+                task = blamed.popleft()
+                running[client.submit(work, task, pure=False)] = task
+            for future in _done(client, list(running)):
+                task = running.pop(future)
+                try:
+                    results = _results(future)
+                except _LostError:
+                    waiting.append(task)  # its worker died with the result
+                except Failed as failed:
+                    if len(task) > 1:
+                        waiting.extend([item] for item in task)
+                    elif alone:
+                        yield task[0], failed
+                    else:
+                        blamed.append(task)
+                else:
+                    yield from zip(task, results, strict=True)
+    except (OSError, TimeoutError, distributed.CancelledError) as error:
+        raise SchedulerLost(str(error).splitlines()[0] if str(error) else type(error).__name__) from None
+
+
+class _LostError(Exception):
+    """A result was there, and is no longer."""
+
+
+def _done(client: Any, running: list[Any]) -> Collection[Any]:
+    """The futures that have come to an end, at least one. Raises SchedulerLost."""
+    distributed = importlib.import_module("distributed")
+    while True:
+        try:
+            return distributed.wait(running, timeout=ALIVE_S, return_when="FIRST_COMPLETED").done
+        except TimeoutError:
+            # Futures of a scheduler that was killed wait for ever; the client knows that it has lost it.
+            if client.status != "running":
+                raise SchedulerLost("no connection") from None
+
+
+def _results(future: Any) -> Sequence[Any]:
+    """The results of a task that has ended. Raises Failed, _LostError, SchedulerLost."""
+    if future.status not in {"finished", "error"}:
+        if future.client.status == "running":
+            raise _LostError
+        raise SchedulerLost(f"a task is {future.status}")
+    try:
+        return future.result()
+    except Exception as error:  # noqa: BLE001 - whatever a task raises is its result
+        name = type(error).__name__
+        if "Cancelled" in name and future.client.status == "running":
+            raise _LostError from None
+        if "Cancelled" in name or isinstance(error, OSError):
+            raise SchedulerLost(name) from None
+        said = (
+            "every worker that took it died: out of memory?" if name == "KilledWorker" else f"{name}: {error}"
+        )
+        raise Failed(said.splitlines()[0]) from None

@@ -1,0 +1,127 @@
+"""What is found of a joint that drifts, in words: what changed, since when, how urgent it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from eccentric.fleet.changed import Changed
+from eccentric.fleet.drift import FRICTION, FleetChange
+from eccentric.fleet.limits import EFFECT_PERCENT
+from eccentric.fleet.periods import History
+from eccentric.fleet.problems import FleetProblem
+from eccentric.fleet.sample import Sample
+from eccentric.rigs import Rig
+
+__all__ = ["Drifting", "Examined", "FleetFound", "Suspect", "drifting_of"]
+
+_KINDS = {
+    "viscous": "viscous friction",
+    "coulomb": "Coulomb friction",
+    "load": "friction that follows the load",
+    "friction": "friction",
+    "inertia": "inertia",
+    "scale": "gain of the drive signal, or the load carried",
+    "offset": "offset of the drive signal, or a constant load",
+}
+NOT_FRICTION = frozenset({"scale", "offset", "inertia"})
+"""Kinds of columns that are not friction: of these a sensor or a load is the cause."""
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """A joint that drifts, before its diagnosis: its significant changes, strongest first; what sums say.
+
+    `past` and `recent` are the logs that a diagnosis compares, None where no log of the time is there.
+    """
+
+    joint: str
+    rig: Rig
+    changes: tuple[FleetChange, ...]
+    changed: Changed
+    past: Sample | None
+    recent: Sample | None
+
+
+@dataclass(frozen=True)
+class Examined:
+    """What a diagnosis of the recent log says that one of the past does not: new effects by family.
+
+    `before` and `after` are held-out errors of the recent log, without and with all effects found in it, in
+    `unit`; `report` is the path of its page below the folder of the fleet. `said` tells why there is none.
+    """
+
+    families: tuple[str, ...] = ()
+    effects: tuple[str, ...] = ()
+    before: float = 0.0
+    after: float = 0.0
+    unit: str = "N m"
+    report: str = ""
+    said: str = ""
+
+
+@dataclass(frozen=True)
+class Drifting:
+    """A joint that drifts: what changed in words and by name, since when, the errors before and after.
+
+    `names` are coefficients or families of effects, empty where nothing explains the change; `sensor` says
+    that they are none of friction. `part` is the change as a part of the friction torque.
+    """
+
+    joint: str
+    what: str
+    names: tuple[str, ...]
+    sensor: bool
+    since: str
+    part: float
+    p: float
+    before: float
+    after: float
+    unit: str
+    report: str
+    changes: tuple[FleetChange, ...] = field(repr=False, default=())
+
+    @property
+    def urgency(self) -> float:
+        """What to look at first: the larger the change of the torque, the higher; sensors come after."""
+        return (0.0 if self.sensor else 1e3) + abs(self.part)
+
+
+@dataclass(frozen=True)
+class FleetFound:
+    """What a run found: the histories of all joints, tests, joints that drift (most urgent first), problems.
+
+    `temperatures` are those by joint and period that the tests took out; `files` were read in this run,
+    `reused` were there.
+    """
+
+    histories: tuple[History, ...]
+    temperatures: Mapping[str, Mapping[str, float]]
+    changes: tuple[FleetChange, ...]
+    drifting: tuple[Drifting, ...]
+    problems: tuple[FleetProblem, ...]
+    files: int
+    reused: int
+    rate: float
+
+
+def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
+    """The word on a joint: the coefficients that explain the change, else the new effect, else none."""
+    changed, strongest = suspect.changed, suspect.changes[0]
+    own = {change.series.name: change.part for change in suspect.changes}
+    names, sensor = changed.names, False
+    before, after, unit = changed.before, changed.after, "N m"
+    if names:
+        sensor = all(kind in NOT_FRICTION for kind in changed.kinds)
+        parts = [f"{_KINDS[kind]} ({name})" for kind, name in zip(changed.kinds, names, strict=True)]
+        what = " and ".join(parts)
+    elif examined.families and 100.0 * (1.0 - examined.after / examined.before) >= EFFECT_PERCENT:
+        names, what = examined.families, "new: " + ", ".join(examined.effects)
+        before, after, unit = examined.before, examined.after, examined.unit
+    else:
+        what = "what the model leaves has grown, and no effect of the library explains it"
+    part = next((own[name] for name in (*names, FRICTION) if name in own), strongest.part)
+    return Drifting(
+        *(suspect.joint, what, tuple(names), sensor, strongest.since, part, strongest.p),
+        *(before, after, unit, examined.report, suspect.changes),
+    )

@@ -1,0 +1,181 @@
+"""The page of a fleet: what changed and what to look at first, each joint over its periods, all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import counted
+from eccentric.fleet.drift import FRICTION, RESIDUAL
+from eccentric.fleet.found import Drifting, FleetFound
+from eccentric.fleet.sources import in_order
+from eccentric.report import number, rendered
+
+__all__ = ["fleet_page", "fleet_sentence"]
+
+Array = NDArray[np.float64]
+
+_WIDE, _HIGH, _EDGE = 240.0, 90.0, 6.0
+_LEVEL_WIDE, _LEVEL_HIGH = 960.0, 260.0
+
+
+def fleet_page(found: FleetFound) -> str:
+    """The page, one file that opens offline; joints lead to their own reports."""
+    return rendered("fleet", _view(found))
+
+
+def fleet_sentence(found: FleetFound) -> str:
+    """The result in one sentence."""
+    joints = counted(sum(bool(h.periods) for h in found.histories), "joint")
+    worn = [one for one in found.drifting if not one.sensor]
+    others = len(found.drifting) - len(worn)
+    if not found.drifting:
+        return f"None of {joints} changed."
+    said = [f"{len(worn)} of {joints} changed in friction" if worn else f"No friction of {joints} changed"]
+    if others:
+        said.append(f"{counted(others, 'joint')} in {'its' if others == 1 else 'their'} sensors or load")
+    first = found.drifting[0]
+    return f"{', '.join(said)}; look first at {first.joint}: {first.what}, since {first.since}."
+
+
+def _view(found: FleetFound) -> dict[str, Any]:
+    periods = in_order({p.period for h in found.histories for p in h.periods})
+    span = f"{periods[0]} to {periods[-1]}" if periods else "no period"
+    return {
+        "title": "What changed in the fleet?",
+        "verdict": "unexplained" if found.drifting else "nothing_missing",
+        "badge": f"{counted(len(found.histories), 'joint')}, {counted(len(periods), 'period')}: {span}",
+        "sentence": fleet_sentence(found),
+        "rate": f"{100.0 * found.rate:g} %",
+        "tests": len(found.changes),
+        "rows": [_row(rank, one) for rank, one in enumerate(found.drifting, start=1)],
+        "panels": [_panel(one) for one in found.drifting],
+        "levels": _levels(found, periods),
+        "problems": found.problems,
+    }
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A joint of the table: texts, and the numbers that it is sorted by."""
+
+    rank: int
+    joint: str
+    href: str
+    what: str
+    since: str
+    part: str
+    part_value: float
+    p: str
+    p_value: float
+    before: str
+    after: str
+    before_value: float
+    after_value: float
+    unit: str
+
+
+def _row(rank: int, one: Drifting) -> _Row:
+    relative = f"{100.0 * one.part:+.0f} %".replace("-", "−")
+    return _Row(
+        *(rank, one.joint, one.report, one.what, one.since, relative, abs(one.part)),
+        *(
+            number(one.p, 2),
+            one.p,
+            number(one.before, 3),
+            number(one.after, 3),
+            one.before,
+            one.after,
+            one.unit,
+        ),
+    )
+
+
+def _panel(one: Drifting) -> dict[str, Any]:
+    """The quantity of a joint that changed most, over its periods."""
+    named = [c for c in one.changes if c.series.name in one.names]
+    change = (named or list(one.changes))[0]
+    s = change.series
+    values = np.exp(s.values) if s.name == RESIDUAL else s.values
+    errors = values * s.errors if s.name == RESIDUAL else s.errors
+    words = {FRICTION: "mean friction torque [N m]", RESIDUAL: "what the model leaves, RMS [N m]"}
+    return {
+        "joint": one.joint,
+        "href": one.report,
+        "what": one.what,
+        "label": words.get(s.name, f"{s.name} [{s.unit}]"),
+        "svg": _small(values, 2.0 * errors, s.periods.index(change.since)),
+        "first": s.periods[0],
+        "last": s.periods[-1],
+        "low": number(float(values.min()), 3),
+        "high": number(float(values.max()), 3),
+    }
+
+
+def _small(values: Array, reach: Array, since: int) -> dict[str, Any]:
+    """Points, bars and the beginning of a change in the units of a small drawing."""
+    low, high = float(np.min(values - reach)), float(np.max(values + reach))
+    x = _scaled(np.arange(len(values), dtype=float), 0.0, max(len(values) - 1, 1), _EDGE, _WIDE - _EDGE)
+    y, top, bottom = (
+        _scaled(at, low, high, _HIGH - _EDGE, _EDGE) for at in (values, values + reach, values - reach)
+    )
+    return {
+        "line": _path(x, y),
+        "points": _rounded(x, y),
+        "bars": [(f"{a:.1f}", f"{b:.1f}", f"{c:.1f}") for a, b, c in zip(x, top, bottom, strict=True)],
+        "since": f"{0.5 * (x[since] + x[max(since - 1, 0)]):.1f}",
+    }
+
+
+def _levels(found: FleetFound, periods: Sequence[str]) -> dict[str, Any]:
+    """The friction of every joint over that of its first periods, those that changed apart."""
+    drifting = {one.joint: one for one in found.drifting}
+    place = {name: k for k, name in enumerate(periods)}
+    lines: list[tuple[str, Array, Array]] = []
+    for history in found.histories:
+        level = np.array([p.friction[0] for p in history.periods])
+        if len(level) >= 2 and np.all(np.isfinite(level)) and level[:3].mean() > 0.0:
+            at = np.array([place[p.period] for p in history.periods], float)
+            lines.append((history.joint, at, level / level[:3].mean()))
+    if not lines:
+        return {}
+    every = np.concatenate([y for _, _, y in lines])
+    low, high = float(every.min()), float(every.max())
+
+    def drawn(x: Array, y: Array) -> str:
+        right = max(len(periods) - 1, 1)
+        return _path(
+            _scaled(x, 0.0, right, 40.0, _LEVEL_WIDE - _EDGE),
+            _scaled(y, low, high, _LEVEL_HIGH - 24.0, _EDGE),
+        )
+
+    def kind(joint: str) -> str:
+        return "" if joint not in drifting else "sensor" if drifting[joint].sensor else "changed"
+
+    ordered = sorted(lines, key=lambda line: line[0] in drifting)
+    ticks = [t for t in np.arange(0.0, 20.0, 0.25 if high - low < 2.5 else 1.0) if low <= t <= high]
+    return {
+        "lines": [(joint, kind(joint), drawn(x, y)) for joint, x, y in ordered],
+        "ticks": [
+            (f"{float(_scaled(np.array(t), low, high, _LEVEL_HIGH - 24.0, _EDGE)):.1f}", f"{100 * t:.0f} %")
+            for t in ticks
+        ],
+        "first": periods[0],
+        "last": periods[-1],
+    }
+
+
+def _scaled(x: Array, low: float, high: float, start: float, stop: float) -> Array:
+    return start + (x - low) / ((high - low) or 1.0) * (stop - start)
+
+
+def _rounded(x: Array, y: Array) -> list[tuple[str, str]]:
+    return [(f"{a:.1f}", f"{b:.1f}") for a, b in zip(x, y, strict=True)]
+
+
+def _path(x: Array, y: Array) -> str:
+    return " ".join(f"{a},{b}" for a, b in _rounded(x, y))

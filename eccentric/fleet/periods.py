@@ -1,0 +1,145 @@
+"""Stored sums -> what each joint's periods say: coefficients with intervals, friction, what is left over."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from eccentric.fleet.limits import LEAST_BLOCKS, LEAST_DIRECTION, LEAST_SECONDS
+from eccentric.fleet.problems import FleetProblem
+from eccentric.fleet.store import Stored
+from eccentric.fleet.sums import OFFSET, Coverage, Heading, dependent, merged, solve
+
+__all__ = ["History", "Period", "history_of"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Period:
+    """A joint in one period: values (k,) of its coefficients and their covariance, `freedom` of it.
+
+    `triangle` (k + 1, k + 1) are the sums behind them, of `windows` rows. `friction` is the mean size of the
+    friction torque over the motion and `residual` the RMS of what the columns leave, each with its standard
+    error [N m]. `sizes` (k,) are the RMS of the columns: the change of a coefficient times its size is a
+    torque.
+    """
+
+    period: str
+    values: Array
+    covariance: Array
+    freedom: int
+    triangle: Array
+    windows: int
+    friction: tuple[float, float]
+    residual: tuple[float, float]
+    sizes: Array
+    coverage: Coverage
+
+    @property
+    def errors(self) -> Array:
+        """Standard errors (k,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def reach(self) -> float:
+        """Half of a 95 % interval in standard errors."""
+        return float(student.ppf(0.975, self.freedom))
+
+
+@dataclass(frozen=True)
+class History:
+    """The periods of a joint that have an answer, in order of time, and their columns."""
+
+    joint: str
+    headings: tuple[Heading, ...]
+    periods: tuple[Period, ...]
+
+
+def history_of(joint: str, stored: Mapping[str, Sequence[Stored]]) -> tuple[History, list[FleetProblem]]:
+    """The history of a joint from its sums by period, in order of time; periods without an answer are named.
+
+    If all motion of a period goes in one direction, an offset of the sensor is Coulomb friction there: the
+    column is then left out in all periods of the joint.
+    """
+    problems: list[FleetProblem] = []
+    usable: dict[str, tuple[Array, Coverage, int]] = {}
+    headings: tuple[Heading, ...] = ()
+    for period, rows in stored.items():
+        stack = np.concatenate([row.sums.triangles for row in rows])
+        windows = int(sum(row.sums.windows.sum() for row in rows))
+        coverage = _together([row.sums.coverage for row in rows])
+        headings = rows[0].headings
+        held = int(np.count_nonzero(np.any(stack, axis=(1, 2))))
+        if coverage.seconds < LEAST_SECONDS or held < LEAST_BLOCKS * len(headings):
+            text = (
+                f"{LEAST_SECONDS:g} s of motion in {math.ceil(LEAST_BLOCKS * len(headings))} blocks are"
+                f" required, received {coverage.seconds:.3g} s in {held}"
+            )
+            problems.append(FleetProblem(joint, period, "", "not excited", text))
+            continue
+        usable[period] = stack, coverage, windows
+    one_way = any(not LEAST_DIRECTION <= c.forward <= 1.0 - LEAST_DIRECTION for _, c, _ in usable.values())
+    kept = [k for k, h in enumerate(headings) if not (one_way and h.name == OFFSET)]
+    headings = tuple(headings[k] for k in kept)
+    found: list[Period] = []
+    for period, (stack, coverage, windows) in usable.items():
+        chosen = stack[:, :, [*kept, stack.shape[2] - 1]]
+        if weak := dependent(merged(chosen)):
+            names = ", ".join(headings[k].name for k in weak)
+            text = f"motion that tells {names} apart is required: more speeds, angles, both directions"
+            problems.append(FleetProblem(joint, period, "", "singular", text))
+            continue
+        found.append(_period(period, chosen, headings, coverage, windows))
+    return History(joint, headings, tuple(found)), problems
+
+
+def _period(name: str, stack: Array, headings: Sequence[Heading], coverage: Coverage, windows: int) -> Period:
+    solved, triangle = solve(stack), merged(stack)
+    k = len(headings)
+    gram = triangle[:k, :k].T @ triangle[:k, :k]
+    friction = (math.nan, math.nan)
+    sign = next((j for j, heading in enumerate(headings) if heading.kind == "coulomb"), None)
+    if sign is not None:
+        # Its column is the sign of the speed, whose square is 1: sums with it are those of friction's size.
+        weights = np.where([heading.is_friction for heading in headings], gram[sign] / gram[sign, sign], 0.0)
+        level = float(weights @ solved.values)
+        friction = level, math.sqrt(float(weights @ solved.covariance @ weights))
+    error = stack[:, :, k] - stack[:, :, :k] @ solved.values
+    squares = np.sum(error**2, axis=1)
+    held = np.any(stack, axis=(1, 2))
+    rms = math.sqrt(float(squares.sum()) / windows)
+    part = squares[held] / max(float(squares[held].mean()), np.finfo(float).tiny)
+    residual = rms, rms * 0.5 * float(np.std(part)) / math.sqrt(max(len(part), 1))
+    sizes = np.sqrt(np.diag(gram) / windows)
+    return Period(
+        *(name, solved.values, solved.covariance, solved.freedom, triangle, windows),
+        *(friction, residual, sizes, coverage),
+    )
+
+
+def _together(parts: Sequence[Coverage]) -> Coverage:
+    """What several files cover."""
+    seconds = sum(c.seconds for c in parts)
+    moved = [c for c in parts if c.seconds > 0.0]
+    warm = [c for c in moved if math.isfinite(c.temperature)]
+
+    def mean(name: str, of: Sequence[Coverage]) -> float:
+        weights = [c.seconds for c in of]
+        return float(np.average([getattr(c, name) for c in of], weights=weights)) if of else math.nan
+
+    return Coverage(
+        rows=sum(c.rows for c in parts),
+        seconds=seconds,
+        forward=mean("forward", moved),
+        low=min((c.low for c in moved), default=math.nan),
+        high=max((c.high for c in moved), default=math.nan),
+        temperature=mean("temperature", warm),
+        coldest=min((c.coldest for c in warm), default=math.nan),
+        warmest=max((c.warmest for c in warm), default=math.nan),
+    )

@@ -1,0 +1,30 @@
+"""What could not be done, one row each: the run goes on, and its exit status says that there are some."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable
+from dataclasses import astuple, dataclass, fields
+
+__all__ = ["FleetProblem", "as_csv"]
+
+
+@dataclass(frozen=True, order=True)
+class FleetProblem:
+    """A problem of a joint, period or file, as far as known; `kind` in a word or two, `text` in a line."""
+
+    joint: str
+    period: str
+    file: str
+    kind: str
+    text: str
+
+
+def as_csv(problems: Iterable[FleetProblem]) -> str:
+    """The content of problems.csv, in order."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([field.name for field in fields(FleetProblem)])
+    writer.writerows(astuple(problem) for problem in sorted(set(problems)))
+    return text.getvalue()

@@ -1,0 +1,114 @@
+"""LOGS -> the files of a fleet, each with the joint and the period that it belongs to.
+
+Both are read from folders such as `joint=J7/month=2025-03`, or from file names by a pattern such as
+`{joint}_{period}.parquet`. Of several folders that name a time, the period is all of them in this order:
+year, quarter, month, week, day, period. Periods are in the order of their text, numbers by their size.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from glob import glob
+from pathlib import Path
+
+from eccentric.errors import InputError
+from eccentric.fleet.problems import FleetProblem
+from eccentric.places import given_path
+
+__all__ = ["LogFile", "find", "in_order"]
+
+SUFFIXES = (".parquet", ".csv", ".csv.gz", ".mat")
+"""Formats of a fleet's logs: not JSON, since rigs and what a bench seals are often beside them."""
+_TIMES = ("year", "quarter", "month", "week", "day", "period")
+_WIDTH = {"year": 4, "month": 2, "week": 2, "day": 2}
+
+
+@dataclass(frozen=True, order=True)
+class LogFile:
+    """A log of a joint in a period; `name` is its path below the root.
+
+    `size` [bytes] and `changed` [ns] tell whether it is the one that was read before.
+    """
+
+    joint: str
+    period: str
+    name: str
+    path: Path
+    size: int
+    changed: int
+
+
+def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[FleetProblem]]:
+    """The files of a folder or a glob, and those that belong to no joint or period.
+
+    Raises InputError for a folder or glob without any log, and a pattern without {joint} and {period}.
+    """
+    match = None if pattern is None else _compiled(pattern)
+    root, paths = _listed(logs)
+    found: list[LogFile] = []
+    problems: list[FleetProblem] = []
+    for path in sorted(paths):
+        name = path.relative_to(root).as_posix()
+        at = _of_folders(path.relative_to(root).parts[:-1]) if match is None else match(path.name)
+        if "joint" not in at or "period" not in at:
+            where = "folders joint=... and month=..." if match is None else f"a name like {pattern}"
+            problems.append(
+                FleetProblem("", "", name, "not grouped", f"{where} are required, received {name}")
+            )
+            continue
+        held = path.stat()
+        found.append(LogFile(at["joint"], at["period"], name, path, held.st_size, held.st_mtime_ns))
+    return sorted(found), problems
+
+
+def in_order(periods: Iterable[str]) -> list[str]:
+    """Periods in the order of time: numbers in them count by their size, 2025-9 before 2025-10."""
+    return sorted(set(periods), key=_sizes)
+
+
+def _sizes(period: str) -> list[tuple[bool, int, str]]:
+    parts = re.split(r"(\d+)", period)
+    return [(part.isdigit(), int(part) if part.isdigit() else 0, part) for part in parts]
+
+
+def _listed(logs: str) -> tuple[Path, list[Path]]:
+    """The folder that names are relative to, and the logs below it."""
+    place = given_path(logs, "logs")
+    if place.is_dir():
+        root, listed = place, list(place.rglob("*"))
+    else:
+        listed = [Path(name) for name in glob(str(place), recursive=True)]  # noqa: PTH207 - absolute or not
+        # Folders such as joint=J7 count wherever they are, also in the part of a glob that is fixed.
+        plain = [k for k, part in enumerate(place.parts) if not set(part) & set("*?[=")]
+        fixed = next((k for k, part in enumerate(place.parts[:-1]) if k not in plain), len(place.parts) - 1)
+        root = Path(*place.parts[:fixed])
+    paths = [p for p in listed if p.name.lower().endswith(SUFFIXES) and p.is_file()]
+    paths = [p for p in paths if not any(part.startswith((".", "_")) for part in p.relative_to(root).parts)]
+    if not paths:
+        raise InputError(
+            f"{logs}: a folder or glob with logs ({', '.join(SUFFIXES)}) is required, found none"
+        )
+    return root, paths
+
+
+def _of_folders(parts: Iterable[str]) -> Mapping[str, str]:
+    given = dict(part.split("=", 1) for part in parts if "=" in part)
+    times = [given[key].zfill(_WIDTH.get(key, 0)) for key in _TIMES if key in given]
+    found = {"joint": given["joint"]} if given.get("joint") else {}
+    return found | ({"period": "-".join(times)} if times else {})
+
+
+def _compiled(pattern: str):  # noqa: ANN202 - a function from a name to its parts
+    parts = re.split(r"\{(joint|period)\}", pattern)
+    if sorted(parts[1::2]) != ["joint", "period"]:
+        raise InputError(f"pattern: {{joint}} and {{period}}, each once, are required, received {pattern!r}")
+    text = "".join(f"(?P<{p}>.+?)" if k % 2 else re.escape(p) for k, p in enumerate(parts))
+    form = re.compile(text)
+
+    def match(name: str) -> Mapping[str, str]:
+        found = form.fullmatch(name)
+        return {} if found is None else found.groupdict()
+
+    return match

@@ -1,0 +1,140 @@
+"""A rig and its model as columns: target = X b + residual on window means, in newton metres at the motor.
+
+friction   one column for each coefficient of the regressor of the emitted model
+inertia    where the rig does not give it
+scale      J alpha + G as the rig knows them, 1 by definition: what changes it is the gain of the sensor,
+           the torque constant, or the load that is carried
+offset     a constant torque: an offset of the sensor, or a constant load
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError, few
+from eccentric.fitting import LOAD, Emitted, Machine, load_gain, load_letters, require_case, with_own
+from eccentric.model import Load, Role, load_model, regressor
+from eccentric.rigs import Rig
+
+__all__ = ["OFFSET", "SCALE", "Columns", "Heading"]
+
+Array = NDArray[np.float64]
+Kind = Literal["viscous", "coulomb", "load", "friction", "inertia", "scale", "offset"]
+
+SCALE, OFFSET = "scale", "offset"
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A column: the name of its coefficient, its unit, and what it is by its declared role.
+
+    `kind` of friction: "load" if it follows a load, else "viscous" or "coulomb", "friction" for other roles.
+    """
+
+    name: str
+    unit: str
+    kind: Kind
+
+    @property
+    def is_friction(self) -> bool:
+        """Whether it is a coefficient of friction."""
+        return self.kind not in {"inertia", "scale", "offset"}
+
+
+class Columns:
+    """The columns of one joint; InputError for a rig that leaves open what sums cannot hold."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        self._model = model = load_model(rig.model)
+        require_case(rig, model)
+        self._machine = Machine(model)
+        self._known = dict(with_own(rig, model).known)
+        self._require_known()
+        self._open_inertia = not self._machine.inertia_letters <= set(self._known)
+        self._emitted = Emitted(model)
+        unfitted = dict.fromkeys((q.name for q in model.friction_parameters), 0.0)
+        given = {**self._machine.absent, "M_l": 0.0, **self._known, **unfitted}
+        self._values = {name: value for name, value in given.items() if name != LOAD}
+        self._parameters = self._emitted.parameters(self._values)
+
+    @cached_property
+    def headings(self) -> tuple[Heading, ...]:
+        """The columns in their order."""
+        gravity = self._model.balance("mechanical").sum_of("gravity") != 0
+        own = [Heading(c.name, c.unit, _kind(c.role, c.load)) for c in regressor(self._model)]
+        inertia = [Heading(self._machine.rotor, "kg m^2", "inertia")] if self._open_inertia else []
+        scale = [] if self._open_inertia and not gravity else [Heading(SCALE, "1", "scale")]
+        return (*own, *inertia, *scale, Heading(OFFSET, "N m", "offset"))
+
+    def torque(self, drive: Mapping[str, Array], omega: Array) -> Array:
+        """The drive torque (m,) [N m] of what measures it, "torque", "current" or "voltage" (m,)."""
+        if "torque" in drive:
+            return drive["torque"]
+        if "current" in drive:
+            return self._machine.torque(self._known, drive["current"])
+        voltage = drive["voltage"] - self.rig.alignment.voltage_offset_V
+        current = self._machine.current(self._known, voltage, omega)
+        return self._machine.torque(self._known, current)
+
+    def require_drive(self, measured_by: str) -> None:
+        """Raise InputError if the rig does not give what makes a torque of the measured drive."""
+        letters = set[str]() if measured_by == "torque" else set(self._machine.torque_letters)
+        if measured_by == "voltage":
+            letters |= self._machine.resistance_letters | self._machine.back_emf_letters
+        if missing := sorted(letters - set(self._known)):
+            raise InputError(
+                f"{self.rig.path}: [known] {few(missing)} is required by a fleet driven by {measured_by},"
+                " received none"
+            )
+
+    def rows(self, theta: Array, omega: Array, alpha: Array, torque: Array) -> Array:
+        """X and the target (m, k + 1) from the motion of the motor and the drive torque, each (m,)."""
+        if zero := self.rig.alignment.theta_zero_rad:
+            theta = theta - zero / self.rig.value("mu")
+        inputs = {"theta_m": theta, "omega_m": omega, "alpha_m": alpha}
+        friction = self._emitted("regressor", inputs, self._parameters)
+        gravity = self._emitted("gravity_torque", inputs, self._parameters) + np.zeros_like(omega)
+        found = np.empty((len(omega), len(self.headings) + 1))
+        found[:, : friction.shape[1]] = friction
+        place = friction.shape[1]
+        if self._open_inertia:
+            found[:, place] = alpha
+            place += 1
+        else:
+            gravity = gravity + self._machine.inertia(self._values) * alpha
+        if place < len(self.headings) - 1:
+            found[:, place] = gravity
+        found[:, -2] = 1.0
+        found[:, -1] = torque - self._known.get(LOAD, 0.0) * load_gain(self._known)
+        return found
+
+    def _require_known(self) -> None:
+        rig = self.rig
+        if rig.unknown or rig.estimate:
+            open_ = few(sorted({*rig.unknown, *rig.estimate}))
+            raise InputError(
+                f"{rig.path}: values are required by a fleet, {open_} is left to be estimated: fit one log of"
+                " the joint and enter what it finds"
+            )
+        if rig.alignment.input_delay_s:
+            raise InputError(
+                f"{rig.path}: input_delay_s: 0 is required by a fleet, received"
+                f" {rig.alignment.input_delay_s:g}"
+            )
+        if missing := sorted(load_letters(self._model) - set(rig.known) - {"M_l"}):
+            raise InputError(
+                f"{rig.path}: [known] {few(missing)} is required by {self._model.name}, received none"
+            )
+
+
+def _kind(role: Role, load: Load) -> Kind:
+    if load is not Load.NONE:
+        return "load"
+    return {Role.VISCOUS: "viscous", Role.COULOMB: "coulomb"}.get(role, "friction")  # pyright: ignore[reportReturnType]

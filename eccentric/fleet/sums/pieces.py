@@ -1,0 +1,145 @@
+"""A file, batch by batch, as stretches of even samples: those that a window still needs come with the next.
+
+Windows are then those of the whole file, whatever the size of the batches. Of unevenly sampled logs the angle
+and all else is interpolated linearly on an even grid, which begins anew with each batch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError
+from eccentric.fleet.limits import LEAST_STEPS
+from eccentric.fleet.sums.batches import batches
+from eccentric.fleet.sums.windows import SHARES, share_of
+from eccentric.rigs import Rig
+from eccentric.signals import Table, is_even, of_the_motor, read_table, rows_of_each, stretches
+
+__all__ = ["Piece", "pieces"]
+
+Array = NDArray[np.float64]
+
+_DRIVES = ("current", "torque", "torque_l", "voltage")
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Even samples (n,) of one stretch, `step` [s] apart, `share` of them from window to window.
+
+    `drive` is what measures the torque, by its channel, with a torque of the link converted; `wanted` are the
+    rows that the rig uses with the motor on. `place` is where it begins in the file, in rows, of `total`.
+    """
+
+    theta: Array
+    drive: Array
+    measured_by: str
+    temperature: Array | None
+    wanted: NDArray[np.bool_]
+    step: float
+    share: int
+    place: int
+    total: int
+
+
+def pieces(path: Path, rig: Rig, rows: int) -> Iterator[Piece]:
+    """Yield the pieces of a file, at most `rows` of it, and what a window needs, in memory."""
+    left: _Left | None = None
+    place = 0
+    for log, total in batches(path, rig, rows):
+        logged = read_table([log], rig)
+        whole = logged if left is None else left.before(logged)
+        table, _ = of_the_motor(whole, rig)
+        theta = table.channels["theta_m"]
+        if left is not None:
+            theta = theta + (left.theta - theta[0])
+        begins = place - (len(theta) - len(logged.run))
+        place = begins + len(theta)
+        each = rows_of_each(stretches(table.channels["time"], table.run))
+        left = None
+        for rows_of_it in each:
+            piece = _piece(table, theta, rows_of_it, rig, begins, total)
+            if piece is not None:
+                yield piece
+            if rows_of_it is each[-1]:
+                done = 0 if piece is None else max(len(piece.theta) // piece.share - SHARES + 1, 0)
+                first = rows_of_it[0] + (0 if piece is None else done * piece.share)
+                left = _Left.of(whole, float(theta[first]), int(first))
+
+
+@dataclass(frozen=True)
+class _Left:
+    """The rows that the next batch begins with, and the angle of the motor at the first of them."""
+
+    table: Table
+    theta: float
+
+    @classmethod
+    def of(cls, table: Table, theta: float, first: int) -> _Left:
+        return cls(_rows(table, slice(first, None)), theta)
+
+    def before(self, table: Table) -> Table:
+        """These rows and those of a table, its runs numbered on, as one."""
+        own = self.table
+        if set(own.channels) != set(table.channels):
+            raise InputError("the same channels are required in all parts of a log")
+        goes_on = own.run_names[own.run[-1]] == table.run_names[0]
+        run = table.run + own.run[-1] + (0 if goes_on else 1)
+        names = (*own.run_names[: own.run[-1] + 1], *table.run_names[1 if goes_on else 0 :])
+        both = {name: np.concatenate([x, table.channels[name]]) for name, x in own.channels.items()}
+        masks = {
+            name: np.concatenate([getattr(own, name), getattr(table, name)])
+            for name in ("use", "motor_off", "after_dropped")
+        }
+        return replace(table, channels=both, run=np.concatenate([own.run, run]), run_names=names, **masks)
+
+
+def _rows(table: Table, rows: slice) -> Table:
+    masks = {name: getattr(table, name)[rows] for name in ("run", "use", "motor_off", "after_dropped")}
+    return replace(table, channels={name: x[rows] for name, x in table.channels.items()}, **masks)
+
+
+def _piece(
+    table: Table, theta: Array, rows: NDArray[np.int64], rig: Rig, begins: int, total: int
+) -> Piece | None:
+    """The stretch of these rows; None for one too short to have a rate."""
+    if len(rows) <= LEAST_STEPS:
+        return None
+    part = slice(int(rows[0]), int(rows[-1]) + 1)
+    t = table.channels["time"][part]
+    step = float((t[-1] - t[0]) / (len(t) - 1))
+    name, drive = _drive(table.channels, rig)
+    wanted = table.use[part] & ~table.motor_off[part]
+    signals = {"theta": theta[part], "drive": drive[part]}
+    if "temperature" in table.channels:
+        signals["temperature"] = table.channels["temperature"][part]
+    if not is_even(t):
+        grid = t[0] + step * np.arange(len(t))
+        signals = {key: np.interp(grid, t, x) for key, x in signals.items()}
+        wanted = np.interp(grid, t, wanted.astype(float)) == 1.0
+    return Piece(
+        signals["theta"],
+        signals["drive"],
+        name,
+        signals.get("temperature"),
+        wanted,
+        step,
+        share_of(rig.sampling.low_pass_hz, step),
+        begins + part.start,
+        total,
+    )
+
+
+def _drive(channels: Mapping[str, Array], rig: Rig) -> tuple[str, Array]:
+    """What measures the drive torque, by the rig, else the first that is logged, and its signal (n,)."""
+    wanted = {None: _DRIVES, "torque": ("torque", "torque_l")}.get(rig.log.drive, (rig.log.drive,))
+    name = next((name for name in wanted if name in channels), None)
+    if name is None:
+        raise InputError(f"{rig.path}: a log with current, torque or voltage is required, received none")
+    if name == "torque_l":
+        return "torque", channels[name] * rig.value("mu")
+    return name, channels[name]

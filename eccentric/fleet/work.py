@@ -1,0 +1,73 @@
+"""What a worker does: files in, their sums or problems out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from eccentric.errors import InputError
+from eccentric.fleet.limits import TASK_BYTES, TASK_FILES
+from eccentric.fleet.problems import FleetProblem
+from eccentric.fleet.sources import LogFile
+from eccentric.fleet.store import Stored
+from eccentric.fleet.sums import Columns, sums_of
+from eccentric.rigs import Rig
+
+__all__ = ["Job", "problem_of", "tasks_of", "work"]
+
+
+@dataclass(frozen=True)
+class Job:
+    """A log file, its joint's rig, and the digest of the two's sums."""
+
+    log: LogFile
+    rig: Rig
+    recipe: str
+
+
+def tasks_of(jobs: Iterable[Job]) -> Iterator[list[Job]]:
+    """Jobs in their order, as many together as make a task."""
+    task: list[Job] = []
+    size = 0
+    for job in jobs:
+        if task and (size + job.log.size > TASK_BYTES or len(task) == TASK_FILES):
+            yield task
+            task, size = [], 0
+        task.append(job)
+        size += job.log.size
+    if task:
+        yield task
+
+
+def work(jobs: Sequence[Job]) -> list[Stored | FleetProblem]:
+    """The sums of each file, or why there are none."""
+    return [_one(job) for job in jobs]
+
+
+def problem_of(job: Job, kind: str, text: str) -> FleetProblem:
+    """A problem of a file."""
+    return FleetProblem(job.log.joint, job.log.period, job.log.name, kind, text)
+
+
+_columns: dict[str, Columns] = {}
+
+
+def _one(job: Job) -> Stored | FleetProblem:
+    try:
+        columns = _columns_of(job)
+        sums = sums_of(job.log.path, columns)
+        log = job.log
+        return Stored(log.name, log.size, log.changed, job.recipe, columns.headings, sums)
+    except InputError as error:
+        return problem_of(job, "cannot be used", str(error))
+    except Exception as error:  # noqa: BLE001 - one file of thousands must not end the run
+        return problem_of(job, "cannot be used", f"{job.log.path}: {type(error).__name__}: {error}")
+
+
+def _columns_of(job: Job) -> Columns:
+    """The columns of a rig, kept for the next file of the joint."""
+    if job.recipe not in _columns:
+        if len(_columns) > TASK_FILES:
+            _columns.clear()
+        _columns[job.recipe] = Columns(job.rig)
+    return _columns[job.recipe]

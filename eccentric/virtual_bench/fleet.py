@@ -1,0 +1,255 @@
+"""A fleet of drives in closed form: prescribed motion, friction that follows a season, wear, bad sensors.
+
+Each joint swings an unbalanced mass in a vertical plane along a sum of sines, so that angle, velocity and
+acceleration are formulas, and so is the current: no simulation, some 0.2 us a row. Nothing here comes from
+the derivations: the fleet is an oracle for the toolkit, so the two share no code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator, default_rng
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError
+
+__all__ = ["BAD_SENSORS", "WAYS", "FleetJoint", "FleetPlan", "fleet_plan"]
+
+Array = NDArray[np.float64]
+
+WAYS = {
+    "viscous": "the lubricant ages: viscous friction of the motor's bearing rises",
+    "coulomb": "a preload or a seal tightens: Coulomb friction of the motor's bearing rises",
+    "load": "the link's bearing wears: friction that follows its load rises",
+    "link_harmonic_friction": "a bearing is distorted: friction varies twice per turn of the link",
+    "stribeck": "the lubricant film fails at low speed: friction rises towards rest",
+}
+"""How a joint of the fleet degrades, by what the toolkit would call it."""
+BAD_SENSORS = {
+    "current offset": "the current sensor shows an offset",
+    "temperature stuck": "the temperature sensor repeats its last value",
+}
+"""Sensors that fail; friction does not change."""
+COUNTS = 32768
+"""Steps of the encoder in a turn of the motor."""
+GRAVITY = 9.81
+
+
+@dataclass(frozen=True)
+class FleetJoint:
+    """A joint: what its rig declares (the paper's letters, SI), what is sealed, what becomes of it.
+
+    `way` is in WAYS or BAD_SENSORS, "" for a healthy joint; from period number `since` on it grows over
+    `lasts` periods, to `strength` of the mean friction torque.
+    """
+
+    name: str
+    kind: str
+    known: dict[str, float]
+    C_m: float
+    B_m: float
+    C_lN: float
+    B_lN: float
+    warmer: float
+    seed: int
+    way: str = ""
+    since: int = 0
+    lasts: int = 1
+    strength: float = 0.0
+
+    def grown(self, period: int) -> float:
+        """How far the change has come in a period: 0 before it, 1 at the end."""
+        return float(np.clip((period - self.since + 1) / self.lasts, 0.0, 1.0)) if self.way else 0.0
+
+
+@dataclass(frozen=True)
+class FleetPlan:
+    """The whole fleet: joints, names of the periods, rows of a file, their rate [Hz]."""
+
+    joints: tuple[FleetJoint, ...]
+    periods: tuple[str, ...]
+    rows: int
+    rate_hz: float
+    seed: int
+
+    def log(self, joint: FleetJoint, period: int) -> dict[str, NDArray[Any]]:
+        """The columns (rows,) of the log of a joint in a period, by its number."""
+        random = default_rng([self.seed, joint.seed, period])
+        t = np.arange(self.rows) / self.rate_hz
+        theta, omega, alpha = _motion(random, t, joint.known["mu"])
+        stuck = joint.way == "temperature stuck" and period >= joint.since
+        warm = _temperature(period, joint) + 3.0 * (1.0 - np.exp(-t / 400.0))
+        torque = _torque(joint, random, joint.grown(period), theta, omega, alpha, warm)
+        current = torque / joint.known["k_i"]
+        current = current + 0.01 * np.max(np.abs(current)) * random.standard_normal(self.rows)
+        if joint.way == "current offset":
+            current = current + joint.grown(period) * joint.strength * np.mean(np.abs(current))
+        if stuck:
+            warm = np.full_like(warm, round(_temperature(joint.since, joint), 1))
+        step = 2.0 * pi / COUNTS
+        return {
+            "time_s": t,
+            "theta_m_rad": np.round(theta / step) * step,
+            "current_A": np.round(current, 4).astype(np.float32),
+            "temperature_C": np.round(warm, 1).astype(np.float32),
+        }
+
+    def logs(self) -> Iterator[tuple[FleetJoint, int]]:
+        """Every joint and period, joint by joint."""
+        yield from ((joint, period) for joint in self.joints for period in range(len(self.periods)))
+
+    def truth(self) -> dict[str, Any]:
+        """What is sealed: the joints that change, how, since when, and how much."""
+        return {
+            joint.name: {
+                "way": joint.way,
+                "since": self.periods[joint.since],
+                "strength": joint.strength,
+                "sensor": joint.way in BAD_SENSORS,
+            }
+            for joint in self.joints
+            if joint.way
+        }
+
+
+def fleet_plan(
+    joints: int = 12,
+    periods: int = 6,
+    degrading: int = 2,
+    bad_sensors: int = 0,
+    seconds: float = 40.0,
+    rate_hz: float = 200.0,
+    seed: int = 1,
+    ways: Sequence[str] = tuple(WAYS),
+) -> FleetPlan:
+    """A fleet at random; the first joints to change do so in the ways of `ways` by turns.
+
+    Raises InputError for a number out of range.
+    """
+    _require(joints=joints, periods=periods, degrading=degrading, bad_sensors=bad_sensors, seconds=seconds)
+    random = default_rng(seed)
+    width = len(str(joints))
+    healthy = [_joint(random, f"J{k:0{width}d}", k) for k in range(1, joints + 1)]
+    chosen = random.permutation(joints)[: degrading + bad_sensors]
+    for turn, k in enumerate(chosen):
+        every = tuple(ways) if turn < degrading else tuple(BAD_SENSORS)
+        way = every[(turn if turn < degrading else turn - degrading) % len(every)]
+        first = max(2, periods // 3)
+        healthy[k] = replace(
+            healthy[k],
+            way=way,
+            since=min(int(random.integers(first, max(first + 1, periods - 2))), periods - 1),
+            lasts=int(random.integers(1, max(2, periods // 3))),
+            strength=float(random.uniform(0.25, 0.5)),
+        )
+    names = tuple(f"{2025 + k // 12}-{k % 12 + 1:02d}" for k in range(periods))
+    return FleetPlan(tuple(healthy), names, round(seconds * rate_hz), rate_hz, seed)
+
+
+def _require(**given: float) -> None:
+    least = {"joints": 1, "periods": 1, "degrading": 0, "bad_sensors": 0, "seconds": 5.0}
+    most = {"joints": 10**5, "periods": 600, "seconds": 10**6}
+    for name, value in given.items():
+        if not least[name] <= value <= most.get(name, given["joints"]):
+            raise InputError(
+                f"{name}: a number from {least[name]:g} to {most.get(name, given['joints']):g} is required,"
+                f" received {value:g}"
+            )
+    if given["degrading"] + given["bad_sensors"] > given["joints"]:
+        raise InputError("degrading: no more joints than the fleet has are required to change")
+
+
+def _joint(random: Generator, name: str, seed: int) -> FleetJoint:
+    """A healthy joint of one of two kinds, with values of its own."""
+    kind = ("shoulder", "elbow")[int(random.integers(2))]
+    size = {"shoulder": 1.0, "elbow": 0.6}[kind]
+
+    def about(value: float, part: float = 0.1) -> float:
+        return float(value * random.uniform(1.0 - part, 1.0 + part))
+
+    M, L, mu = about(0.6 * size), about(0.32 * size), 0.2
+    M_l = about(0.2 * size)
+    known = {
+        "M": M,
+        "M_l": M_l,
+        "L": L,
+        "mu": mu,
+        "k_i": about(0.06, 0.05),
+        "J_m": about(1.2e-4 * size),
+        "J_l": 1.15 * M * L**2,
+        "g": GRAVITY,
+    }
+    level = 0.08 * size
+    weight = (M + M_l) * GRAVITY
+    return FleetJoint(
+        name=name,
+        kind=kind,
+        known=known,
+        C_m=about(0.45 * level, 0.3),
+        B_m=about(0.018 * level, 0.3),
+        C_lN=about(0.45 * level / (mu * weight), 0.3),
+        B_lN=about(0.008 * level / (mu**2 * weight), 0.3),
+        warmer=float(random.uniform(-4.0, 4.0)),
+        seed=seed,
+    )
+
+
+def _motion(random: Generator, t: Array, mu: float) -> tuple[Array, Array, Array]:
+    """Angle, velocity, acceleration of the motor: three sines, of a link that passes the top now and then."""
+    theta, omega, alpha = (np.zeros_like(t) for _ in range(3))
+    for size, hertz in ((2.2, 0.23), (0.9, 0.61), (0.25, 1.37)):
+        a, w = size * random.uniform(0.8, 1.2) / mu, 2.0 * pi * hertz * random.uniform(0.9, 1.1)
+        phase = w * t + random.uniform(0.0, 2.0 * pi)
+        sine, cosine = np.sin(phase), np.cos(phase)
+        theta += a * sine
+        omega += a * w * cosine
+        alpha -= a * w**2 * sine
+    return theta, omega, alpha
+
+
+def _temperature(period: int, joint: FleetJoint) -> float:
+    """Mean temperature of a month [deg C]: coldest in the first, warmest half a year later."""
+    wobble = float(default_rng([joint.seed, period, 7]).normal(0.0, 1.0))
+    return 22.0 + joint.warmer - 8.0 * np.cos(2.0 * pi * period / 12.0) + wobble
+
+
+def _torque(
+    joint: FleetJoint, random: Generator, grown: float, theta: Array, omega: Array, alpha: Array, warm: Array
+) -> Array:
+    """The torque of the motor [N m] along the motion: inertia, gravity, and friction at a temperature."""
+    rig, change = joint.known, joint.way if joint.way in WAYS else ""
+    mu, weight = rig["mu"], (rig["M"] + rig["M_l"]) * rig["g"]
+    link, swing = mu * theta, rig["M"] * rig["L"] * (mu * omega) ** 2
+    # The bearing carries the weight and what keeps the mass on its circle.
+    normal = np.hypot(swing * np.sin(link), swing * np.cos(link) + weight)
+    # From month to month nothing is quite the same.
+    C_m, B_m, C_lN, B_lN = (
+        value * random.normal(1.0, 0.01) for value in (joint.C_m, joint.B_m, joint.C_lN, joint.B_lN)
+    )
+    thin, sign = np.exp(-0.02 * (warm - 22.0)), np.sign(omega)
+    dry, wet = C_m + mu * C_lN * normal, (B_m + mu**2 * B_lN * normal) * np.abs(omega) * thin
+    friction = dry + wet
+    if change:
+        more = grown * joint.strength * float(np.mean(friction))
+        friction = friction + more * _shape(change, joint, link, omega, normal, thin)
+    inertia = rig["J_m"] + mu**2 * rig["J_l"]
+    return inertia * alpha + mu * rig["M"] * rig["L"] * rig["g"] * np.sin(link) + sign * friction
+
+
+def _shape(way: str, joint: FleetJoint, link: Array, omega: Array, normal: Array, thin: Array) -> Array:
+    """How a change depends on the motion, (n,); of the three in the base model the mean is 1."""
+    if way == "coulomb":
+        return np.ones_like(omega)
+    if way == "viscous":
+        wet = np.abs(omega) * thin
+        return wet / np.mean(wet)
+    if way == "load":
+        return normal / np.mean(normal)
+    if way == "link_harmonic_friction":
+        return np.sqrt(2.0) * np.cos(2.0 * link + 0.1 * joint.seed)
+    return 2.0 * np.exp(-((omega / (0.25 * np.sqrt(np.mean(omega**2)))) ** 2))

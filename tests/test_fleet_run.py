@@ -1,0 +1,307 @@
+"""A small fleet from end to end, and what goes wrong on the way: workers, files, rigs, schedulers."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric.cli import main
+from eccentric.fleet.assigned import Assigned
+from eccentric.fleet.cluster import Failed, connected, spread
+from eccentric.fleet.gathered import gather, plan_of
+from eccentric.fleet.sources import find
+from eccentric.fleet.store import Stored, place_of, read
+from eccentric.fleet.sums.triangle import merged
+from eccentric.fleet.work import work
+from tests.dying import dying
+
+pytest.importorskip("pyarrow")
+pytest.importorskip("distributed")
+
+pytestmark = pytest.mark.filterwarnings(
+    "ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"
+)
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    """Two workers for all tests of the file: to start them takes seconds."""
+    with connected(None, 2) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def address(cluster: Any) -> str:
+    """The address of their scheduler, as `--scheduler` takes it."""
+    return cluster.scheduler.address
+
+
+@pytest.fixture(scope="module")
+def fleet(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Twelve joints over six months, of which two degrade and one has a bad sensor; to be read only."""
+    out = tmp_path_factory.mktemp("fleet") / "fleet"
+    assert main(["bench", "--fleet", "--out", str(out)]) == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def found(fleet: Path, address: str, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
+    """What a run on that fleet writes and returns."""
+    out = tmp_path_factory.mktemp("found") / "out"
+    before = _state(fleet)
+    result = eccentric.diagnose_fleet(fleet / "logs", fleet / "rigs.csv", out, scheduler=address)
+    assert _state(fleet) == before, "a log was written to"
+    return out, result
+
+
+def _state(folder: Path) -> dict[str, tuple[int, int]]:
+    return {
+        str(p): (p.stat().st_size, p.stat().st_mtime_ns) for p in sorted(folder.rglob("*")) if p.is_file()
+    }
+
+
+def _problems(out: Path) -> list[dict[str, str]]:
+    with (out / "problems.csv").open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_what_changed_is_found_and_named(fleet: Path, found: tuple[Path, Any]) -> None:
+    """Each joint that the bench changed is found, since when it changed, by its cause; no other is."""
+    out, result = found
+    truth = json.loads((fleet / "truth.json").read_text(encoding="utf-8"))
+    kinds = {"viscous": "viscous", "coulomb": "Coulomb", "load": "load", "current offset": "offset"}
+
+    by_joint = {one.joint: one for one in result.drifting}
+
+    assert set(truth) == set(by_joint)
+    for joint, sealed in truth.items():
+        one = by_joint[joint]
+        assert kinds.get(sealed["way"], sealed["way"]) in one.what
+        assert one.since == sealed["since"]
+        assert one.sensor == sealed["sensor"]
+        assert one.after < 0.5 * one.before
+        assert (out / one.report).is_file()
+    assert result.problems == ()
+    assert result.drifting[-1].sensor
+
+
+def test_the_folder_has_what_a_program_needs(found: tuple[Path, Any]) -> None:
+    """Coefficients of each period with intervals, sums of each joint and period, the tests, the document."""
+    from pyarrow import parquet
+
+    out, result = found
+    rows = parquet.ParquetFile(out / "coefficients" / "period=2025-06.parquet").read().to_pylist()
+    content = json.loads((out / "fleet.json").read_text(encoding="utf-8"))
+
+    assert len(rows) == 12 * 6
+    assert all(row["lower"] < row["value"] < row["upper"] for row in rows)
+    assert len(list((out / "sums").glob("joint=*/period=*.parquet"))) == 72
+    assert content["format"] == "eccentric-fleet/1"
+    assert content["drifting"] == [dict(entry) for entry in result.document["drifting"]]
+    assert (out / "changes.csv").read_text(encoding="utf-8").count("\n") == 1 + 12 * 8
+
+
+def test_the_page_opens_offline(found: tuple[Path, Any]) -> None:
+    """It fetches nothing, and leads to the reports of the joints that changed."""
+    out, result = found
+    page = (out / "report.html").read_text(encoding="utf-8")
+
+    assert "default-src 'none'" in page
+    assert "http" not in page.replace("http-equiv", "")
+    for one in result.drifting:
+        assert f'<a href="{one.report}">{one.joint}</a>' in page
+
+
+def test_only_what_is_new_or_changed_is_read(fleet: Path, found: tuple[Path, Any], tmp_path: Path) -> None:
+    """Nothing is read twice; a log that changed is, those of another rig are, and next month alone."""
+    out, _ = found
+    logs, rigs = tmp_path / "logs", tmp_path / "rigs.csv"
+    shutil.copytree(fleet / "logs", logs)
+    for file in fleet.glob("*.*"):
+        shutil.copy(file, tmp_path)
+
+    def left() -> set[tuple[str, str]]:
+        return set(plan_of(find(str(logs))[0], Assigned(str(rigs)), out).jobs)
+
+    assert left() == set()
+    changed = logs / "joint=J07" / "month=2025-02" / "log.parquet"
+    os.utime(changed, ns=(0, 1))
+    shutil.copytree(logs / "joint=J09" / "month=2025-06", logs / "joint=J09" / "month=2025-07")
+    assert left() == {("J07", "2025-02"), ("J09", "2025-07")}
+    rigs.write_text(rigs.read_text().replace("\nJ11,elbow", "\nJ11,shoulder").replace("\nJ12,", "\nJ13,"))
+    header, *rows = rigs.read_text().splitlines()
+    heavier = [row.replace(",0.2,", ",0.25,") if row.startswith("J01,") else row for row in rows]
+    rigs.write_text("\n".join([header, *heavier]))
+    assert {("J01", f"2025-0{k}") for k in range(1, 7)} <= left()
+
+
+def test_a_run_that_was_ended_goes_on_where_it_was(
+    fleet: Path, found: tuple[Path, Any], cluster: Any, tmp_path: Path
+) -> None:
+    """Ended after some files, the next run does the others only; the sums are those of one run."""
+    logs, rigs = find(str(fleet / "logs"))[0][:24], Assigned(str(fleet / "rigs.csv"))
+
+    def told(part: float, _: str) -> None:
+        if part > 0.3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        gather(plan_of(logs, rigs, tmp_path), cluster, tmp_path, told)
+    again = plan_of(logs, rigs, tmp_path)
+    problems, done = gather(again, cluster, tmp_path, lambda part, what: None)
+
+    assert again.reused >= 8
+    assert (problems, done) == ([], 24 - again.reused)
+    for log in logs:
+        (mine,), (theirs,) = (read(place_of(out, log.joint, log.period)) for out in (tmp_path, found[0]))
+        np.testing.assert_array_equal(mine.sums.triangles, theirs.sums.triangles)
+
+
+def test_files_joints_and_periods_that_fail_are_named(fleet: Path, address: str, tmp_path: Path) -> None:
+    """A corrupt file, one of another schema, a joint without rig, one at rest: each named, all else done."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    logs, out = tmp_path / "logs", tmp_path / "out"
+    for joint in ("J01", "J04", "J07", "J08"):
+        shutil.copytree(fleet / "logs" / f"joint={joint}", logs / f"joint={joint}")
+    corrupt = logs / "joint=J01" / "month=2025-02" / "log.parquet"
+    corrupt.write_bytes(corrupt.read_bytes()[:3000])
+    other = logs / "joint=J04" / "month=2025-03" / "log.parquet"
+    parquet.write_table(pa.table({"t": [0.0, 1.0], "speed": [1.0, 2.0]}), other)
+    still = logs / "joint=J07" / "month=2025-04" / "log.parquet"
+    table = parquet.ParquetFile(still).read()
+    moved = np.where(np.asarray(table["time_s"]) < 2.0, table["theta_m_rad"], 0.0)
+    parquet.write_table(table.set_column(1, "theta_m_rad", pa.array(moved)), still)
+    stranger = logs / "joint=X" / "month=2025-01" / "log.parquet"
+    stranger.parent.mkdir(parents=True)
+    shutil.copy(fleet / "logs" / "joint=J08" / "month=2025-01" / "log.parquet", stranger)
+    rigs = fleet / "rigs.csv"
+
+    status = main(["fleet", str(logs), "--rigs", str(rigs), "--out", str(out), "--scheduler", address])
+
+    named = {(row["joint"], row["period"], row["kind"]) for row in _problems(out)}
+    assert status == 1
+    assert named >= {
+        ("J01", "2025-02", "cannot be used"),
+        ("J04", "2025-03", "cannot be used"),
+        ("J07", "2025-04", "not excited"),
+        ("X", "", "no rig"),
+    }
+    assert len(named) == 4
+    assert len(list((out / "sums").glob("joint=*/*.parquet"))) == 4 * 6 - 2
+    assert "Traceback" not in (out / "problems.csv").read_text(encoding="utf-8")
+
+
+def test_the_number_of_workers_and_the_order_of_files_do_not_matter(
+    fleet: Path, found: tuple[Path, Any], tmp_path: Path
+) -> None:
+    """One process that takes the files backwards has the sums of two workers, to 1e-9."""
+    logs = find(str(fleet / "logs"))[0][::-1][:24]
+    plan = plan_of(logs, Assigned(str(fleet / "rigs.csv")), tmp_path)
+
+    for place, jobs in plan.jobs.items():
+        (mine,), (theirs,) = work(jobs), read(place_of(found[0], *place))
+        assert isinstance(mine, Stored)
+        np.testing.assert_allclose(
+            merged(mine.sums.triangles), merged(theirs.sums.triangles), rtol=1e-9, atol=1e-9
+        )
+
+
+def test_a_worker_that_is_killed_is_survived(cluster: Any, tmp_path: Path) -> None:
+    """What its worker died of once is done elsewhere; what kills every worker is named; all else is done."""
+    items = [tmp_path / name for name in ("a", "b", "once", "always", "c", "d")]
+    tasks = [items[:3], items[3:]]
+
+    results = {item.name: result for item, result in spread(cluster, dying, tasks)}
+
+    assert {name: name for name in ("a", "b", "c", "d", "once")} == {
+        name: result for name, result in results.items() if name != "always"
+    }
+    assert isinstance(results["always"], Failed)
+    assert "every worker that took it died" in str(results["always"])
+
+
+def test_a_worker_killed_from_outside_in_the_middle_costs_nothing(
+    cluster: Any, fleet: Path, found: tuple[Path, Any], tmp_path: Path
+) -> None:
+    """All sums of a run are there, and the same, although one of its two workers was killed on the way."""
+    logs = find(str(fleet / "logs"))[0][:48]
+    plan = plan_of(logs, Assigned(str(fleet / "rigs.csv")), tmp_path)
+    victims = list(cluster.run(os.getpid).values())
+
+    def told(part: float, _: str) -> None:
+        if victims and part > 0.0:
+            os.kill(victims.pop(), signal.SIGKILL)
+            victims.clear()
+
+    problems, done = gather(plan, cluster, tmp_path, told)
+
+    assert (problems, done) == ([], 48)
+    for place in plan.jobs:
+        (mine,), (theirs,) = read(place_of(tmp_path, *place)), read(place_of(found[0], *place))
+        np.testing.assert_array_equal(mine.sums.windows, theirs.sums.windows)
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_goes_away_ends_in_one_line(fleet: Path, tmp_path: Path) -> None:
+    """What was done until then is kept and named, and started again the rest is done."""
+    place, out = tmp_path / "scheduler.json", tmp_path / "out"
+    dask = Path(sys.executable).with_name("dask")
+    arguments = ["--scheduler-file", str(place), "--dashboard-address", "127.0.0.1:0"]
+    started = [subprocess.Popen([dask, "scheduler", "--host", "127.0.0.1", "--port", "0", *arguments])]
+    try:
+        while not place.exists() or not place.read_text():
+            time.sleep(0.1)
+        started.append(subprocess.Popen([dask, "worker", "--nthreads", "1", "--no-nanny", *arguments]))
+        address = json.loads(place.read_text())["address"]
+        rigs, logs = Assigned(str(fleet / "rigs.csv")), find(str(fleet / "logs"))[0]
+        plan = plan_of(logs, rigs, out)
+        with connected(address, 1) as client:
+
+            def told(part: float, _: str) -> None:
+                if part > 0.0:
+                    started[0].kill()
+
+            problems, done = gather(plan, client, out, told)
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+
+    assert ["scheduler"] == [p.kind for p in problems]
+    assert 0 < done < 72
+    assert f"{72 - done} of 72 files to do" in problems[0].text
+    assert plan_of(logs, rigs, out).files == 72 - done
+
+
+def test_a_scheduler_that_is_not_there_is_one_line(
+    fleet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Exit status 2, and the address."""
+    arguments = [
+        "fleet",
+        str(fleet / "logs"),
+        "--rigs",
+        str(fleet / "rigs.csv"),
+        "--out",
+        str(tmp_path / "o"),
+    ]
+
+    status = main([*arguments, "--scheduler", "tcp://127.0.0.1:9"])
+
+    assert status == 2
+    assert "--scheduler tcp://127.0.0.1:9: a Dask scheduler is required there" in capsys.readouterr().err
