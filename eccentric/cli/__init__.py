@@ -29,7 +29,7 @@ __all__ = ["COMMANDS", "main"]
 
 _DESCRIPTION = "Friction models of drives that swing an unbalanced mass: derived, emitted, fitted to logs."
 
-COMMANDS = ("derive", "audit", "figures", "emit", "fit", "diagnose", "compare", "adapt", "bench")
+COMMANDS = ("derive", "audit", "figures", "emit", "fit", "diagnose", "compare", "plan", "adapt", "bench")
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -14,7 +14,8 @@ May import: `diagnosis`, `search`, `fitting`, `signals`, `rigs`, `logs`, `model`
 """
 
 from eccentric.planning.bounds import Bounds, read_bounds
+from eccentric.planning.limits import RATE_HZ
 from eccentric.planning.motion import Motion
 from eccentric.planning.outcome import Plan, plan_document, plan_lines, planned
 
-__all__ = ["Bounds", "Motion", "Plan", "plan_document", "plan_lines", "planned", "read_bounds"]
+__all__ = ["RATE_HZ", "Bounds", "Motion", "Plan", "plan_document", "plan_lines", "planned", "read_bounds"]

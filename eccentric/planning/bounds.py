@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from eccentric.entries import read_document, refuse_unknown
@@ -73,7 +72,9 @@ def read_bounds(source: str | os.PathLike[str] | Mapping[str, Any] | Bounds) -> 
             _value(end, "angle_rad", where) for end in read_pair(content["angle_rad"], f"{where}: angle_rad")
         )
         if not low < high:
-            raise InputError(f"{where}: angle_rad: lower before upper is required, received [{low:g}, {high:g}]")
+            raise InputError(
+                f"{where}: angle_rad: lower before upper is required, received [{low:g}, {high:g}]"
+            )
         angle = low, high
     return Bounds(speed, acceleration, current, time, angle)
 

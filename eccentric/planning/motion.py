@@ -19,7 +19,7 @@ from eccentric.planning.limits import ACCELERATION_PART, MARGIN, RATE_HZ
 
 __all__ = ["Motion", "Piece", "joined", "pieces"]
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating]
 
 
 @dataclass(frozen=True)
@@ -81,8 +81,8 @@ def _speeds(
     count = max(2, int(seconds / 3.0))
     sizes = np.geomspace(low, high, count)
     sizes = sizes[::-1] if falling else sizes
-    speeds = np.concatenate([sizes * (-1.0) ** np.arange(count)])
-    omega = _held(speeds, seconds / count, steep)
+    speeds = sizes * (-1.0) ** np.arange(count)
+    omega = _timed(speeds, np.full(count, seconds / count), steep)
     if omega is not None:
         word = "falling" if falling else "rising"
         yield Piece(f"constant speeds of both directions, {word}, {low:.3g} to {high:.3g} rad/s", omega)
@@ -132,7 +132,9 @@ def _sines(
     frequency = slow * np.exp(rng.uniform(0.0, np.log(1.5 / slow), 5))
     size, shift = rng.uniform(0.3, 1.0, 5), rng.uniform(-np.pi, np.pi, 5)
     fade = _step(t / 0.8) * _step((t[-1] - t) / 0.8)
-    omega = fade * np.sum(size[:, None] * np.sin(2.0 * np.pi * frequency[:, None] * t + shift[:, None]), axis=0)
+    omega = fade * np.sum(
+        size[:, None] * np.sin(2.0 * np.pi * frequency[:, None] * t + shift[:, None]), axis=0
+    )
     omega -= fade * np.sum(omega) / np.sum(fade)  # it ends where it began
     scales = [top / np.max(np.abs(omega)), steep / np.max(np.abs(np.gradient(omega, 1.0 / RATE_HZ)))]
     if bounds.angle is not None:
@@ -142,13 +144,11 @@ def _sines(
     yield Piece(f"a sum of sines, 5 frequencies to {np.max(frequency):.2g} Hz", scale * omega)
 
 
-def _held(speeds: Array, hold: float, steep: float) -> Array | None:
-    """Constant speeds of `hold` seconds each, from rest to rest; None where the ramps do not fit in."""
-    return _timed(speeds, np.full(len(speeds), hold), steep)
-
-
 def _timed(speeds: Array, lengths: Array, steep: float) -> Array | None:
-    """Speeds of these lengths [s], joined by ramps that begin with each, and one back to rest."""
+    """Speeds of these lengths [s], joined by ramps that begin with each, and one back to rest.
+
+    None where a ramp does not fit into its length.
+    """
     edges = np.r_[0.0, np.cumsum(lengths)]
     last = 1.5 * abs(speeds[-1]) / steep
     t = np.arange(int(np.ceil((edges[-1] + last) * RATE_HZ)) + 1) / RATE_HZ
