@@ -6,6 +6,7 @@
     diagnose              logs, rig -> DiagnosisResult: what the model lacks, and the extended model
     fit_arm, diagnose_arm the same for every joint of an arm                    -> ArmFitResult, ...
     compare               logs, rig, models -> CompareResult: their errors on the same rows
+    plan                  logs, rig, limits -> PlanResult: the motion that would decide what is open
     load_model, emit      a derivation -> Model; a Model -> NumPy module and C99 files
     compile               a Model -> a Python module whose functions are the emitted C
     adapt                 a log through the emitted estimator of friction      -> AdaptResult
@@ -25,6 +26,7 @@ through their `__init__`:
     draft     log                      -> a rig file to complete        (drafting)
     fit       signals + Model          -> coefficients, residual        (fitting)
     diagnose  residual + effects       -> verdict, extended Model       (search, diagnosis, joints, report)
+    plan      verdict + limits         -> the next motion               (planning)
     follow    channels + fit           -> coefficients over time        (adaptation)
     watch     logs of a fleet          -> what changed, joint by joint  (fleet)
     run       Model -> its C           -> a Python module               (compiled)

@@ -10,6 +10,7 @@ from eccentric.api import Correlation as Correlation
 from eccentric.api import DiagnosisResult as DiagnosisResult
 from eccentric.api import FitResult as FitResult
 from eccentric.api import FleetResult as FleetResult
+from eccentric.api import PlanResult as PlanResult
 from eccentric.api import ResultTable as ResultTable
 from eccentric.api import RigCheck as RigCheck
 from eccentric.api import RigDraft as RigDraft
@@ -26,6 +27,7 @@ from eccentric.api import draft_rig as draft_rig
 from eccentric.api import emit as emit
 from eccentric.api import fit as fit
 from eccentric.api import fit_arm as fit_arm
+from eccentric.api import plan as plan
 from eccentric.compiled import compile as compile  # noqa: A004 - called as eccentric.compile
 from eccentric.errors import InputError as InputError
 from eccentric.logs import Log as Log

@@ -31,7 +31,7 @@ LAYERS = (
     {"fitting"},
     {"search"},
     {"diagnosis", "adaptation"},
-    {"joints"},
+    {"joints", "planning"},
     {"report"},
     {"fleet"},
     {"api"},

@@ -6,6 +6,7 @@
     diagnosed   diagnose   -> DiagnosisResult
     of_arms     fit_arm, diagnose_arm  -> ArmFitResult, ArmDiagnosisResult
     compared    compare    -> CompareResult
+    planned     plan       -> PlanResult
     emitted     emit       -> files
     adapted     adapt      -> AdaptResult
     simulated   bench      -> BenchResult;  simulated_arm  bench_arm -> ArmBenchResult

@@ -19,6 +19,8 @@ from eccentric.api.of_arms import ArmDiagnosisResult as ArmDiagnosisResult
 from eccentric.api.of_arms import ArmFitResult as ArmFitResult
 from eccentric.api.of_arms import diagnose_arm as diagnose_arm
 from eccentric.api.of_arms import fit_arm as fit_arm
+from eccentric.api.planned import PlanResult as PlanResult
+from eccentric.api.planned import plan as plan
 from eccentric.api.simulated import BenchResult as BenchResult
 from eccentric.api.simulated import bench as bench
 from eccentric.api.simulated_arm import ArmBenchResult as ArmBenchResult

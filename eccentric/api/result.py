@@ -64,11 +64,17 @@ class Printed:
         command: str,
         size: tuple[float, float],
         draw: Callable[[Figure], object],
+        further: Mapping[str, str] | None = None,
     ) -> list[Path]:
-        """Write COMMAND.json and, with matplotlib, COMMAND.png and COMMAND.svg into a folder of their own."""
+        """Write COMMAND.json and, with matplotlib, COMMAND.png and COMMAND.svg into a folder of their own.
+
+        further: texts of other files, by name.
+        """
+        texts = {f"{command}.json": self.to_json(), **(further or {})}
         with whole_folder(out, command) as folder:
-            (folder / f"{command}.json").write_text(self.to_json(), encoding="utf-8")
-            suffixes = ["json"]
+            for name, text in texts.items():
+                (folder / name).write_text(text, encoding="utf-8")
+            names = list(texts)
             # Without matplotlib, the figures are left out.
             with suppress(ImportError):
                 from matplotlib import rc_context
@@ -79,8 +85,8 @@ class Printed:
                     draw(figure := Figure(figsize=size, layout="constrained"))
                     figure.savefig(folder / f"{command}.png", dpi=150)
                     figure.savefig(folder / f"{command}.svg", dpi=150, metadata={"Date": None})
-                suffixes += ["png", "svg"]
-        return [Path(out) / f"{command}.{suffix}" for suffix in suffixes]
+                names += [f"{command}.png", f"{command}.svg"]
+        return [Path(out) / name for name in names]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -39,6 +39,7 @@ COMMANDS = (
     "fit",
     "diagnose",
     "compare",
+    "plan",
     "adapt",
     "fleet",
     "bench",

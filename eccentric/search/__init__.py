@@ -18,15 +18,19 @@ In: `FitData`, a `Model`, a `Rig`. Out: an `Attribution`.
 May import: `fitting`, `signals`, `rigs`, `effects`, `model`.
 """
 
+from eccentric.search.attribution import Search
 from eccentric.search.balances import balances_of, setting_of, variables_of
-from eccentric.search.candidate import Candidate
+from eccentric.search.candidate import Candidate, Variant
+from eccentric.search.crossval import bounded_solve
 from eccentric.search.fitted_variants import fitted_variants
 from eccentric.search.from_effect import candidate_of
 from eccentric.search.instruments import instruments_of
 from eccentric.search.limits import LEAST_DEVIANCE, LEAST_SHARE
 from eccentric.search.loads import LoadSearch, required_over, searched_loads
 from eccentric.search.offer import offered
+from eccentric.search.refinement import refined
 from eccentric.search.runs import runs_that_differ
+from eccentric.search.screen import Screen
 from eccentric.search.verdict import Adopted, Attribution, Ranked, attribute, unconfirmed
 
 __all__ = [
@@ -37,12 +41,17 @@ __all__ = [
     "Candidate",
     "LoadSearch",
     "Ranked",
+    "Screen",
+    "Search",
+    "Variant",
     "attribute",
     "balances_of",
+    "bounded_solve",
     "candidate_of",
     "fitted_variants",
     "instruments_of",
     "offered",
+    "refined",
     "required_over",
     "runs_that_differ",
     "searched_loads",

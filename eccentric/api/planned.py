@@ -1,0 +1,134 @@
+"""`eccentric.plan`: the motion that would decide what a diagnosis left open."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, read_logs
+from eccentric.api.result import Printed
+from eccentric.diagnosis import diagnose
+from eccentric.emission import template
+from eccentric.planning import RATE_HZ, Bounds, Plan, plan_document, plan_lines, planned, read_bounds
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["PlanResult", "plan"]
+
+REFERENCE = "reference"
+FIRMWARE_HZ = 50
+"""Points of the table for firmware, to be interpolated: 36 kB a minute."""
+
+
+def plan(
+    logs: LogSources,
+    rig: RigSource,
+    limits: str | os.PathLike[str] | Mapping[str, Any] | Bounds,
+    model: ModelSource | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> PlanResult:
+    """Plan the motion that tells apart what a diagnosis of logs left open.
+
+    Where an effect is named, or none is missing, the motion determines the coefficients of that model best.
+
+    Args:
+        logs, rig, model: as `diagnose` takes them.
+        limits: what the motion may not exceed, motor side: the path of a TOML or JSON file or a mapping with
+            `speed_rad_s`, `acceleration_rad_s2`, `current_A`, `time_s` and, for a drive that does not turn
+            without end, `angle_rad`, each in SI or as a text with a unit ("3000 rpm").
+        progress: called with one line for each stage.
+
+    Raises:
+        InputError: as `diagnose` does; a limit is missing or not positive; or no motion stays within them.
+    """
+    bounds = read_bounds(limits)
+    found = diagnose(read_logs(logs), rig, by_name(model), tell=progress)
+    made = planned(found, bounds, progress or (lambda _: None))
+    return PlanResult(
+        plan=made, lines=tuple(plan_lines(made)), warnings=found.warnings, document=plan_document(made)
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PlanResult(Printed):
+    """What to measure next. It prints as `summary()`.
+
+    Attributes:
+        plan: the motion, the rivals, and the probability that the motion decides.
+        lines, warnings, document: as in Printed; the document is the content of plan.json.
+    """
+
+    plan: Plan
+
+    @property
+    def reference(self) -> dict[str, np.ndarray]:
+        """The motion as columns (n,): time_s, theta_m_rad, omega_m_rad_s, alpha_m_rad_s2."""
+        motion = self.plan.motion
+        return {
+            "time_s": motion.t,
+            "theta_m_rad": motion.theta,
+            "omega_m_rad_s": motion.omega,
+            "alpha_m_rad_s2": motion.alpha,
+        }
+
+    def write(self, out: str | os.PathLike[str]) -> list[Path]:
+        """Write plan.json, reference.csv, reference.h and, with matplotlib, plan.png and plan.svg.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        return self._write(
+            out,
+            "plan",
+            (8.0, 7.0),
+            self.draw,
+            {
+                f"{REFERENCE}.csv": self._csv(),
+                f"{REFERENCE}.h": self._header(),
+            },
+        )
+
+    def draw(self, figure: Figure) -> None:
+        """Draw angle, speed, acceleration and current over time, each with its limits."""
+        motion, bounds = self.plan.motion, self.plan.bounds
+        rows = (
+            ("angle [rad]", motion.theta, bounds.angle),
+            ("speed [rad/s]", motion.omega, (-bounds.speed, bounds.speed)),
+            ("acceleration [rad/s²]", motion.alpha, (-bounds.acceleration, bounds.acceleration)),
+            ("current [A]", self.plan.current, (-bounds.current, bounds.current)),
+        )
+        for axes, (name, values, limits) in zip(figure.subplots(4, 1, sharex=True), rows, strict=True):
+            axes.plot(motion.t, values, color="#0072b2", linewidth=1.0)
+            for limit in limits or ():
+                axes.axhline(limit, color="#d55e00", linestyle="--", linewidth=1.0)
+            axes.set_ylabel(name)
+            axes.margins(x=0.0)
+        figure.axes[0].set_title("planned motion (motor side), limits dashed", loc="left", fontsize="medium")
+        figure.axes[-1].set_xlabel("time [s]")
+
+    def _csv(self) -> str:
+        columns = self.reference
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        return "\n".join([",".join(columns), *(",".join(f"{x:.6g}" for x in row) for row in rows)]) + "\n"
+
+    def _header(self) -> str:
+        motion, step = self.plan.motion, round(RATE_HZ / FIRMWARE_HZ)
+        columns = (x[::step].tolist() for x in (motion.theta, motion.omega, motion.alpha))
+        points = list(zip(*columns, strict=True))
+        return template("plan/reference.h").render(
+            name=REFERENCE,
+            command="eccentric plan",
+            count=len(points),
+            rate=FIRMWARE_HZ,
+            points=[[f"{x:.6e}" for x in point] for point in points],
+        )
+
+    def __repr__(self) -> str:
+        names = ", ".join(rival.family for rival in self.plan.rivals)
+        return f"<PlanResult: {self.plan.motion.seconds:.0f} s for {names or 'the base model'}>"

@@ -1,0 +1,38 @@
+"""`eccentric plan`: what to measure next."""
+
+import argparse
+
+import eccentric
+from eccentric.cli.arguments import add_folder, add_logs, arm_of, print_warnings, progress
+from eccentric.errors import InputError
+from eccentric.output import own_folder
+
+NAME = "plan"
+HELP = "plan the motion that would tell apart what a diagnosis left open, within the limits of the drive"
+EXAMPLE = """eccentric plan my.csv --rig my.toml --limits limits.toml --out build/plan
+eccentric diagnose my.csv my_new.csv --rig my.toml --out build/settled"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    add_logs(parser)
+    parser.add_argument(
+        "--limits",
+        metavar="LIMITS",
+        required=True,
+        help="speed_rad_s, acceleration_rad_s2, current_A, time_s and angle_rad of the motor: .toml or .json",
+    )
+    add_folder(parser, "the reference, as CSV and C, and its picture")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Diagnose, plan, write the folder, print the plan."""
+    own_folder(args.out)
+    if arm_of(args.rig, {"--model": args.model}):
+        raise InputError(f"{args.rig}: plan requires the rig of a single drive, received that of an arm")
+    found = eccentric.plan(args.logs, args.rig, args.limits, args.model, progress())
+    names = [path.name for path in found.write(args.out)]
+    print_warnings(found.warnings)
+    print(found.summary())
+    print(f"{args.out}: {', '.join(names)}")
+    return 0

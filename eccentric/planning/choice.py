@@ -1,0 +1,87 @@
+"""The sequence of pieces that separates the closest rivals, one piece after another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import permutations
+
+import numpy as np
+
+from eccentric.errors import InputError
+from eccentric.planning.bounds import Bounds
+from eccentric.planning.contest import Contest, Ground
+from eccentric.planning.limits import EVALUATIONS, LEAST_PIECE_S, MARGIN, PIECES, RATE_HZ
+from eccentric.planning.motion import Motion, Piece, joined, pieces
+
+__all__ = ["chosen"]
+
+Offer = tuple[Piece, Ground]
+
+
+def chosen(
+    contest: Contest, bounds: Bounds, seed: int, tell: Callable[[str], None]
+) -> tuple[Motion, tuple[str, ...], dict[tuple[str, str], float]]:
+    """The motion, its pieces in words, and how far it leaves the rivals apart, log included.
+
+    Greedy: each piece is the one that adds most to those before it. Then the sequence as a whole is compared
+    with its best pieces repeated, which shows what drifts with time.
+
+    Raises InputError if no piece stays within the bounds.
+    """
+    count = int(np.clip(bounds.time / LEAST_PIECE_S, 2, PIECES))
+    seconds = bounds.time / count
+    offers: list[Offer] = []
+    for piece in pieces(bounds, seconds, np.random.default_rng(seed)):
+        ground = contest.ground(joined([piece], bounds))
+        if np.max(np.abs(ground.current)) <= (1.0 - MARGIN) * bounds.current:
+            offers.append((piece, ground))
+    if not offers:
+        raise InputError(
+            f"limits: current_A: enough for the slowest motion is required, received {bounds.current:g} A"
+        )
+    tell(f"{len(offers)} pieces of motion within the limits")
+    taken: list[Offer] = []
+    left = bounds.time
+    while fitting := [offer for offer in offers if _length(offer[0]) <= left + 1e-9]:
+        grounds = [contest.log, *(ground for _, ground in taken)]
+        best = max(fitting, key=lambda offer: _worth(contest, [*grounds, offer[1]]))
+        taken.append(best)
+        left -= _length(best[0])
+    sequences = [[piece for piece, _ in taken]]
+    for piece in dict.fromkeys(piece.words for piece, _ in taken):
+        own = next(p for p, _ in taken if p.words == piece)
+        sequences.append([own] * max(int(bounds.time / _length(own)), 1))
+    found = []
+    for parts in sequences:
+        motion = joined(parts, bounds)
+        ground = contest.ground(motion)
+        if np.max(np.abs(ground.current)) <= bounds.current:
+            found.append((_worth(contest, [contest.log, ground]), motion, parts, ground))
+    _, motion, parts, ground = max(found, key=lambda one: one[0])
+    tell("judging the motion")
+    return motion, tuple(p.words for p in parts), _pairs(contest, [contest.log, ground], EVALUATIONS)
+
+
+def _length(piece: Piece) -> float:
+    return len(piece.omega) / RATE_HZ
+
+
+def _pairs(contest: Contest, grounds: Sequence[Ground], evaluations: int = 0) -> dict[tuple[str, str], float]:
+    return {
+        (truth.family, other.family): contest.apart(truth, other, grounds, evaluations)
+        for truth, other in permutations(contest.rivals, 2)
+    }
+
+
+def _worth(contest: Contest, grounds: Sequence[Ground]) -> float:
+    """What grounds are worth: how far the true rival is from the closest other; alone, how well it is known.
+
+    Alone: the log determinant of the information on its coefficients, D-optimality.
+    """
+    if len(contest.rivals) == 1:
+        return float(np.linalg.slogdet(contest.information(contest.rivals[0], grounds))[1])
+    pairs = _pairs(contest, grounds)
+    return sum(
+        rival.chance * float(np.log1p(min(d for (truth, _), d in pairs.items() if truth == rival.family)))
+        for rival in contest.rivals
+    )

@@ -1,0 +1,227 @@
+"""How far apart two rivals are on a motion: the error that one makes where the other is true.
+
+A rival that is wrong is fitted anew to all that will be known, the log and the motion together, with its
+shapes within the range of the library: only what it cannot imitate tells it apart (the T-optimality of
+A. C. Atkinson and V. V. Fedorov, Biometrika 62(1), 1975). The error counts in units of the noise that the log
+showed: twice the expected log-likelihood ratio.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from eccentric.diagnosis import Diagnosis
+from eccentric.effects import Effect
+from eccentric.estimation import Coefficient, ColumnRole
+from eccentric.fitting import Signals, base_coefficients, base_columns, load_torque
+from eccentric.planning.limits import COARSE, EVALUATIONS, INFORMATIVE_HZ, RATE_HZ, TRAINED
+from eccentric.planning.motion import Motion
+from eccentric.planning.rivals import Rival
+from eccentric.search import Candidate, Screen, Variant, bounded_solve, candidate_of, refined
+from eccentric.signals import BalanceDesign, Rows, balance_design
+
+__all__ = ["Contest", "Ground"]
+
+Array = np.ndarray
+
+
+class Sums(NamedTuple):
+    """Of a design X (rows, k) and a target y: X'X, X'y, y'y and the lower bounds of the coefficients."""
+
+    matrix: Array
+    vector: Array
+    square: float
+    lower: Array
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A log or a motion as the rivals see it.
+
+    screen: designs of the balance that shows them; candidates: by id, on its signals; seen: the rows (rows,)
+    that a search would use; per_row: information of a row, 1/(variance of an independent one) times their
+    number per row; current: [A] (samples,), the drive's.
+    """
+
+    screen: Screen
+    candidates: dict[str, Candidate]
+    seen: Array
+    per_row: float
+    current: Array
+
+    def on(self, variants: Sequence[Variant]) -> list[Variant]:
+        """The same variants on the signals of this ground."""
+        return [Variant(self.candidates[v.candidate.id], v.values) for v in variants]
+
+    def predicted(self, rival: Rival) -> Array:
+        """The target (rows,) [N m] that a rival predicts."""
+        target, design, _ = self.screen.design(self.on(rival.variants))
+        return self.screen.balance.target - target + design @ rival.coefficients
+
+    def sums(self, truth: Array, variants: Sequence[Variant]) -> Sums:
+        """The sums of a fit of these variants to a true target (rows,)."""
+        target, design, lower = self.screen.design(self.on(variants))
+        y = (truth - (self.screen.balance.target - target))[self.seen]
+        design = design[self.seen]
+        weight = self.per_row
+        return Sums(weight * design.T @ design, weight * design.T @ y, weight * float(y @ y), lower)
+
+
+class Contest:
+    """The rivals of a diagnosis on its log, and on any motion."""
+
+    def __init__(self, found: Diagnosis, rivals: Sequence[Rival]) -> None:
+        self.found, self.rivals = found, tuple(rivals)
+        self._search = found.attribution.searches[rivals[0].balance]
+        own = {v.candidate.id: v.candidate for rival in rivals for v in rival.variants}
+        offered = self._search.screen.candidates
+        # What a declared value may be off by is part of every rival.
+        self._declared = [c for c in offered if c.tolerance and c.changes is None and c.id not in own]
+        own |= {c.id: c for c in self._declared}
+        self._effects: dict[str, Effect] = {e.id: e for e in found.offered if e.id in own}
+        self._kept: dict[tuple[object, ...], Sums] = {}
+        screen = self._search.screen
+        variance = min(screen.fit(rival.variants).loss.sum() for rival in rivals) / screen.rows
+        seconds = float(np.ptp(screen.balance.rows.t)) or 1.0
+        # Rows overlap; a low pass leaves so many independent ones in a second.
+        self._information = INFORMATIVE_HZ / variance
+        per_row = min(self._information * seconds / screen.rows, 1.0 / variance)
+        self.log = Ground(screen, own, np.ones(screen.rows, bool), per_row, np.empty(0))
+
+    def ground(self, motion: Motion) -> Ground:
+        """A motion as the rivals see it."""
+        signals, base, current = self._signals(motion)
+        balance = self._balance(signals, base, motion)
+        drive = self.found.data.drive
+        only = "mechanical" if drive.by_voltage else None
+        seen = current if drive.measured_twice else None
+        friction = self.found.attribution.searches["mechanical"].base.coefficients
+        model = self.found.models.base
+        candidates = {
+            name: candidate_of(effect, model, signals, friction, only, seen)
+            for name, effect in self._effects.items()
+        }
+        if balance.name == "mechanical":
+            # Effects on the flux that the torque shows.
+            candidates = {
+                name: c if c.balance == "mechanical" or c.also is None else c.in_the("mechanical")
+                for name, c in candidates.items()
+            }
+        seen = np.ones(len(motion.t), bool)
+        if balance.name == "mechanical":
+            seen = np.abs(motion.omega) > self.found.channels.selection.moving_threshold_rad_s
+        per_row = TRAINED * self._information / RATE_HZ
+        return Ground(Screen(balance, ()), candidates, seen, per_row, current)
+
+    def apart(self, truth: Rival, other: Rival, grounds: Sequence[Ground], evaluations: int = 0) -> float:
+        """Twice the expected log-likelihood ratio of a true rival over another on these grounds.
+
+        evaluations: of a refinement of the other's shapes; without any, the factors `COARSE`.
+        """
+
+        def left(variants: Sequence[Variant]) -> float:
+            every = [self._sums(ground, truth, variants) for ground in grounds]
+            matrix = np.sum([s.matrix for s in every], axis=0)
+            matrix = matrix + np.diag(self._prior(len(matrix)))
+            vector, total = np.sum([s.vector for s in every], axis=0), sum(s.square for s in every)
+            c = bounded_solve(matrix, vector, every[0].lower)
+            return max(total + float(c @ matrix @ c - 2.0 * c @ vector), 0.0)
+
+        options = [(*other.variants[:-1], last) for last in _near(other.variants[-1])]
+        losses = [left(variants) for variants in options]
+        best = int(np.argmin(losses))
+        if not evaluations or not other.variants[-1].candidate.shapes:
+            return losses[best]
+        others = options[best][:-1]
+        (last,) = refined([options[best][-1]], lambda v: left((*others, *v)), evaluations)
+        return min(left((*others, last)), losses[best])
+
+    def by_names(self, truth: str, other: str, grounds: Sequence[Ground]) -> float:
+        """`apart` of two rivals by their families, refined."""
+        own = {rival.family: rival for rival in self.rivals}
+        return self.apart(own[truth], own[other], grounds, EVALUATIONS)
+
+    def information(self, rival: Rival, grounds: Sequence[Ground]) -> Array:
+        """The information on the coefficients of a rival (k, k), base first, in 1/(their unit)^2."""
+        found = np.sum([self._sums(ground, rival, rival.variants).matrix for ground in grounds], axis=0)
+        return found + np.diag(self._prior(len(found)))
+
+    def _prior(self, count: int) -> Array:
+        """What is known of each coefficient (k,): of a declared value its tolerance, else nothing."""
+        declared = [candidate.tolerance**-2 for candidate in self._declared]
+        return np.r_[np.zeros(count - len(declared)), declared]
+
+    def _sums(self, ground: Ground, truth: Rival, variants: Sequence[Variant]) -> Sums:
+        """The sums of a fit to what a rival predicts, computed once."""
+        key = (id(ground), truth.family, *(v.key for v in variants))
+        if key not in self._kept:
+            free = [Variant(candidate, {}) for candidate in self._declared]
+            self._kept[key] = ground.sums(ground.predicted(truth), [*variants, *free])
+        return self._kept[key]
+
+    def _signals(self, motion: Motion) -> tuple[Signals, Array, Array]:
+        """The signals of a motion, its base columns (n, p), and the current [A] (n,) that it needs."""
+        data, model = self.found.data, self.found.models.base
+        old = data.signals
+        n, dt = len(motion.t), 1.0 / RATE_HZ
+        values = {
+            "theta_m": motion.theta,
+            "omega_m": motion.omega,
+            "alpha_m": motion.alpha,
+            "t": motion.t,
+            "i": np.zeros(n),
+        }
+        if "temperature" in old.values:
+            values["temperature"] = np.full(n, float(np.median(old.values["temperature"])))
+        signals = replace(old, values=values, dt=np.full(n, dt), starts=(0,), open={})
+        gravity = load_torque(model, replace(signals, values={**values, "alpha_m": np.zeros(n)}))
+        turned = {**values, "alpha_m": np.zeros(n), "theta_m": motion.theta + 1e-4}
+        slope = (load_torque(model, replace(signals, values=turned)) - gravity) / 1e-4 / signals.known["mu"]
+        made: dict[ColumnRole, Array] = {
+            "inertia": motion.alpha,
+            "load": np.ones(n),
+            "gravity": gravity,
+            "back_emf": motion.omega,
+            "offset": np.ones(n),
+            "zero_angle": -slope,
+        }
+        signals = replace(signals, open={c: made[c.role] for c in data.drive.open})
+        base = base_columns(model, signals)
+        mechanical = self.found.attribution.searches["mechanical"].base.coefficients
+        torque = load_torque(model, signals) + base @ mechanical
+        current = data.drive.machine.current_of_torque(signals.known, torque)
+        values["i"] = current
+        if "u" in old.values:
+            values["u"] = data.drive.machine.voltage(signals.known, current, motion.omega)
+        return replace(signals, values=values), base, current
+
+    def _balance(self, signals: Signals, base: Array, motion: Motion) -> BalanceDesign:
+        """The balance of the rivals on a motion, its rows the samples, its target zero."""
+        n, name = len(motion.t), self.rivals[0].balance
+        every = np.ones(n, bool)
+        rows = Rows(
+            motion.t.astype(float), np.zeros(n, int), np.zeros(n, int), every, ~every, np.ones(n), "samples"
+        )
+        coefficients: tuple[Coefficient, ...] = ()
+        columns = np.empty((n, 0))
+        if name == "mechanical":
+            coefficients, columns = base_coefficients(self.found.models.base, signals), base
+        made = balance_design(name, rows, coefficients, np.zeros(n), columns, np.ones(n))
+        return made.without_bounds(but=("friction",)) if name == "mechanical" else made
+
+
+def _near(variant: Variant) -> list[Variant]:
+    """The variant at shapes around its own, within their range."""
+    found = [variant]
+    for shape in variant.candidate.shapes:
+        name, now = shape.quantity.name, found
+        found = [
+            Variant(v.candidate, {**v.values, name: float(np.clip(near, shape.low, shape.high))})
+            for v in now
+            for near in np.multiply(COARSE, v.values[name])
+        ]
+    return found

@@ -1,0 +1,169 @@
+"""Pieces of motion that a drive can follow, each from rest to rest, and their sequence.
+
+Constant speeds of both directions show what depends on the speed; strokes that grow from nearly nothing show
+what depends on the way since the last reversal; sums of sines (J. Swevers et al., IEEE Trans. Robotics and
+Automation 13(5), 1997) mix speeds, angles and accelerations. Ramps are smoothsteps: their rate, the
+acceleration, has no steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.planning.bounds import Bounds
+from eccentric.planning.limits import ACCELERATION_PART, MARGIN, RATE_HZ
+
+__all__ = ["Motion", "Piece", "joined", "pieces"]
+
+Array = NDArray[np.floating]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A reference on the motor side at `RATE_HZ`.
+
+    Attributes:
+        t, theta, omega, alpha: time [s], angle [rad], velocity [rad/s] and acceleration [rad/s^2], (n,).
+    """
+
+    t: Array
+    theta: Array
+    omega: Array
+    alpha: Array
+
+    @property
+    def seconds(self) -> float:
+        """Its length [s]."""
+        return float(self.t[-1])
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A part of a motion, from rest to rest: what it does, in words, and its velocity [rad/s], (n,)."""
+
+    words: str
+    omega: Array
+
+
+def joined(parts: Sequence[Piece], bounds: Bounds) -> Motion:
+    """The pieces one after another, from the middle of the allowed angles."""
+    omega = np.concatenate([part.omega for part in parts])
+    dt = 1.0 / RATE_HZ
+    middle = 0.0 if bounds.angle is None else 0.5 * sum(bounds.angle)
+    theta = middle + np.concatenate([[0.0], np.cumsum(0.5 * (omega[1:] + omega[:-1]) * dt)])
+    return Motion(np.arange(len(omega)) * dt, theta, omega, np.gradient(omega, dt))
+
+
+def pieces(bounds: Bounds, seconds: float, rng: np.random.Generator) -> Iterator[Piece]:
+    """The pieces to choose from, each of about these seconds and within a margin of the bounds."""
+    top, steep = (1.0 - MARGIN) * bounds.speed, ACCELERATION_PART * bounds.acceleration
+    for low, high in ((0.02, 0.2), (0.05, 1.0), (0.3, 1.0)):
+        for order in ("rising", "falling"):
+            yield from _speeds(low * top, high * top, order == "falling", steep, seconds, bounds)
+    for part in (0.01, 0.03, 0.1, 0.3, 0.6, 1.0):
+        yield from _strokes(part * top, steep, seconds, bounds)
+    for reach in (0.01, 0.1, 1.0):
+        yield from _reversals(reach, top, steep, seconds, bounds)
+    for _ in range(8):
+        yield from _sines(top, steep, seconds, bounds, rng)
+
+
+def _speeds(
+    low: float, high: float, falling: bool, steep: float, seconds: float, bounds: Bounds
+) -> Iterator[Piece]:
+    """Constant speeds, geometric steps, there and back: without an end of the angle only."""
+    if bounds.angle is not None:
+        return
+    count = max(2, int(seconds / 3.0))
+    sizes = np.geomspace(low, high, count)
+    sizes = sizes[::-1] if falling else sizes
+    speeds = sizes * (-1.0) ** np.arange(count)
+    omega = _timed(speeds, np.full(count, seconds / count), steep)
+    if omega is not None:
+        word = "falling" if falling else "rising"
+        yield Piece(f"constant speeds of both directions, {word}, {low:.3g} to {high:.3g} rad/s", omega)
+
+
+def _strokes(speed: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Piece]:
+    """Strokes of one speed to both ends, or of a second each."""
+    ramp = 1.5 * 2.0 * speed / steep
+    if bounds.angle is None:
+        hold = max(1.0, 2.0 * ramp)
+    else:
+        room = (1.0 - MARGIN) * (bounds.angle[1] - bounds.angle[0])
+        hold = room / speed - ramp  # a trapezoid covers speed (hold + ramp)
+        if hold < 0.2 * ramp or hold > 0.5 * seconds:
+            return
+    # Half a stroke first: the strokes then lie about the middle.
+    strokes = max(2, 2 * int(seconds / (2.0 * (hold + ramp))))
+    lengths = np.r_[0.5, np.ones(strokes - 1), 0.5] * (hold + ramp)
+    signs = (-1.0) ** np.arange(strokes + 1)
+    omega = _timed(signs * speed, lengths, steep)
+    if omega is not None and len(omega) <= 1.5 * seconds * RATE_HZ:
+        yield Piece(f"strokes in both directions at {speed:.3g} rad/s", omega)
+
+
+def _reversals(reach: float, top: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Piece]:
+    """Slow strokes that grow: 1 % of the reach, then twice as far each time, and back."""
+    whole = 2.0 * np.pi * 5.0 if bounds.angle is None else 0.5 * (1.0 - MARGIN) * np.ptp(bounds.angle)
+    end, cycles = reach * whole, 6
+    amplitudes = end * np.geomspace(0.03, 1.0, cycles)
+    t = np.arange(int(seconds * RATE_HZ)) / RATE_HZ
+    period = seconds / cycles
+    phase, which = (t % period) / period, np.minimum((t / period).astype(int), cycles - 1)
+    # (1 - cos)/2 has no velocity at its ends.
+    rate = 2.0 * np.pi / period
+    omega = amplitudes[which] * 0.5 * rate * np.sin(2.0 * np.pi * phase)
+    alpha = amplitudes[which] * 0.5 * rate**2
+    if np.max(np.abs(omega)) < top and np.max(alpha) < steep:
+        yield Piece(f"reversals that grow to {end:.3g} rad", np.append(omega, 0.0))
+
+
+def _sines(
+    top: float, steep: float, seconds: float, bounds: Bounds, rng: np.random.Generator
+) -> Iterator[Piece]:
+    """A sum of five sines, faded in and out, as large as the bounds allow."""
+    t = np.arange(int(seconds * RATE_HZ) + 1) / RATE_HZ
+    slow = max(2.0 / seconds, 0.05)
+    frequency = slow * np.exp(rng.uniform(0.0, np.log(1.5 / slow), 5))
+    size, shift = rng.uniform(0.3, 1.0, 5), rng.uniform(-np.pi, np.pi, 5)
+    fade = _step(t / 0.8) * _step((t[-1] - t) / 0.8)
+    omega = fade * np.sum(
+        size[:, None] * np.sin(2.0 * np.pi * frequency[:, None] * t + shift[:, None]), axis=0
+    )
+    omega -= fade * np.sum(omega) / np.sum(fade)  # it ends where it began
+    scales = [top / np.max(np.abs(omega)), steep / np.max(np.abs(np.gradient(omega, 1.0 / RATE_HZ)))]
+    if bounds.angle is not None:
+        way = np.cumsum(omega) / RATE_HZ
+        scales.append(0.5 * (1.0 - MARGIN) * np.ptp(bounds.angle) / np.max(np.abs(way)))
+    scale = min(scales)
+    yield Piece(f"a sum of sines, 5 frequencies to {np.max(frequency):.2g} Hz", scale * omega)
+
+
+def _timed(speeds: Array, lengths: Array, steep: float) -> Array | None:
+    """Speeds of these lengths [s], joined by ramps that begin with each, and one back to rest.
+
+    None where a ramp does not fit into its length.
+    """
+    edges = np.r_[0.0, np.cumsum(lengths)]
+    last = 1.5 * abs(speeds[-1]) / steep
+    t = np.arange(int(np.ceil((edges[-1] + last) * RATE_HZ)) + 1) / RATE_HZ
+    omega, before = np.zeros_like(t), 0.0
+    for start, length, speed in zip(edges, [*lengths, np.inf], [*speeds, 0.0], strict=False):
+        ramp = 1.5 * abs(speed - before) / steep
+        if ramp > length:
+            return None
+        omega += (speed - before) * _step((t - start) / ramp if ramp else (t >= start).astype(float))
+        before = float(speed)
+    omega[-1] = 0.0
+    return omega
+
+
+def _step(x: Array) -> Array:
+    """0 below 0, 1 above 1, with no kink in between."""
+    x = np.clip(x, 0.0, 1.0)
+    return x * x * (3.0 - 2.0 * x)

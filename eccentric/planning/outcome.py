@@ -1,0 +1,176 @@
+"""The plan: a motion, what it tells apart, and with what probability."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from eccentric.diagnosis import Diagnosis
+from eccentric.planning.bounds import Bounds
+from eccentric.planning.chance import Pairs, expected
+from eccentric.planning.choice import chosen
+from eccentric.planning.contest import Contest
+from eccentric.planning.limits import DECIDES, RATE_HZ, UNDECIDED, WORTH_A_RUN
+from eccentric.planning.motion import Motion
+from eccentric.planning.rivals import Rival, rivals_of
+
+__all__ = ["Plan", "plan_document", "plan_lines", "planned"]
+
+SEED = 1
+"""Of the sums of sines: the same question gets the same plan."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to measure next.
+
+    Attributes:
+        rivals: what the log left open, most probable first; one alone where it only has to be known better.
+        motion: the reference; current: that it needs [A] (n,), by the most probable rival.
+        parts: what the motion does, in words.
+        bounds: its limits.
+        apart: (true family, other family) -> twice the expected log-likelihood ratio, log included.
+        probability: that the new log decides between the rivals; None for one alone.
+        narrower: of one alone: coefficient -> expected standard error over that on the log.
+        otherwise: a measurement that needs more than a motion, "" where none is known.
+    """
+
+    rivals: tuple[Rival, ...]
+    motion: Motion
+    current: np.ndarray
+    parts: tuple[str, ...]
+    bounds: Bounds
+    apart: Pairs
+    probability: float | None
+    narrower: dict[str, float]
+    otherwise: str
+
+
+def planned(found: Diagnosis, bounds: Bounds, tell: Callable[[str], None] = lambda _: None) -> Plan:
+    """Plan the motion that tells the rivals of a diagnosis apart, or that determines its model best.
+
+    Raises:
+        InputError: no motion stays within the bounds.
+    """
+    rivals = rivals_of(found)
+    tell(f"open: {', '.join(rival.headline for rival in rivals)}")
+    contest = Contest(found, rivals)
+    motion, parts, apart = chosen(contest, bounds, SEED, tell)
+    ground = contest.ground(motion)
+    alone = len(rivals) == 1
+    narrower: dict[str, float] = {}
+    if alone:
+        before, after = (
+            _errors(contest.information(rivals[0], grounds))
+            for grounds in ([contest.log], [contest.log, ground])
+        )
+        # Declared values, free within their tolerance, come after these.
+        names = _names(found, rivals[0])
+        narrower = {name: float(x) for name, x in zip(names, after / before, strict=False)}
+    chances = {rival.family: rival.chance for rival in rivals}
+    apart = {
+        pair: d / max(1.0, contest.by_names(*pair, [contest.log]) / UNDECIDED) for pair, d in apart.items()
+    }
+    return Plan(
+        rivals=rivals,
+        motion=motion,
+        current=ground.current,
+        parts=parts,
+        bounds=bounds,
+        apart=apart,
+        probability=None if alone else expected(apart, chances),
+        narrower=narrower,
+        otherwise=found.attribution.next_measurement,
+    )
+
+
+def _errors(information: np.ndarray) -> np.ndarray:
+    """Standard errors (k,) of coefficients with this information; a scaled inverse, since units differ."""
+    scale = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
+    return np.sqrt(np.diag(np.linalg.pinv(information / np.outer(scale, scale)))) / scale
+
+
+def _names(found: Diagnosis, rival: Rival) -> list[str]:
+    search = found.attribution.searches[rival.balance]
+    names = [c.name for c in search.screen.balance.coefficients]
+    for variant in rival.variants:
+        width = search.screen.columns(variant).shape[1]
+        names += [f"{variant.candidate.id}" + (f" ({k + 1})" if width > 1 else "") for k in range(width)]
+    return names
+
+
+def plan_lines(plan: Plan) -> list[str]:
+    """What a person reads."""
+    names = [f"  {r.family or 'base model'}: {r.headline} ({100 * r.chance:.0f} %)" for r in plan.rivals]
+    said = ["Open after the log:" if len(names) > 1 else "To be known better:", *names]
+    if plan.probability is not None:
+        closest = min(plan.apart, key=lambda pair: plan.apart[pair])
+        said.append(
+            f"This motion decides with a probability of {100 * plan.probability:.0f} %;"
+            f" hardest to tell apart: {closest[0]} from {closest[1]} (deviance {plan.apart[closest]:.3g})."
+        )
+        if plan.probability < WORTH_A_RUN:
+            said.append("No motion within the limits is likely to decide.")
+        if plan.probability < DECIDES and plan.otherwise:
+            said.append(f"What would: {plan.otherwise}")
+    else:
+        said += [
+            f"  {name}: standard error {100 * part:.0f} % of what it is after the log"
+            for name, part in plan.narrower.items()
+        ]
+    moved, bounds = plan.motion, plan.bounds
+    said.append(f"Motion of {moved.seconds:.1f} s at {RATE_HZ:g} Hz:")
+    said += [f"  {k}. {words}" for k, words in enumerate(plan.parts, 1)]
+    said.append("Largest values, beside the limits (motor side):")
+    for word, values, limit, unit in (
+        ("speed", moved.omega, bounds.speed, "rad/s"),
+        ("acceleration", moved.alpha, bounds.acceleration, "rad/s^2"),
+        ("current", plan.current, bounds.current, "A"),
+    ):
+        said.append(f"  {word} {np.max(np.abs(values)):.4g} of {limit:.4g} {unit}")
+    if bounds.angle is not None:
+        low, high = np.min(moved.theta), np.max(moved.theta)
+        said.append(f"  angle {low:.4g} to {high:.4g} of {bounds.angle[0]:.4g} to {bounds.angle[1]:.4g} rad")
+    return said
+
+
+def plan_document(plan: Plan) -> dict[str, Any]:
+    """The content of plan.json, format eccentric-plan/1."""
+    moved, bounds = plan.motion, plan.bounds
+    return {
+        "format": "eccentric-plan/1",
+        "rivals": [
+            {
+                "family": r.family,
+                "id": r.variants[-1].candidate.id if r.variants else "",
+                "balance": r.balance,
+                "probability": r.chance,
+            }
+            for r in plan.rivals
+        ],
+        "probability": plan.probability,
+        "deviance": [
+            {"true": truth, "other": other, "expected": value} for (truth, other), value in plan.apart.items()
+        ],
+        "relative_std_error": plan.narrower,
+        "otherwise": plan.otherwise,
+        "parts": list(plan.parts),
+        "seconds": moved.seconds,
+        "rate_Hz": RATE_HZ,
+        "limits": {
+            "speed_rad_s": bounds.speed,
+            "acceleration_rad_s2": bounds.acceleration,
+            "current_A": bounds.current,
+            "time_s": bounds.time,
+            "angle_rad": None if bounds.angle is None else list(bounds.angle),
+        },
+        "largest": {
+            "speed_rad_s": float(np.max(np.abs(moved.omega))),
+            "acceleration_rad_s2": float(np.max(np.abs(moved.alpha))),
+            "current_A": float(np.max(np.abs(plan.current))),
+            "angle_rad": [float(np.min(moved.theta)), float(np.max(moved.theta))],
+        },
+    }

@@ -1,0 +1,65 @@
+"""What a diagnosis left open: the fits that explain its log alike, each with the log's own evidence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from eccentric.diagnosis import Diagnosis
+from eccentric.search import Variant
+
+__all__ = ["Rival", "rivals_of"]
+
+LEAST_CHANCE = 1e-3
+"""What keeps a rival in the contest that the list of candidates has no probability for."""
+
+
+@dataclass(frozen=True)
+class Rival:
+    """One explanation of a log.
+
+    Attributes:
+        family: the effect that it has in place of the others', "" for none; headline: the same in words.
+        balance: the one that shows it.
+        variants: the effects that all rivals have, then its own.
+        coefficients: of the base, then of the variants, in the order of the balance's design.
+        chance: its probability on the log, relative to the other rivals.
+    """
+
+    family: str
+    headline: str
+    balance: str
+    variants: tuple[Variant, ...]
+    coefficients: np.ndarray
+    chance: float
+
+
+def rivals_of(found: Diagnosis) -> tuple[Rival, ...]:
+    """The rivals of a tie, most probable first; without one, the model that was found, alone."""
+    attribution = found.attribution
+    kept = attribution.adopted if attribution.verdict in {"not_identifiable", "named"} else ()
+    if not kept:
+        base = attribution.searches["mechanical"].base
+        return (Rival("", "the friction of the paper's model", "mechanical", (), base.coefficients, 1.0),)
+    first = next((one for one in kept if one.alike), kept[0])
+    own, search = first.variant.candidate, attribution.searches[first.balance]
+    best = search.best.variants
+    place = next(k for k, variant in enumerate(best) if variant.candidate.id == own.id)
+    options = search.alternatives[place]
+    likely = {c.family: c.probability for c in attribution.candidates}
+    rivals = []
+    for family in dict.fromkeys([own.family, *first.alike]):
+        if family == own.family:
+            variants = (*best[:place], *best[place + 1 :], best[place])
+        elif family in options:
+            variants = options[family][1].variants
+        else:
+            continue
+        fitted = search.screen.fit(variants)
+        words = variants[-1].candidate.words.headline or family
+        chance = max(likely.get(family, 0.0), LEAST_CHANCE)
+        rivals.append(Rival(family, words, first.balance, tuple(variants), fitted.coefficients, chance))
+    whole = sum(rival.chance for rival in rivals)
+    shared = (replace(rival, chance=rival.chance / whole) for rival in rivals)
+    return tuple(sorted(shared, key=lambda rival: -rival.chance))
