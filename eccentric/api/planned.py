@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, read_logs
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, sources_of
 from eccentric.api.result import Printed
 from eccentric.diagnosis import diagnose
 from eccentric.emission import template
@@ -48,7 +48,7 @@ def plan(
         InputError: as `diagnose` does; a limit is missing or not positive; or no motion stays within them.
     """
     bounds = read_bounds(limits)
-    found = diagnose(read_logs(logs), rig, by_name(model), tell=progress)
+    found = diagnose(sources_of(logs), rig, by_name(model), tell=progress)
     made = planned(found, bounds, progress or (lambda _: None))
     return PlanResult(
         plan=made, lines=tuple(plan_lines(made)), warnings=found.warnings, document=plan_document(made)

@@ -132,7 +132,7 @@ def _of_a_fleet(args: argparse.Namespace) -> int:
         raise InputError(f"--fleet: {what} is required with it, received {'one' if args.effect else 'none'}")
     own = {name: value for name in _OF_A_FLEET if (value := getattr(args, name)) is not None}
     with options(_OPTIONS):
-        changed = eccentric.bench_fleet(args.out, seed=args.seed, **own, progress=_bar())
+        changed = eccentric.bench_fleet(args.out, seed=args.seed, **own, progress=bar())
     print(f"{args.out}: logs/, rigs.csv with its rig files")
     print(f"sealed in truth.json: {len(changed)} joints change")
     return 0

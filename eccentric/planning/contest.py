@@ -80,8 +80,8 @@ class Contest:
         own = {v.candidate.id: v.candidate for rival in rivals for v in rival.variants}
         offered = self._search.screen.candidates
         # What a declared value may be off by is part of every rival.
-        self._declared = [c for c in offered if c.tolerance and c.changes is None and c.id not in own]
-        own |= {c.id: c for c in self._declared}
+        self.declared = [c for c in offered if c.tolerance and c.changes is None and c.id not in own]
+        own |= {c.id: c for c in self.declared}
         self._effects: dict[str, Effect] = {e.id: e for e in found.offered if e.id in own}
         self._kept: dict[tuple[object, ...], Sums] = {}
         screen = self._search.screen
@@ -152,14 +152,14 @@ class Contest:
 
     def _prior(self, count: int) -> Array:
         """What is known of each coefficient (k,): of a declared value its tolerance, else nothing."""
-        declared = [candidate.tolerance**-2 for candidate in self._declared]
+        declared = [candidate.tolerance**-2 for candidate in self.declared]
         return np.r_[np.zeros(count - len(declared)), declared]
 
     def _sums(self, ground: Ground, truth: Rival, variants: Sequence[Variant]) -> Sums:
         """The sums of a fit to what a rival predicts, computed once."""
         key = (id(ground), truth.family, *(v.key for v in variants))
         if key not in self._kept:
-            free = [Variant(candidate, {}) for candidate in self._declared]
+            free = [Variant(candidate, {}) for candidate in self.declared]
             self._kept[key] = ground.sums(ground.predicted(truth), [*variants, *free])
         return self._kept[key]
 

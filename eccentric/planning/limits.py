@@ -41,11 +41,11 @@ EVALUATIONS = 60
 """Fits of the refinement that the chosen motion is judged with."""
 SURE = 9.0
 """Odds at which a verdict names an effect: a probability of 0.9."""
-UNDECIDED = 13.0
-"""Expected deviance at which a verdict names the true one of two in half of the logs. Rivals that a log left
-open although its noise should have shown more differ by more than noise: their evidence is worth less."""
 VARIANTS_AGREE = 1.28
 """Standard normal quantile of 0.9: nine variants of the log in ten must find the same."""
+UNDECIDED = (2.0 * VARIANTS_AGREE) ** 2
+"""Expected deviance at which a verdict names the true one of two in half of the logs. Rivals that a log left
+open although its noise should have shown more differ by more than noise: their evidence is worth less."""
 DECIDES = 0.9
 """Probability from which a plan is said to decide."""
 WORTH_A_RUN = 0.5

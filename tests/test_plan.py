@@ -1,0 +1,210 @@
+"""The next motion: within its limits, worth what a fit of the rivals says, and written as it was planned."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from dataclasses import replace
+from itertools import permutations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+import eccentric
+from eccentric.cli import main
+from eccentric.diagnosis import diagnose
+from eccentric.errors import InputError
+from eccentric.planning import Bounds, planned, read_bounds
+from eccentric.planning.chance import decided
+from eccentric.planning.contest import Contest, Ground
+from eccentric.planning.limits import MARGIN, UNDECIDED
+from eccentric.planning.motion import joined, pieces
+from eccentric.planning.rivals import Rival, rivals_of
+from eccentric.search import Variant
+from eccentric.virtual_bench import random_scenario, simulate
+
+LIMITS = {"speed_rad_s": 190.0, "acceleration_rad_s2": 500.0, "current_A": 9.0, "time_s": 40.0}
+
+
+@pytest.fixture(scope="module")
+def tied() -> tuple[dict[str, np.ndarray], dict[str, object]]:
+    """A log in which an eddy-current brake and Stribeck friction look alike, and its rig."""
+    rng = np.random.default_rng(160019)
+    case, log_type = str(rng.choice(["C1", "C2"])), str(rng.choice(["runs", "traj"]))
+    mu, noise = float(rng.choice([1 / 30, 1 / 5, 1 / 2, 1.0])), float(rng.choice([0.004, 0.008, 0.012]))
+    effects = (("eddy_current", 0.08),)
+    run = simulate(random_scenario(rng, case=case, mu=mu, log_type=log_type, effects=effects, noise=noise))
+    return run.columns, run.rig
+
+
+@pytest.fixture(scope="module")
+def contest(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> Contest:
+    """Its rivals."""
+    found = diagnose([tied[0]], tied[1])
+    assert found.attribution.verdict == "not_identifiable"
+    return Contest(found, rivals_of(found))
+
+
+@pytest.mark.parametrize("angle", [None, (-3.0, 5.0)])
+def test_every_piece_keeps_its_margin(angle: tuple[float, float] | None) -> None:
+    """Largest speed, acceleration and angle; it begins and ends at rest, and the angle is the integral."""
+    bounds = Bounds(30.0, 200.0, 1.0, 60.0, angle)
+    found = list(pieces(bounds, 10.0, np.random.default_rng(0)))
+
+    assert len(found) > 8
+    for piece in found:
+        motion = joined([piece], bounds)
+        assert np.max(np.abs(motion.omega)) <= (1.0 - MARGIN) * bounds.speed * (1.0 + 1e-9), piece.words
+        assert np.max(np.abs(motion.alpha)) <= bounds.acceleration, piece.words
+        assert motion.omega[0] == pytest.approx(0.0, abs=1e-9)
+        assert motion.omega[-1] == pytest.approx(0.0, abs=1e-9)
+        way = np.trapezoid(motion.omega, motion.t)
+        assert motion.theta[-1] - motion.theta[0] == pytest.approx(way, rel=1e-9, abs=1e-9)
+        if angle is not None:
+            assert angle[0] <= np.min(motion.theta)
+            assert np.max(motion.theta) <= angle[1]
+
+
+def test_the_probability_to_decide_has_its_limits() -> None:
+    """Nothing apart decides nothing; half of the logs at its constant; far apart, all: the same as drawn."""
+    assert decided(0.0) < 1e-6
+    assert decided(UNDECIDED) == pytest.approx(0.5, abs=1e-6)
+    assert decided(200.0) > 1.0 - 1e-6
+
+    rng = np.random.default_rng(1)
+    for apart in (10.0, 20.0):
+        # Gaussian noise on rows whose means are `apart` from those of the other model.
+        shift = np.sqrt(apart / 400.0)
+        noise = rng.standard_normal((4000, 400))
+        ratio = 0.5 * (((noise + shift) ** 2).sum(axis=1) - (noise**2).sum(axis=1))
+        needed = max(np.log(9.0), 1.28 * np.sqrt(apart))
+        assert decided(apart) == pytest.approx(np.mean(ratio > needed), abs=0.03)
+
+
+def test_a_rival_is_not_apart_from_itself(contest: Contest) -> None:
+    """It imitates itself exactly, on the log and on a motion."""
+    for rival in contest.rivals:
+        assert contest.apart(rival, rival, [contest.log, _ground(contest)]) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_apart_is_the_error_of_the_best_imitation(contest: Contest) -> None:
+    """SciPy's bounded least squares on all rows at once, over a fine grid of shapes; declared values hold."""
+    contest = Contest(contest.found, contest.rivals)
+    contest.declared.clear()
+    truth, other = contest.rivals
+    grounds = [contest.log, _ground(contest)]
+    (shape,) = other.variants[-1].candidate.shapes
+    losses = []
+    for value in np.geomspace(shape.low, shape.high, 100):
+        variants = [replace(other.variants[-1], values={shape.quantity.name: float(value)})]
+        rows = [_rows(ground, truth, variants) for ground in grounds]
+        design, target = (np.concatenate([part[k] for part in rows]) for k in (0, 1))
+        lower = grounds[0].screen.design(variants)[2]
+        losses.append(2.0 * lsq_linear(design, target, (lower, np.inf)).cost)
+
+    assert contest.apart(truth, other, grounds, 60) == pytest.approx(min(losses), rel=0.02)
+
+
+def test_a_motion_adds_to_what_the_log_tells(contest: Contest) -> None:
+    """The best fit to both is at least as bad as the best to each."""
+    grounds = [contest.log, _ground(contest)]
+    for truth, other in permutations(contest.rivals, 2):
+        alone = [contest.apart(truth, other, [ground]) for ground in grounds]
+        assert contest.apart(truth, other, grounds) >= sum(alone) * (1.0 - 1e-9) - 1e-6
+
+
+def _ground(contest: Contest) -> Ground:
+    bounds = read_bounds(LIMITS)
+    return contest.ground(joined([next(pieces(bounds, 10.0, np.random.default_rng(0)))], bounds))
+
+
+def _rows(ground: Ground, truth: Rival, variants: list[Variant]) -> tuple[np.ndarray, np.ndarray]:
+    """Design and target in units of the noise."""
+    target, design, _ = ground.screen.design(ground.on(variants))
+    y = ground.predicted(truth) - (ground.screen.balance.target - target)
+    weight = np.sqrt(ground.per_row)
+    return weight * design[ground.seen], weight * y[ground.seen]
+
+
+def test_the_plan_keeps_the_limits_and_is_written_as_it_is(
+    tied: tuple[dict[str, np.ndarray], dict[str, object]], tmp_path: Path
+) -> None:
+    """What the files hold: the motion within its limits, and C that compiles silently and holds the same."""
+    found = eccentric.plan(*tied, LIMITS)
+    out = tmp_path / "plan"
+    names = sorted(path.name for path in found.write(out))
+    assert names == ["plan.json", "plan.png", "plan.svg", "reference.csv", "reference.h"]
+
+    table = np.genfromtxt(out / "reference.csv", delimiter=",", names=True)
+    said = json.loads((out / "plan.json").read_text(encoding="utf-8"))
+    for column, limit in (("omega_m_rad_s", "speed_rad_s"), ("alpha_m_rad_s2", "acceleration_rad_s2")):
+        assert np.max(np.abs(table[column])) <= LIMITS[limit]
+        assert said["largest"][limit] == pytest.approx(np.max(np.abs(table[column])), rel=1e-5)
+    assert said["largest"]["current_A"] <= LIMITS["current_A"]
+    assert table["time_s"][-1] <= LIMITS["time_s"] * 1.05
+    assert {one["family"] for one in said["rivals"]} == {"eddy_current", "stribeck"}
+    assert 0.0 <= said["probability"] <= 1.0
+
+    source = out / "use.c"
+    source.write_text(
+        '#include <stdio.h>\n#include "reference.h"\nint main(void) { for (int k = 0; k < REFERENCE_POINTS; '
+        'k++) printf("%.9g %.9g %.9g\\n", (double)reference[k][0], (double)reference[k][1], '
+        "(double)reference[k][2]); return 0; }\n",
+        encoding="utf-8",
+    )
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+    subprocess.run(["cc", *flags, str(source), "-o", str(out / "use")], check=True)
+    printed = subprocess.run([str(out / "use")], capture_output=True, text=True, check=True).stdout
+    values = np.array([line.split() for line in printed.splitlines()], dtype=float)
+    rows = np.column_stack([table[name] for name in ("theta_m_rad", "omega_m_rad_s", "alpha_m_rad_s2")])[::4]
+    np.testing.assert_allclose(values, rows, rtol=1e-5, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"speed_rad_s": None}, r"limits: speed_rad_s is required"),
+        ({"speed_rad_s": -1.0}, r"limits: speed_rad_s: a finite number above 0"),
+        ({"speed_rad_s": "3 m"}, r"limits: speed_rad_s: .*rad/s"),
+        ({"time_s": 2.0}, r"limits: time_s: at least 10 s"),
+        ({"angle_rad": [1.0, -1.0]}, r"limits: angle_rad: lower before upper"),
+        ({"angle_rad": 1.0}, r"limits: angle_rad: a range of two"),
+        ({"torque": 1.0}, r"limits: .*torque"),
+    ],
+)
+def test_limits_that_cannot_be_are_refused(changed: dict[str, object], message: str) -> None:
+    """One line with the key, what is required and what came."""
+    given = {key: value for key, value in {**LIMITS, **changed}.items() if value is not None}
+    with pytest.raises(InputError, match=message):
+        read_bounds(given)
+
+
+def test_a_current_that_moves_nothing_is_refused(
+    contest: Contest,
+) -> None:
+    """No piece of motion stays within it."""
+    with pytest.raises(InputError, match=r"current_A: enough for the slowest motion"):
+        planned(contest.found, read_bounds({**LIMITS, "current_A": 1e-3}))
+
+
+def test_the_command_prints_what_is_open(
+    tied: tuple[dict[str, np.ndarray], dict[str, object]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """From files to files, with a missing limit as one line."""
+    log, rig, limits = tmp_path / "log.csv", tmp_path / "rig.json", tmp_path / "limits.toml"
+    np.savetxt(
+        log, np.column_stack(list(tied[0].values())), delimiter=",", header=",".join(tied[0]), comments=""
+    )
+    rig.write_text(json.dumps(tied[1]), encoding="utf-8")
+    limits.write_text("speed_rad_s = 190.0\nacceleration_rad_s2 = 500.0\ntime_s = 40\n", encoding="utf-8")
+    given = ["plan", str(log), "--rig", str(rig), "--limits", str(limits), "--out", str(tmp_path / "plan")]
+
+    assert main(given) == 2
+    assert "current_A is required" in capsys.readouterr().err
+
+    limits.write_text(limits.read_text(encoding="utf-8") + 'current_A = "9000 mA"\n', encoding="utf-8")
+    assert main(given) == 0
+    assert re.search(r"decides with a probability of \d+ %", capsys.readouterr().out)
