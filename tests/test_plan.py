@@ -19,10 +19,10 @@ from eccentric.diagnosis import diagnose
 from eccentric.errors import InputError
 from eccentric.planning import Bounds, planned, read_bounds
 from eccentric.planning.chance import decided
-from eccentric.planning.contest import Contest, Ground
 from eccentric.planning.limits import MARGIN, UNDECIDED
 from eccentric.planning.motion import joined, pieces
 from eccentric.planning.rivals import Rival, rivals_of
+from eccentric.planning.separation import Ground, Separation
 from eccentric.search import Variant
 from eccentric.virtual_bench import random_scenario, simulate
 
@@ -41,11 +41,11 @@ def tied() -> tuple[dict[str, np.ndarray], dict[str, object]]:
 
 
 @pytest.fixture(scope="module")
-def contest(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> Contest:
+def contest(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> Separation:
     """Its rivals."""
     found = diagnose([tied[0]], tied[1])
     assert found.attribution.verdict == "not_identifiable"
-    return Contest(found, rivals_of(found))
+    return Separation(found, rivals_of(found))
 
 
 @pytest.mark.parametrize("angle", [None, (-3.0, 5.0)])
@@ -84,15 +84,15 @@ def test_the_probability_to_decide_has_its_limits() -> None:
         assert decided(apart) == pytest.approx(np.mean(ratio > needed), abs=0.03)
 
 
-def test_a_rival_is_not_apart_from_itself(contest: Contest) -> None:
+def test_a_rival_is_not_apart_from_itself(contest: Separation) -> None:
     """It imitates itself exactly, on the log and on a motion."""
     for rival in contest.rivals:
         assert contest.apart(rival, rival, [contest.log, _ground(contest)]) == pytest.approx(0.0, abs=1e-3)
 
 
-def test_apart_is_the_error_of_the_best_imitation(contest: Contest) -> None:
+def test_apart_is_the_error_of_the_best_imitation(contest: Separation) -> None:
     """SciPy's bounded least squares on all rows at once, over a fine grid of shapes; declared values hold."""
-    contest = Contest(contest.found, contest.rivals)
+    contest = Separation(contest.found, contest.rivals)
     contest.declared.clear()
     truth, other = contest.rivals
     grounds = [contest.log, _ground(contest)]
@@ -108,7 +108,7 @@ def test_apart_is_the_error_of_the_best_imitation(contest: Contest) -> None:
     assert contest.apart(truth, other, grounds, 60) == pytest.approx(min(losses), rel=0.02)
 
 
-def test_a_motion_adds_to_what_the_log_tells(contest: Contest) -> None:
+def test_a_motion_adds_to_what_the_log_tells(contest: Separation) -> None:
     """The best fit to both is at least as bad as the best to each."""
     grounds = [contest.log, _ground(contest)]
     for truth, other in permutations(contest.rivals, 2):
@@ -116,7 +116,7 @@ def test_a_motion_adds_to_what_the_log_tells(contest: Contest) -> None:
         assert contest.apart(truth, other, grounds) >= sum(alone) * (1.0 - 1e-9) - 1e-6
 
 
-def _ground(contest: Contest) -> Ground:
+def _ground(contest: Separation) -> Ground:
     bounds = read_bounds(LIMITS)
     return contest.ground(joined([next(pieces(bounds, 10.0, np.random.default_rng(0)))], bounds))
 
@@ -183,7 +183,7 @@ def test_limits_that_cannot_be_are_refused(changed: dict[str, object], message: 
 
 
 def test_a_current_that_moves_nothing_is_refused(
-    contest: Contest,
+    contest: Separation,
 ) -> None:
     """No piece of motion stays within it."""
     with pytest.raises(InputError, match=r"current_A: enough for the slowest motion"):

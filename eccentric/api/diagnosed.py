@@ -80,8 +80,8 @@ def diagnose(
     base, offered = by_name(model), None if effects is None else given_path(effects, "effects")
     paths = _scripts(offered, base)
     request = SearchRequest(*(names_given(names) for names in (including, without, only)))
-    rig = read_rig(rig)
-    read = read_long(sources_of(logs), rig, tell=reading)
+    sources, rig = sources_of(logs), read_rig(rig)
+    read = read_long(sources, rig, tell=reading)
     found = diagnose_logs(read, rig, base, offered, request, progress)
     return result_of(found, {path.name: path.read_text(encoding="utf-8") for path in paths})
 

@@ -54,8 +54,8 @@ def fit(
         InputError: a log or the rig cannot be read, they do not match, or the log has too few rows or too
             little motion for the model.
     """
-    rig = read_rig(rig)
-    read = read_long(sources_of(logs), rig, FIT_POINTS, reading)
+    sources, rig = sources_of(logs), read_rig(rig)
+    read = read_long(sources, rig, FIT_POINTS, reading)
     channels = read_channels(read, rig)
     chosen = channels.rig.model if model is None else model
     base = model_of(chosen)

@@ -14,7 +14,15 @@ from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, so
 from eccentric.api.result import Printed
 from eccentric.diagnosis import diagnose
 from eccentric.emission import template
-from eccentric.planning import RATE_HZ, Bounds, Plan, plan_document, plan_lines, planned, read_bounds
+from eccentric.planning import (
+    RATE_HZ,
+    Bounds,
+    MeasurementPlan,
+    plan_document,
+    plan_lines,
+    planned,
+    read_bounds,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -64,7 +72,7 @@ class PlanResult(Printed):
         lines, warnings, document: as in Printed; the document is the content of plan.json.
     """
 
-    plan: Plan
+    plan: MeasurementPlan
 
     @property
     def reference(self) -> dict[str, np.ndarray]:

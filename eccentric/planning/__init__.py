@@ -3,19 +3,28 @@
     bounds      what the motion may not exceed: angle, speed, acceleration, current, time
     motion      pieces of motion that a drive can follow, and their sequence
     rivals      what a diagnosis left open: fits that explain its log alike
-    contest     how far apart two rivals are on a motion, each fitted anew to log and motion
+    separation     how far apart two rivals are on a motion, each fitted anew to log and motion
     choice      the sequence of pieces that separates the closest two
     chance      the probability that the new log decides
     outcome     the plan: motion, rivals, probability, words
     limits      every threshold, with its reason
 
-In: a `Diagnosis` and `Bounds`.  Out: a `Plan`.
+In: a `Diagnosis` and `Bounds`.  Out: a `MeasurementPlan`.
 May import: `diagnosis`, `search`, `fitting`, `signals`, `rigs`, `logs`, `model`, `effects`, `estimation`.
 """
 
 from eccentric.planning.bounds import Bounds, read_bounds
 from eccentric.planning.limits import RATE_HZ
-from eccentric.planning.motion import Motion
-from eccentric.planning.outcome import Plan, plan_document, plan_lines, planned
+from eccentric.planning.motion import Reference
+from eccentric.planning.outcome import MeasurementPlan, plan_document, plan_lines, planned
 
-__all__ = ["RATE_HZ", "Bounds", "Motion", "Plan", "plan_document", "plan_lines", "planned", "read_bounds"]
+__all__ = [
+    "RATE_HZ",
+    "Bounds",
+    "MeasurementPlan",
+    "Reference",
+    "plan_document",
+    "plan_lines",
+    "planned",
+    "read_bounds",
+]

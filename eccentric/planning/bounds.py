@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from eccentric.entries import read_document, refuse_unknown
+from eccentric.entries import read_document, read_number, refuse_unknown
 from eccentric.errors import InputError
 from eccentric.logs import parse_value
 from eccentric.places import given_path
 from eccentric.planning.limits import LEAST_TIME_S
-from eccentric.rigs.entries import plain_entries, read_number, read_pair
+from eccentric.rigs import plain_entries, read_pair
 
 __all__ = ["Bounds", "read_bounds"]
 

@@ -1,8 +1,8 @@
 """The probability that a diagnosis of log and motion together decides, from how far apart the rivals are.
 
 For a true rival the log-likelihood ratio over another is normal, with mean D/2 and variance D, where D is
-what `contest` computes. A verdict needs the odds `SURE`, and the same answer in nine variants of the log in
-ten, each a draw of its blocks: the ratio then varies once more by the same spread.
+what `separation` computes. A verdict needs the odds `SURE`, and the same answer in nine variants of the log
+in ten, each a draw of its blocks: the ratio then varies once more by the same spread.
 """
 
 from __future__ import annotations

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from eccentric.planning.bounds import Bounds
 from eccentric.planning.limits import ACCELERATION_PART, MARGIN, RATE_HZ
 
-__all__ = ["Motion", "Piece", "joined", "pieces"]
+__all__ = ["Reference", "Segment", "joined", "pieces"]
 
 Array = NDArray[np.floating]
 
 
 @dataclass(frozen=True)
-class Motion:
+class Reference:
     """A reference on the motor side at `RATE_HZ`.
 
     Attributes:
@@ -42,23 +42,23 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Piece:
+class Segment:
     """A part of a motion, from rest to rest: what it does, in words, and its velocity [rad/s], (n,)."""
 
     words: str
     omega: Array
 
 
-def joined(parts: Sequence[Piece], bounds: Bounds) -> Motion:
+def joined(parts: Sequence[Segment], bounds: Bounds) -> Reference:
     """The pieces one after another, from the middle of the allowed angles."""
     omega = np.concatenate([part.omega for part in parts])
     dt = 1.0 / RATE_HZ
     middle = 0.0 if bounds.angle is None else 0.5 * sum(bounds.angle)
     theta = middle + np.concatenate([[0.0], np.cumsum(0.5 * (omega[1:] + omega[:-1]) * dt)])
-    return Motion(np.arange(len(omega)) * dt, theta, omega, np.gradient(omega, dt))
+    return Reference(np.arange(len(omega)) * dt, theta, omega, np.gradient(omega, dt))
 
 
-def pieces(bounds: Bounds, seconds: float, rng: np.random.Generator) -> Iterator[Piece]:
+def pieces(bounds: Bounds, seconds: float, rng: np.random.Generator) -> Iterator[Segment]:
     """The pieces to choose from, each of about these seconds and within a margin of the bounds."""
     top, steep = (1.0 - MARGIN) * bounds.speed, ACCELERATION_PART * bounds.acceleration
     for low, high in ((0.02, 0.2), (0.05, 1.0), (0.3, 1.0)):
@@ -74,7 +74,7 @@ def pieces(bounds: Bounds, seconds: float, rng: np.random.Generator) -> Iterator
 
 def _speeds(
     low: float, high: float, falling: bool, steep: float, seconds: float, bounds: Bounds
-) -> Iterator[Piece]:
+) -> Iterator[Segment]:
     """Constant speeds, geometric steps, there and back: without an end of the angle only."""
     if bounds.angle is not None:
         return
@@ -85,10 +85,10 @@ def _speeds(
     omega = _timed(speeds, np.full(count, seconds / count), steep)
     if omega is not None:
         word = "falling" if falling else "rising"
-        yield Piece(f"constant speeds of both directions, {word}, {low:.3g} to {high:.3g} rad/s", omega)
+        yield Segment(f"constant speeds of both directions, {word}, {low:.3g} to {high:.3g} rad/s", omega)
 
 
-def _strokes(speed: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Piece]:
+def _strokes(speed: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Segment]:
     """Strokes of one speed to both ends, or of a second each."""
     ramp = 1.5 * 2.0 * speed / steep
     if bounds.angle is None:
@@ -104,10 +104,10 @@ def _strokes(speed: float, steep: float, seconds: float, bounds: Bounds) -> Iter
     signs = (-1.0) ** np.arange(strokes + 1)
     omega = _timed(signs * speed, lengths, steep)
     if omega is not None and len(omega) <= 1.5 * seconds * RATE_HZ:
-        yield Piece(f"strokes in both directions at {speed:.3g} rad/s", omega)
+        yield Segment(f"strokes in both directions at {speed:.3g} rad/s", omega)
 
 
-def _reversals(reach: float, top: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Piece]:
+def _reversals(reach: float, top: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Segment]:
     """Slow strokes that grow: 1 % of the reach, then twice as far each time, and back."""
     whole = 2.0 * np.pi * 5.0 if bounds.angle is None else 0.5 * (1.0 - MARGIN) * np.ptp(bounds.angle)
     end, cycles = reach * whole, 6
@@ -120,12 +120,12 @@ def _reversals(reach: float, top: float, steep: float, seconds: float, bounds: B
     omega = amplitudes[which] * 0.5 * rate * np.sin(2.0 * np.pi * phase)
     alpha = amplitudes[which] * 0.5 * rate**2
     if np.max(np.abs(omega)) < top and np.max(alpha) < steep:
-        yield Piece(f"reversals that grow to {end:.3g} rad", np.append(omega, 0.0))
+        yield Segment(f"reversals that grow to {end:.3g} rad", np.append(omega, 0.0))
 
 
 def _sines(
     top: float, steep: float, seconds: float, bounds: Bounds, rng: np.random.Generator
-) -> Iterator[Piece]:
+) -> Iterator[Segment]:
     """A sum of five sines, faded in and out, as large as the bounds allow."""
     t = np.arange(int(seconds * RATE_HZ) + 1) / RATE_HZ
     slow = max(2.0 / seconds, 0.05)
@@ -141,7 +141,7 @@ def _sines(
         way = np.cumsum(omega) / RATE_HZ
         scales.append(0.5 * (1.0 - MARGIN) * np.ptp(bounds.angle) / np.max(np.abs(way)))
     scale = min(scales)
-    yield Piece(f"a sum of sines, 5 frequencies to {np.max(frequency):.2g} Hz", scale * omega)
+    yield Segment(f"a sum of sines, 5 frequencies to {np.max(frequency):.2g} Hz", scale * omega)
 
 
 def _timed(speeds: Array, lengths: Array, steep: float) -> Array | None:

@@ -12,19 +12,19 @@ from eccentric.diagnosis import Diagnosis
 from eccentric.planning.bounds import Bounds
 from eccentric.planning.chance import Pairs, expected
 from eccentric.planning.choice import chosen
-from eccentric.planning.contest import Contest
 from eccentric.planning.limits import DECIDES, RATE_HZ, UNDECIDED, WORTH_A_RUN
-from eccentric.planning.motion import Motion
+from eccentric.planning.motion import Reference
 from eccentric.planning.rivals import Rival, rivals_of
+from eccentric.planning.separation import Separation
 
-__all__ = ["Plan", "plan_document", "plan_lines", "planned"]
+__all__ = ["MeasurementPlan", "plan_document", "plan_lines", "planned"]
 
 SEED = 1
 """Of the sums of sines: the same question gets the same plan."""
 
 
 @dataclass(frozen=True)
-class Plan:
+class MeasurementPlan:
     """What to measure next.
 
     Attributes:
@@ -39,7 +39,7 @@ class Plan:
     """
 
     rivals: tuple[Rival, ...]
-    motion: Motion
+    motion: Reference
     current: np.ndarray
     parts: tuple[str, ...]
     bounds: Bounds
@@ -49,7 +49,9 @@ class Plan:
     otherwise: str
 
 
-def planned(found: Diagnosis, bounds: Bounds, tell: Callable[[str], None] = lambda _: None) -> Plan:
+def planned(
+    found: Diagnosis, bounds: Bounds, tell: Callable[[str], None] = lambda _: None
+) -> MeasurementPlan:
     """Plan the motion that tells the rivals of a diagnosis apart, or that determines its model best.
 
     Raises:
@@ -57,24 +59,25 @@ def planned(found: Diagnosis, bounds: Bounds, tell: Callable[[str], None] = lamb
     """
     rivals = rivals_of(found)
     tell(f"open: {', '.join(rival.headline for rival in rivals)}")
-    contest = Contest(found, rivals)
-    motion, parts, apart = chosen(contest, bounds, SEED, tell)
-    ground = contest.ground(motion)
+    separation = Separation(found, rivals)
+    motion, parts, apart = chosen(separation, bounds, SEED, tell)
+    ground = separation.ground(motion)
     alone = len(rivals) == 1
     narrower: dict[str, float] = {}
     if alone:
         before, after = (
-            _errors(contest.information(rivals[0], grounds))
-            for grounds in ([contest.log], [contest.log, ground])
+            _errors(separation.information(rivals[0], grounds))
+            for grounds in ([separation.log], [separation.log, ground])
         )
         # Declared values, free within their tolerance, come after these.
         names = _names(found, rivals[0])
         narrower = {name: float(x) for name, x in zip(names, after / before, strict=False)}
     chances = {rival.family: rival.chance for rival in rivals}
     apart = {
-        pair: d / max(1.0, contest.by_names(*pair, [contest.log]) / UNDECIDED) for pair, d in apart.items()
+        pair: d / max(1.0, separation.by_names(*pair, [separation.log]) / UNDECIDED)
+        for pair, d in apart.items()
     }
-    return Plan(
+    return MeasurementPlan(
         rivals=rivals,
         motion=motion,
         current=ground.current,
@@ -102,7 +105,7 @@ def _names(found: Diagnosis, rival: Rival) -> list[str]:
     return names
 
 
-def plan_lines(plan: Plan) -> list[str]:
+def plan_lines(plan: MeasurementPlan) -> list[str]:
     """What a person reads."""
     names = [f"  {r.family or 'base model'}: {r.headline} ({100 * r.chance:.0f} %)" for r in plan.rivals]
     said = ["Open after the log:" if len(names) > 1 else "To be known better:", *names]
@@ -137,7 +140,7 @@ def plan_lines(plan: Plan) -> list[str]:
     return said
 
 
-def plan_document(plan: Plan) -> dict[str, Any]:
+def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
     """The content of plan.json, format eccentric-plan/1."""
     moved, bounds = plan.motion, plan.bounds
     return {

@@ -9,6 +9,7 @@ May import: `logs` for units, `model` for the vocabulary and chains, `arms` for 
 
 from eccentric.rigs.arm_rig import ArmRig, names_arm, read_arm_rig
 from eccentric.rigs.complaints import rig_complaints
+from eccentric.rigs.entries import plain_entries, read_pair
 from eccentric.rigs.known import KNOWNS, Known, mass_alone
 from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
 from eccentric.rigs.rig import KEYS, Rig, read_rig
@@ -29,7 +30,9 @@ __all__ = [
     "Sampling",
     "mass_alone",
     "names_arm",
+    "plain_entries",
     "read_arm_rig",
+    "read_pair",
     "read_rig",
     "rig_complaints",
 ]

@@ -19,12 +19,12 @@ from eccentric.effects import Effect
 from eccentric.estimation import Coefficient, ColumnRole
 from eccentric.fitting import Signals, base_coefficients, base_columns, load_torque
 from eccentric.planning.limits import COARSE, EVALUATIONS, INFORMATIVE_HZ, RATE_HZ, TRAINED
-from eccentric.planning.motion import Motion
+from eccentric.planning.motion import Reference
 from eccentric.planning.rivals import Rival
 from eccentric.search import Candidate, Screen, Variant, bounded_solve, candidate_of, refined
 from eccentric.signals import BalanceDesign, Rows, balance_design
 
-__all__ = ["Contest", "Ground"]
+__all__ = ["Ground", "Separation"]
 
 Array = np.ndarray
 
@@ -71,7 +71,7 @@ class Ground:
         return Sums(weight * design.T @ design, weight * design.T @ y, weight * float(y @ y), lower)
 
 
-class Contest:
+class Separation:
     """The rivals of a diagnosis on its log, and on any motion."""
 
     def __init__(self, found: Diagnosis, rivals: Sequence[Rival]) -> None:
@@ -92,7 +92,7 @@ class Contest:
         per_row = min(self._information * seconds / screen.rows, 1.0 / variance)
         self.log = Ground(screen, own, np.ones(screen.rows, bool), per_row, np.empty(0))
 
-    def ground(self, motion: Motion) -> Ground:
+    def ground(self, motion: Reference) -> Ground:
         """A motion as the rivals see it."""
         signals, base, current = self._signals(motion)
         balance = self._balance(signals, base, motion)
@@ -163,7 +163,7 @@ class Contest:
             self._kept[key] = ground.sums(ground.predicted(truth), [*variants, *free])
         return self._kept[key]
 
-    def _signals(self, motion: Motion) -> tuple[Signals, Array, Array]:
+    def _signals(self, motion: Reference) -> tuple[Signals, Array, Array]:
         """The signals of a motion, its base columns (n, p), and the current [A] (n,) that it needs."""
         data, model = self.found.data, self.found.models.base
         old = data.signals
@@ -199,7 +199,7 @@ class Contest:
             values["u"] = data.drive.machine.voltage(signals.known, current, motion.omega)
         return replace(signals, values=values), base, current
 
-    def _balance(self, signals: Signals, base: Array, motion: Motion) -> BalanceDesign:
+    def _balance(self, signals: Signals, base: Array, motion: Reference) -> BalanceDesign:
         """The balance of the rivals on a motion, its rows the samples, its target zero."""
         n, name = len(motion.t), self.rivals[0].balance
         every = np.ones(n, bool)
