@@ -148,5 +148,9 @@ DIAGNOSIS: dict[str, Asked] = {
     ),
     "drafted silently wrong": Asked("the same: wrong without a doubt stated", "at most", 0),
     "drafted fits": Asked("the same: fitted with at most three values typed", "at least", 100, "%"),
+    "plan right": Asked("tied logs: right family named after the planned motion", "at least", 0.95),
+    "plan stated": Asked("the same: stated probability, from what happened", "at most", 0.1),
+    "plan seconds": Asked("the same: processor time of a plan", "at most", 60, "s"),
+    "plan broken": Asked("the same: limits broken by drives 10 % off", "at most", 0),
     "readers": Asked("fuzzed inputs neither taken nor refused in one line", "at most", 0),
 }

@@ -31,6 +31,7 @@ from benchmarks import (
     host,
     intervals,
     long,
+    planned,
     speed,
     target,
 )
@@ -52,6 +53,7 @@ PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "readers": ("Fuzzed readers", fuzz.measured),
     "intervals": ("Intervals", intervals.measured),
     "drafted": ("Drafted rigs", drafted.measured),
+    "plan": ("The next measurement", planned.measured),
     "diagnosis": ("Diagnosis", diagnosis.measured),
     "joints": ("Diagnosis of arms", arms_diagnosis.measured),
 }

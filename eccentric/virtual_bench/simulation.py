@@ -23,17 +23,22 @@ class BenchRun:
     columns: dict[str, np.ndarray]
     rig: dict[str, Any]
     truth: dict[str, Any]
+    scenario: Scenario
 
 
-def simulate(scenario: Scenario) -> BenchRun:
+def simulate(scenario: Scenario, *, again: bool = False) -> BenchRun:
     """Run the bench; the same scenario gives the same run.
 
     Each effect's amplitude is corrected until its rms, over rows in motion, is the requested strength times
     the rms of the paper's friction there: to 0.2 %, or as close as its physical bound allows.
+
+    Args:
+        scenario: what to run.
+        again: whether the rig is that of another run, on another course: amplitudes stay as they are.
     """
     raw = _run(scenario)
     powers = [1.0] * len(scenario.effects)
-    for _ in range(_MOST_RUNS - 1):
+    for _ in range(0 if again else _MOST_RUNS - 1):
         effects = _corrected(scenario.effects, _fractions(raw), powers)
         if effects == scenario.effects:
             break
@@ -41,7 +46,7 @@ def simulate(scenario: Scenario) -> BenchRun:
         raw = _run(scenario)
         powers = _powers(before, (scenario, raw), powers)
     columns = _log(scenario, raw)
-    return BenchRun(columns, _rig(scenario, columns, raw), _truth(scenario, raw))
+    return BenchRun(columns, _rig(scenario, columns, raw), _truth(scenario, raw), scenario)
 
 
 @dataclass(frozen=True)
