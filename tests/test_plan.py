@@ -161,6 +161,37 @@ def test_the_plan_keeps_the_limits_and_is_written_as_it_is(
     values = np.array([line.split() for line in printed.splitlines()], dtype=float)
     rows = np.column_stack([table[name] for name in ("theta_m_rad", "omega_m_rad_s", "alpha_m_rad_s2")])[::4]
     np.testing.assert_allclose(values, rows, rtol=1e-5, atol=1e-5)
+    # From rest to rest, in both.
+    assert np.max(np.abs(values[-1, 1:])) == 0.0
+    assert np.max(np.abs([table[-1]["omega_m_rad_s"], table[-1]["alpha_m_rad_s2"]])) == 0.0
+    # The angle is the integral of the velocity, to what six decimals round.
+    way = np.diff(table["theta_m_rad"]) * 200.0
+    middle = 0.5 * (table["omega_m_rad_s"][1:] + table["omega_m_rad_s"][:-1])
+    assert np.max(np.abs(way - middle)) < 1e-3
+
+
+def test_the_angle_is_that_of_the_log() -> None:
+    """A log shifted with its zero: the drive needs the same current at the same place of the machine."""
+    run = simulate(
+        random_scenario(np.random.default_rng(7), case="C2", mu=0.2, log_type="traj", seconds=30.0)
+    )
+    bounds = Bounds(20.0, 100.0, 1e3, 20.0)
+    currents = []
+    for zero in (0.0, 1.2):
+        columns = {**run.columns, "theta_m_rad": run.columns["theta_m_rad"] + zero / 0.2}
+        found = diagnose([columns], {**run.rig, "theta_zero_rad": zero})
+        motion = joined([next(pieces(bounds, 10.0, np.random.default_rng(0)))], bounds)
+        moved = replace(motion, theta=motion.theta + zero / 0.2)
+        currents.append(Separation(found, rivals_of(found)).ground(moved).current)
+    np.testing.assert_allclose(currents[0], currents[1], rtol=0.0, atol=1e-6 * np.max(np.abs(currents[0])))
+
+
+def test_a_log_of_another_rig_is_refused(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> None:
+    """Its current belongs to another time: there is nothing to plan from."""
+    columns = {**tied[0], "current_A": np.roll(tied[0]["current_A"], 4000)}
+    columns["voltage_V"] = np.roll(columns["voltage_V"], 4000)
+    with pytest.raises(InputError, match=r"a log that fits the rig is required to plan from"):
+        eccentric.plan(columns, tied[1], LIMITS)
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from eccentric.api.result import Printed
 from eccentric.diagnosis import diagnose
 from eccentric.emission import template
 from eccentric.planning import (
+    FIRMWARE_HZ,
     RATE_HZ,
     Bounds,
     MeasurementPlan,
@@ -23,6 +24,8 @@ from eccentric.planning import (
     planned,
     read_bounds,
 )
+from eccentric.rigs import read_rig
+from eccentric.signals import read_long
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,8 +33,6 @@ if TYPE_CHECKING:
 __all__ = ["PlanResult", "plan"]
 
 REFERENCE = "reference"
-FIRMWARE_HZ = 50
-"""Points of the table for firmware, to be interpolated: 36 kB a minute."""
 
 
 def plan(
@@ -40,6 +41,7 @@ def plan(
     limits: str | os.PathLike[str] | Mapping[str, Any] | Bounds,
     model: ModelSource | None = None,
     progress: Callable[[str], None] | None = None,
+    reading: Callable[[float], None] | None = None,
 ) -> PlanResult:
     """Plan the motion that tells apart what a diagnosis of logs left open.
 
@@ -51,12 +53,14 @@ def plan(
             `speed_rad_s`, `acceleration_rad_s2`, `current_A`, `time_s` and, for a drive that does not turn
             without end, `angle_rad`, each in SI or as a text with a unit ("3000 rpm").
         progress: called with one line for each stage.
+        reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read.
 
     Raises:
-        InputError: as `diagnose` does; a limit is missing or not positive; or no motion stays within them.
+        InputError: as `diagnose` does; the log does not fit the rig; a limit is missing or not positive; or
+            no motion stays within them.
     """
-    bounds = read_bounds(limits)
-    found = diagnose(sources_of(logs), rig, by_name(model), tell=progress)
+    bounds, sources, rig = read_bounds(limits), sources_of(logs), read_rig(rig)
+    found = diagnose(read_long(sources, rig, tell=reading), rig, by_name(model), tell=progress)
     made = planned(found, bounds, progress or (lambda _: None))
     return PlanResult(
         plan=made, lines=tuple(plan_lines(made)), warnings=found.warnings, document=plan_document(made)
@@ -123,7 +127,7 @@ class PlanResult(Printed):
     def _csv(self) -> str:
         columns = self.reference
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-        return "\n".join([",".join(columns), *(",".join(f"{x:.6g}" for x in row) for row in rows)]) + "\n"
+        return "\n".join([",".join(columns), *(",".join(f"{x:.6f}" for x in row) for row in rows)]) + "\n"
 
     def _header(self) -> str:
         motion, step = self.plan.motion, round(RATE_HZ / FIRMWARE_HZ)

@@ -3,7 +3,7 @@
 import argparse
 
 import eccentric
-from eccentric.cli.arguments import add_folder, add_logs, arm_of, print_warnings, progress
+from eccentric.cli.arguments import add_folder, add_logs, arm_of, bar, print_warnings, progress
 from eccentric.errors import InputError
 from eccentric.output import own_folder
 
@@ -30,7 +30,7 @@ def run(args: argparse.Namespace) -> int:
     own_folder(args.out)
     if arm_of(args.rig, {"--model": args.model}):
         raise InputError(f"{args.rig}: plan requires the rig of a single drive, received that of an arm")
-    found = eccentric.plan(args.logs, args.rig, args.limits, args.model, progress())
+    found = eccentric.plan(args.logs, args.rig, args.limits, args.model, progress(), bar())
     names = [path.name for path in found.write(args.out)]
     print_warnings(found.warnings)
     print(found.summary())

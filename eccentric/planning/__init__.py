@@ -14,11 +14,12 @@ May import: `diagnosis`, `search`, `fitting`, `signals`, `rigs`, `logs`, `model`
 """
 
 from eccentric.planning.bounds import Bounds, read_bounds
-from eccentric.planning.limits import RATE_HZ
+from eccentric.planning.limits import FIRMWARE_HZ, RATE_HZ
 from eccentric.planning.motion import Reference
 from eccentric.planning.outcome import MeasurementPlan, plan_document, plan_lines, planned
 
 __all__ = [
+    "FIRMWARE_HZ",
     "RATE_HZ",
     "Bounds",
     "MeasurementPlan",

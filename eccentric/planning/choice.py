@@ -57,6 +57,11 @@ def chosen(
         ground = separation.ground(motion)
         if np.max(np.abs(ground.current)) <= bounds.current:
             found.append((_worth(separation, [separation.log, ground]), motion, parts, ground))
+    if not found:
+        raise InputError(
+            "limits: current_A: enough for the pieces one after another is required,"
+            f" received {bounds.current:g} A"
+        )
     _, motion, parts, ground = max(found, key=lambda one: one[0])
     tell("judging the motion")
     return motion, tuple(p.words for p in parts), _pairs(separation, [separation.log, ground], EVALUATIONS)

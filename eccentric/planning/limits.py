@@ -7,6 +7,7 @@ __all__ = [
     "COARSE",
     "DECIDES",
     "EVALUATIONS",
+    "FIRMWARE_HZ",
     "INFORMATIVE_HZ",
     "LEAST_PIECE_S",
     "LEAST_TIME_S",
@@ -22,6 +23,8 @@ __all__ = [
 
 RATE_HZ = 200.0
 """Samples of a reference: what a position controller takes, and fine beside the 25 Hz of the low pass."""
+FIRMWARE_HZ = 50
+"""Points of the table for firmware, to be interpolated: 36 kB a minute."""
 INFORMATIVE_HZ = 50.0
 """Independent samples that a second has below a low pass of 25 Hz."""
 TRAINED = 0.8

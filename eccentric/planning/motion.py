@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.planning.bounds import Bounds
-from eccentric.planning.limits import ACCELERATION_PART, MARGIN, RATE_HZ
+from eccentric.planning.limits import ACCELERATION_PART, FIRMWARE_HZ, MARGIN, RATE_HZ
 
 __all__ = ["Reference", "Segment", "joined", "pieces"]
 
@@ -50,9 +50,13 @@ class Segment:
 
 
 def joined(parts: Sequence[Segment], bounds: Bounds) -> Reference:
-    """The pieces one after another, from the middle of the allowed angles."""
+    """The pieces one after another, from the middle of the allowed angles; at rest at the end.
+
+    The number of steps is one of the coarser table for firmware, too.
+    """
     omega = np.concatenate([part.omega for part in parts])
-    dt = 1.0 / RATE_HZ
+    dt, step = 1.0 / RATE_HZ, round(RATE_HZ / FIRMWARE_HZ)
+    omega = np.concatenate([omega, np.zeros(step + -len(omega) % step + 1)])
     middle = 0.0 if bounds.angle is None else 0.5 * sum(bounds.angle)
     theta = middle + np.concatenate([[0.0], np.cumsum(0.5 * (omega[1:] + omega[:-1]) * dt)])
     return Reference(np.arange(len(omega)) * dt, theta, omega, np.gradient(omega, dt))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.diagnosis import Diagnosis
+from eccentric.errors import InputError
 from eccentric.planning.bounds import Bounds
 from eccentric.planning.chance import Pairs, expected
 from eccentric.planning.choice import chosen
@@ -36,6 +37,7 @@ class MeasurementPlan:
         probability: that the new log decides between the rivals; None for one alone.
         narrower: of one alone: coefficient -> expected standard error over that on the log.
         otherwise: a measurement that needs more than a motion, "" where none is known.
+        follows: variables of the structure that no effect explains, for a log with some.
     """
 
     rivals: tuple[Rival, ...]
@@ -47,6 +49,7 @@ class MeasurementPlan:
     probability: float | None
     narrower: dict[str, float]
     otherwise: str
+    follows: tuple[str, ...]
 
 
 def planned(
@@ -55,8 +58,13 @@ def planned(
     """Plan the motion that tells the rivals of a diagnosis apart, or that determines its model best.
 
     Raises:
-        InputError: no motion stays within the bounds.
+        InputError: the log does not fit the rig, or no motion stays within the bounds.
     """
+    if not found.models.fits_the_rig:
+        raise InputError(
+            f"{found.rig.path}: a log that fits the rig is required to plan from, received one with an R^2 of"
+            f" {found.models.r_squared:.2f}: correct the rig file or the log first"
+        )
     rivals = rivals_of(found)
     tell(f"open: {', '.join(rival.headline for rival in rivals)}")
     separation = Separation(found, rivals)
@@ -87,6 +95,7 @@ def planned(
         probability=None if alone else expected(apart, chances),
         narrower=narrower,
         otherwise=found.attribution.next_measurement,
+        follows=found.attribution.depends_on if found.attribution.verdict == "unexplained" else (),
     )
 
 
@@ -109,6 +118,9 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
     """What a person reads."""
     names = [f"  {r.family or 'base model'}: {r.headline} ({100 * r.chance:.0f} %)" for r in plan.rivals]
     said = ["Open after the log:" if len(names) > 1 else "To be known better:", *names]
+    if plan.follows:
+        said.append(f"Something depends on {', '.join(plan.follows)} that no effect explains.")
+        said += [f"What would show it: {plan.otherwise}"] if plan.otherwise else []
     if plan.probability is not None:
         closest = min(plan.apart, key=lambda pair: plan.apart[pair])
         said.append(
@@ -160,6 +172,7 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
         ],
         "relative_std_error": plan.narrower,
         "otherwise": plan.otherwise,
+        "residual_depends_on": list(plan.follows),
         "parts": list(plan.parts),
         "seconds": moved.seconds,
         "rate_Hz": RATE_HZ,

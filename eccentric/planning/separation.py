@@ -86,7 +86,10 @@ class Separation:
         self._kept: dict[tuple[object, ...], Sums] = {}
         screen = self._search.screen
         variance = min(screen.fit(rival.variants).loss.sum() for rival in rivals) / screen.rows
-        seconds = float(np.ptp(screen.balance.rows.t)) or 1.0
+        # Logs and windows may have gaps.
+        seconds = (
+            screen.rows * float(np.median(np.abs(np.diff(screen.balance.rows.t)))) if screen.rows > 1 else 1.0
+        )
         # Rows overlap; a low pass leaves so many independent ones in a second.
         self._information = INFORMATIVE_HZ / variance
         per_row = min(self._information * seconds / screen.rows, 1.0 / variance)
@@ -168,8 +171,10 @@ class Separation:
         data, model = self.found.data, self.found.models.base
         old = data.signals
         n, dt = len(motion.t), 1.0 / RATE_HZ
+        # The machine counts its angle from where it likes, the model from where the mass hangs lowest.
+        theta = motion.theta - data.drive.channels.alignment.theta_zero_rad / old.known["mu"]
         values = {
-            "theta_m": motion.theta,
+            "theta_m": theta,
             "omega_m": motion.omega,
             "alpha_m": motion.alpha,
             "t": motion.t,
@@ -179,7 +184,7 @@ class Separation:
             values["temperature"] = np.full(n, float(np.median(old.values["temperature"])))
         signals = replace(old, values=values, dt=np.full(n, dt), starts=(0,), open={})
         gravity = load_torque(model, replace(signals, values={**values, "alpha_m": np.zeros(n)}))
-        turned = {**values, "alpha_m": np.zeros(n), "theta_m": motion.theta + 1e-4}
+        turned = {**values, "alpha_m": np.zeros(n), "theta_m": theta + 1e-4}
         slope = (load_torque(model, replace(signals, values=turned)) - gravity) / 1e-4 / signals.known["mu"]
         made: dict[ColumnRole, Array] = {
             "inertia": motion.alpha,
