@@ -110,14 +110,47 @@ def test_sums_do_not_depend_on_the_size_of_a_batch(rows: int, tmp_path: Path) ->
     log["theta_m_rad"] = np.mod(log["theta_m_rad"], 2.0 * np.pi)
     kept = np.r_[0:3333, 3600 : plan.rows]
     path = write_log(tmp_path / "log.parquet", {k: x[kept] for k, x in log.items()}, group=500)
-    # Where the rig has no threshold of motion, it is that of the first batch.
-    columns = Columns(rig_of(joint, moving_threshold_rad_s=1.0))
+    columns = Columns(rig_of(joint))
 
     whole, parts = sums_of(path, columns), sums_of(path, columns, rows)
 
     assert whole.windows.tolist() == parts.windows.tolist()
     np.testing.assert_allclose(merged(parts.triangles), merged(whole.triangles), rtol=1e-9, atol=1e-9)
     assert whole.coverage.seconds == pytest.approx(parts.coverage.seconds)
+
+
+@pytest.mark.parametrize("idle_s", [2.0, 1500.0])
+@pytest.mark.parametrize("rows", [5000, 2**20])
+def test_standstill_is_not_motion(idle_s: float, rows: int, tmp_path: Path) -> None:
+    """Before 40 s of motion a joint stands still with a noisy angle: no window of that counts, in any batch."""
+    plan, joint = one_joint()
+    log = {name: np.asarray(x, float) for name, x in plan.log(joint, 0).items()}
+    rig = rig_of(joint)
+    columns = Columns(replace(rig, log=replace(rig.log, counts_per_rev=None)))
+    alone = write_log(tmp_path / "alone.parquet", log)
+    step = float(np.median(np.diff(log["time_s"])))
+    count = round(idle_s / step)
+    still = {name: np.full(count, x[0]) for name, x in log.items()}
+    still["theta_m_rad"] += 2e-4 * np.random.default_rng(4).standard_normal(count)
+    still["current_A"] += 0.5 + np.random.default_rng(6).standard_normal(count)
+    still["time_s"] = log["time_s"][0] - 10.0 - step * np.arange(count, 0, -1)
+    path = write_log(tmp_path / "log.parquet", {name: np.r_[still[name], x] for name, x in log.items()})
+    expected = _values(sums_of(alone, columns), columns)
+
+    sums = sums_of(path, columns, rows)
+
+    assert sums.coverage.seconds == pytest.approx(sums_of(alone, columns).coverage.seconds, rel=0.01)
+    assert _values(sums, columns) == {n: pytest.approx(x, rel=0.01, abs=1e-4) for n, x in expected.items()}
+
+
+def test_an_encoder_that_jitters_at_rest_does_not_move(tmp_path: Path) -> None:
+    """Of a file without any motion, the step of the encoder tells so: it has no second of motion."""
+    plan, joint = one_joint()
+    log = plan.log(joint, 0)
+    jitter = 2.0 * np.pi / 32768 * np.random.default_rng(8).integers(0, 2, plan.rows)
+    path = write_log(tmp_path / "log.parquet", log | {"theta_m_rad": jitter})
+
+    assert sums_of(path, Columns(rig_of(joint))).coverage.seconds == 0.0
 
 
 def test_coefficients_are_those_of_the_bench(tmp_path: Path) -> None:

@@ -13,7 +13,15 @@ LEAST_SHARE = 2
 LEAST_STEPS = 2
 """Fewest steps in a stretch that tell its sampling rate."""
 SLOW = 0.03
-"""A window moves above this fraction of the 95th percentile of the speed, unless the rig has a threshold."""
+"""A window moves above this fraction of the file's fast speed, unless the rig has a threshold: as in a fit ..."""
+FAST_PART = 0.95
+"""... which is the speed that is not exceeded in this part of the way: of the time it would be noise in a file
+that mostly stands still."""
+QUANTA = 10.0
+"""A window moves by at least this many encoder steps, where the rig gives them: an encoder at rest may jitter
+by one or two."""
+SPEED_BIN = 1.01
+"""Ratio of the bins of speeds: the threshold is then that of the file to 1 %, whatever its length."""
 BLOCKS = 32
 """Parts of a file with sums of their own: intervals come from how these differ, and to know a variance to a
 fourth takes some 32."""

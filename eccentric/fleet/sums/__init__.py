@@ -2,6 +2,7 @@
 
 batches   a file as parts that fit in memory;  pieces  those as stretches of even samples
 windows   samples -> means over windows, with the rates of the angle
+speeds    the threshold of motion, from the whole file
 columns   a rig and its model -> X and y
 triangle  X and y -> sums, merged in any order, solved
 of_file   all of it: a file -> `FileSums`

@@ -32,7 +32,8 @@ class Piece:
     """Even samples (n,) of one stretch, `step` [s] apart, `share` of them from window to window.
 
     `drive` is what measures the torque, by its channel, with a torque of the link converted; `wanted` are the
-    rows that the rig uses with the motor on. `place` is where it begins in the file, in rows, of `total`.
+    rows that the rig uses with the motor on. `quantum` [rad] is the encoder's step as the rig gives it, 0 where
+    it does not. `place` is where it begins in the file, in rows, of `total`.
     """
 
     theta: Array
@@ -42,6 +43,7 @@ class Piece:
     wanted: NDArray[np.bool_]
     step: float
     share: int
+    quantum: float
     place: int
     total: int
 
@@ -62,7 +64,7 @@ def pieces(path: Path, rig: Rig, rows: int) -> Iterator[Piece]:
         each = rows_of_each(stretches(table.channels["time"], table.run))
         left = None
         for rows_of_it in each:
-            piece = _piece(table, theta, rows_of_it, rig, begins, total)
+            piece = _piece(table, theta, rows_of_it, rig, _quantum(logged, rig), begins, total)
             if piece is not None:
                 yield piece
             if rows_of_it is each[-1]:
@@ -104,7 +106,7 @@ def _rows(table: Table, rows: slice) -> Table:
 
 
 def _piece(
-    table: Table, theta: Array, rows: NDArray[np.int64], rig: Rig, begins: int, total: int
+    table: Table, theta: Array, rows: NDArray[np.int64], rig: Rig, quantum: float, begins: int, total: int
 ) -> Piece | None:
     """The stretch of these rows; None for one too short to have a rate."""
     if len(rows) <= LEAST_STEPS:
@@ -129,9 +131,18 @@ def _piece(
         wanted,
         step,
         share_of(rig.sampling.low_pass_hz, step),
+        quantum,
         begins + part.start,
         total,
     )
+
+
+def _quantum(logged: Table, rig: Rig) -> float:
+    """The step of the angle at the motor [rad], by the counts that the rig gives; else 0."""
+    if rig.log.counts_per_rev is None or not {"theta_m", "theta_l"} & set(logged.channels):
+        return 0.0
+    gear = 1.0 if "theta_m" in logged.channels else rig.value("mu")
+    return 2.0 * np.pi / rig.log.counts_per_rev / gear
 
 
 def _drive(channels: Mapping[str, Array], rig: Rig) -> tuple[str, Array]:
