@@ -122,7 +122,7 @@ def test_sums_do_not_depend_on_the_size_of_a_batch(rows: int, tmp_path: Path) ->
 @pytest.mark.parametrize("idle_s", [2.0, 1500.0])
 @pytest.mark.parametrize("rows", [5000, 2**20])
 def test_standstill_is_not_motion(idle_s: float, rows: int, tmp_path: Path) -> None:
-    """Before 40 s of motion a joint stands still with a noisy angle: no window of that counts, in any batch."""
+    """Before 40 s of motion a joint stands still with a noisy angle: none of that counts, in any batch."""
     plan, joint = one_joint()
     log = {name: np.asarray(x, float) for name, x in plan.log(joint, 0).items()}
     rig = rig_of(joint)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from urllib.parse import quote
 
@@ -38,6 +38,8 @@ from eccentric.version import __version__
 __all__ = ["FleetResult", "diagnose_fleet"]
 
 _COMMAND = "fleet"
+_LABELS = frozenset({"path", "name", "warnings"})
+"""What a rig is called and what is said of it: no diagnosis depends on them."""
 
 
 def diagnose_fleet(
@@ -216,7 +218,15 @@ def _place(out: Path, suspect: Suspect) -> Path:
 
 
 def _digest(suspect: Suspect) -> str:
-    """What a diagnosis depends on: the version, the rig's values, the logs, whether the past is asked."""
-    rig = (suspect.rig.case, sorted(suspect.rig.known.items()), suspect.rig.log, suspect.rig.sampling)
+    """What a diagnosis depends on: the version, the rig but for its labels, the logs, whether the past is asked."""
+    values = {f.name: getattr(suspect.rig, f.name) for f in fields(suspect.rig) if f.name not in _LABELS}
+    rig = sorted((name, _plain(value)) for name, value in values.items())
     made = __version__, rig, suspect.past, suspect.recent, bool(suspect.changed.names)
     return hashlib.sha256(repr(made).encode()).hexdigest()
+
+
+def _plain(value: object) -> str:
+    """A text of a part of a rig, the same in each run whatever the order of its entries."""
+    if isinstance(value, Mapping):
+        return repr(sorted(value.items()))
+    return repr(sorted(value)) if isinstance(value, frozenset) else repr(value)

@@ -13,10 +13,10 @@ LEAST_SHARE = 2
 LEAST_STEPS = 2
 """Fewest steps in a stretch that tell its sampling rate."""
 SLOW = 0.03
-"""A window moves above this fraction of the file's fast speed, unless the rig has a threshold: as in a fit ..."""
+"""A window moves above this fraction of the fast speed of the file, unless the rig has a threshold ..."""
 FAST_PART = 0.95
-"""... which is the speed that is not exceeded in this part of the way: of the time it would be noise in a file
-that mostly stands still."""
+"""... which is the speed that is not exceeded in this part of the way: of the time, it would be noise in a
+file that mostly stands still."""
 QUANTA = 10.0
 """A window moves by at least this many encoder steps, where the rig gives them: an encoder at rest may jitter
 by one or two."""
