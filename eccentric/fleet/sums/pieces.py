@@ -32,7 +32,7 @@ class Piece:
     """Even samples (n,) of one stretch, `step` [s] apart, `share` of them from window to window.
 
     `drive` is what measures the torque, by its channel, with a torque of the link converted; `wanted` are the
-    rows that the rig uses with the motor on. `quantum` [rad] is the encoder's step as the rig gives it, else 0.
+    rows that the rig uses with the motor on. `quantum` [rad] is the encoder's step by the rig, else 0.
     `place` is where it begins in the file, in rows, of `total`.
     """
 
