@@ -94,6 +94,8 @@ AHEAD = 4
 """Tasks per thread handed to the scheduler ahead of time."""
 ALIVE_S = 3.0
 """A wait for results asks this often, in s, whether the scheduler is still there."""
+WORKERLESS_S = 60.0
+"""A scheduler without any worker is waited for so long, in s: to start one on demand takes some 10."""
 CONNECT = "5s"
 """A scheduler that does not answer within this time is not there."""
 DEATHS = 1
