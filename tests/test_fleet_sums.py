@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +11,10 @@ import pytest
 from eccentric.errors import InputError
 from eccentric.fleet.sums.columns import Columns
 from eccentric.fleet.sums.of_file import FileSums, sums_of
+from eccentric.fleet.sums.pieces import _Left
 from eccentric.fleet.sums.triangle import dependent, merged, solve, triangles
 from eccentric.fleet.sums.windows import any_in, means, rates
+from eccentric.signals import Table, read_table
 from tests.fleets import one_joint, rig_of, write_log
 
 
@@ -223,6 +225,24 @@ def test_rows_that_the_rig_leaves_out_do_not_count(tmp_path: Path) -> None:
 
     assert found["C_m"] == pytest.approx(joint.C_m, rel=0.1)
     assert found["offset"] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_the_end_of_a_batch_joins_the_next_in_all_that_a_table_has() -> None:
+    """Of two tables of 40 and 30 rows, 25 rows and 30 make one of 55, in every array that has rows."""
+    _, joint = one_joint()
+
+    def table(rows: int) -> Table:
+        log = {
+            name: 1.0 + np.arange(rows) for name in ("time_s", "theta_m_rad", "current_A", "temperature_C")
+        }
+        return read_table([log], rig_of(joint))
+
+    both = _Left.of(table(40), 0.0, 15).before(table(30))
+    held = {f.name: getattr(both, f.name) for f in fields(both)}
+
+    lengths = {name: len(x) for name, x in (held | held["channels"]).items() if isinstance(x, np.ndarray)}
+    assert len(lengths) == 5 + len(both.channels)
+    assert set(lengths.values()) == {55}
 
 
 def test_a_drive_that_is_stuck_is_refused(tmp_path: Path) -> None:

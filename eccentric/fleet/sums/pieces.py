@@ -7,7 +7,7 @@ and all else is interpolated linearly on an even grid, which begins anew with ea
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -95,14 +95,20 @@ class _Left:
         both = {name: np.concatenate([x, table.channels[name]]) for name, x in own.channels.items()}
         masks = {
             name: np.concatenate([getattr(own, name), getattr(table, name)])
-            for name in ("use", "motor_off", "after_dropped")
+            for name in _of_rows(table)
+            if name != "run"
         }
         return replace(table, channels=both, run=np.concatenate([own.run, run]), run_names=names, **masks)
 
 
 def _rows(table: Table, rows: slice) -> Table:
-    masks = {name: getattr(table, name)[rows] for name in ("run", "use", "motor_off", "after_dropped")}
+    masks = {name: getattr(table, name)[rows] for name in _of_rows(table)}
     return replace(table, channels={name: x[rows] for name, x in table.channels.items()}, **masks)
+
+
+def _of_rows(table: Table) -> list[str]:
+    """The names of what a table has for each row, beside its channels: the number of the run, and masks."""
+    return [f.name for f in fields(table) if isinstance(getattr(table, f.name), np.ndarray)]
 
 
 def _piece(
