@@ -74,13 +74,9 @@ something that the model has no column for."""
 SECOND = 0.15
 """Part of the new error that a second coefficient has to explain to be named beside the first: coefficients
 that are alike share a change, and of two the second takes some 10 % by noise."""
-SENSOR = 0.95
-"""Part of the new error from which a change of offset or scale is the sensor's: friction explains less."""
-SAMPLE_S = 60.0
-"""Seconds of log that a diagnosis sees of the past, and of now: it names effects of a tenth of the friction
-from a minute of motion, and takes 0.5 ms and 9 kB a row."""
 SAMPLE_ROWS = 20_000
-"""Rows of it at most: 180 MB, a fifth of a worker."""
+"""Rows of a log that a diagnosis sees, of the past and of now: it names effects of a tenth of the friction
+from a minute of motion, and takes 0.5 ms and 9 kB a row, here 180 MB, a fifth of a worker."""
 EFFECT_PERCENT = 15.0
 """Least reduction of the held-out error by a new effect, in percent of what the coefficients leave."""
 
