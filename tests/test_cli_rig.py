@@ -66,7 +66,7 @@ def test_the_doctor_knows_every_extra_and_its_packages() -> None:
     def packages(extra: str) -> set[str]:
         found = set[str]()
         for required in extras[extra]:
-            name, inner = re.fullmatch(r"([\w-]+)(?:\[(.*)\])?.*", required).groups()  # pyright: ignore
+            name, inner = re.findall(r"^([\w-]+)(?:\[(.*)\])?", required)[0]
             found |= set().union(*map(packages, inner.split(","))) if name == "eccentric" else {name.lower()}
         return found
 
