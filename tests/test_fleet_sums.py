@@ -14,6 +14,8 @@ from eccentric.fleet.sums.of_file import FileSums, sums_of
 from eccentric.fleet.sums.pieces import _Left
 from eccentric.fleet.sums.triangle import dependent, merged, solve, triangles
 from eccentric.fleet.sums.windows import any_in, means, rates
+from eccentric.logs import Log
+from eccentric.rigs import Rig
 from eccentric.signals import Table, read_table
 from tests.fleets import one_joint, rig_of, write_log
 
@@ -153,6 +155,32 @@ def test_an_encoder_that_jitters_at_rest_does_not_move(tmp_path: Path) -> None:
     path = write_log(tmp_path / "log.parquet", log | {"theta_m_rad": jitter})
 
     assert sums_of(path, Columns(rig_of(joint))).coverage.seconds == 0.0
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".csv.gz", ".parquet"])
+def test_a_file_is_read_in_parts(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of text as of Parquet at most as many rows as are asked for are in memory; the sums are the same."""
+    plan, joint = one_joint()
+    log = plan.log(joint, 0)
+    expected = sums_of(write_log(tmp_path / "all.parquet", log), Columns(rig_of(joint)))
+    path = tmp_path / f"log{suffix}"
+    if suffix == ".parquet":
+        write_log(path, log)
+    else:
+        header, rows = ",".join(log), np.column_stack([np.asarray(x, float) for x in log.values()])
+        np.savetxt(path, rows, "%.17g", ",", header=header, comments="")
+    lengths: list[int] = []
+
+    def told(logs: list[Log], rig: Rig) -> Table:
+        lengths.extend(one.rows for one in logs)
+        return read_table(logs, rig)
+
+    monkeypatch.setattr("eccentric.fleet.sums.pieces.read_table", told)
+    sums = sums_of(path, Columns(rig_of(joint)), 1000)
+
+    assert max(lengths) <= 1000
+    assert sum(lengths) == 2 * plan.rows  # once for the threshold of motion, once for the sums
+    np.testing.assert_allclose(merged(sums.triangles), merged(expected.triangles), rtol=1e-8, atol=1e-8)
 
 
 def test_coefficients_are_those_of_the_bench(tmp_path: Path) -> None:

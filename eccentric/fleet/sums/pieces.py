@@ -15,10 +15,18 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError
 from eccentric.fleet.limits import LEAST_STEPS
-from eccentric.fleet.sums.batches import batches
 from eccentric.fleet.sums.windows import SHARES, share_of
+from eccentric.logs import stream_log
 from eccentric.rigs import Rig
-from eccentric.signals import Table, is_even, of_the_motor, read_table, rows_of_each, stretches
+from eccentric.signals import (
+    Table,
+    is_even,
+    of_the_motor,
+    read_table,
+    rows_of_each,
+    stream_columns,
+    stretches,
+)
 
 __all__ = ["Piece", "pieces"]
 
@@ -52,7 +60,10 @@ def pieces(path: Path, rig: Rig, rows: int) -> Iterator[Piece]:
     """Yield the pieces of a file, at most `rows` of it, and what a window needs, in memory."""
     left: _Left | None = None
     place = 0
-    for log, total in batches(path, rig, rows):
+    stream = stream_log(path)
+    total = stream.rows
+    spans = [(first, min(first + rows, total)) for first in range(0, total, rows)]
+    for log in stream.batches(stream_columns(stream, rig), spans):
         logged = read_table([log], rig)
         whole = logged if left is None else left.before(logged)
         table, _ = of_the_motor(whole, rig)
