@@ -15,7 +15,7 @@ from typing import Any
 from eccentric.errors import InputError, meant
 from eccentric.places import readable
 
-__all__ = ["read_document", "read_number", "read_table", "refuse_unknown"]
+__all__ = ["read_document", "read_number", "read_table", "read_utf8", "refuse_unknown"]
 
 
 def read_document(path: Path, what: str) -> Mapping[str, Any]:
@@ -31,17 +31,24 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
         raise InputError(
             f"{path}: {what} .toml or .json is required, received {path.suffix or 'no suffix'!r}"
         )
+    text = read_utf8(path)
     try:
-        content = parsers[path.suffix.lower()](readable(path).read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: UTF-8 text is required, byte {error.start} is not") from None
+        content = parsers[path.suffix.lower()](text)
     except InputError:
         raise
     except (ValueError, RecursionError) as error:  # ValueError: for example a number with thousands of digits
         raise InputError(f"{path}: not valid {path.suffix[1:].upper()}: {error}") from None
     return read_table(content, str(path))
+
+
+def read_utf8(path: Path) -> str:
+    """Return the text of a file; InputError if it is missing, cannot be read, or is not UTF-8."""
+    try:
+        return readable(path).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: UTF-8 text is required, byte {error.start} is not") from None
 
 
 def _no_repeats(pairs: list[tuple[str, Any]], path: Path) -> dict[str, Any]:

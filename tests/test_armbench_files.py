@@ -158,10 +158,10 @@ def test_the_bar_is_gone_at_the_end(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """On a terminal a bar grows in one line, which is empty at the end."""
-    from eccentric.cli import bench
+    from eccentric.cli.arguments import bar
 
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
-    show = bench._bar()
+    show = bar()
     assert show is not None
     show(0.5)
     show(1.0)

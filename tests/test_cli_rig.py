@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -53,6 +54,27 @@ def test_the_doctor_names_versions_and_what_is_missing(
     assert "scipy MISSING" in said
     assert 'missing: pip install "eccentric[mdf]"' in said
     assert f"Python {sys.version_info.major}.{sys.version_info.minor}" in said
+
+
+def test_the_doctor_knows_every_extra_and_its_packages() -> None:
+    """As `pyproject.toml` has them; "logs" is several of them, and the others are for work on the project."""
+    from eccentric.cli import doctor
+
+    text = (BENCH.parents[1] / "pyproject.toml").read_text(encoding="utf-8")
+    extras = tomllib.loads(text)["project"]["optional-dependencies"]
+
+    def packages(extra: str) -> set[str]:
+        found = set[str]()
+        for required in extras[extra]:
+            name, inner = re.findall(r"^([\w-]+)(?:\[(.*)\])?", required)[0]
+            found |= set().union(*map(packages, inner.split(","))) if name == "eccentric" else {name.lower()}
+        return found
+
+    expected = {
+        extra: packages(extra) for extra in extras if extra not in {"logs", "docs", "test", "lint", "all"}
+    }
+
+    assert {extra: set(names) for extra, (names, _) in doctor._EXTRAS.items()} == expected
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the shell's protocol needs file descriptors")

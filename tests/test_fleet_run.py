@@ -19,6 +19,7 @@ import pytest
 
 import eccentric
 from eccentric.cli import main
+from eccentric.fleet import cluster as cluster_of_fleet
 from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.cluster import Failed, connected, spread
 from eccentric.fleet.gathered import gather, plan_of
@@ -286,6 +287,25 @@ def test_a_scheduler_that_goes_away_ends_in_one_line(fleet: Path, tmp_path: Path
     assert 0 < done < 72
     assert f"{72 - done} of 72 files to do" in problems[0].text
     assert plan_of(logs, rigs, out).files == 72 - done
+
+
+def test_a_scheduler_without_workers_ends_in_one_line(
+    fleet: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After a time it is no longer waited for: one problem, that says how many files are to be done."""
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster_of_fleet, "ALIVE_S", 0.1)
+    monkeypatch.setattr(cluster_of_fleet, "WORKERLESS_S", 0.3)
+    plan = plan_of(find(str(fleet / "logs"))[0], Assigned(str(fleet / "rigs.csv")), tmp_path)
+
+    with (
+        distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as idle,
+        connected(idle.scheduler_address, 1) as client,
+    ):
+        problems, done = gather(plan, client, tmp_path, lambda part, what: None)
+
+    assert (done, [p.kind for p in problems]) == (0, ["scheduler"])
+    assert "72 of 72 files to do (no worker for 0.3 s)" in problems[0].text
 
 
 def test_a_scheduler_that_is_not_there_is_one_line(

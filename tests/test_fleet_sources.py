@@ -69,6 +69,11 @@ def test_periods_are_in_the_order_of_time() -> None:
     assert ["2024-12", "2025-9", "2025-10", "2026-1"] == in_order(["2025-10", "2026-1", "2025-9", "2024-12"])
 
 
+def test_a_raised_digit_is_no_number() -> None:
+    """A superscript is a digit to Unicode, and no number; digits of another script are one."""
+    assert ["9²", "10²", "١١"] == in_order(["١١", "10²", "9²"])
+
+
 def test_a_table_gives_joints_their_own_values(tmp_path: Path) -> None:
     """A value replaces that of the rig file, by whichever of its keys; an empty one leaves it."""
     (tmp_path / "arm.toml").write_text(RIG)
@@ -96,6 +101,9 @@ def test_a_table_may_be_toml_and_a_rig_may_be_for_all(tmp_path: Path) -> None:
         ("rigs.csv", "joint,file\nA,arm.toml\n", "columns joint and rig are required"),
         ("rigs.csv", "joint,rig\nA,arm.toml\nA,arm.toml\n", "line 3: each joint is required only once"),
         ("rigs.csv", "joint,rig,M\nA,arm.toml\n", "line 2: 3 entries are required"),
+        ("rigs.csv", "joint,rig,rig\nA,arm.toml,b.toml\n", "each column is required only once, received"),
+        ("rigs.csv", "joint,rig\nSt\xfcck,arm.toml\n", "UTF-8 text is required, byte 12 is not"),
+        ("rigs.csv", f"joint,rig\nA,{'x' * 200_000}\n", r"after line 1: not a table .*field larger"),
         ("rigs.toml", "[joints.A]\nmass = 1\n", "unknown key 'mass'"),
         ("rigs.toml", "[joints.A]\nknown = {}\n", "the path of a rig file is required"),
         ("rigs.toml", "drive = 3\n", "drive: one of current, voltage, torque is required"),
@@ -103,7 +111,7 @@ def test_a_table_may_be_toml_and_a_rig_may_be_for_all(tmp_path: Path) -> None:
 )
 def test_a_table_that_is_wrong_says_where(name: str, text: str, message: str, tmp_path: Path) -> None:
     """File, line or key, what is required."""
-    (tmp_path / name).write_text(text if "drive" not in text else text + RIG)
+    (tmp_path / name).write_text(text if "drive" not in text else text + RIG, encoding="latin-1")
 
     with pytest.raises(InputError, match=message):
         Assigned(str(tmp_path / name))
@@ -115,4 +123,13 @@ def test_a_value_that_is_wrong_names_the_joint(tmp_path: Path) -> None:
     (tmp_path / "rigs.csv").write_text("joint,rig,M_kg\nA,arm.toml,-1\n")
 
     with pytest.raises(InputError, match=r"rigs.csv \(joint A\): \[known\] M_kg: a value at least 0"):
+        Assigned(str(tmp_path / "rigs.csv")).rig("A")
+
+
+def test_known_that_is_no_table_names_the_rig_file(tmp_path: Path) -> None:
+    """Such as a number in its place."""
+    (tmp_path / "arm.toml").write_text("known = 3\n")
+    (tmp_path / "rigs.csv").write_text("joint,rig\nA,arm.toml\n")
+
+    with pytest.raises(InputError, match=r"arm.toml: known: a table is required, received 3"):
         Assigned(str(tmp_path / "rigs.csv")).rig("A")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +11,12 @@ import pytest
 from eccentric.errors import InputError
 from eccentric.fleet.sums.columns import Columns
 from eccentric.fleet.sums.of_file import FileSums, sums_of
+from eccentric.fleet.sums.pieces import _Left
 from eccentric.fleet.sums.triangle import dependent, merged, solve, triangles
 from eccentric.fleet.sums.windows import any_in, means, rates
+from eccentric.logs import Log
+from eccentric.rigs import Rig
+from eccentric.signals import Table, read_table
 from tests.fleets import one_joint, rig_of, write_log
 
 
@@ -72,7 +76,7 @@ def test_sums_of_parts_are_those_of_the_whole_in_any_order() -> None:
 
 
 def test_triangles_keep_the_digits_that_normal_equations_lose() -> None:
-    """At a condition of 1e7 the triangle's answer is right to 1e-8; that of X'X is wrong by 1e-3 or more."""
+    """At a condition of 1e7 the triangle's answer is right to 1e-6; that of X'X is wrong by 1e-3 or more."""
     random = np.random.default_rng(5)
     x = random.standard_normal((2000, 2))
     x[:, 1] = x[:, 0] + 1e-7 * x[:, 1]
@@ -110,14 +114,73 @@ def test_sums_do_not_depend_on_the_size_of_a_batch(rows: int, tmp_path: Path) ->
     log["theta_m_rad"] = np.mod(log["theta_m_rad"], 2.0 * np.pi)
     kept = np.r_[0:3333, 3600 : plan.rows]
     path = write_log(tmp_path / "log.parquet", {k: x[kept] for k, x in log.items()}, group=500)
-    # Where the rig has no threshold of motion, it is that of the first batch.
-    columns = Columns(rig_of(joint, moving_threshold_rad_s=1.0))
+    columns = Columns(rig_of(joint))
 
     whole, parts = sums_of(path, columns), sums_of(path, columns, rows)
 
     assert whole.windows.tolist() == parts.windows.tolist()
     np.testing.assert_allclose(merged(parts.triangles), merged(whole.triangles), rtol=1e-9, atol=1e-9)
     assert whole.coverage.seconds == pytest.approx(parts.coverage.seconds)
+
+
+@pytest.mark.parametrize("idle_s", [2.0, 1500.0])
+@pytest.mark.parametrize("rows", [5000, 2**20])
+def test_standstill_is_not_motion(idle_s: float, rows: int, tmp_path: Path) -> None:
+    """Before 40 s of motion a joint stands still with a noisy angle: none of that counts, in any batch."""
+    plan, joint = one_joint()
+    log = {name: np.asarray(x, float) for name, x in plan.log(joint, 0).items()}
+    rig = rig_of(joint)
+    columns = Columns(replace(rig, log=replace(rig.log, counts_per_rev=None)))
+    alone = write_log(tmp_path / "alone.parquet", log)
+    step = float(np.median(np.diff(log["time_s"])))
+    count = round(idle_s / step)
+    still = {name: np.full(count, x[0]) for name, x in log.items()}
+    still["theta_m_rad"] += 2e-4 * np.random.default_rng(4).standard_normal(count)
+    still["current_A"] += 0.5 + np.random.default_rng(6).standard_normal(count)
+    still["time_s"] = log["time_s"][0] - 10.0 - step * np.arange(count, 0, -1)
+    path = write_log(tmp_path / "log.parquet", {name: np.r_[still[name], x] for name, x in log.items()})
+    expected = _values(sums_of(alone, columns), columns)
+
+    sums = sums_of(path, columns, rows)
+
+    assert sums.coverage.seconds == pytest.approx(sums_of(alone, columns).coverage.seconds, rel=0.01)
+    assert _values(sums, columns) == {n: pytest.approx(x, rel=0.01, abs=1e-4) for n, x in expected.items()}
+
+
+def test_an_encoder_that_jitters_at_rest_does_not_move(tmp_path: Path) -> None:
+    """Of a file without any motion, the step of the encoder tells so: it has no second of motion."""
+    plan, joint = one_joint()
+    log = plan.log(joint, 0)
+    jitter = 2.0 * np.pi / 32768 * np.random.default_rng(8).integers(0, 2, plan.rows)
+    path = write_log(tmp_path / "log.parquet", log | {"theta_m_rad": jitter})
+
+    assert sums_of(path, Columns(rig_of(joint))).coverage.seconds == 0.0
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".csv.gz", ".parquet"])
+def test_a_file_is_read_in_parts(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of text as of Parquet at most as many rows as are asked for are in memory; the sums are the same."""
+    plan, joint = one_joint()
+    log = plan.log(joint, 0)
+    expected = sums_of(write_log(tmp_path / "all.parquet", log), Columns(rig_of(joint)))
+    path = tmp_path / f"log{suffix}"
+    if suffix == ".parquet":
+        write_log(path, log)
+    else:
+        header, rows = ",".join(log), np.column_stack([np.asarray(x, float) for x in log.values()])
+        np.savetxt(path, rows, "%.17g", ",", header=header, comments="")
+    lengths: list[int] = []
+
+    def told(logs: list[Log], rig: Rig) -> Table:
+        lengths.extend(one.rows for one in logs)
+        return read_table(logs, rig)
+
+    monkeypatch.setattr("eccentric.fleet.sums.pieces.read_table", told)
+    sums = sums_of(path, Columns(rig_of(joint)), 1000)
+
+    assert max(lengths) <= 1000
+    assert sum(lengths) == 2 * plan.rows  # once for the threshold of motion, once for the sums
+    np.testing.assert_allclose(merged(sums.triangles), merged(expected.triangles), rtol=1e-8, atol=1e-8)
 
 
 def test_coefficients_are_those_of_the_bench(tmp_path: Path) -> None:
@@ -190,6 +253,24 @@ def test_rows_that_the_rig_leaves_out_do_not_count(tmp_path: Path) -> None:
 
     assert found["C_m"] == pytest.approx(joint.C_m, rel=0.1)
     assert found["offset"] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_the_end_of_a_batch_joins_the_next_in_all_that_a_table_has() -> None:
+    """Of two tables of 40 and 30 rows, 25 rows and 30 make one of 55, in every array that has rows."""
+    _, joint = one_joint()
+
+    def table(rows: int) -> Table:
+        log = {
+            name: 1.0 + np.arange(rows) for name in ("time_s", "theta_m_rad", "current_A", "temperature_C")
+        }
+        return read_table([log], rig_of(joint))
+
+    both = _Left.of(table(40), 0.0, 15).before(table(30))
+    held = {f.name: getattr(both, f.name) for f in fields(both)}
+
+    lengths = {name: len(x) for name, x in (held | held["channels"]).items() if isinstance(x, np.ndarray)}
+    assert len(lengths) == 5 + len(both.channels)
+    assert set(lengths.values()) == {55}
 
 
 def test_a_drive_that_is_stuck_is_refused(tmp_path: Path) -> None:

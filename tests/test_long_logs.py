@@ -359,6 +359,24 @@ def test_there_is_a_bar_on_a_terminal_only(
     assert capsys.readouterr().err.endswith("\r")
 
 
+def test_a_bar_tells_stages_apart(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second stage has a name and a time of its own: after 2 of 8 s, 6 s are left of it."""
+    clock = iter([0.0, 100.0, 100.0, 200.0, 200.0, 202.0, 202.0])
+    monkeypatch.setattr("eccentric.cli.arguments.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    show = bar()
+    assert show is not None
+    show(1.0, "sums")
+    show(0.0, "diagnoses")
+    show(0.25, "diagnoses")
+
+    shown = capsys.readouterr().err.split("\r")[-1]
+    assert shown.startswith("  diagnoses    [")
+    assert "25%, 6 s left" in shown
+
+
 def test_progress_is_told_while_a_long_log_is_read(long_log: Path) -> None:
     """Parts that grow to one."""
     told: list[float] = []

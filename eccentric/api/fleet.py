@@ -5,8 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from urllib.parse import quote
 
@@ -38,6 +38,8 @@ from eccentric.version import __version__
 __all__ = ["FleetResult", "diagnose_fleet"]
 
 _COMMAND = "fleet"
+_LABELS = frozenset({"path", "name", "warnings"})
+"""What a rig is called and what is said of it: no diagnosis depends on them."""
 
 
 def diagnose_fleet(
@@ -149,7 +151,9 @@ def _said(problem: FleetProblem) -> str:
 def _examined(suspects: Sequence[Suspect]) -> list[tuple[DiagnosisResult | None, tuple[str, ...], str]]:
     """On a worker: the diagnosis of each suspect's recent log, and the families that its past lacked as well.
 
-    The past is asked only where no coefficient explains the change. In place of a diagnosis: why not.
+    The past is asked only where no coefficient explains the change; its effects are then in the model from
+    the start, where they can be, so that errors before and after are about new ones. In place of a diagnosis:
+    why not.
     """
     found: list[tuple[DiagnosisResult | None, tuple[str, ...], str]] = []
     for suspect in suspects:
@@ -157,16 +161,26 @@ def _examined(suspects: Sequence[Suspect]) -> list[tuple[DiagnosisResult | None,
             past: tuple[str, ...] = ()
             if not suspect.changed.names:
                 past = _families(_diagnosed(suspect.rig, suspect.past, "past"))
-            found.append((_diagnosed(suspect.rig, suspect.recent, "recent"), past, ""))
+            found.append((_beyond(suspect, past), past, ""))
         except InputError as error:
             found.append((None, (), str(error)))
     return found
 
 
-def _diagnosed(rig: Rig, sample: Sample | None, when: str) -> DiagnosisResult:
+def _beyond(suspect: Suspect, past: Sequence[str]) -> DiagnosisResult:
+    """The diagnosis of the recent log beyond effects of the past, where the model can have these."""
+    if past:
+        try:
+            return _diagnosed(suspect.rig, suspect.recent, "recent", past)
+        except InputError:
+            pass  # one of them has hidden states, or the log is wrong, which is said below
+    return _diagnosed(suspect.rig, suspect.recent, "recent")
+
+
+def _diagnosed(rig: Rig, sample: Sample | None, when: str, including: Sequence[str] = ()) -> DiagnosisResult:
     if sample is None:
         raise InputError(f"a log of the {when} periods is required for a diagnosis, none is there any longer")
-    return diagnose(sample.log(rig), rig)
+    return diagnose(sample.log(rig), rig, including=including)
 
 
 def _families(found: DiagnosisResult) -> tuple[str, ...]:
@@ -184,7 +198,8 @@ def _kept(
     found.write(place)
     balance = found.document["improvement"]["balance"]
     rmse = found.rmse[balance]
-    effects = [e for e in found.document["effects"] if e["family"] not in past]
+    every = found.document["effects"]
+    effects = [e for e in every if e["family"] not in past]
     word = Examined(
         tuple(dict.fromkeys(e["family"] for e in effects)),
         tuple(e["id"] for e in effects),
@@ -192,6 +207,7 @@ def _kept(
         rmse["extended"],
         found.unit,
         f"joints/{quote(place.name)}/report.html",
+        again=tuple(dict.fromkeys(e["family"] for e in every if e["family"] in past)),
     )
     with whole_file(place.with_name(f"{place.name}.json")) as new:
         new.write_text(json.dumps({"of": _digest(suspect), **asdict(word)}), encoding="utf-8")
@@ -205,7 +221,7 @@ def _known(out: Path, suspect: Suspect) -> Examined | None:
         content = json.loads(place.with_name(f"{place.name}.json").read_text(encoding="utf-8"))
         if content.pop("of") != _digest(suspect) or not (place / "report.html").is_file():
             return None
-        lists = {name: tuple(content.pop(name)) for name in ("families", "effects")}
+        lists = {name: tuple(content.pop(name)) for name in ("families", "effects", "again")}
         return Examined(**lists, **content)
     except (OSError, ValueError, KeyError, TypeError):
         return None
@@ -216,7 +232,15 @@ def _place(out: Path, suspect: Suspect) -> Path:
 
 
 def _digest(suspect: Suspect) -> str:
-    """What a diagnosis depends on: the version, the rig's values, the logs, whether the past is asked."""
-    rig = (suspect.rig.case, sorted(suspect.rig.known.items()), suspect.rig.log, suspect.rig.sampling)
+    """What a diagnosis depends on: version, rig but for its labels, logs, whether the past is asked."""
+    values = {f.name: getattr(suspect.rig, f.name) for f in fields(suspect.rig) if f.name not in _LABELS}
+    rig = sorted((name, _plain(value)) for name, value in values.items())
     made = __version__, rig, suspect.past, suspect.recent, bool(suspect.changed.names)
     return hashlib.sha256(repr(made).encode()).hexdigest()
+
+
+def _plain(value: object) -> str:
+    """A text of a part of a rig, the same in each run whatever the order of its entries."""
+    if isinstance(value, Mapping):
+        return repr(sorted(value.items()))
+    return repr(sorted(value)) if isinstance(value, frozenset) else repr(value)

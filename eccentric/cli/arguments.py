@@ -85,16 +85,21 @@ def progress():  # noqa: ANN201 - a function or None
     return lambda line: print(f"  {line}", file=sys.stderr)
 
 
-def bar() -> Callable[[float], None] | None:
-    """A bar with the time left on a terminal, nothing elsewhere; gone when all is done."""
+def bar() -> Callable[..., None] | None:
+    """A bar with the time left on a terminal, nothing elsewhere; gone when all is done.
+
+    It takes the part that is done, and of what: a stage has a time of its own.
+    """
     if sys.stderr is None or not sys.stderr.isatty():
         return None
-    begun, widest = time.monotonic(), 0
+    begun, widest = {"": time.monotonic()}, 0
 
-    def show(part: float) -> None:
+    def show(part: float, what: str = "") -> None:
         nonlocal widest
-        filled, left = round(30 * part), (time.monotonic() - begun) * (1.0 / max(part, 1e-9) - 1.0)
-        shown = f"  [{'#' * filled}{'.' * (30 - filled)}] {part:.0%}, {left:.0f} s left"
+        start = begun.setdefault(what, time.monotonic())
+        filled, left = round(30 * part), (time.monotonic() - start) * (1.0 / max(part, 1e-9) - 1.0)
+        name = what and f"{what:12} "
+        shown = f"  {name}[{'#' * filled}{'.' * (30 - filled)}] {part:.0%}, {left:.0f} s left"
         widest = max(widest, len(shown))
         shown = shown.ljust(widest) if part < 1.0 else " " * widest + "\r"
         print(f"\r{shown}", end="", file=sys.stderr, flush=True)

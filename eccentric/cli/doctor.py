@@ -29,6 +29,7 @@ _EXTRAS = {
     "tdms": (("nptdms",), "logs of LabVIEW, .tdms"),
     "arms": (("yourdfpy",), "arms by URDF"),
     "arms-bench": (("mujoco-core",), "the virtual bench of an arm"),
+    "fleet": (("dask", "distributed", "pyarrow"), "the logs of a fleet"),
     "jax": (("jax",), "the JAX module"),
     "completion": (("argcomplete",), "completion in the shell"),
 }

@@ -1,13 +1,10 @@
 """`eccentric fleet`: the logs of many joints over many periods: what drifts, and what changed."""
 
 import argparse
-import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import options, print_warnings
+from eccentric.cli.arguments import bar, options, print_warnings
 from eccentric.output import own_folder
 
 NAME = "fleet"
@@ -67,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
             scheduler=args.scheduler,
             workers=args.workers,
             rate=args.rate,
-            progress=_bar(),
+            progress=bar(),
         )
     print_warnings(found.warnings[:_SHOWN])
     if (more := len(found.warnings) - _SHOWN) > 0:
@@ -75,20 +72,3 @@ def run(args: argparse.Namespace) -> int:
     print(found.summary())
     print(f"{args.out}: report.html, fleet.json, coefficients/, changes.csv, problems.csv")
     return PROBLEMS if found.problems else 0
-
-
-def _bar() -> Callable[[float, str], None] | None:
-    """A bar with the time left of each stage on a terminal, nothing elsewhere; gone at the end of it."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        return None
-    begun: dict[str, float] = {}
-
-    def show(part: float, what: str) -> None:
-        start = begun.setdefault(what, time.monotonic())
-        left = (time.monotonic() - start) * (1.0 - part) / part if part > 0.0 else 0.0
-        filled = round(30 * part)
-        bar = f"  {what:12} [{'#' * filled}{'.' * (30 - filled)}] {part:4.0%}, {left:.0f} s left   "
-        shown = bar if part < 1.0 else " " * len(bar) + "\r"
-        print(f"\r{shown}", end="", file=sys.stderr, flush=True)
-
-    return show

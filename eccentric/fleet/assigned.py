@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import io
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from eccentric.entries import read_document, read_table, refuse_unknown
+from eccentric.entries import read_document, read_table, read_utf8, refuse_unknown
 from eccentric.errors import InputError, few
 from eccentric.places import given_path, readable
 from eccentric.rigs import KNOWNS, Rig, read_rig
@@ -50,7 +51,7 @@ class Assigned:
         if path not in self._files:
             self._files[path] = read_document(path, "a rig file")
         content = dict(self._files[path])
-        content["known"] = _with_own(content.get("known", {}), own)
+        content["known"] = _with_own(read_table(content.get("known", {}), f"{path}: known"), own)
         content["name"] = joint
         where = f"{self._path} (joint {joint})"
         try:
@@ -71,12 +72,14 @@ def _letter(key: str) -> str:
 
 
 def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        reader = csv.DictReader(file)
-        names = reader.fieldnames or []
+    reader = csv.DictReader(io.StringIO(read_utf8(path), newline=""))
+    found: dict[str, tuple[str, Mapping[str, Any]]] = {}
+    try:
+        names = list(reader.fieldnames or [])
         if not {"joint", "rig"} <= set(names):
             raise InputError(f"{path}: columns joint and rig are required, received {few(names) or 'none'}")
-        found: dict[str, tuple[str, Mapping[str, Any]]] = {}
+        if again := next((name for name in names if names.count(name) > 1), None):
+            raise InputError(f"{path}: each column is required only once, received {again!r} twice")
         for line, row in enumerate(reader, start=2):
             where = f"{path}: line {line}"
             if None in row or None in row.values():
@@ -84,6 +87,8 @@ def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
             joint, rig = row.pop("joint"), row.pop("rig")
             _require_new(joint, found, where)
             found[joint] = rig, {key: _value(text) for key, text in row.items() if text.strip()}
+    except csv.Error as error:
+        raise InputError(f"{path}: after line {reader.line_num}: not a table with commas ({error})") from None
     return found
 
 

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import importlib
 import logging
+import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from eccentric.errors import InputError
-from eccentric.fleet.limits import AHEAD, ALIVE_S, CONNECT, DEATHS, WORKER_BYTES
+from eccentric.fleet.limits import AHEAD, ALIVE_S, CONNECT, DEATHS, WORKER_BYTES, WORKERLESS_S
 
 __all__ = ["Failed", "SchedulerLost", "connected", "spread"]
 
@@ -24,7 +25,7 @@ Result = TypeVar("Result")
 
 
 class SchedulerLost(Exception):
-    """The scheduler went away; what was done until then has been yielded."""
+    """The scheduler or all of its workers went away; what was done until then has been yielded."""
 
 
 class Failed(Exception):
@@ -125,6 +126,7 @@ class _LostError(Exception):
 def _done(client: Any, running: list[Any]) -> Collection[Any]:
     """The futures that have come to an end, at least one. Raises SchedulerLost."""
     distributed = importlib.import_module("distributed")
+    worked = time.monotonic()
     while True:
         try:
             return distributed.wait(running, timeout=ALIVE_S, return_when="FIRST_COMPLETED").done
@@ -132,6 +134,11 @@ def _done(client: Any, running: list[Any]) -> Collection[Any]:
             # Futures of a scheduler that was killed wait for ever; the client knows that it has lost it.
             if client.status != "running":
                 raise SchedulerLost("no connection") from None
+            # A scheduler that starts workers on demand has none until tasks wait.
+            if client.nthreads():
+                worked = time.monotonic()
+            elif time.monotonic() - worked > WORKERLESS_S:
+                raise SchedulerLost(f"no worker for {WORKERLESS_S:g} s") from None
 
 
 def _results(future: Any) -> Sequence[Any]:

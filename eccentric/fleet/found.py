@@ -48,7 +48,9 @@ class Examined:
     """What a diagnosis of the recent log says that one of the past does not: new effects by family.
 
     `before` and `after` are held-out errors of the recent log, without and with all effects found in it, in
-    `unit`; `report` is the path of its page below the folder of the fleet. `said` tells why there is none.
+    `unit`; `again` are families of the past among these: the errors are then theirs as well, and say nothing
+    of the new ones alone. `report` is the path of its page below the folder of the fleet. `said` tells why
+    there is none.
     """
 
     families: tuple[str, ...] = ()
@@ -58,6 +60,12 @@ class Examined:
     unit: str = "N m"
     report: str = ""
     said: str = ""
+    again: tuple[str, ...] = ()
+
+    @property
+    def gain_percent(self) -> float:
+        """By how much the new effects reduce the error; 0 where that cannot be told from the past's."""
+        return 0.0 if self.again or not self.families else 100.0 * (1.0 - self.after / self.before)
 
 
 @dataclass(frozen=True)
@@ -115,9 +123,12 @@ def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
         sensor = all(kind in NOT_FRICTION for kind in changed.kinds)
         parts = [f"{_KINDS[kind]} ({name})" for kind, name in zip(changed.kinds, names, strict=True)]
         what = " and ".join(parts)
-    elif examined.families and 100.0 * (1.0 - examined.after / examined.before) >= EFFECT_PERCENT:
+    elif examined.gain_percent >= EFFECT_PERCENT:
         names, what = examined.families, "new: " + ", ".join(examined.effects)
         before, after, unit = examined.before, examined.after, examined.unit
+    elif examined.families and examined.again:
+        new, past = ", ".join(examined.effects), ", ".join(examined.again)
+        what = f"what the model leaves has grown; new beside {past}: {new}, whose own gain is not known"
     else:
         what = "what the model leaves has grown, and no effect of the library explains it"
     part = next((own[name] for name in (*names, FRICTION) if name in own), strongest.part)

@@ -101,7 +101,7 @@ def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[FleetPr
                     put(place)
                 told(done / total, "sums")
         except SchedulerLost as error:
-            text = f"a scheduler is required to the end, it went away, {total - done} of {total} files to do"
+            text = f"a scheduler with workers is required to the end, {total - done} of {total} files to do"
             problems.append(FleetProblem("", "", "", "scheduler", f"{text} ({error}): start again to go on"))
         finally:
             for place in list(made):

@@ -13,7 +13,15 @@ LEAST_SHARE = 2
 LEAST_STEPS = 2
 """Fewest steps in a stretch that tell its sampling rate."""
 SLOW = 0.03
-"""A window moves above this fraction of the 95th percentile of the speed, unless the rig has a threshold."""
+"""A window moves above this fraction of the fast speed of the file, unless the rig has a threshold ..."""
+FAST_PART = 0.95
+"""... which is the speed that is not exceeded in this part of the way: of the time, it would be noise in a
+file that mostly stands still."""
+QUANTA = 10.0
+"""A window moves by at least this many encoder steps, where the rig gives them: an encoder at rest may jitter
+by one or two."""
+SPEED_BIN = 1.01
+"""Ratio of the bins of speeds: the threshold is then that of the file to 1 %, whatever its length."""
 BLOCKS = 32
 """Parts of a file with sums of their own: intervals come from how these differ, and to know a variance to a
 fourth takes some 32."""
@@ -66,13 +74,9 @@ something that the model has no column for."""
 SECOND = 0.15
 """Part of the new error that a second coefficient has to explain to be named beside the first: coefficients
 that are alike share a change, and of two the second takes some 10 % by noise."""
-SENSOR = 0.95
-"""Part of the new error from which a change of offset or scale is the sensor's: friction explains less."""
-SAMPLE_S = 60.0
-"""Seconds of log that a diagnosis sees of the past, and of now: it names effects of a tenth of the friction
-from a minute of motion, and takes 0.5 ms and 9 kB a row."""
 SAMPLE_ROWS = 20_000
-"""Rows of it at most: 180 MB, a fifth of a worker."""
+"""Rows of a log that a diagnosis sees, of the past and of now: it names effects of a tenth of the friction
+from a minute of motion, and takes 0.5 ms and 9 kB a row, here 180 MB, a fifth of a worker."""
 EFFECT_PERCENT = 15.0
 """Least reduction of the held-out error by a new effect, in percent of what the coefficients leave."""
 
@@ -86,6 +90,8 @@ AHEAD = 4
 """Tasks per thread handed to the scheduler ahead of time."""
 ALIVE_S = 3.0
 """A wait for results asks this often, in s, whether the scheduler is still there."""
+WORKERLESS_S = 60.0
+"""A scheduler without any worker is waited for so long, in s: to start one on demand takes some 10."""
 CONNECT = "5s"
 """A scheduler that does not answer within this time is not there."""
 DEATHS = 1

@@ -141,7 +141,7 @@ def _examined(
                 problems.append(FleetProblem(suspect.joint, "", "", "no diagnosis", said))
             told(done / len(left), "diagnoses")
     except SchedulerLost as error:
-        text = f"a scheduler is required to the end, it went away before the diagnoses were done ({error})"
+        text = f"a scheduler with workers is required until the diagnoses are done ({error})"
         problems.append(FleetProblem("", "", "", "scheduler", f"{text}: start again to go on"))
     return problems
 

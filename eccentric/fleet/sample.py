@@ -8,13 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from eccentric.errors import InputError
-from eccentric.fleet.limits import BATCH_ROWS, BLOCKS, SAMPLE_ROWS
+from eccentric.fleet.limits import BLOCKS, SAMPLE_ROWS
 from eccentric.fleet.sources import LogFile
 from eccentric.fleet.store import Stored
-from eccentric.fleet.sums import batches
-from eccentric.logs import Log
+from eccentric.logs import Log, stream_log
 from eccentric.rigs import Rig
+from eccentric.signals import stream_columns
 
 __all__ = ["Sample", "sample_of"]
 
@@ -31,20 +30,10 @@ class Sample:
 
     def log(self, rig: Rig) -> Log:
         """The rows as a log. InputError if the file cannot be read."""
-        wanted = range(self.first, self.first + SAMPLE_ROWS)
-        parts: list[Log] = []
-        start = 0
-        for log, _ in batches(self.path, rig, BATCH_ROWS):
-            here = slice(max(wanted.start - start, 0), max(wanted.stop - start, 0))
-            parts.append(Log(self.name, {name: x[here] for name, x in log.columns.items()}, log.rows))
-            start += log.rows
-            if start >= wanted.stop:
-                break
-        columns = {name: np.concatenate([p.columns[name] for p in parts]) for name in parts[0].columns}
-        rows = len(next(iter(columns.values())))
-        if not rows:
-            raise InputError(f"{self.path}: rows from {self.first} on are required, received none")
-        return Log(self.name, columns, rows)
+        stream = stream_log(self.path)
+        spans = [(min(self.first, stream.rows), min(self.first + SAMPLE_ROWS, stream.rows))]
+        read = stream.read(stream_columns(stream, rig), spans)
+        return Log(self.name, read.columns, read.rows)
 
 
 def sample_of(stored: Sequence[Stored], logs: Sequence[LogFile]) -> Sample | None:

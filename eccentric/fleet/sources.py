@@ -70,7 +70,7 @@ def in_order(periods: Iterable[str]) -> list[str]:
 
 def _sizes(period: str) -> list[tuple[bool, int, str]]:
     parts = re.split(r"(\d+)", period)
-    return [(part.isdigit(), int(part) if part.isdigit() else 0, part) for part in parts]
+    return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts]
 
 
 def _listed(logs: str) -> tuple[Path, list[Path]]:

@@ -25,7 +25,7 @@ from eccentric.rigs import Rig
 
 __all__ = ["Key", "Stored", "arrow_of", "keys", "place_of", "read", "recipe_of", "write"]
 
-_VERSION = 1
+_VERSION = 2
 _HEADINGS = b"eccentric.columns"
 
 

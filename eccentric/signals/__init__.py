@@ -7,6 +7,7 @@ May import: `logs`, `rigs`; `model` for what a rig declares, by the general deri
 
 from eccentric.signals.band import Band, band_of
 from eccentric.signals.channels import read_channels
+from eccentric.signals.converted import stream_columns
 from eccentric.signals.designs import BalanceDesign, balance_design
 from eccentric.signals.filters import is_even, low_pass_of
 from eccentric.signals.finding import Finding
@@ -50,6 +51,7 @@ __all__ = [
     "rows_of",
     "rows_of_each",
     "search_rows",
+    "stream_columns",
     "stretches",
     "white_noise",
 ]

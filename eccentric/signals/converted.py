@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
-from eccentric.logs import Log, evaluate
+from eccentric.logs import Log, LogStream, evaluate
 from eccentric.rigs import CHANNELS, ColumnSource, Rig
 from eccentric.signals.limits import LARGEST, SMALLEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = ["Converted", "converted", "named_apart", "run_column", "used_columns"]
+__all__ = ["Converted", "converted", "named_apart", "run_column", "stream_columns", "used_columns"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -107,6 +107,14 @@ def used_columns(log: Log, rig: Rig) -> list[str]:
         else:
             evaluate(source.text, column, f"{rig.path}: [columns] {channel}")
     return list(used)
+
+
+def stream_columns(stream: LogStream, rig: Rig) -> list[str]:
+    """The columns of a log that has not been read which the channels of a rig are made of.
+
+    Raises InputError as `used_columns` does.
+    """
+    return used_columns(Log(stream.path, dict.fromkeys(stream.names, np.empty(0)), 0), rig)
 
 
 def named_apart(logs: Iterable[Iterable[Log]], rig: Rig) -> bool:

@@ -1,13 +1,13 @@
 """A log file of a joint as sums: what a fit of it needs, in a few kilobytes.
 
-batches   a file as parts that fit in memory;  pieces  those as stretches of even samples
+pieces    a file, part by part, as stretches of even samples
 windows   samples -> means over windows, with the rates of the angle
+speeds    the threshold of motion, from the whole file
 columns   a rig and its model -> X and y
 triangle  X and y -> sums, merged in any order, solved
 of_file   all of it: a file -> `FileSums`
 """
 
-from eccentric.fleet.sums.batches import batches
 from eccentric.fleet.sums.columns import OFFSET, Columns, Heading
 from eccentric.fleet.sums.of_file import Coverage, FileSums, sums_of
 from eccentric.fleet.sums.triangle import dependent, merged, solve
@@ -18,7 +18,6 @@ __all__ = [
     "Coverage",
     "FileSums",
     "Heading",
-    "batches",
     "dependent",
     "merged",
     "solve",

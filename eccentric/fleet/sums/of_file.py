@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
-from eccentric.fleet.limits import BATCH_ROWS, BLOCKS, SLOW, STUCK_PART
+from eccentric.fleet.limits import BATCH_ROWS, BLOCKS, STUCK_PART
 from eccentric.fleet.sums.columns import Columns
 from eccentric.fleet.sums.pieces import Piece, pieces
+from eccentric.fleet.sums.speeds import Speeds
 from eccentric.fleet.sums.triangle import merged, triangles
 from eccentric.fleet.sums.windows import SHARES, any_in, means, rates
 
@@ -51,20 +53,22 @@ class FileSums:
 def sums_of(path: Path, columns: Columns, rows: int = BATCH_ROWS) -> FileSums:
     """The sums of a file with at most `rows` of it in memory, the same whatever that number up to rounding.
 
-    The threshold of motion, where the rig has none, is that of the first piece. Raises InputError for a file
-    that cannot be read or does not fit its rig, and for a drive that is stuck.
+    Where the rig has no threshold of motion, it is that of all of the file, and a file of more rows than that
+    is read twice. Raises InputError for a file that cannot be read or does not fit its rig, and for a drive
+    that is stuck.
     """
     size = len(columns.headings) + 1
     stack, counts, covered = np.zeros((BLOCKS, size, size)), np.zeros(BLOCKS, dtype=np.int64), _Covered()
-    slow = columns.rig.sampling.moving_threshold_rad_s
-    for piece in pieces(path, columns.rig, rows):
+    slow, every = columns.rig.sampling.moving_threshold_rad_s, pieces(path, columns.rig, rows)
+    if slow is None:
+        slow, held = _threshold(every, rows)
+        every = held or pieces(path, columns.rig, rows)
+    for piece in every:
         columns.require_drive(piece.measured_by)
         covered.rows = piece.total
         if len(piece.theta) < SHARES * piece.share:
             continue
         theta, omega, alpha = rates(piece.theta, piece.share, piece.step)
-        if slow is None:
-            slow = SLOW * float(np.quantile(np.abs(omega), 0.95))
         span = SHARES * piece.share * piece.step
         # From end to end of the window, so that none contains a reversal.
         fast = np.abs(omega) > slow + 0.5 * span * np.abs(alpha)
@@ -89,6 +93,18 @@ def sums_of(path: Path, columns: Columns, rows: int = BATCH_ROWS) -> FileSums:
             f" {covered.repeats / covered.samples:.0%} of the moving rows"
         )
     return FileSums(stack, counts, covered.result())
+
+
+def _threshold(every: Iterable[Piece], rows: int) -> tuple[float, list[Piece]]:
+    """The threshold of motion [rad/s] of a file, and its pieces if it has at most `rows`."""
+    speeds, held = Speeds(), list[Piece]()
+    for piece in every:
+        if piece.total <= rows:
+            held.append(piece)
+        if len(piece.theta) >= SHARES * piece.share:
+            omega = rates(piece.theta, piece.share, piece.step)[1]
+            speeds.add(omega[~any_in(~piece.wanted, piece.share)], piece.quantum, piece.share * piece.step)
+    return speeds.threshold(), held
 
 
 @dataclass

@@ -7,7 +7,7 @@ and all else is interpolated linearly on an even grid, which begins anew with ea
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +15,18 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError
 from eccentric.fleet.limits import LEAST_STEPS
-from eccentric.fleet.sums.batches import batches
 from eccentric.fleet.sums.windows import SHARES, share_of
+from eccentric.logs import stream_log
 from eccentric.rigs import Rig
-from eccentric.signals import Table, is_even, of_the_motor, read_table, rows_of_each, stretches
+from eccentric.signals import (
+    Table,
+    is_even,
+    of_the_motor,
+    read_table,
+    rows_of_each,
+    stream_columns,
+    stretches,
+)
 
 __all__ = ["Piece", "pieces"]
 
@@ -32,7 +40,8 @@ class Piece:
     """Even samples (n,) of one stretch, `step` [s] apart, `share` of them from window to window.
 
     `drive` is what measures the torque, by its channel, with a torque of the link converted; `wanted` are the
-    rows that the rig uses with the motor on. `place` is where it begins in the file, in rows, of `total`.
+    rows that the rig uses with the motor on. `quantum` [rad] is the encoder's step by the rig, else 0.
+    `place` is where it begins in the file, in rows, of `total`.
     """
 
     theta: Array
@@ -42,6 +51,7 @@ class Piece:
     wanted: NDArray[np.bool_]
     step: float
     share: int
+    quantum: float
     place: int
     total: int
 
@@ -50,7 +60,10 @@ def pieces(path: Path, rig: Rig, rows: int) -> Iterator[Piece]:
     """Yield the pieces of a file, at most `rows` of it, and what a window needs, in memory."""
     left: _Left | None = None
     place = 0
-    for log, total in batches(path, rig, rows):
+    stream = stream_log(path)
+    total = stream.rows
+    spans = [(first, min(first + rows, total)) for first in range(0, total, rows)]
+    for log in stream.batches(stream_columns(stream, rig), spans):
         logged = read_table([log], rig)
         whole = logged if left is None else left.before(logged)
         table, _ = of_the_motor(whole, rig)
@@ -62,7 +75,7 @@ def pieces(path: Path, rig: Rig, rows: int) -> Iterator[Piece]:
         each = rows_of_each(stretches(table.channels["time"], table.run))
         left = None
         for rows_of_it in each:
-            piece = _piece(table, theta, rows_of_it, rig, begins, total)
+            piece = _piece(table, theta, rows_of_it, rig, _quantum(logged, rig), begins, total)
             if piece is not None:
                 yield piece
             if rows_of_it is each[-1]:
@@ -93,18 +106,24 @@ class _Left:
         both = {name: np.concatenate([x, table.channels[name]]) for name, x in own.channels.items()}
         masks = {
             name: np.concatenate([getattr(own, name), getattr(table, name)])
-            for name in ("use", "motor_off", "after_dropped")
+            for name in _of_rows(table)
+            if name != "run"
         }
         return replace(table, channels=both, run=np.concatenate([own.run, run]), run_names=names, **masks)
 
 
 def _rows(table: Table, rows: slice) -> Table:
-    masks = {name: getattr(table, name)[rows] for name in ("run", "use", "motor_off", "after_dropped")}
+    masks = {name: getattr(table, name)[rows] for name in _of_rows(table)}
     return replace(table, channels={name: x[rows] for name, x in table.channels.items()}, **masks)
 
 
+def _of_rows(table: Table) -> list[str]:
+    """The names of what a table has for each row, beside its channels: the number of the run, and masks."""
+    return [f.name for f in fields(table) if isinstance(getattr(table, f.name), np.ndarray)]
+
+
 def _piece(
-    table: Table, theta: Array, rows: NDArray[np.int64], rig: Rig, begins: int, total: int
+    table: Table, theta: Array, rows: NDArray[np.int64], rig: Rig, quantum: float, begins: int, total: int
 ) -> Piece | None:
     """The stretch of these rows; None for one too short to have a rate."""
     if len(rows) <= LEAST_STEPS:
@@ -129,9 +148,18 @@ def _piece(
         wanted,
         step,
         share_of(rig.sampling.low_pass_hz, step),
+        quantum,
         begins + part.start,
         total,
     )
+
+
+def _quantum(logged: Table, rig: Rig) -> float:
+    """The step of the angle at the motor [rad], by the counts that the rig gives; else 0."""
+    if rig.log.counts_per_rev is None or not {"theta_m", "theta_l"} & set(logged.channels):
+        return 0.0
+    gear = 1.0 if "theta_m" in logged.channels else rig.value("mu")
+    return 2.0 * np.pi / rig.log.counts_per_rev / gear
 
 
 def _drive(channels: Mapping[str, Array], rig: Rig) -> tuple[str, Array]:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from eccentric.errors import InputError
 from eccentric.logs import Log, LogStream
 from eccentric.rigs import Rig
-from eccentric.signals.converted import Converted, converted, used_columns
+from eccentric.signals.converted import Converted, converted, stream_columns
 from eccentric.signals.limits import MOST_REJECTED
 from eccentric.signals.long.cells import base_of, cells_of, states_of, threshold, usual
 from eccentric.signals.long.limits import (
@@ -92,7 +92,7 @@ def survey(stream: LogStream, rig: Rig, alone: bool, tell: Callable[[int], None]
     Raises:
         InputError: whatever `read_table` refuses.
     """
-    columns = used_columns(Log(stream.path, dict.fromkeys(stream.names, np.empty(0)), 0), rig)
+    columns = stream_columns(stream, rig)
     found = LogSurvey(stream, columns)
     reader = _Reader(found, rig, alone)
     for batch in stream.batches(columns):

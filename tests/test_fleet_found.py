@@ -1,0 +1,118 @@
+"""What a fleet says of a joint by its diagnoses: whose gain it is, and when an earlier one still counts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from eccentric.api import fleet as api
+from eccentric.errors import InputError
+from eccentric.fleet import Suspect
+from eccentric.fleet.changed import Changed
+from eccentric.fleet.drift import FleetChange, Series
+from eccentric.fleet.found import drifting_of
+from eccentric.rigs import Rig
+from tests.fleets import one_joint, rig_of
+
+
+def _suspect(rig: Rig) -> Suspect:
+    """A joint whose change no coefficient explains, without logs."""
+    return Suspect("J", rig, (), Changed((), (), 0.1, 0.05, 0.02, 0.05, 0.2, 0.5), None, None)
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        {"theta_zero_rad": 0.7},
+        {"voltage_offset_V": 1.0},
+        {"holdout_intervals_s": [[1.0, 2.0]]},
+        {"low_pass_hz": 10.0},
+        {"known": {"M_kg": 9.0}},
+    ],
+    ids=lambda entry: next(iter(entry)),
+)
+def test_a_diagnosis_counts_for_its_own_rig_only(entry: dict[str, Any]) -> None:
+    """Whatever is said of the rig in another way, a joint is diagnosed again; a new name changes nothing."""
+    _, joint = one_joint()
+    rig = rig_of(joint)
+
+    assert api._digest(_suspect(rig_of(joint, **entry))) != api._digest(_suspect(rig))
+    assert api._digest(_suspect(replace(rig, path="elsewhere", name="K"))) == api._digest(_suspect(rig))
+
+
+class _Diagnosed(NamedTuple):
+    """What `_kept` reads of a diagnosis: new effects, and the errors before and after."""
+
+    document: dict[str, Any]
+    rmse: dict[str, dict[str, float]]
+    unit: str = "N m"
+
+    def write(self, folder: Path) -> None:
+        """Write nothing but the folder."""
+        folder.mkdir(parents=True)
+
+
+def _as_found(families: Sequence[str], before: float, after: float) -> Any:
+    effects = [{"family": name, "id": f"{name}[d=1]"} for name in families]
+    errors = {"mechanical": {"paper": before, "extended": after}}
+    return _Diagnosed({"effects": effects, "improvement": {"balance": "mechanical"}}, errors)
+
+
+def _drifting(joint: Suspect) -> Suspect:
+    series = Series("J", "residual", "1", ("a",), *(np.zeros(1) for _ in range(3)), torque=1.0, least=0.15)
+    change = FleetChange(series, "step", "2025-05", 0.3, 1.0, 1e-5, True)
+    return replace(joint, changes=(change,))
+
+
+def test_the_gain_of_old_effects_is_not_that_of_a_new_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 0.10 the past's Stribeck effect takes 0.05, a new one 0.001: that is not named as the cause."""
+    _, joint = one_joint()
+    suspect = _drifting(_suspect(rig_of(joint)))
+    can_be_in_the_model = True
+
+    def diagnosed(_: Rig, __: object, when: str, including: Sequence[str] = ()) -> Any:
+        if including and not can_be_in_the_model:
+            raise InputError("an effect with hidden states cannot be part of the model from the start")
+        if including:
+            return _as_found(["cogging"], 0.05, 0.049)
+        return _as_found(["stribeck"] if when == "past" else ["stribeck", "cogging"], 0.1, 0.049)
+
+    monkeypatch.setattr(api, "_diagnosed", diagnosed)
+    (found,) = api._examined([suspect])
+    word = api._kept(tmp_path / "a", suspect, found)
+    assert (word.before, word.after) == (0.05, 0.049)
+    assert drifting_of(suspect, word).names == ()
+    assert "no effect of the library explains it" in drifting_of(suspect, word).what
+
+    can_be_in_the_model = False
+    (found,) = api._examined([suspect])
+    word = api._kept(tmp_path / "b", suspect, found)
+    said = drifting_of(suspect, word)
+    assert said.names == ()
+    assert (said.before, said.after) == (suspect.changed.before, suspect.changed.after)
+    assert said.what.endswith("new beside stribeck: cogging[d=1], whose own gain is not known")
+
+
+def test_a_new_effect_with_a_gain_of_its_own_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A past without effects: 0.10 becomes 0.05 by the new one, which is the answer, also in the next run."""
+    _, joint = one_joint()
+    suspect = _drifting(_suspect(rig_of(joint)))
+    made = {"past": _as_found([], 0.05, 0.05), "recent": _as_found(["cogging"], 0.1, 0.05)}
+    monkeypatch.setattr(api, "_diagnosed", lambda rig, sample, when, including=(): made[when])
+
+    (found,) = api._examined([suspect])
+    word = api._kept(tmp_path, suspect, found)
+    (api._place(tmp_path, suspect) / "report.html").touch()
+
+    said = drifting_of(suspect, word)
+    assert (said.what, said.before, said.after) == ("new: cogging[d=1]", 0.1, 0.05)
+    assert api._known(tmp_path, suspect) == word
