@@ -48,7 +48,8 @@ class ChosenWindows:
     log, as a fraction of the square of what both leave; `enough` whether no more windows were needed.
     `states` are how many the log was in, `unseen` those without a window: what they are of, and their cells;
     `missing` how many those are;
-    `unlike` the windows that are unlike the others and were not chosen; `runs` how many runs have no window.
+    `unlike` the windows that are unlike the others and were not chosen; `runs` how many runs have no window;
+    `blind` the windows without cells, of which nothing is known: none of the rest holds for them.
     """
 
     places: tuple[int, ...]
@@ -60,6 +61,7 @@ class ChosenWindows:
     unseen: Counter[str]
     unlike: tuple[int, ...]
     runs: int
+    blind: tuple[int, ...]
 
 
 def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
@@ -100,6 +102,7 @@ def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
         unseen,
         tuple(sorted(_unlike(windows, candidates, chosen))),
         len({windows[k].run for k in candidates} - {windows[k].run for k in chosen}),
+        tuple(k for k in candidates if windows[k].wanted and not windows[k].assessed),
     )
 
 
