@@ -115,8 +115,9 @@ def _said(choice: ChosenWindows, surveys: Sequence[LogSurvey]) -> tuple[str, str
     if choice.blind:
         shown = _shown([windows[k] for k in choice.blind])
         said.append(
-            f"{len(choice.blind)} windows could not be assessed ({shown}), since their rows are too few or too"
-            " uneven in time, or the angle jumps: whether the windows that are used speak for them is not known"
+            f"{len(choice.blind)} windows could not be assessed ({shown}), since their rows are too few or"
+            " too uneven in time, or the angle jumps: whether the windows that are used speak for them is"
+            " not known"
         )
     states = (
         f"{choice.states - choice.missing} of the {choice.states} states that the drive was in are in them"
