@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.logs import Log, read_log
+from eccentric.logs import Log, read_log, stream_log
 from tests import recordings
 from tests.recordings import ANGLE, CURRENT, T
 
@@ -78,6 +78,36 @@ def test_an_hdf5_file_is_read_without_what_it_links_to(read: Callable[[str, byte
     assert log.numbers("angle") == pytest.approx(np.degrees(ANGLE), rel=1e-12)
     assert log.numbers("time") == pytest.approx(T)
     assert any("link" in note and "away" in note for note in log.notes)
+
+
+@pytest.mark.parametrize("suffix", [".h5", ".mat"])
+def test_values_in_other_files_are_left_out(suffix: str, tmp_path: Path) -> None:
+    """External storage, virtual datasets and links, also in groups and cells; MAT 7.3 also in slices."""
+    h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+    (tmp_path / "secret").write_bytes(bytes(range(40)))
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        other["x"] = np.arange(40.0)
+    path = tmp_path / f"log{suffix}"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        file["time"] = np.arange(40.0)
+        layout = h5py.VirtualLayout(shape=(40,), dtype="f8")
+        layout[:] = h5py.VirtualSource(tmp_path / "other.h5", "x", shape=(40,))
+        for group in (file, file.create_group("drive")):
+            group.create_dataset(
+                f"stored{len(group)}", (40,), "u1", external=[(str(tmp_path / "secret"), 0, 40)]
+            )
+            group.create_virtual_dataset(f"virtual{len(group)}", layout)
+            group[f"linked{len(group)}"] = h5py.ExternalLink(str(tmp_path / "other.h5"), "/x")
+        stored = next(name for name in file if name.startswith("stored"))
+        file.create_dataset("cell", data=np.array([file[stored].ref], dtype=h5py.ref_dtype))
+    if suffix == ".mat":
+        with path.open("r+b") as raw:
+            raw.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+
+    for found in (read_log(path), stream_log(path).read()):
+        assert {"time"} == set(found.columns)
+        assert any("other files" in note and "stored" in note and "virtual" in note for note in found.notes)
+        assert any("link" in note for note in found.notes)
 
 
 def test_an_mdf_file_runs_nothing(read: Callable[[str, bytes], Log]) -> None:
