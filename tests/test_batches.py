@@ -196,3 +196,26 @@ def test_a_text_among_numbers_is_named(tmp_path: Path) -> None:
     assert ROWS == stream.read(["time_s"]).rows
     with pytest.raises(InputError, match=r"line 701, column 'current_A': a number is required.*'off'"):
         stream.read(["current_A"]).numbers("current_A")
+
+
+def test_decimal_commas_deep_in_a_file_are_numbers(tmp_path: Path) -> None:
+    """Whole numbers in the first 1200 rows, decimal commas from then on: in batches as whole."""
+    rows = [f"{k};{'0' if k < 1200 else '0,5'}" for k in range(2000)]
+    (tmp_path / "log.csv").write_text("\n".join(["t;x", *rows, ""]))
+    stream = stream_log(tmp_path / "log.csv")
+
+    for found in (read_log(tmp_path / "log.csv"), stream.read(), stream.read(["x"], [(0, 2000)])):
+        np.testing.assert_array_equal(found.numbers("x"), np.where(np.arange(2000) < 1200, 0.0, 0.5))
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".csv.gz"])
+def test_a_byte_that_is_not_utf_8_deep_in_a_file_makes_it_latin_1(suffix: str, tmp_path: Path) -> None:
+    """As it does where the file is read whole, with the same note."""
+    rows = [b"%d,%s" % (k, b"ok" if k < 19_000 else b"\xfcber") for k in range(20_000)]
+    content = b"\n".join([b"t,note", *rows, b""])
+    path = tmp_path / f"log{suffix}"
+    path.write_bytes(gzip.compress(content) if suffix.endswith(".gz") else content)
+    found = stream_log(path).read()
+
+    assert ("über", 20_000) == (found.text("note")[-1], found.rows)
+    assert any("Latin-1" in note for note in found.notes)
