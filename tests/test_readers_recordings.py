@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import pickle
+import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 
@@ -118,6 +120,25 @@ def test_an_mdf_file_runs_nothing(read: Callable[[str, bytes], Log]) -> None:
     assert "computed" not in log.columns
     assert any("formula" in note and "computed" in note for note in log.notes)
     assert "attachments are ignored" in log.notes
+
+
+def test_a_bag_leaves_nothing_beside_it(tmp_path: Path) -> None:
+    """No file of SQLite is made; where its write-ahead log has messages, the bag is refused."""
+    pytest.importorskip("rosbags", reason="rosbags is not installed")
+    path = tmp_path / "log.db3"
+    path.write_bytes(recordings.bag_bytes())
+    with contextlib.closing(sqlite3.connect(path)) as file:
+        file.execute("PRAGMA journal_mode=WAL")
+    rows = read_log(path).rows
+
+    assert ["log.db3"] == [one.name for one in tmp_path.iterdir()]
+    assert rows > 0
+    with contextlib.closing(sqlite3.connect(path)) as file:
+        file.execute("DELETE FROM messages WHERE id = 1")
+        file.commit()
+        with pytest.raises(InputError, match=r"closed is required, received one with log\.db3-wal beside it"):
+            read_log(path)
+    assert read_log(path).rows > 0
 
 
 class Marking:
