@@ -18,7 +18,8 @@ from eccentric.logs import Excerpt, Log, read_log, stream_log
 from eccentric.rigs import Rig, read_rig
 from eccentric.signals import read_channels, read_long
 from eccentric.signals.long.choice import choose, solved
-from eccentric.signals.long.survey import LogSurvey, survey
+from eccentric.signals.long.limits import COLUMNS
+from eccentric.signals.long.survey import LogSurvey, Window, survey
 from eccentric.signals.table import read_table
 from eccentric.signals.thin import thinned
 from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain, stribeck
@@ -191,6 +192,30 @@ def test_a_short_run_among_long_ones_is_in_the_windows() -> None:
     log["run"] = np.where(t < 512.0, "before", np.where(t < 522.0, "short", "after"))
 
     assert {"before", "short", "after"} == runs_chosen(log, rig_of(), 12)
+
+
+def hard_windows() -> list[Window]:
+    """Six hundred in ten runs, each with six of sixty states, every seventh with eight times the drive."""
+    rng = np.random.default_rng(0)
+    windows = []
+    for k in range(600):
+        x = rng.normal(size=(400, COLUMNS + 1))
+        x[:, -1] *= 8.0 if k % 7 == 3 else 1.0
+        window = Window(f"r{k // 60}", k, 1000 * k, 1000 * (k + 1), 10.0 * k, 10.0 * k + 9.99, 400, x.T @ x)
+        window.seen.update({int(state): 60 for state in rng.integers(0, 60, 6)})
+        windows.append(window)
+    return windows
+
+
+@pytest.mark.parametrize("most", [12, 20, 30])
+def test_no_more_windows_are_chosen_than_may_be(most: int) -> None:
+    """With runs, held-out runs and intervals, states and windows unlike others, which all want some."""
+    windows = hard_windows()
+    for more in ({}, {"holdout_intervals_s": [[0.0, 1000.0], [3000.0, 6000.0]]}, {"holdout_runs": ["r*"]}):
+        chosen = choose(windows, rig_of(**more), most).places
+
+        assert most // 2 < len(chosen) <= most
+        assert {0, 599} <= set(chosen)
 
 
 @pytest.mark.parametrize("rates", [(1000.0, 400.0), (200.0, 5000.0)])

@@ -65,10 +65,7 @@ class ChosenWindows:
 
 
 def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
-    """Choose at most `most` windows, more only where runs that the rig holds out need one.
-
-    With fewer windows than that, or none in which the drive moves, all are chosen.
-    """
+    """Choose at most `most` windows, or twelve where that is more."""
     candidates = [k for k, w in enumerate(windows) if _counts(w.run, rig)] or list(range(len(windows)))
     total = Counter[int]()
     for k in candidates:
@@ -81,9 +78,12 @@ def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
     for part in ROUNDS:
         budget = min(len(candidates), max(LEAST_WINDOWS, round(part * most)))
         odd_places = max(1, round(ODD_PART * budget))
-        chosen = must | _even(candidates, budget - odd_places) | _held(windows, candidates, rig, budget)
+        chosen = must | _held(windows, candidates, rig, budget)
+        chosen |= _even(candidates, budget - odd_places - len(chosen))
         chosen |= _for_states(windows, candidates, chosen, visited, budget - odd_places // 2)
-        chosen |= set(_unlike(windows, candidates, chosen)[:odd_places])
+        chosen |= set(_unlike(windows, candidates, chosen)[: max(0, min(odd_places, budget - len(chosen)))])
+        # Rules agree on some windows, and what one needs no more is spread evenly too.
+        chosen |= _even([k for k in candidates if k not in chosen], budget - len(chosen))
         worse = _worse(whole, best, solved(sum((windows[k].sums for k in chosen), np.zeros_like(whole))))
         seen = _seen(windows, chosen)
         if worse <= AGREES and visited <= seen:
@@ -164,7 +164,7 @@ def _spread(places: Sequence[int], count: int) -> list[int]:
 
 
 def _even(candidates: Sequence[int], count: int) -> set[int]:
-    return set(_spread(candidates, count))
+    return set(_spread(candidates, count)) if count > 0 else set()
 
 
 def _seen(windows: Sequence[Window], chosen: Iterable[int]) -> set[int]:
