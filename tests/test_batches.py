@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,8 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.logs import LogStream, csv_file, mat_file, read_log, stream_log
+from eccentric.logs import LogStream, batches, csv_file, mat_file, read_log, stream_log
+from eccentric.logs.log import READERS
 
 ROWS = 1000
 NUMBERS = np.random.default_rng(7).normal(size=(ROWS, 3))
@@ -219,3 +221,15 @@ def test_a_byte_that_is_not_utf_8_deep_in_a_file_makes_it_latin_1(suffix: str, t
 
     assert ("über", 20_000) == (found.text("note")[-1], found.rows)
     assert any("Latin-1" in note for note in found.notes)
+
+
+def test_the_manual_says_of_every_format_whether_it_is_read_in_parts() -> None:
+    """The table of docs/long-logs.md has a row for every suffix, and those that can be read in parts agree."""
+    page = Path(__file__).resolve().parents[1] / "docs" / "long-logs.md"
+    rows = re.findall(r"^\| (`\..*?) \| (.*?) \|", page.read_text(encoding="utf-8"), re.MULTILINE)
+    said = {how != "no": set() for _, how in rows}
+    for formats, how in rows:
+        said[how != "no"] |= set(re.findall(r"`(\.[a-z0-9.]+)`", formats))
+
+    assert set(READERS) == said[True] | said[False]
+    assert set(batches._SOURCES) == said[True]
