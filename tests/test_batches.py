@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,8 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.logs import LogStream, csv_file, mat_file, read_log, stream_log
+from eccentric.logs import LogStream, batches, csv_file, mat_file, read_log, stream_log
+from eccentric.logs.log import READERS
 
 ROWS = 1000
 NUMBERS = np.random.default_rng(7).normal(size=(ROWS, 3))
@@ -196,3 +198,38 @@ def test_a_text_among_numbers_is_named(tmp_path: Path) -> None:
     assert ROWS == stream.read(["time_s"]).rows
     with pytest.raises(InputError, match=r"line 701, column 'current_A': a number is required.*'off'"):
         stream.read(["current_A"]).numbers("current_A")
+
+
+def test_decimal_commas_deep_in_a_file_are_numbers(tmp_path: Path) -> None:
+    """Whole numbers in the first 1200 rows, decimal commas from then on: in batches as whole."""
+    rows = [f"{k};{'0' if k < 1200 else '0,5'}" for k in range(2000)]
+    (tmp_path / "log.csv").write_text("\n".join(["t;x", *rows, ""]))
+    stream = stream_log(tmp_path / "log.csv")
+
+    for found in (read_log(tmp_path / "log.csv"), stream.read(), stream.read(["x"], [(0, 2000)])):
+        np.testing.assert_array_equal(found.numbers("x"), np.where(np.arange(2000) < 1200, 0.0, 0.5))
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".csv.gz"])
+def test_a_byte_that_is_not_utf_8_deep_in_a_file_makes_it_latin_1(suffix: str, tmp_path: Path) -> None:
+    """As it does where the file is read whole, with the same note."""
+    rows = [b"%d,%s" % (k, b"ok" if k < 19_000 else b"\xfcber") for k in range(20_000)]
+    content = b"\n".join([b"t,note", *rows, b""])
+    path = tmp_path / f"log{suffix}"
+    path.write_bytes(gzip.compress(content) if suffix.endswith(".gz") else content)
+    found = stream_log(path).read()
+
+    assert ("über", 20_000) == (found.text("note")[-1], found.rows)
+    assert any("Latin-1" in note for note in found.notes)
+
+
+def test_the_manual_says_of_every_format_whether_it_is_read_in_parts() -> None:
+    """The table of docs/long-logs.md has a row for every suffix, and those that can be read in parts agree."""
+    page = Path(__file__).resolve().parents[1] / "docs" / "long-logs.md"
+    rows = re.findall(r"^\| (`\..*?) \| (.*?) \|", page.read_text(encoding="utf-8"), re.MULTILINE)
+    said = {how != "no": set() for _, how in rows}
+    for formats, how in rows:
+        said[how != "no"] |= set(re.findall(r"`(\.[a-z0-9.]+)`", formats))
+
+    assert set(READERS) == said[True] | said[False]
+    assert set(batches._SOURCES) == said[True]

@@ -135,6 +135,19 @@ def test_a_draft_is_a_rig_file_with_its_evidence(arm: BenchResult) -> None:
         assert lines[at - 1].startswith("#")
 
 
+def test_no_name_breaks_a_draft(arm: BenchResult) -> None:
+    """Line breaks, control characters and quotes in a header, of a channel or of none, are escaped."""
+    odd = 'Supply\n[V] \x01\x7f "\\'
+    names = {name: name for name in arm.log.columns} | {"time_s": "time\n[s]\x7f"}
+    log = renamed(arm.log, names, {})
+    log = Log(log.path, {**log.columns, odd: np.full(log.rows, 24.0)}, log.rows)
+    content = tomllib.loads(toml_of(draft_of(log), 'arm "\U0001f600\n'))
+
+    assert ('arm "\U0001f600\n', "time\n[s]\x7f") == (content["name"], content["columns"]["time"])
+    assert {"name", "columns"} <= set(content)
+    assert "V" not in content
+
+
 def test_a_draft_never_replaces_a_file(arm: BenchResult, tmp_path: Path) -> None:
     """What someone wrote into a rig file stays."""
     path = tmp_path / "rig.toml"

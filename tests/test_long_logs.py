@@ -17,8 +17,9 @@ from eccentric.errors import InputError
 from eccentric.logs import Excerpt, Log, read_log, stream_log
 from eccentric.rigs import Rig, read_rig
 from eccentric.signals import read_channels, read_long
-from eccentric.signals.long.choice import choose
-from eccentric.signals.long.survey import LogSurvey, survey
+from eccentric.signals.long.choice import choose, solved
+from eccentric.signals.long.limits import COLUMNS
+from eccentric.signals.long.survey import LogSurvey, Window, survey
 from eccentric.signals.table import read_table
 from eccentric.signals.thin import thinned
 from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain, stribeck
@@ -94,8 +95,6 @@ def test_windows_are_every_row_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_sums_of_all_windows_give_the_planted_friction() -> None:
     """Least squares on the sums of the survey: friction that was planted, by no filter and no model."""
-    from eccentric.signals.long.choice import solved
-
     sums = sum(w.sums for w in surveyed(columns(120.0)).windows)
     found = solved(np.asarray(sums))
 
@@ -193,6 +192,66 @@ def test_a_short_run_among_long_ones_is_in_the_windows() -> None:
     log["run"] = np.where(t < 512.0, "before", np.where(t < 522.0, "short", "after"))
 
     assert {"before", "short", "after"} == runs_chosen(log, rig_of(), 12)
+
+
+def hard_windows() -> list[Window]:
+    """Six hundred in ten runs, each with six of sixty states, every seventh with eight times the drive."""
+    rng = np.random.default_rng(0)
+    windows = []
+    for k in range(600):
+        x = rng.normal(size=(400, COLUMNS + 1))
+        x[:, -1] *= 8.0 if k % 7 == 3 else 1.0
+        window = Window(f"r{k // 60}", k, 1000 * k, 1000 * (k + 1), 10.0 * k, 10.0 * k + 9.99, 400, x.T @ x)
+        window.seen.update({int(state): 60 for state in rng.integers(0, 60, 6)})
+        windows.append(window)
+    return windows
+
+
+@pytest.mark.parametrize("most", [12, 20, 30])
+def test_no_more_windows_are_chosen_than_may_be(most: int) -> None:
+    """With runs, held-out runs and intervals, states and windows unlike others, which all want some."""
+    windows = hard_windows()
+    for more in ({}, {"holdout_intervals_s": [[0.0, 1000.0], [3000.0, 6000.0]]}, {"holdout_runs": ["r*"]}):
+        chosen = choose(windows, rig_of(**more), most).places
+
+        assert most // 2 < len(chosen) <= most
+        assert {0, 599} <= set(chosen)
+
+
+@pytest.mark.parametrize("rates", [(1000.0, 400.0), (200.0, 5000.0)])
+def test_a_run_at_another_rate_counts_like_the_first(rates: tuple[float, float]) -> None:
+    """Its sums give the friction planted in it, and a minute of it has as many cells as one of the first."""
+
+    def more(t: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        return 3.0 * plain(t, omega)
+
+    one, two = columns(60.0, rates[0]), columns(60.0, rates[1], more)
+    log: Columns = {name: np.concatenate([one[name], two[name]]) for name in one}
+    log["run"] = np.repeat(["one", "two"], [len(one["time_s"]), len(two["time_s"])])
+    found = surveyed(log)
+    sums = {run: sum(w.sums for w in found.windows if w.run == run) for run in ("one", "two")}
+    cells = {run: sum(w.cells for w in found.windows if w.run == run) for run in ("one", "two")}
+
+    assert solved(np.asarray(sums["one"]))[0] == pytest.approx(COULOMB, rel=0.05)
+    assert solved(np.asarray(sums["two"]))[0] == pytest.approx(3.0 * COULOMB, rel=0.05)
+    assert cells["two"] == pytest.approx(cells["one"], rel=0.02)
+    assert all(w.assessed for w in found.windows)
+
+
+def test_windows_that_cannot_be_assessed_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the last run rows come in pairs with gaps between them: there is no cell, and a warning says so."""
+    monkeypatch.setattr("eccentric.signals.long.reading.LONG_ROWS", 10_000)
+    log: Columns = columns(200.0, 200.0)
+    t = log["time_s"]
+    paired = np.arange(len(t)) % 20 < 2
+    kept = (t < 150.0) | paired
+    log = {name: x[kept] for name, x in log.items()}
+    log["run"] = np.where(log["time_s"] < 150.0, "even", "paired")
+    (read,) = read_long([log], rig_of())
+    assert read.excerpt is not None
+
+    assert "5 windows could not be assessed" in read.excerpt.missed
+    assert "150 to 159.91 s" in read.excerpt.missed
 
 
 def test_what_the_windows_miss_is_said(monkeypatch: pytest.MonkeyPatch) -> None:

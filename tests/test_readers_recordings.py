@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import pickle
+import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,7 +12,7 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.logs import Log, read_log
+from eccentric.logs import Log, read_log, stream_log
 from tests import recordings
 from tests.recordings import ANGLE, CURRENT, T
 
@@ -80,6 +82,36 @@ def test_an_hdf5_file_is_read_without_what_it_links_to(read: Callable[[str, byte
     assert any("link" in note and "away" in note for note in log.notes)
 
 
+@pytest.mark.parametrize("suffix", [".h5", ".mat"])
+def test_values_in_other_files_are_left_out(suffix: str, tmp_path: Path) -> None:
+    """External storage, virtual datasets and links, also in groups and cells; MAT 7.3 also in slices."""
+    h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+    (tmp_path / "secret").write_bytes(bytes(range(40)))
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        other["x"] = np.arange(40.0)
+    path = tmp_path / f"log{suffix}"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        file["time"] = np.arange(40.0)
+        layout = h5py.VirtualLayout(shape=(40,), dtype="f8")
+        layout[:] = h5py.VirtualSource(tmp_path / "other.h5", "x", shape=(40,))
+        for group in (file, file.create_group("drive")):
+            group.create_dataset(
+                f"stored{len(group)}", (40,), "u1", external=[(str(tmp_path / "secret"), 0, 40)]
+            )
+            group.create_virtual_dataset(f"virtual{len(group)}", layout)
+            group[f"linked{len(group)}"] = h5py.ExternalLink(str(tmp_path / "other.h5"), "/x")
+        stored = next(name for name in file if name.startswith("stored"))
+        file.create_dataset("cell", data=np.array([file[stored].ref], dtype=h5py.ref_dtype))
+    if suffix == ".mat":
+        with path.open("r+b") as raw:
+            raw.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+
+    for found in (read_log(path), stream_log(path).read()):
+        assert {"time"} == set(found.columns)
+        assert any("other files" in note and "stored" in note and "virtual" in note for note in found.notes)
+        assert any("link" in note for note in found.notes)
+
+
 def test_an_mdf_file_runs_nothing(read: Callable[[str, bytes], Log]) -> None:
     """Attachments are ignored, and a channel behind a formula is left out; both are said."""
     pytest.importorskip("asammdf", reason="asammdf is not installed")
@@ -88,6 +120,25 @@ def test_an_mdf_file_runs_nothing(read: Callable[[str, bytes], Log]) -> None:
     assert "computed" not in log.columns
     assert any("formula" in note and "computed" in note for note in log.notes)
     assert "attachments are ignored" in log.notes
+
+
+def test_a_bag_leaves_nothing_beside_it(tmp_path: Path) -> None:
+    """No file of SQLite is made; where its write-ahead log has messages, the bag is refused."""
+    pytest.importorskip("rosbags", reason="rosbags is not installed")
+    path = tmp_path / "log.db3"
+    path.write_bytes(recordings.bag_bytes())
+    with contextlib.closing(sqlite3.connect(path)) as file:
+        file.execute("PRAGMA journal_mode=WAL")
+    rows = read_log(path).rows
+
+    assert ["log.db3"] == [one.name for one in tmp_path.iterdir()]
+    assert rows > 0
+    with contextlib.closing(sqlite3.connect(path)) as file:
+        file.execute("DELETE FROM messages WHERE id = 1")
+        file.commit()
+        with pytest.raises(InputError, match=r"closed is required, received one with log\.db3-wal beside it"):
+            read_log(path)
+    assert read_log(path).rows > 0
 
 
 class Marking:

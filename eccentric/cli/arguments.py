@@ -39,8 +39,8 @@ def add_logs(parser: argparse.ArgumentParser) -> None:
         "logs",
         metavar="LOG",
         nargs="+",
-        help=f"logs of one rig: {LOGS}; of more than 100,000 rows together, windows are used, see"
-        " docs/long-logs.md",
+        help=f"logs of one rig: {LOGS}; of more than 100,000 rows together, windows are used,"
+        " except for an arm, see docs/long-logs.md",
     )
     add(
         "--rig",

@@ -20,9 +20,9 @@ def toml_of(draft: Draft, name: str) -> str:
     lines = [
         "# Drafted by eccentric from the log. # says what speaks for the line below, # ? what to check,",
         "# and a line that begins with #? asks for what no log shows: remove the mark and put your value.",
-        *(f"# {fact}" for fact in draft.facts),
+        *(f"# {_line(fact)}" for fact in draft.facts),
         "",
-        f"name = {json.dumps(name)}",
+        f"name = {_quoted(name)}",
     ]
     drive = next(
         (
@@ -39,7 +39,9 @@ def toml_of(draft: Draft, name: str) -> str:
     lines += ["", "[columns]"]
     for proposal in draft.proposals:
         lines += _channel(proposal)
-    lines += [f"# {column} is no channel: {why}" for column, why in sorted(draft.left_out.items())]
+    lines += [
+        f"# {_line(f'{column} is no channel: {why}')}" for column, why in sorted(draft.left_out.items())
+    ]
     for table in ("known", "unknown"):
         entries = [entry for entry in draft.entries if entry.table == table]
         if entries:
@@ -49,10 +51,10 @@ def toml_of(draft: Draft, name: str) -> str:
 
 def _channel(proposal: Proposal) -> Iterator[str]:
     standard = CHANNELS[proposal.channel][1]
-    column = json.dumps(proposal.column, ensure_ascii=False)
+    column = _quoted(proposal.column)
     value = column
     if proposal.unit and proposal.unit not in (standard, standard.replace(" ", "")):
-        value = f'{{ column = {column}, unit = "{proposal.unit}" }}'
+        value = f"{{ column = {column}, unit = {_quoted(proposal.unit)} }}"
     yield from _comments("", proposal.evidence, proposal.doubt)
     yield f"{proposal.channel} = {value}"
 
@@ -66,8 +68,19 @@ def _comments(indent: str, evidence: Iterable[str], doubt: str) -> Iterator[str]
     for mark, text in (("# ", "; ".join(evidence)), ("# ? ", doubt)):
         if text:
             yield from textwrap.wrap(
-                " ".join(text.split()),
+                " ".join(_line(text).split()),
                 _WIDTH,
                 initial_indent=indent + mark,
                 subsequent_indent=indent + "#   ",
             )
+
+
+def _line(text: str) -> str:
+    """A text as part of a comment, which takes neither line breaks nor other control characters."""
+    return "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in text)
+
+
+def _quoted(text: str) -> str:
+    """A text as a TOML string: unlike JSON, it has no surrogates and no plain DEL."""
+    known = text.encode("utf-8", "replace").decode()
+    return json.dumps(known, ensure_ascii=False).replace("\x7f", "\\u007f")

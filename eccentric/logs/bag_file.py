@@ -1,4 +1,7 @@
-"""ROS 2 bags of the kind `.db3`: an SQLite database of messages, which rosbags reads."""
+"""ROS 2 bags of the kind `.db3`: an SQLite database of messages, which rosbags reads.
+
+It is opened as a file that nobody changes: otherwise SQLite leaves files of its own beside the log.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
 
-from eccentric.errors import few
+from eccentric.errors import InputError, few
 from eccentric.logs.assemble import Read
 from eccentric.logs.foreign import reading
 from eccentric.logs.messages import Message, of_messages
@@ -20,9 +23,12 @@ __all__ = ["read_bag"]
 def read_bag(path: Path) -> Read:
     """Read the numbers of all messages, put on the clock of the fastest topic."""
     types = Types(path, "rosbag")
+    _require_closed(path)
     with (
         reading(path, "ROS 2 bag"),
-        contextlib.closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as file,
+        contextlib.closing(
+            sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)
+        ) as file,
     ):
         held = int(file.execute("SELECT COUNT(*) FROM messages").fetchone()[0])
         require_room_for_numbers(path, held, 10 * held)
@@ -43,6 +49,21 @@ def read_bag(path: Path) -> Read:
             else []
         )
         return Read(read.columns, notes=(*notes, *read.notes), units=read.units)
+
+
+def _require_closed(path: Path) -> None:
+    """Raise InputError if some of the messages are in a journal: it was not closed, or is being written."""
+    for suffix in ("-wal", "-journal"):
+        journal = path.with_name(path.name + suffix)
+        if not journal.is_file():
+            continue
+        with journal.open("rb") as file:
+            # SQLite clears the start of a journal that it keeps and no longer needs.
+            if file.read(8).strip(b"\0"):
+                raise InputError(
+                    f"{path}: a bag that was closed is required, received one with {journal.name} beside it:"
+                    " end its recording, or open and close it once with sqlite3"
+                )
 
 
 def _messages(

@@ -10,7 +10,7 @@ import numpy as np
 
 from eccentric.logs.assemble import MISSING, Column, column_of, number_of
 
-__all__ = ["cells_to_column", "units_row"]
+__all__ = ["cells_to_column", "plain_column", "units_row"]
 
 _COMMA = re.compile(r"\s*[-+]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][-+]?\d+)?\s*")
 _DATE = re.compile(r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
@@ -25,16 +25,29 @@ def cells_to_column(name: str, cells: Sequence[str], *, decimal_comma: bool) -> 
     Args:
         decimal_comma: whether a comma can be one, since it does not separate the cells.
     """
-    column = column_of(cells)
+    column = plain_column(cells, decimal_comma=decimal_comma)
     if column.dtype.kind == "f":
         return _counter(name, cells, column)
-    given = [cell for cell in cells if cell.strip().lower() not in MISSING]
-    # A cell that is no number stays as it is: whoever asks for numbers is told its line.
-    if decimal_comma and given and 2 * sum(map(bool, map(_COMMA.fullmatch, given))) > len(given):
-        return column_of([c.replace(",", ".") if _COMMA.fullmatch(c) else c for c in cells]), "", ""
+    given = _given(cells)
     if given and all(map(_DATE.match, given)):
         return _dates(name, cells, column)
     return column, "", ""
+
+
+def plain_column(cells: Sequence[str], *, decimal_comma: bool) -> Column:
+    """Return cells as numbers, with decimal commas where most are such and a comma can be one, or as text."""
+    column = column_of(cells)
+    if column.dtype.kind == "f" or not decimal_comma:
+        return column
+    given = _given(cells)
+    # A cell that is no number stays as it is: whoever asks for numbers is told its line.
+    if given and 2 * sum(map(bool, map(_COMMA.fullmatch, given))) > len(given):
+        return column_of([c.replace(",", ".") if _COMMA.fullmatch(c) else c for c in cells])
+    return column
+
+
+def _given(cells: Sequence[str]) -> list[str]:
+    return [cell for cell in cells if cell.strip().lower() not in MISSING]
 
 
 def _counter(name: str, cells: Sequence[str], column: Column) -> tuple[Column, str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import dataclasses
 import gzip
@@ -16,8 +17,8 @@ from typing import IO
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.logs.assemble import Column, InParts, Part, Read, column_of, number_of, overlaps
-from eccentric.logs.csv_cells import cells_to_column, units_row
+from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, overlaps
+from eccentric.logs.csv_cells import cells_to_column, plain_column, units_row
 from eccentric.logs.limits import BATCH_ROWS, MOST_CHARACTERS, SAMPLE_ROWS
 from eccentric.logs.room import require_room_for_text
 from eccentric.logs.topics import of_topics
@@ -66,15 +67,16 @@ def text_of(path: Path, encoding: str = "utf-8-sig") -> str:
 def csv_source(path: Path) -> InParts | None:
     """Return a CSV file as blocks of rows; it has at most as many as lines, which are counted.
 
-    None for one whose first rows need more than reading numbers, such as dates, a row of units or topics.
+    None for one whose first rows need more than reading numbers, such as dates, a row of units or topics, and
+    for one that is not UTF-8 throughout.
     """
     try:
         with _csv_errors(path):
             header, delimiter, before = _start(path)
-            plain = _plain(path, before, header, delimiter)
+            if not _plain(path, before, header, delimiter):
+                return None
+        lines = _lines(path)
     except UnicodeDecodeError:
-        return None
-    if not plain:
         return None
 
     def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
@@ -88,11 +90,14 @@ def csv_source(path: Path) -> InParts | None:
                 for first, end in overlaps(at, at + len(block), spans):
                     found = _rectangular(block[first - at : end - at], len(header), delimiter, path)
                     values = list(zip(*(row for _, row in found), strict=True))
-                    columns = {name: column_of(values[k]) for name, k in zip(names, chosen, strict=True)}
+                    columns = {
+                        name: plain_column(values[k], decimal_comma=delimiter != ",")
+                        for name, k in zip(names, chosen, strict=True)
+                    }
                     yield Part(first, columns, np.array([line for line, _ in found], dtype=np.int64))
                 at += len(block)
 
-    return InParts(tuple(header), _lines(path) - before, parts)
+    return InParts(tuple(header), lines - before, parts)
 
 
 def _start(path: Path) -> tuple[list[str], str, int]:
@@ -108,11 +113,15 @@ def _start(path: Path) -> tuple[list[str], str, int]:
 
 
 def _lines(path: Path) -> int:
+    """How many lines a file may have; UnicodeDecodeError if it is not UTF-8 throughout."""
     opened = gzip.open if path.name.lower().endswith(".gz") else open
+    decoder = codecs.getincrementaldecoder("utf-8")()
     count = 1
     with opened(path, "rb") as file:
         while chunk := file.read(1 << 20):
             count += max(chunk.count(b"\n"), chunk.count(b"\r"))
+            decoder.decode(chunk)
+        decoder.decode(b"", final=True)
     return count
 
 
@@ -139,8 +148,6 @@ def _plain(path: Path, before: int, header: list[str], delimiter: str) -> bool:
     """Whether the first rows are nothing but numbers and names, one row for each moment."""
     with _opened(path) as file:
         lines = list(itertools.islice(file, before + SAMPLE_ROWS))
-    if delimiter != "," and any("," in line for line in lines[before:]):
-        return False
     read = _of_rows(path, lines, before, header, delimiter)
     return not read.notes and not read.units and of_topics(read, path) is read
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from eccentric.logs.assemble import LeftOut, Read, assemble
 from eccentric.logs.foreign import library, reading
+from eccentric.logs.hdf5_own import entries
 from eccentric.logs.limits import DEEPEST_STRUCTURE
 from eccentric.logs.room import require_room_for_numbers
 
@@ -18,7 +19,7 @@ _UNIT = ("unit", "units", "Unit", "Units")
 
 
 def read_hdf5(path: Path) -> Read:
-    """Read the datasets of numbers and text; links out of the file or in circles are not followed."""
+    """Read the datasets of numbers and text; links, and values in other files, are left out with a note."""
     h5py = library("h5py", "hdf5", path)
     with reading(path, "HDF5 file"), h5py.File(path, "r") as file:
         found: dict[str, Any] = {}
@@ -44,13 +45,11 @@ def read_hdf5(path: Path) -> Read:
 def _collect(group: Any, prefix: str, found: dict[str, Any], h5py: Any, depth: int) -> None:
     if depth > DEEPEST_STRUCTURE:
         return
-    for key in group:
-        name = f"{prefix}.{key}" if prefix else str(key)
-        if not isinstance(group.get(key, getlink=True), h5py.HardLink):
-            found[name] = LeftOut("since it is a link")
-            continue
-        item = group[key]
-        if isinstance(item, h5py.Group):
+    for key, item in entries(group, h5py):
+        name = f"{prefix}.{key}" if prefix else key
+        if isinstance(item, LeftOut):
+            found[name] = item
+        elif isinstance(item, h5py.Group):
             _collect(item, name, found, h5py, depth + 1)
         elif isinstance(item, h5py.Dataset):
             found[name] = item if item.shape is not None else LeftOut("since it is empty")

@@ -9,6 +9,14 @@ MOST_PARTS = 100
 DEEPEST_STRUCTURE = 20
 """Structures nested deeper than this are left out: logs have two or three levels."""
 
+# Channels with clocks of their own.
+
+SIMILAR_RATE = 0.1
+"""A channel with fewer rows than this part of the fastest one's is slow, as a temperature or a parameter is:
+its first and last row say nothing about when the log begins and ends."""
+SIMILAR_TIME = 0.5
+"""Nor do those of a channel that was recorded for less than this part of the time: most rows would go."""
+
 # What a damaged or hostile file may cost.
 
 MOST_CHARACTERS = 1_000_000_000

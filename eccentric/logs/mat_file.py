@@ -16,6 +16,7 @@ import numpy as np
 
 from eccentric.errors import InputError
 from eccentric.logs.assemble import Column, InParts, LeftOut, Part, Read, assemble
+from eccentric.logs.hdf5_own import entries, own
 from eccentric.logs.limits import BATCH_ROWS, DEEPEST_REFERENCE
 from eccentric.logs.mat_check import check
 from eccentric.logs.room import require_room_for_numbers
@@ -33,7 +34,7 @@ def read_mat(path: Path) -> Read:
             shapes: list[tuple[int, ...]] = []
             file.visititems(lambda _, item: shapes.append(getattr(item, "shape", None) or ()))
             _require_room(path, shapes)
-            content = {name: _value(item, h5py, 0, _stored) for name, item in _variables(file)}
+            content = {name: _value(item, h5py, 0, _stored) for name, item in _variables(file, h5py)}
         return _contiguous(assemble(content))
     from scipy.io import loadmat
 
@@ -84,7 +85,7 @@ def mat_source(path: Path) -> InParts | None:
         return found if axes[0] > axes[1] else found.T
 
     with _opened_7_3(path) as (file, h5py):
-        read = assemble({name: _value(item, h5py, 0, stand_in) for name, item in _variables(file)})
+        read = assemble({name: _value(item, h5py, 0, stand_in) for name, item in _variables(file, h5py)})
     rows = len(next(iter(read.columns.values()), ()))
 
     def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
@@ -146,8 +147,8 @@ def _opened_7_3(path: Path) -> Iterator[tuple[Any, Any]]:
         raise InputError(f"{path}: not a valid MAT file of version 7.3 ({_line(error)})") from None
 
 
-def _variables(file: Any) -> list[tuple[str, Any]]:
-    return [(name, item) for name, item in file.items() if not name.startswith("#")]
+def _variables(file: Any, h5py: Any) -> list[tuple[str, Any]]:
+    return [(name, item) for name, item in entries(file, h5py) if not name.startswith("#")]
 
 
 def _stored(item: Any) -> Any:
@@ -162,6 +163,8 @@ def _contiguous(read: Read) -> Read:
 
 def _value(item: Any, h5py: Any, depth: int, numbers: Callable[[Any], Any]) -> Any:
     """Return a variable of an HDF5 file as SciPy would: cells are references, arrays of `numbers`."""
+    if isinstance(item, LeftOut):
+        return item
     kind = item.attrs.get("MATLAB_class", b"")
     kind = kind.decode() if isinstance(kind, bytes) else str(kind)
     if (
@@ -171,12 +174,14 @@ def _value(item: Any, h5py: Any, depth: int, numbers: Callable[[Any], Any]) -> A
     ):
         return _OBJECT
     if isinstance(item, h5py.Group):
-        return _records({name: _value(inner, h5py, depth + 1, numbers) for name, inner in item.items()})
+        return _records(
+            {name: _value(inner, h5py, depth + 1, numbers) for name, inner in entries(item, h5py)}
+        )
     if "MATLAB_empty" in item.attrs:
         return []
     if item.dtype == h5py.ref_dtype:
         cells = np.ravel(item[()])
-        return [_value(item.file[reference], h5py, depth + 1, numbers) for reference in cells]
+        return [_value(own(item.file[reference], h5py), h5py, depth + 1, numbers) for reference in cells]
     if item.dtype.kind not in "biuf":
         return LeftOut("since it is neither numbers nor text")
     if kind == "char":

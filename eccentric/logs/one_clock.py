@@ -1,8 +1,9 @@
 """Channels that were recorded on clocks of their own, as columns on one of them.
 
-The clock with the most rows is kept as it is, within the time that all channels share. Other channels are
-interpolated linearly between their samples, and what is whole numbers or text keeps its last value: a mode
-has no value in between. The notes say so.
+The clock with the most rows is kept as it is, within the time that it shares with the channels of a similar
+rate. Other channels are interpolated linearly between their samples, and what is whole numbers or text keeps
+its last value: a mode has no value in between. A slow channel, or one that was recorded for a part of the
+time, does not shorten the log: outside its own time it has no value. The notes say so.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
 from eccentric.logs.assemble import Column, Read
+from eccentric.logs.limits import SIMILAR_RATE, SIMILAR_TIME
 
 __all__ = ["TIME", "Recorded", "on_one_clock"]
 
@@ -39,36 +41,47 @@ def on_one_clock(
     """Return the channels as columns on the clock of the one with the most rows, whose times are in `time`.
 
     Raises:
-        InputError: no channel has rows, or they share no time.
+        InputError: no channel has rows, or those on other clocks share no time with it.
     """
     filled = [c for c in (_clean(c) for c in channels) if len(c.time) > 1]
     if not filled:
         empty = f"{path}: a log with numbers over time is required, received none"
         raise InputError("; ".join((empty, *notes)))
     lead = max(filled, key=lambda c: len(c.time))
-    first, last = max(c.time[0] for c in filled), min(c.time[-1] for c in filled)
+    others = [c for c in filled if not np.array_equal(c.time, lead.time)]
+    similar = [lead, *(c for c in others if _is_similar(c, lead))]
+    first, last = max(c.time[0] for c in similar), min(c.time[-1] for c in similar)
     rows = (lead.time >= first) & (lead.time <= last)
-    if np.count_nonzero(rows) < 2:
+    t = lead.time[rows]
+    if len(t) < 2 or (others and not any(_seconds_shared(c, lead) > 0.0 for c in others)):
+        first, last = max(c.time[0] for c in filled), min(c.time[-1] for c in filled)
         raise InputError(
             f"{path}: channels that share a time are required, received {lead.name} from"
             f" {lead.time[0]:.6g} to {lead.time[-1]:.6g} s and others from {first:.6g} or to {last:.6g} s"
         )
-    t = lead.time[rows]
     columns: dict[str, Column] = {time: t - t[0]}
     units = {time: "s"}
-    linear, held = [], []
+    linear, held, partly = [], [], []
     for c in filled:
         name = _free(c.name, columns)
         if c.unit:
             units[name] = c.unit
         if np.array_equal(c.time, lead.time):
             columns[name] = c.values[rows]
-        elif _is_held(c.values):
+            continue
+        # Up to the time of its next sample, a channel is where it was.
+        step = float(np.median(np.diff(c.time)))
+        outside = t < c.time[0] - step
+        if _is_held(c.values):
             columns[name] = c.values[np.clip(np.searchsorted(c.time, t, "right") - 1, 0, None)]
             held.append(name)
         else:
             columns[name] = np.interp(t, c.time, c.values)
             linear.append(name)
+            outside |= t > c.time[-1] + step
+        if np.any(outside):
+            columns[name] = np.where(outside, np.nan if c.values.dtype.kind != "U" else "", columns[name])
+            partly.append(name)
     said = [*notes]
     if linear or held:
         how = [
@@ -77,11 +90,23 @@ def on_one_clock(
             if names
         ]
         said.append(f"put on the clock of {lead.name}, {len(t)} rows: {'; '.join(how)}")
+    if partly:
+        said.append(f"without a value in rows outside their own time: {few(partly, 5)}")
     if len(t) < len(lead.time):
         said.append(
             f"{len(lead.time) - len(t)} rows of {lead.name} are left out, before or after other channels"
         )
     return Read(columns, notes=tuple(said), units=units)
+
+
+def _is_similar(c: Recorded, lead: Recorded) -> bool:
+    """Whether a channel was recorded at a similar rate, and for most of the time."""
+    many = len(c.time) >= SIMILAR_RATE * len(lead.time)
+    return many and _seconds_shared(c, lead) >= SIMILAR_TIME * (lead.time[-1] - lead.time[0])
+
+
+def _seconds_shared(c: Recorded, lead: Recorded) -> float:
+    return float(min(c.time[-1], lead.time[-1]) - max(c.time[0], lead.time[0]))
 
 
 def _clean(c: Recorded) -> Recorded:

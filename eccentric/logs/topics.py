@@ -1,7 +1,8 @@
 """A table whose rows belong to different channels, as loggers of several topics write it, on one clock.
 
 Either each row names its channel (time, name, value), or each row fills the columns of one topic and leaves
-the others empty. A log that merely lost values is neither: there all columns are filled in some row.
+the others empty. A log that merely lost values is neither: there all columns are filled in some row. Nor is
+a log with a full column and some that are sampled more slowly.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ def _named(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
 
 
 def _sparse(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
-    """A full column of time, and at least two columns that are never filled in the same row."""
+    """A column of time, the only full one, and at least two others that are never filled in the same row."""
     numbers = {name: x for name, x in columns.items() if x.dtype.kind == "f"}
     time = next((name for name, x in numbers.items() if np.all(np.isfinite(x)) and _rises(x)), None)
     if time is None:
@@ -65,6 +66,9 @@ def _sparse(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
     there = {name: np.isfinite(x) for name, x in numbers.items() if name != time}
     there = {name: rows for name, rows in there.items() if np.count_nonzero(rows) >= SHORTEST_VECTOR}
     parts = [name for name, rows in there.items() if not np.all(rows)]
+    # With another full column, each row is a moment.
+    if len(parts) < len(there):
+        return None
     if not any(not np.any(there[a] & there[b]) for k, a in enumerate(parts) for b in parts[k + 1 :]):
         return None
     return time, [Recorded(name, numbers[time][rows], numbers[name][rows]) for name, rows in there.items()]

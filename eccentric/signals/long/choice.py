@@ -48,7 +48,8 @@ class ChosenWindows:
     log, as a fraction of the square of what both leave; `enough` whether no more windows were needed.
     `states` are how many the log was in, `unseen` those without a window: what they are of, and their cells;
     `missing` how many those are;
-    `unlike` the windows that are unlike the others and were not chosen; `runs` how many runs have no window.
+    `unlike` the windows that are unlike the others and were not chosen; `runs` how many runs have no window;
+    `blind` the windows without cells, of which nothing is known: none of the rest holds for them.
     """
 
     places: tuple[int, ...]
@@ -60,13 +61,11 @@ class ChosenWindows:
     unseen: Counter[str]
     unlike: tuple[int, ...]
     runs: int
+    blind: tuple[int, ...]
 
 
 def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
-    """Choose at most `most` windows, more only where runs that the rig holds out need one.
-
-    With fewer windows than that, or none in which the drive moves, all are chosen.
-    """
+    """Choose at most `most` windows, or twelve where that is more."""
     candidates = [k for k, w in enumerate(windows) if _counts(w.run, rig)] or list(range(len(windows)))
     total = Counter[int]()
     for k in candidates:
@@ -79,9 +78,12 @@ def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
     for part in ROUNDS:
         budget = min(len(candidates), max(LEAST_WINDOWS, round(part * most)))
         odd_places = max(1, round(ODD_PART * budget))
-        chosen = must | _even(candidates, budget - odd_places) | _held(windows, candidates, rig, budget)
+        chosen = must | _held(windows, candidates, rig, budget)
+        chosen |= _even(candidates, budget - odd_places - len(chosen))
         chosen |= _for_states(windows, candidates, chosen, visited, budget - odd_places // 2)
-        chosen |= set(_unlike(windows, candidates, chosen)[:odd_places])
+        chosen |= set(_unlike(windows, candidates, chosen)[: max(0, min(odd_places, budget - len(chosen)))])
+        # Rules agree on some windows, and what one needs no more is spread evenly too.
+        chosen |= _even([k for k in candidates if k not in chosen], budget - len(chosen))
         worse = _worse(whole, best, solved(sum((windows[k].sums for k in chosen), np.zeros_like(whole))))
         seen = _seen(windows, chosen)
         if worse <= AGREES and visited <= seen:
@@ -100,6 +102,7 @@ def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
         unseen,
         tuple(sorted(_unlike(windows, candidates, chosen))),
         len({windows[k].run for k in candidates} - {windows[k].run for k in chosen}),
+        tuple(k for k in candidates if windows[k].wanted and not windows[k].assessed),
     )
 
 
@@ -161,7 +164,7 @@ def _spread(places: Sequence[int], count: int) -> list[int]:
 
 
 def _even(candidates: Sequence[int], count: int) -> set[int]:
-    return set(_spread(candidates, count))
+    return set(_spread(candidates, count)) if count > 0 else set()
 
 
 def _seen(windows: Sequence[Window], chosen: Iterable[int]) -> set[int]:

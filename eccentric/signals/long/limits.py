@@ -31,6 +31,9 @@ VISITED_S = 1.0
 """A state counts as visited from this long on: below it, no block of the search is in it."""
 JUMP = 20.0
 """A step of the angle this many times as large as its 90th percentile is a wrap."""
+SAME_STEP = 1.25
+"""Windows whose steps between rows differ by more than this factor have cells of their own: a cell that is
+half as long again as the others counts as one with a gap."""
 LEAST_CELLS_OF_A_BATCH = 4
 """A shorter batch, at the end of a file, has no second differences."""
 

@@ -7,12 +7,13 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from eccentric.errors import few
 from eccentric.logs import Excerpt, Log, LogSource, LogStream, stream_log
 from eccentric.rigs import Rig
 from eccentric.signals.converted import named_apart, run_column
 from eccentric.signals.long.choice import ChosenWindows, choose
 from eccentric.signals.long.limits import CELL_S, LONG_ROWS, POINT_RATE_HZ, SEARCH_POINTS, WINDOW_S
-from eccentric.signals.long.survey import LogSurvey, survey
+from eccentric.signals.long.survey import LogSurvey, Window, survey
 
 __all__ = ["read_long"]
 
@@ -107,17 +108,26 @@ def _said(choice: ChosenWindows, surveys: Sequence[LogSurvey]) -> tuple[str, str
         kinds = ", ".join(f"{cells * CELL_S:.3g} s of {kind}" for kind, cells in choice.unseen.most_common())
         missed.append(f"states of the drive that no window contains ({kinds})")
     if choice.unlike:
-        odd = [windows[k] for k in choice.unlike]
-        shown = ", ".join(f"{w.begin:.5g} to {w.finish:.5g} s" for w in odd[:3])
-        more = f" and {len(odd) - 3} more" if len(odd) > 3 else ""
-        missed.append(f"windows unlike the others ({shown}{more})")
+        missed.append(f"windows unlike the others ({_shown([windows[k] for k in choice.unlike])})")
     if choice.runs:
         missed.append(f"{choice.runs} runs")
-    said = f"not in the windows that are used: {'; '.join(missed)}" if missed else ""
+    said = [f"not in the windows that are used: {'; '.join(missed)}"] if missed else []
+    if choice.blind:
+        shown = _shown([windows[k] for k in choice.blind])
+        said.append(
+            f"{len(choice.blind)} windows could not be assessed ({shown}), since their rows are too few or"
+            " too uneven in time, or the angle jumps: whether the windows that are used speak for them is"
+            " not known"
+        )
     states = (
         f"{choice.states - choice.missing} of the {choice.states} states that the drive was in are in them"
     )
-    return f"{size}: {why}; {states}", said
+    return f"{size}: {why}; {states}", "; ".join(said)
+
+
+def _shown(windows: Sequence[Window]) -> str:
+    """Begin and end of the first few."""
+    return few([f"{w.begin:.5g} to {w.finish:.5g} s" for w in windows], 3)
 
 
 def _of_runs(stream: LogStream, rig: Rig) -> Iterator[Log]:

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ from eccentric.signals.long.limits import (
     CELL_S,
     COLUMNS,
     LEAST_CELLS_OF_A_BATCH,
+    SAME_STEP,
     WINDOW_S,
 )
 
@@ -42,7 +44,8 @@ class Window:
     """Rows [first, end) of a run, from `begin` to `finish` [s]; `number` counts ten seconds from its start.
 
     `sums` (COLUMNS + 1, COLUMNS + 1) are those of the columns and the drive over `cells` moving cells;
-    `seen` counts the cells in each state.
+    `seen` counts the cells in each state. `wanted` says whether the rig uses rows of it, `assessed` whether
+    there are cells on such rows, moving or not.
     """
 
     run: str
@@ -54,9 +57,12 @@ class Window:
     cells: int = 0
     sums: Array = field(default_factory=lambda: np.zeros((COLUMNS + 1, COLUMNS + 1)))
     seen: Counter[int] = field(default_factory=Counter)
+    wanted: bool = False
+    assessed: bool = False
 
     def joined(self, other: Window) -> None:
         """Add the window that follows."""
+        self.wanted, self.assessed = self.wanted or other.wanted, self.assessed or other.assessed
         self.end, self.finish, self.cells = other.end, other.finish, self.cells + other.cells
         self.sums += other.sums
         self.seen.update(other.seen)
@@ -130,8 +136,8 @@ class _Reader:
         labels = [names[run[k]] for k in begins]
         goes_on = labels[0] == self._run
         self._check(batch, t, kept, begins[goes_on:], labels, goes_on)
-        if not self._found.step_s and len(t) > 1:
-            self._found.step_s, self._found.origin_s = float(np.median(np.diff(t))), float(t[0])
+        if not self._found.windows:
+            self._found.origin_s = float(t[0])
         firsts: list[int] = []
         windows: list[Window] = []
         for a, b, label in zip(begins.tolist(), [*begins[1:].tolist(), len(t)], labels, strict=True):
@@ -144,7 +150,12 @@ class _Reader:
                 windows.append(window)
         self._run, self._last = labels[-1], float(t[-1])
         wanted, off = found.use[own] != 0.0, found.motor_off[own] != 0.0
-        _count(values, wanted, off, np.array(firsts), windows, self._rig, self._found)
+        for a, b, step in _stretches(t, firsts):
+            first, end = firsts[a], firsts[b] if b < len(firsts) else len(t)
+            rows = slice(first, end)
+            own = {c: x[rows] for c, x in values.items()}
+            places = np.array(firsts[a:b]) - first
+            _count(own, wanted[rows], off[rows], places, windows[a:b], step, self._rig, self._found)
 
     def _kept(self, batch: Log, found: Converted, run: Integers) -> Integers:
         """Rows that are numbers and do not repeat the row before; the others are counted."""
@@ -205,6 +216,8 @@ class _Reader:
             else:
                 whole.append(window)
         found.windows[:] = whole
+        steps = [(w.finish - w.begin) / (w.end - w.first - 1) for w in whole if w.end - w.first > 1]
+        found.step_s = float(np.median(steps)) if steps else 0.0
 
 
 def _cut(t: Array, start: float) -> Iterator[tuple[int, int, int]]:
@@ -216,17 +229,35 @@ def _cut(t: Array, start: float) -> Iterator[tuple[int, int, int]]:
             yield first, end, number
 
 
+def _stretches(t: Array, firsts: Sequence[int]) -> Iterator[tuple[int, int, float]]:
+    """Windows [a, b) of a batch whose rows are about as far apart, and the usual step between those [s].
+
+    A run may be sampled at another rate than the one before. Windows of one row go with those before.
+    """
+    begin, step = 0, 0.0
+    for k, (first, end) in enumerate(pairwise([*firsts, len(t)])):
+        own = float(np.median(np.diff(t[first:end]))) if end - first > 1 else step
+        if step and not 1.0 / SAME_STEP <= own / step <= SAME_STEP:
+            yield begin, k, step
+            begin, step = k, own
+        step = step or own
+    yield begin, len(firsts), step
+
+
 def _count(
     values: Mapping[str, Array],
     wanted: Mask,
     off: Mask,
     firsts: Integers,
-    windows: list[Window],
+    windows: Sequence[Window],
+    step: float,
     rig: Rig,
     found: LogSurvey,
 ) -> None:
-    """Add sums and states of a batch to its windows, on cells; those at its ends are left out."""
-    per = max(1, round(CELL_S / found.step_s)) if found.step_s else 1
+    """Add sums and states of rows `step` [s] apart to their windows, on cells but the end ones."""
+    for window, a, b in zip(windows, firsts, [*firsts[1:], len(wanted)], strict=True):
+        window.wanted = window.wanted or bool(np.any(wanted[a:b]))
+    per = max(1, round(CELL_S / step)) if step else 1
     count = len(wanted) // per
     if count < LEAST_CELLS_OF_A_BATCH:
         return
@@ -234,7 +265,7 @@ def _count(
     inside = first[1:-1]
     cells = cells_of(values, rig, first, per, count)
     of = np.searchsorted(firsts, first, side="right")
-    alike = (of[2:] == of[:-2]) & (cells.span < 3.0 * per * found.step_s) & cells.clear & wanted[inside]
+    alike = (of[2:] == of[:-2]) & (cells.span < 3.0 * per * step) & cells.clear & wanted[inside]
     free = alike & off[inside]
     moving = alike & ~off[inside] & (np.abs(cells.omega) > threshold(cells.omega, rig))
     columns = base_of(cells, values["time"][inside] - found.origin_s)
@@ -246,6 +277,7 @@ def _count(
         x = columns[a:b][moving[a:b]]
         window.sums += x.T @ x
         window.cells += len(x)
+        window.assessed = window.assessed or bool(np.any(alike[a:b]))
         for state in states:
             numbers, often = np.unique(state[a:b], return_counts=True)
             window.seen.update(dict(zip(numbers.tolist(), often.tolist(), strict=True)))
