@@ -224,7 +224,7 @@ def test_a_byte_that_is_not_utf_8_deep_in_a_file_makes_it_latin_1(suffix: str, t
 
 
 def test_the_manual_says_of_every_format_whether_it_is_read_in_parts() -> None:
-    """The table of docs/long-logs.md has a row for every suffix, and those that can be read in parts agree."""
+    """The table of docs/long-logs.md has a row for every suffix, and what is read in parts agrees."""
     page = Path(__file__).resolve().parents[1] / "docs" / "long-logs.md"
     rows = re.findall(r"^\| (`\..*?) \| (.*?) \|", page.read_text(encoding="utf-8"), re.MULTILINE)
     said = {how != "no": set() for _, how in rows}

@@ -183,9 +183,9 @@ LOGS = {
         lambda rows: [*rows[:50], rows[50].replace(rows[50].split(",")[1], "fast"), *rows[51:]],
         "'fast'",
     ),
-    "decimal comma": (
-        lambda rows: [row.replace(",", ";").replace(".", ",") for row in rows],
-        "line 2, column 'time_s': a number is required, received '0,000'; a decimal point is required",
+    "decimal comma between commas": (
+        lambda rows: [rows[0], *(row.replace(".", ",") for row in rows[1:])],
+        "a decimal point is required, as in 1.5",
     ),
     "two hundred columns": (
         lambda rows: [",".join(f"signal_{k}" for k in range(200)), *[",".join(["1"] * 200)] * len(rows)],

@@ -48,6 +48,10 @@ def _cleared(error: BaseException) -> None:
 def reading(path: Path, what: str) -> Iterator[None]:
     """Silence a library, and make one line of whatever it raises: "not a valid `what`"."""
     before = logging.root.manager.disable
+    # What was there before is not looked at when the remains of a failure are collected.
+    frozen = gc.get_freeze_count() == 0
+    if frozen:
+        gc.freeze()
     try:
         logging.disable(logging.CRITICAL)
         with (
@@ -67,3 +71,5 @@ def reading(path: Path, what: str) -> Iterator[None]:
         raise InputError(f"{path}: not a valid {what} ({said})") from None
     finally:
         logging.disable(before)
+        if frozen:
+            gc.unfreeze()
