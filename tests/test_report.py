@@ -183,7 +183,7 @@ def test_a_long_log_stays_small() -> None:
 
 
 def test_templates_use_what_they_are_given() -> None:
-    """The templates of the report use exactly the names that its view has; those of arms and fleets have their own."""
+    """The templates of the report use exactly the names that its view has; arms and fleets have their own."""
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(folder("templates")), autoescape=True)
     used: set[str] = set()
     for path in (folder("templates") / "report").glob("*.jinja"):

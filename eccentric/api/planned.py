@@ -117,8 +117,12 @@ class PlanResult(Printed):
         )
         for axes, (name, values, limits) in zip(figure.subplots(4, 1, sharex=True), rows, strict=True):
             axes.plot(motion.t, values, color="#0072b2", linewidth=1.0)
-            for limit in limits or ():
+            # A limit far off would flatten the motion.
+            near = [x for x in limits or () if abs(x) < 2.0 * np.max(np.abs(values))]
+            for limit in near:
                 axes.axhline(limit, color="#d55e00", linestyle="--", linewidth=1.0)
+            if limits and not near:
+                axes.set_title(f"limits {limits[0]:.4g} to {limits[1]:.4g}", loc="right", fontsize="small")
             axes.set_ylabel(name)
             axes.margins(x=0.0)
         figure.axes[0].set_title("planned motion (motor side), limits dashed", loc="left", fontsize="medium")

@@ -98,7 +98,10 @@ def _emitted(found: ArmDiagnosis) -> list[str]:
     """What is emitted of the arm as a whole, or why nothing is."""
     if why := why_not_emitted(found):
         return [f"the arm as a whole is not emitted: {why}"]
-    return [f"the arm with the friction of all joints as fitted is emitted as {arm_name(found)}"]
+    name = arm_name(found)
+    return [
+        f"the arm with the friction of all joints as fitted is emitted as {name}; to call: {name}_motor_torque"
+    ]
 
 
 def _of_joint(joint: JointDiagnosis) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -116,8 +117,11 @@ def _names(found: Diagnosis, rival: Rival) -> list[str]:
 
 def plan_lines(plan: MeasurementPlan) -> list[str]:
     """What a person reads."""
-    names = [f"  {r.family or 'base model'}: {r.headline} ({100 * r.chance:.0f} %)" for r in plan.rivals]
-    said = ["Open after the log:" if len(names) > 1 else "To be known better:", *names]
+    if len(plan.rivals) > 1:
+        said = ["Open after the log, with probabilities:"]
+        said += [f"  {r.family}: {r.headline} ({100 * r.chance:.0f} %)" for r in plan.rivals]
+    else:
+        said = [f"Nothing is open; to be known better: {plan.rivals[0].headline}"]
     if plan.follows:
         said.append(f"Something depends on {', '.join(plan.follows)} that no effect explains.")
         said += [f"What would show it: {plan.otherwise}"] if plan.otherwise else []
@@ -138,7 +142,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         ]
     moved, bounds = plan.motion, plan.bounds
     said.append(f"Motion of {moved.seconds:.1f} s at {RATE_HZ:g} Hz:")
-    said += [f"  {k}. {words}" for k, words in enumerate(plan.parts, 1)]
+    said += [f"  {len(tuple(same))} x {words}" for words, same in groupby(plan.parts)]
     said.append("Largest values, beside the limits (motor side):")
     for word, values, limit, unit in (
         ("speed", moved.omega, bounds.speed, "rad/s"),
