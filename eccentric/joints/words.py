@@ -99,9 +99,8 @@ def _emitted(found: ArmDiagnosis) -> list[str]:
     if why := why_not_emitted(found):
         return [f"the arm as a whole is not emitted: {why}"]
     name = arm_name(found)
-    return [
-        f"the arm with the friction of all joints as fitted is emitted as {name}; to call: {name}_motor_torque"
-    ]
+    said = f"the arm with the friction of all joints as fitted is emitted as {name}"
+    return [f"{said}; to call: {name}_motor_torque"]
 
 
 def _of_joint(joint: JointDiagnosis) -> list[str]:

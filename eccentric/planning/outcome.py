@@ -117,11 +117,12 @@ def _names(found: Diagnosis, rival: Rival) -> list[str]:
 
 def plan_lines(plan: MeasurementPlan) -> list[str]:
     """What a person reads."""
-    if len(plan.rivals) > 1:
+    first, *others = plan.rivals
+    if others:
         said = ["Open after the log, with probabilities:"]
         said += [f"  {r.family}: {r.headline} ({100 * r.chance:.0f} %)" for r in plan.rivals]
     else:
-        said = [f"Nothing is open; to be known better: {plan.rivals[0].headline}"]
+        said = [f"Nothing is open; to be known better: {first.headline}"]
     if plan.follows:
         said.append(f"Something depends on {', '.join(plan.follows)} that no effect explains.")
         said += [f"What would show it: {plan.otherwise}"] if plan.otherwise else []
