@@ -75,6 +75,20 @@ def test_blocks_may_have_no_rows(amplitude: float) -> None:
     assert [amplitude > 0.0] * 10 == every
 
 
+def test_a_signal_with_the_noise_of_the_target_has_to_gain_more() -> None:
+    """The same columns under the name of a current pass less often, and never alone."""
+
+    def passes(seed: int, variable: str) -> bool:
+        screen, before, after = drawn(seed, amplitude=5.0)
+        renamed = replace(after.last, evidence=Evidence((variable,)))
+        return beats_chance(screen, before, replace(after, variants=(Variant(renamed, {}),)))
+
+    found = [(passes(seed, "velocity"), passes(seed, "current")) for seed in range(40)]
+
+    assert not any(strict and not plain for plain, strict in found)
+    assert 0 < sum(strict for _, strict in found) < sum(plain for plain, _ in found) < 40
+
+
 def test_few_seconds_say_nothing() -> None:
     """A log of fewer than 32 seconds is left to the other tests: a few signs soon repeat what was seen."""
     screen, before, after = drawn(0)

@@ -79,6 +79,7 @@ __all__ = [
     "UNEXPLAINED",
     "UNEXPLAINED_OVER_RUNS",
     "VARIANTS",
+    "WITH_NOISE",
     "WRONG",
 ]
 
@@ -195,8 +196,9 @@ DRAWS = 200
 SIGNS, AT_ONCE = 1000, 50
 """Draws of random signs that a gain has to beat, every one, and how many are computed at once."""
 TAIL, CHANCE = 0.1, 1e-4
-"""The part of the draws that shows how their gains fall off, and how rarely chance may reach a gain: two
-balances have some twenty smooth terms, so that by this test alone one log in five hundred shows one."""
+"""The part of the draws that shows how their gains fall off, and how rarely chance may reach a gain."""
+WITH_NOISE = frozenset({"acceleration", "current", "voltage"})
+"""Variables with noise that the target has as well: a speed loop turns that of the angle into all three."""
 MOST_LAGS = 60
 """Longest autocorrelation of a residual, in rows: a second of overlapping windows."""
 ROWS_FOR_ONE = 2.0

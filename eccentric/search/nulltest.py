@@ -31,6 +31,7 @@ from eccentric.search.limits import (
     SIGNS,
     TAIL,
     TINY_COLUMN,
+    WITH_NOISE,
 )
 from eccentric.search.screen import Fitted, Screen
 from eccentric.signals import blocks_of
@@ -88,8 +89,9 @@ def null_quantile(screen: Screen, fitted: Fitted) -> float:
 def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
     """Whether `after` gains more over `before` than chance on a log where `before` is the truth.
 
-    It has to beat every draw, and the level that one draw in ten thousand reaches: beyond a high level, gains
-    are exponentially distributed (J. Pickands, Annals of Statistics 3(1), 1975). A draw is what `before`
+    It has to beat every draw. A term of a signal with the target's noise, which the draws hold fixed, has to
+    beat the level that one draw in ten thousand reaches, too: beyond a high level, gains are exponentially
+    distributed (J. Pickands, Annals of Statistics 3(1), 1975). A draw is what `before`
     predicts plus its residual, the sign of every second of it at random; both models are cross-validated on
     it, a coefficient at its bound kept there. True for a log of too few seconds to draw from.
     """
@@ -113,6 +115,8 @@ def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
         if np.any(drawn[-1] >= gain):
             return False
     every = np.concatenate(drawn)
+    if after.last.variable not in WITH_NOISE:
+        return True
     high = np.quantile(every, 1.0 - TAIL)
     return bool(gain > high + np.mean(every[every > high] - high) * np.log(TAIL / CHANCE))
 
