@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 
 from eccentric.api import fleet as api
 from eccentric.errors import InputError
-from eccentric.fleet import Suspect
+from eccentric.fleet import Suspect, fleet_sentence
 from eccentric.fleet.changed import Changed
 from eccentric.fleet.drift import FleetChange, Series
 from eccentric.fleet.found import drifting_of
@@ -116,3 +117,9 @@ def test_a_new_effect_with_a_gain_of_its_own_is_named(
     said = drifting_of(suspect, word)
     assert (said.what, said.before, said.after) == ("new: cogging[d=1]", 0.1, 0.05)
     assert api._known(tmp_path, suspect) == word
+
+
+def test_a_fleet_without_a_judged_joint_is_not_called_unchanged() -> None:
+    """No joint has a period with an answer: the sentence says so, instead of "none changed"."""
+    empty = SimpleNamespace(histories=[SimpleNamespace(periods=())], drifting=[])
+    assert "No joint could be judged" in fleet_sentence(empty)  # type: ignore[arg-type]

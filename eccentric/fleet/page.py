@@ -30,7 +30,10 @@ def fleet_page(found: FleetFound) -> str:
 
 def fleet_sentence(found: FleetFound) -> str:
     """The result in one sentence."""
-    joints = counted(sum(bool(h.periods) for h in found.histories), "joint")
+    judged = sum(bool(h.periods) for h in found.histories)
+    if not judged:
+        return "No joint could be judged: problems.csv says why."
+    joints = counted(judged, "joint")
     worn = [one for one in found.drifting if not one.sensor]
     others = len(found.drifting) - len(worn)
     if not found.drifting:
