@@ -9,9 +9,9 @@ from typing import Any
 
 from eccentric.logs.assemble import Read
 from eccentric.logs.foreign import library, reading
-from eccentric.logs.messages import Message, of_messages
+from eccentric.logs.recordings.messages import Message, of_messages
+from eccentric.logs.recordings.ros_types import Types
 from eccentric.logs.room import require_room_for_numbers
-from eccentric.logs.ros_types import Types
 
 __all__ = ["read_mcap"]
 

@@ -13,9 +13,9 @@ from pathlib import Path
 from eccentric.errors import InputError, few
 from eccentric.logs.assemble import Read
 from eccentric.logs.foreign import reading
-from eccentric.logs.messages import Message, of_messages
+from eccentric.logs.recordings.messages import Message, of_messages
+from eccentric.logs.recordings.ros_types import Types
 from eccentric.logs.room import require_room_for_numbers
-from eccentric.logs.ros_types import Types
 
 __all__ = ["read_bag"]
 
