@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -12,17 +10,15 @@ import numpy as np
 import pytest
 
 import eccentric
-from eccentric.cli.arguments import bar
 from eccentric.errors import InputError
-from eccentric.logs import Excerpt, Log, read_log, stream_log
+from eccentric.logs import read_log, stream_log
 from eccentric.rigs import Rig, read_rig
-from eccentric.signals import read_channels, read_long
+from eccentric.signals import read_long
 from eccentric.signals.long.choice import choose, solved
 from eccentric.signals.long.limits import COLUMNS
 from eccentric.signals.long.survey import LogSurvey, Window, survey
 from eccentric.signals.table import read_table
-from eccentric.signals.thin import thinned
-from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain, stribeck
+from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain
 
 Columns = dict[str, Any]
 WINDOW_S = 10.0
@@ -317,125 +313,6 @@ def test_rows_that_are_no_numbers_are_counted_in_the_whole_log() -> None:
     assert (120_001, 101) == (read.excerpt and read.excerpt.rows, read.excerpt and read.excerpt.rejected)
 
 
-def excerpt_of(log: Columns, *spans: tuple[float, float]) -> Log:
-    """The rows in these spans of time [s], as windows of a longer log."""
-    t = log["time_s"]
-    rows = np.concatenate([np.flatnonzero((t >= a) & (t < b)) for a, b in spans])
-    begins = np.flatnonzero(np.diff(rows) > 1) + 1
-    read = read_log({name: x[rows] for name, x in log.items()})
-    return Log(read.path, read.columns, read.rows, excerpt=Excerpt(len(t), 0, begins, "some windows"))
-
-
-def test_a_gap_between_windows_is_no_gap_of_the_log() -> None:
-    """A gap that the log has itself is found, one that the windows leave is not."""
-    log = columns(100.0, 200.0)
-    kept = (log["time_s"] < 14.0) | (log["time_s"] > 15.0)
-    log = {name: x[kept] for name, x in log.items()}
-    channels = read_channels([excerpt_of(log, (0.0, 30.0), (50.0, 80.0))], rig_of())
-    gaps = [finding for finding in channels.intake.findings if finding.kind == "gap"]
-
-    assert ["1 gap in time"] == [gap.text.split(",")[0] for gap in gaps]
-    assert 3 == len(np.unique(channels.time.segment))
-
-
-def test_windows_at_one_speed_each_are_no_map() -> None:
-    """Ten windows of a run that goes through ten speeds: not ten runs of constant speed."""
-    t = np.arange(200.0 * 100) / 200.0
-    speed = 2.0 + 2.0 * np.floor(t / 10.0)
-    theta = np.cumsum(speed) / 200.0
-    log = {"time_s": t, "theta_m_rad": theta, "torque_Nm": plain(t, speed)}
-    spans = [(10.0 * k + 1.0, 10.0 * k + 9.0) for k in range(10)]
-    channels = read_channels([excerpt_of(log, *spans)], rig_of())
-
-    assert 0.0 == channels.rig.sampling.average_over
-
-
-def test_a_fine_log_is_thinned_to_means_of_its_rows() -> None:
-    """1 kHz become 250 Hz for a low pass of 25 Hz: means within a window, whole ones only."""
-    log = columns(60.0)
-    read = excerpt_of(log, (0.0, 20.001), (30.0, 50.0))
-    channels = read_channels([read], rig_of())
-    torque, t = channels.motor.torque, channels.time.t
-
-    assert (5000 + 5000, 4) == (len(t), channels.time.rows_per_point)
-    assert torque is not None
-    np.testing.assert_allclose(torque[:3], log["torque_Nm"][:12].reshape(3, 4).mean(axis=1), rtol=1e-12)
-    np.testing.assert_allclose(torque[5000], log["torque_Nm"][30_000:30_004].mean(), rtol=1e-12)
-    assert [5000] == np.flatnonzero(channels.time.skipped).tolist()
-
-
-def test_a_wrapped_angle_is_thinned_after_it_is_unwrapped() -> None:
-    """The angle of an encoder that starts again at every turn gives the same motion."""
-    log = columns(60.0)
-    wrapped = log | {"theta_m_rad": np.mod(log["theta_m_rad"], 2.0 * np.pi)}
-    found = [read_channels([excerpt_of(one, (0.0, 40.0))], rig_of()) for one in (log, wrapped)]
-
-    np.testing.assert_allclose(found[0].motion.omega_m, found[1].motion.omega_m, atol=1e-6)
-
-
-def test_a_point_with_the_motor_switched_inside_is_not_wanted() -> None:
-    """Three rows on, one off: neither driven nor free."""
-    log = columns(10.0)
-    log["motor_off"] = (np.arange(10_000) >= 5_002).astype(float)
-    table = thinned(read_table([log], rig_of()), 4)
-
-    assert [1250] == np.flatnonzero(~table.use).tolist()
-    assert 1251 == int(np.argmax(table.motor_off))
-
-
-def test_what_warms_up_goes_on_between_windows() -> None:
-    """A first-order lag under a constant push, seen in two windows: 1 - exp(-t/tau) in both."""
-    from eccentric.fitting.states import States
-
-    tau, dt = 20.0, 0.01
-    t = np.concatenate([np.arange(0.0, 10.0, dt), np.arange(45.0, 55.0, dt)])
-    gain, push = np.full(len(t), 1.0 - dt / (tau + dt)), np.full(len(t), dt / (tau + dt))
-
-    class Signals:
-        starts, bridged, size = (0, 1000), {1000: 3501}, len(t)
-
-    states = States.__new__(States)
-    states._signals = Signals()  # pyright: ignore[reportAttributeAccessIssue]
-    found = states._affine(0.0, gain, push)
-
-    np.testing.assert_allclose(found, 1.0 - np.exp(-t / tau), atol=1e-3)
-
-
-def test_there_is_a_bar_on_a_terminal_only(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """With the part that is done and the seconds that are left; it is wiped at the end."""
-    assert bar() is None
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    show = bar()
-    assert show is not None
-    show(0.5)
-    shown = capsys.readouterr().err
-    show(1.0)
-
-    assert "50%" in shown
-    assert "s left" in shown
-    assert capsys.readouterr().err.endswith("\r")
-
-
-def test_a_bar_tells_stages_apart(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The second stage has a name and a time of its own: after 2 of 8 s, 6 s are left of it."""
-    clock = iter([0.0, 100.0, 100.0, 200.0, 200.0, 202.0, 202.0])
-    monkeypatch.setattr("eccentric.cli.arguments.time.monotonic", lambda: next(clock))
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    show = bar()
-    assert show is not None
-    show(1.0, "sums")
-    show(0.0, "diagnoses")
-    show(0.25, "diagnoses")
-
-    shown = capsys.readouterr().err.split("\r")[-1]
-    assert shown.startswith("  diagnoses    [")
-    assert "25%, 6 s left" in shown
-
-
 def test_progress_is_told_while_a_long_log_is_read(long_log: Path) -> None:
     """Parts that grow to one."""
     told: list[float] = []
@@ -444,57 +321,3 @@ def test_progress_is_told_while_a_long_log_is_read(long_log: Path) -> None:
     assert sorted(told) == told
     assert 1.0 == told[-1]
     assert len(told) > 3
-
-
-def test_a_diagnosis_of_windows_names_what_was_planted(tmp_path: Path) -> None:
-    """Stribeck friction in 120,000 rows."""
-    found = eccentric.diagnose(
-        parquet(tmp_path / "log.parquet", columns(120.0, 1000.0, stribeck)),
-        RIG,
-        only=["stribeck", "time_drift"],
-    )
-
-    assert "named" == found.verdict
-    assert found.effects[0].startswith("stribeck")
-    assert found.document["excerpt"] in found.summary()
-    assert 120_000 == found.document["rows"]["read"]
-
-
-_PEAK = """
-import resource, sys
-import eccentric
-from tests.long_logs import RIG
-found = eccentric.diagnose(sys.argv[1], RIG)
-print(*found.effects, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
-"""
-
-
-@pytest.mark.slow
-def test_an_hour_at_a_kilohertz_takes_less_than_1500_megabytes(tmp_path: Path) -> None:
-    """3.6 million rows with Stribeck friction, the whole library on offer."""
-    path = parquet(tmp_path / "hour.parquet", columns(3600.0, 1000.0, stribeck))
-    told = subprocess.run(
-        [sys.executable, "-c", _PEAK, path], capture_output=True, text=True, check=True, cwd=Path.cwd()
-    )
-    *effects, kilobytes = told.stdout.split()
-
-    assert effects[0].startswith("stribeck")
-    assert int(kilobytes) < 1_500_000
-
-
-def test_stretches_of_one_length_are_filtered_as_alone() -> None:
-    """Five windows, four of one length: bit for bit what SciPy gives for each alone, one signal or two."""
-    from scipy.signal import butter, sosfiltfilt
-
-    from eccentric.signals import low_pass_of
-
-    lengths = (500, 500, 333, 500, 500)
-    segment = np.repeat(np.arange(5), lengths)
-    t = np.concatenate([100.0 * k + np.arange(n) / 250.0 for k, n in enumerate(lengths)])
-    x = np.random.default_rng(3).standard_normal((len(t), 2))
-    passed = low_pass_of(t, segment, 25.0, alike=True)
-    sections = butter(2, 25.0, fs=1.0 / float(np.median(np.diff(t[:500]))), output="sos")
-    expected = np.concatenate([sosfiltfilt(sections, x[segment == k], axis=0) for k in range(5)])
-
-    np.testing.assert_array_equal(expected, passed(x))
-    np.testing.assert_array_equal(expected[:, 1], passed(x[:, 1]))
