@@ -129,6 +129,12 @@ DIAGNOSIS: dict[str, Asked] = {
         "fit of 3.6 million rows: processor time over that of a bare PyArrow scan", "at most", 10
     ),
     "long fit hours": Asked("fit of 30 million rows: the same", "at most", 10),
+    "fleet found": Asked("fleet of 1,000 joints, 12 months: joints that degrade, found", "at least", 1),
+    "fleet alarms": Asked("the same: false alarms", "at most", 1),
+    "fleet family": Asked("the same: right family named", "at least", 0.9),
+    "fleet cost": Asked("the same: coefficients, one worker, time over a bare PyArrow scan", "at most", 10),
+    "fleet memory": Asked("the same: memory of a worker", "at most", 1, "GB"),
+    "fleet two": Asked("the same: two workers, times as fast as one", "at least", 1.7),
     **{
         f"coverage {kind}": Asked(f"95 % intervals that hold the truth: {what}", "at least", 0.92, up_to=0.97)
         for kind, what in (

@@ -1,6 +1,6 @@
 """Fleets: what is found on a large one of the virtual bench, and the cost of sums beside a bare scan and peers.
 
-Run: python benchmarks/fleet.py [JOINTS [SECONDS [SEED]]]     (1000 joints, 40 s a log, seed 21; 12 months)
+Run: python benchmarks/page.py fleet
 
 The peers read the same columns and form the same normal equations of four friction terms by joint and month
 from angle and current as logged, with np.gradient for the rates: without low pass, mask, intervals or QR, they
@@ -9,9 +9,11 @@ do less than what they are compared with. DuckDB and Polars are timed where they
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import json
+import os
 import shutil
+import statistics
 import sys
 import tempfile
 import time
@@ -23,39 +25,54 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import eccentric
+from benchmarks.record import Measured, Part, progress
 from eccentric.fleet import Assigned, connected, gather, plan_of
 from eccentric.fleet import find as find_logs
 
 COLUMNS = ["time_s", "theta_m_rad", "current_A", "temperature_C"]
-TIMED_JOINTS = 40
+JOINTS = 1000
+MONTHS = 12
+SECONDS = 500.0
+"""A log's length [s]: with it the fleet as arrays is larger than the memory of the machine that measures."""
+RATE_HZ = 200.0
+ROW_BYTES = 24
+SEED = 23
+TIMED_JOINTS = 6
+ROUNDS = 3
+SCAN = "bare scan by PyArrow"
+WORKERS = ("sums, one worker", "sums, two workers")
 
 
-def main(argv: Sequence[str]) -> int:
-    """Write a fleet, run it, print what was found, then the times of a part of it."""
-    given = [*argv, *("1000", "40", "21")[len(argv) :]]
-    joints, seconds, seed = int(given[0]), float(given[1]), int(given[2])
+def measured(quick: bool) -> Part:
+    """What is found on the fleet and what it costs; in the quick form, on sixty joints with short logs."""
+    joints, seconds = (60, 40.0) if quick else (JOINTS, SECONDS)
     with tempfile.TemporaryDirectory() as place:
         root = Path(place)
+        progress(f"writing {joints} joints")
         eccentric.bench_fleet(
             root / "fleet",
             joints=joints,
-            months=12,
+            months=MONTHS,
             degrading=joints // 50,
             bad_sensors=2,
             seconds=seconds,
-            seed=seed,
+            seed=SEED,
         )
         size = sum(p.stat().st_size for p in root.rglob("*.parquet"))
-        print(
-            f"{joints} joints, 12 months, {joints * 12 * seconds * 200:.3g} rows, {size / 1e9:.2f} GB of Parquet"
-        )
-        _times(root)
-        _found(root)
-    return 0
+        rows = joints * MONTHS * seconds * RATE_HZ
+        lines = [
+            f"{joints} joints, {MONTHS} months, {rows:.3g} rows: {size / 1e9:.1f} GB of Parquet,"
+            f" {rows * ROW_BYTES / 1e9:.1f} GB as arrays; the machine has {_memory() / 1e9:.0f} GB.",
+            "",
+        ]
+        figures, table = _times(root)
+        found, told = _found(root)
+    return Part({**figures, **found}, [*lines, *told, *table])
 
 
-def _found(root: Path) -> None:
+def _found(root: Path) -> tuple[dict[str, Measured], list[str]]:
     """How many of the joints that change are found, and named."""
+    progress("the whole fleet")
     start = time.perf_counter()
     result = eccentric.diagnose_fleet(root / "fleet" / "logs", root / "fleet" / "rigs.csv", root / "out")
     took = time.perf_counter() - start
@@ -66,60 +83,82 @@ def _found(root: Path) -> None:
     right = {
         j for j in worn & set(called) if words.get(truth[j]["way"], str(truth[j]["way"])) in called[j].what
     }
-    print(f"whole run: {took:.0f} s")
-    print(
-        f"found {len(worn & set(called))} of {len(worn)}; family right {len(right)}; false alarms {len(set(called) - worn)}"
-    )
-    for joint in sorted(worn - right):
-        print(
-            f"  {joint}: {truth[joint]['way']}, said: {called[joint].what if joint in called else 'nothing'}"
-        )
-    for joint in sorted(set(called) - worn):
-        print(f"  {joint}: no change, said: {called[joint].what}")
+    false = set(called) - worn
+    figures = {
+        "fleet found": Measured(
+            len(worn & set(called)) / len(worn), f"{len(worn & set(called))} of {len(worn)}"
+        ),
+        "fleet family": Measured(len(right) / len(worn), f"{len(right)} of {len(worn)}"),
+        "fleet alarms": Measured(len(false)),
+    }
+    lines = [
+        f"The whole run, from files to the page with its reports, took {took:.0f} s.",
+        *(
+            f"- {joint}: {truth[joint]['way']}, said: {called[joint].what if joint in called else 'nothing'}"
+            for joint in sorted(worn - right)
+        ),
+        *(f"- {joint}: no change, said: {called[joint].what}" for joint in sorted(false)),
+        "",
+    ]
+    return figures, lines
 
 
-def _times(root: Path) -> None:
-    """Seconds for the logs of some joints, once each in this order, all in one process but the two clusters."""
+def _times(root: Path) -> tuple[dict[str, Measured], list[str]]:
+    """Seconds for the logs of some joints: medians of rounds, each of all in turn, one thread but the two workers."""
     part = root / "part"
     for folder in sorted((root / "fleet" / "logs").iterdir())[:TIMED_JOINTS]:
         shutil.copytree(folder, part / folder.name)
     files = sorted(part.rglob("*.parquet"))
-    _scan(files)
-    scan = _timed(lambda: _scan(files))
-    print(f"{len(files)} files; bare scan by PyArrow {scan:.2f} s; over it:")
-    for workers in (1, 2):
-        took, memory = _sums(part, root, workers)
-        print(
-            f"  sums, {workers} worker(s): {took / scan:.1f} ({took:.2f} s), a worker's memory {memory / 1e6:.0f} MB"
-        )
-    peers: dict[str, tuple[str, Callable[[Sequence[Path]], None]]] = {
-        "NumPy by file, lstsq": ("numpy", _numpy),
-        "pandas groupby, lstsq": ("pandas", _pandas),
-        "DuckDB": ("duckdb", _duckdb),
-        "Polars": ("polars", _polars),
+    peers: dict[str, Callable[[], object]] = {SCAN: lambda: _scan(files)}
+    for name, (module, run) in PEERS.items():
+        if importlib.util.find_spec(module):
+            peers[name] = lambda run=run: run(files)
+    rigs, logs = Assigned(str(root / "fleet" / "rigs.csv")), find_logs(str(part))[0]
+    times: dict[str, list[float]] = {name: [] for name in (*peers, *WORKERS)}
+    memory = 0.0
+    for run in peers.values():
+        run()
+    for workers, name in enumerate(WORKERS, start=1):
+        with connected(None, workers) as client:
+            for k in range(ROUNDS + 1):
+                progress(f"sums, {name}, round {k}")
+                out = root / f"sums{workers}_{k}"
+                plan = plan_of(logs, rigs, out)
+                scan = _timed(peers[SCAN])
+                took = _timed(lambda plan=plan, out=out: gather(plan, client, out, lambda part, what: None))
+                if k:  # The first round starts the workers' imports.
+                    times[SCAN].append(scan)
+                    times[name].append(took)
+            memory = max(memory, *client.run(_peak).values())
+    for name in list(peers)[1:]:
+        times[name] = [_timed(peers[name]) for _ in range(ROUNDS)]
+    took = {name: statistics.median(some) for name, some in times.items() if some}
+    over = {name: seconds / took[SCAN] for name, seconds in took.items()}
+    one, two = WORKERS
+    others = "; ".join(f"{name} {over[name]:.1f}" for name in peers if name != SCAN)
+    figures = {
+        "fleet cost": Measured(over[one], f"{over[one]:.1f} ({took[one]:.2f} s)", others),
+        "fleet memory": Measured(memory / 1e9),
+        "fleet two": Measured(took[one] / took[two]),
     }
-    for name, (module, run) in peers.items():
-        try:
-            importlib.import_module(module)
-        except ImportError:
-            print(f"  {name}: not installed")
-            continue
-        print(f"  {name}: {_timed(lambda run=run: run(files)) / scan:.1f}")
+    table = [
+        f"Sums of {len(files)} of its files, with their QR, written to a store; the peers form bare normal equations.",
+        "",
+        "| | time | over the scan |",
+        "|---|---|---|",
+        *(f"| {name} | {took[name]:.2f} s | {over[name]:.1f} |" for name in took),
+    ]
+    return figures, table
 
 
-def _sums(part: Path, root: Path, workers: int) -> tuple[float, float]:
-    """Time of the sums on a cluster that has done some before, and the largest memory of a worker [B]."""
-    import psutil
+def _peak() -> float:
+    """The largest memory that this process has had [B]."""
+    status = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+    return next(float(line.split()[1]) for line in status if line.startswith("VmHWM:")) * 1024
 
-    rigs = Assigned(str(root / "fleet" / "rigs.csv"))
-    logs = find_logs(str(part))[0]
-    with connected(None, workers) as client:
-        for place, some in (("warm", logs[:: max(len(logs) // 48, 1)]), ("all", logs)):
-            out = root / f"{place}{workers}"
-            plan = plan_of(some, rigs, out)
-            took = _timed(lambda plan=plan, out=out: gather(plan, client, out, lambda part, what: None))
-        memory = max(client.run(lambda: psutil.Process().memory_info().rss).values())
-    return took, memory
+
+def _memory() -> int:
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
 
 
 def _timed(run: Callable[[], object]) -> float:
@@ -199,5 +238,9 @@ def _polars(files: Sequence[Path]) -> None:
         polars.read_parquet(path, columns=COLUMNS).select(products)
 
 
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+PEERS: dict[str, tuple[str, Callable[[Sequence[Path]], None]]] = {
+    "NumPy by file, lstsq": ("numpy", _numpy),
+    "pandas groupby, lstsq": ("pandas", _pandas),
+    "DuckDB": ("duckdb", _duckdb),
+    "Polars": ("polars", _polars),
+}
