@@ -58,10 +58,11 @@ class _Diagnosed(NamedTuple):
         folder.mkdir(parents=True)
 
 
-def _as_found(families: Sequence[str], before: float, after: float) -> Any:
+def _as_found(families: Sequence[str], before: float, after: float, tied: Sequence[str] = ()) -> Any:
     effects = [{"family": name, "id": f"{name}[d=1]"} for name in families]
     errors = {"mechanical": {"paper": before, "extended": after}}
-    return _Diagnosed({"effects": effects, "improvement": {"balance": "mechanical"}}, errors)
+    document = {"effects": effects, "tied": list(tied), "improvement": {"balance": "mechanical"}}
+    return _Diagnosed(document, errors)
 
 
 def _drifting(joint: Suspect) -> Suspect:
@@ -116,6 +117,25 @@ def test_a_new_effect_with_a_gain_of_its_own_is_named(
 
     said = drifting_of(suspect, word)
     assert (said.what, said.before, said.after) == ("new: cogging[d=1]", 0.1, 0.05)
+    assert api._known(tmp_path, suspect) == word
+
+
+def test_effects_that_the_log_does_not_distinguish_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A tie is no name, and not the same as a change that nothing explains."""
+    _, joint = one_joint()
+    suspect = _drifting(_suspect(rig_of(joint)))
+    made = {"past": _as_found([], 0.05, 0.05), "recent": _as_found([], 0.1, 0.05, ("stribeck", "presliding"))}
+    monkeypatch.setattr(api, "_diagnosed", lambda rig, sample, when, including=(): made[when])
+
+    (found,) = api._examined([suspect])
+    word = api._kept(tmp_path, suspect, found)
+    (api._place(tmp_path, suspect) / "report.html").touch()
+
+    said = drifting_of(suspect, word)
+    assert said.names == ()
+    assert said.what.endswith("grown: stribeck or presliding, which its log does not distinguish")
     assert api._known(tmp_path, suspect) == word
 
 

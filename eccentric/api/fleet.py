@@ -208,6 +208,7 @@ def _kept(
         found.unit,
         f"joints/{quote(place.name)}/report.html",
         again=tuple(dict.fromkeys(e["family"] for e in every if e["family"] in past)),
+        tied=tuple(found.document["tied"]),
     )
     with whole_file(place.with_name(f"{place.name}.json")) as new:
         new.write_text(json.dumps({"of": _digest(suspect), **asdict(word)}), encoding="utf-8")
@@ -221,7 +222,7 @@ def _known(out: Path, suspect: Suspect) -> Examined | None:
         content = json.loads(place.with_name(f"{place.name}.json").read_text(encoding="utf-8"))
         if content.pop("of") != _digest(suspect) or not (place / "report.html").is_file():
             return None
-        lists = {name: tuple(content.pop(name)) for name in ("families", "effects", "again")}
+        lists = {name: tuple(content.pop(name)) for name in ("families", "effects", "again", "tied")}
         return Examined(**lists, **content)
     except (OSError, ValueError, KeyError, TypeError):
         return None

@@ -8,7 +8,7 @@ from typing import Any
 import sympy as sp
 
 from eccentric.diagnosis.outcome import Diagnosis
-from eccentric.diagnosis.words import diagnosis_sentence
+from eccentric.diagnosis.words import diagnosis_sentence, tied_families
 from eccentric.effects import Effect
 
 __all__ = ["diagnosis_document"]
@@ -30,6 +30,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "fits_the_rig": found.models.fits_the_rig,
         "sentence": diagnosis_sentence(found),
         "effects": [_effect(found, effect) for effect, _ in found.effects],
+        "tied": list(tied_families(found)),
         "candidates": [
             {
                 "id": c.id,

@@ -15,7 +15,14 @@ from eccentric.effects import Correction, Effect, Words
 from eccentric.errors import few
 from eccentric.fitting import Emitted
 
-__all__ = ["closest_sentence", "diagnosis_lines", "diagnosis_sentence", "sibling_sentence", "stability_words"]
+__all__ = [
+    "closest_sentence",
+    "diagnosis_lines",
+    "diagnosis_sentence",
+    "sibling_sentence",
+    "stability_words",
+    "tied_families",
+]
 
 
 def diagnosis_sentence(found: Diagnosis) -> str:
@@ -60,6 +67,14 @@ def diagnosis_sentence(found: Diagnosis) -> str:
         f"Nothing is missing: no effect explains more of the residual ({left:.4g} {unit} held out;"
         f" the sensors' noise alone is {found.noise_floor:.4g} {unit}) than chance would."
     )
+
+
+def tied_families(found: Diagnosis) -> tuple[str, ...]:
+    """The families that the log does not distinguish; none unless that is the verdict."""
+    a = found.attribution
+    if a.verdict != "not_identifiable":
+        return ()
+    return a.tied or tuple(dict.fromkeys(c.family for c in a.candidates))[:2]
 
 
 def closest_sentence(found: Diagnosis) -> str:
@@ -147,10 +162,7 @@ def _values(found: Diagnosis, effect: Effect, correction: Correction) -> tuple[f
 def _tied(found: Diagnosis) -> str:
     """The families that explain the log equally well, each by its best member."""
     best = {c.family: c for c in reversed(found.attribution.candidates)}
-    families = (
-        found.attribution.tied or tuple(dict.fromkeys(c.family for c in found.attribution.candidates))[:2]
-    )
-    return _listed([_headline(best[family].words, best[family].id) for family in families])
+    return _listed([_headline(best[family].words, best[family].id) for family in tied_families(found)])
 
 
 def _alike(found: Diagnosis) -> str:

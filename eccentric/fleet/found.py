@@ -49,8 +49,8 @@ class Examined:
 
     `before` and `after` are held-out errors of the recent log, without and with all effects found in it, in
     `unit`; `again` are families of the past among these: the errors are then theirs as well, and say nothing
-    of the new ones alone. `report` is the path of its page below the folder of the fleet. `said` tells why
-    there is none.
+    of the new ones alone. `tied` are families that the recent log does not distinguish, if so. `report` is
+    the path of its page below the folder of the fleet. `said` tells why there is none.
     """
 
     families: tuple[str, ...] = ()
@@ -61,6 +61,7 @@ class Examined:
     report: str = ""
     said: str = ""
     again: tuple[str, ...] = ()
+    tied: tuple[str, ...] = ()
 
     @property
     def gain_percent(self) -> float:
@@ -129,6 +130,9 @@ def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
     elif examined.families and examined.again:
         new, past = ", ".join(examined.effects), ", ".join(examined.again)
         what = f"what the model leaves has grown; new beside {past}: {new}, whose own gain is not known"
+    elif examined.tied:
+        tied = " or ".join(examined.tied)
+        what = f"what the model leaves has grown: {tied}, which its log does not distinguish"
     else:
         what = "what the model leaves has grown, and no effect of the library explains it"
     part = next((own[name] for name in (*names, FRICTION) if name in own), strongest.part)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,7 +20,9 @@ __all__ = ["fleet_page", "fleet_sentence"]
 Array = NDArray[np.float64]
 
 _WIDE, _HIGH, _EDGE = 240.0, 90.0, 6.0
-_LEVEL_WIDE, _LEVEL_HIGH = 960.0, 260.0
+_LEVEL_RIGHT, _LEVEL_HIGH = 850.0, 260.0
+_LABEL_HIGH, _LABELS = 13.0, 16
+"""Height of a name beside its line, and the most that fit: the most urgent."""
 
 
 def fleet_page(found: FleetFound) -> str:
@@ -152,14 +154,15 @@ def _levels(found: FleetFound, periods: Sequence[str]) -> dict[str, Any]:
     def drawn(x: Array, y: Array) -> str:
         right = max(len(periods) - 1, 1)
         return _path(
-            _scaled(x, 0.0, right, 40.0, _LEVEL_WIDE - _EDGE),
-            _scaled(y, low, high, _LEVEL_HIGH - 24.0, _EDGE),
+            _scaled(x, 0.0, right, 40.0, _LEVEL_RIGHT), _scaled(y, low, high, _LEVEL_HIGH - 24.0, _EDGE)
         )
 
     def kind(joint: str) -> str:
         return "" if joint not in drifting else "sensor" if drifting[joint].sensor else "changed"
 
     ordered = sorted(lines, key=lambda line: line[0] in drifting)
+    ends = {joint: float(_scaled(y[-1:], low, high, _LEVEL_HIGH - 24.0, _EDGE)[0]) for joint, _, y in lines}
+    named = [joint for joint in drifting if joint in ends][:_LABELS]
     ticks = [t for t in np.arange(0.0, 20.0, 0.25 if high - low < 2.5 else 1.0) if low <= t <= high]
     return {
         "lines": [(joint, kind(joint), drawn(x, y)) for joint, x, y in ordered],
@@ -167,9 +170,24 @@ def _levels(found: FleetFound, periods: Sequence[str]) -> dict[str, Any]:
             (f"{float(_scaled(np.array(t), low, high, _LEVEL_HIGH - 24.0, _EDGE)):.1f}", f"{100 * t:.0f} %")
             for t in ticks
         ],
+        "labels": [(joint, kind(joint), f"{y:.1f}") for joint, y in _apart({j: ends[j] for j in named})],
+        "right": f"{_LEVEL_RIGHT:g}",
         "first": periods[0],
         "last": periods[-1],
     }
+
+
+def _apart(wanted: Mapping[str, float]) -> list[tuple[str, float]]:
+    """Heights of names, from above: as wanted or below the name before, moved up where the figure ends."""
+    placed: list[tuple[str, float]] = []
+    for joint, y in sorted(wanted.items(), key=lambda one: one[1]):
+        placed.append((joint, max([y, *(at + _LABEL_HIGH for _, at in placed[-1:])])))
+    limit = _LEVEL_HIGH - 24.0
+    for k in range(len(placed) - 1, -1, -1):
+        joint, y = placed[k]
+        placed[k] = joint, min(y, limit)
+        limit = placed[k][1] - _LABEL_HIGH
+    return placed
 
 
 def _scaled(x: Array, low: float, high: float, start: float, stop: float) -> Array:
