@@ -3,7 +3,7 @@
     python benchmarks/rig_variants.py DATA [NAME ...]
 
 DATA holds the folders `measured` and `examples` of logs; NAME is a measured rig or an example, by default all.
-Prints a table, and puts it into docs/measured-rigs.md where all of them were diagnosed.
+Prints the lines of a table, and puts each into docs/measured-rigs.md.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ PAGE = ROOT / "docs" / "measured-rigs.md"
 SECTION = "## Other rig files\n"
 EXAMPLES = ("example1", "example2", "example3", "example4")
 LOW_PASS_HZ = 25.0
+HEAD = ("| log | answer | same | changed value told | otherwise |", "|---|---|--:|--:|---|")
 Rig = dict[str, Any]
 
 
@@ -153,31 +154,32 @@ def row(name: str, found: list[Answer]) -> str:
     return f"| {name} | {shipped} | {same} of {len(found)} | {sum(told)} of {len(told)} | {shown} |"
 
 
-def write(rows: list[str]) -> None:
-    """Put the table into its section of the page."""
+def write(name: str, line: str) -> None:
+    """Put a line of the table into its section of the page, in place of the one that the log has there."""
     text = PAGE.read_text(encoding="utf-8")
     head, section, rest = text.partition(SECTION)
     if not section:
         raise SystemExit(f"{PAGE}: a section {SECTION.strip()} is required")
-    table = "\n".join(
-        ["| log | answer | same | changed value told | otherwise |", "|---|---|--:|--:|---|", *rows, ""]
-    )
-    PAGE.write_text(
-        head + section + re.sub(r"(?:^\|.*\n)+", table, rest, count=1, flags=re.MULTILINE), "utf-8"
-    )
+    there = re.search(r"(?:^\|.*\n)+", rest, flags=re.MULTILINE)
+    old = there.group().splitlines()[2:] if there else []
+    lines = {row.split("|")[1].strip(): row for row in old} | {name: line}
+    rows = [lines[one] for one in (*SETS, *EXAMPLES) if one in lines]
+    table = "\n".join([*HEAD, *rows, ""])
+    new = rest.replace(there.group(), table, 1) if there else f"\n{table}{rest}"
+    PAGE.write_text(head + section + new, encoding="utf-8")
 
 
 def main() -> None:
-    """Diagnose every variant, print the table."""
+    """Diagnose every variant, print and write the lines of the table."""
     parser = argparse.ArgumentParser(description="Verdicts under other rig files.")
     parser.add_argument("data", type=Path, help="folder of the logs")
     parser.add_argument("names", nargs="*", default=[*SETS, *EXAMPLES], help="a measured rig or an example")
     given = parser.parse_args()
     warnings.simplefilter("ignore")
-    rows = [row(name, answers(*paths(given.data, name))) for name in given.names]
-    print("\n".join(rows))
-    if len(rows) == len(SETS) + len(EXAMPLES):
-        write(rows)
+    for name in given.names:
+        line = row(name, answers(*paths(given.data, name)))
+        print(line, flush=True)
+        write(name, line)
 
 
 if __name__ == "__main__":
