@@ -51,10 +51,12 @@ from eccentric.effects.constant_load import effect as constant_load
 from eccentric.effects.constant_load import with_constant_load
 from eccentric.effects.effect import Correction, Effect, Evidence, Shape
 from eccentric.effects.load import load_effects
+from eccentric.effects.sensor_delay import BOUNDS as CURRENT_DELAYS_S
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Kin, Words, measurement_between
 
 __all__ = [
+    "CURRENT_DELAYS_S",
     "FAMILIES",
     "Correction",
     "Effect",

@@ -7,14 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from eccentric.effects import Setting
+from eccentric.effects import CURRENT_DELAYS_S, Setting
 from eccentric.estimation import ColumnRole
 from eccentric.fitting import FitData, Signals, base_coefficients, base_columns, load_torque
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.search.limits import (
     LAGS,
-    LAGS_S,
     LEAST_LOSS_W,
     SLOWEST,
     SLOWEST_PART,
@@ -74,8 +73,8 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
 
 
 def _lags(channels: Channels) -> list[int]:
-    """Lags of the current to try, in rows of the log."""
-    first, last = (lag / channels.time.logged_step_s for lag in LAGS_S)
+    """Lags of the measured current to try, in rows: those that `sensor_delay` knows."""
+    first, last = (lag / channels.time.logged_step_s for lag in CURRENT_DELAYS_S)
     return sorted({round(lag) for lag in np.linspace(first, last, LAGS)})
 
 

@@ -31,7 +31,6 @@ __all__ = [
     "KEPT_BY_INSTRUMENTS",
     "KNOTS",
     "LAGS",
-    "LAGS_S",
     "LEADERS",
     "LEADERS_OF_A_PARTNER",
     "LEADERS_OF_A_SWAP",
@@ -96,11 +95,9 @@ sampling of voltage and current cause errors of that size."""
 LEAST_PART = 0.0003
 """The same squared, as a fraction of all the structure found so far: a small remainder beside a large effect
 is an error in that effect's form."""
-LAGS_S = (-0.02, 0.07)
-"""Lags of the measured current behind angle and voltage, s, at which the noise of the electrical balance is
-looked for, those of `sensor_delay`: what is fast and real cancels at the true one only."""
 LAGS = 46
-"""Lags that are tried: 2 ms apart, half a row of most logs."""
+"""Lags of the measured current at which the noise of the electrical balance is looked for, over the range of
+`sensor_delay`, 2 ms apart, half a row of most logs: what is fast and real cancels at the true one only."""
 CLEARS = 0.5
 """Fraction of what is left above the sensors' noise floor that a second or third effect must explain: less
 only corrects the form of the first."""
