@@ -59,23 +59,23 @@ def fit(
     channels = read_channels(read, rig)
     chosen = channels.rig.model if model is None else model
     base = model_of(chosen)
-    names = names_of(read)
+    names, axis = names_of(read), rig.axis
     found = fit_channels(channels, channels.rig, base, ", ".join(names))
-    estimates = {**found.coefficients, **found.searched}
+    estimates = axis.estimates({**found.coefficients, **found.searched})
     document = fit_document(found, names)
     return FitResult(
         base=base,
         model=with_fitted(base, read_parameters(document), base.name),
         origin=origin_of(chosen),
         estimates=estimates,
-        combinations=found.combinations,
+        combinations=axis.estimates(found.combinations),
         correlation=Correlation.of(list(estimates), found.spread.matrix),
         rmse=found.rmse,
         r_squared=found.r_squared,
-        unit=found.problem.unit,
+        unit=axis.said(found.problem.unit),
         improvement=found.percent,
         improvement_interval=found.percent_interval,
-        warnings=found.warnings,
+        warnings=tuple(document["warnings"]),
         lines=tuple(fit_lines(found, names)),
         comparison=compare(found),
         document=document,
@@ -113,7 +113,7 @@ class FitResult(Result):
     @property
     def parameters(self) -> dict[str, float]:
         """All parameters of the fitted model by the paper's letters, in SI."""
-        return read_parameters(self.document).values
+        return {self.base.axis.said(x): value for x, value in read_parameters(self.document).values.items()}
 
     @property
     def sentence(self) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from eccentric.effects import constant_load
 from eccentric.errors import InputError
 from eccentric.model import Model, regressor
 from eccentric.model import vocabulary as v
@@ -55,8 +56,9 @@ def require_case(rig: Rig, model: Model) -> None:
 
 
 def load_letters(model: Model) -> set[str]:
-    """Parameters that the regressor and the gravity torque depend on."""
+    """Parameters that the regressor and the gravity torque depend on, but for a constant load: it is a column."""
     expressions = [column.basis for column in regressor(model)]
     expressions.append(model.balance("mechanical").sum_of("gravity", "conservative"))
     found = {symbol.name for e in expressions for symbol in model.expand(e).free_symbols}
-    return found & {quantity.name for quantity in model.parameters}
+    loads = {quantity.name for quantity in constant_load.coefficients}
+    return found & {quantity.name for quantity in model.parameters} - loads

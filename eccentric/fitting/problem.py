@@ -37,7 +37,7 @@ from eccentric.fitting.letters import load_letters, require_case, with_own
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.residuals import Residuals
 from eccentric.fitting.searched import nonlinear_of
-from eccentric.model import Column, Model, regressor
+from eccentric.model import Column, Load, Model, Role, regressor
 from eccentric.signals import Rows, fit_rows, rows_of
 
 if TYPE_CHECKING:
@@ -105,6 +105,13 @@ class Problem:
             friction=tuple(tuple(alone[k] for k in group) for group in groups),
             coefficients=(*(self.coefficients[first] for first, *_ in groups), *bench),
         )
+
+    @property
+    def is_baseline(self) -> bool:
+        """Whether the model itself is Coulomb + viscous friction, as that of a carriage."""
+        roles = [column.role for columns in self.friction for column in columns]
+        unloaded = all(column.load is Load.NONE for columns in self.friction for column in columns)
+        return unloaded and roles == [Role.VISCOUS, Role.COULOMB]
 
     @property
     def narrowed(self) -> Problem | None:

@@ -6,6 +6,7 @@ May import: no other room; it knows no data and no templates.
 """
 
 from eccentric.model import steps, vocabulary
+from eccentric.model.axis import AXES, LINEAR, TURNING, AxisKind
 from eccentric.model.balance import KINDS, Balance, Term
 from eccentric.model.chain import (
     Body,
@@ -36,6 +37,7 @@ from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.reserved import C_KEYWORDS
+from eccentric.model.spoken import spoken, spoken_quantity, spoken_symbol
 from eccentric.model.role import CONTACT, Load, Role
 from eccentric.model.steps import (
     STEPS,
@@ -58,12 +60,16 @@ from eccentric.model.steps import (
 )
 
 __all__ = [
+    "AXES",
     "CONTACT",
     "C_KEYWORDS",
     "KINDS",
+    "LINEAR",
     "STEPS",
+    "TURNING",
     "Across",
     "Along",
+    "AxisKind",
     "Backward",
     "Balance",
     "Body",
@@ -109,6 +115,9 @@ __all__ = [
     "quantity",
     "recursion",
     "regressor",
+    "spoken",
+    "spoken_quantity",
+    "spoken_symbol",
     "steps",
     "symbols",
     "unlike",

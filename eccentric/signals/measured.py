@@ -175,6 +175,13 @@ class Channels:
         return "; ".join(found.text for found in self.intake.findings if found.kind == "excerpt")
 
     @property
+    def own_names(self) -> tuple[str, ...]:
+        """What a person has named: the rig and its file, runs, columns. No text of ours changes them."""
+        columns = self.rig.log.columns or {}
+        sources = (source.text for source in columns.values())
+        return (self.rig.path, self.rig.name, *self.time.run_names, *sources)
+
+    @property
     def driven(self) -> Channels:
         """The same channels with the rows with the motor switched off marked unusable."""
         if not np.any(self.motor.off):

@@ -1,0 +1,206 @@
+"""What kind of axis a drive moves: its letters, units and words, where they are not those of a turning one.
+
+The toolkit computes with one coordinate theta_m, its derivatives and the force along it, in SI. For a turning
+drive they are an angle [rad] and a torque [N m]; for a carriage a position [m] and a force [N]. The equations
+are the same; what a person, a file or a program reads is not. A record says what each is called, and names and
+texts are put into its words where they leave the toolkit.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, ClassVar, Protocol, TypeVar
+
+__all__ = ["AXES", "LINEAR", "TURNING", "AxisKind"]
+
+T = TypeVar("T")
+
+
+class _WithUnit(Protocol):
+    """A dataclass with a unit."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def unit(self) -> str: ...
+
+
+E = TypeVar("E", bound=_WithUnit)
+
+
+@dataclass(frozen=True, eq=False)
+class AxisKind:
+    """One kind of axis.
+
+    Attributes:
+        name: in a rig file.
+        model: the bundled derivation for it; "" where the case of the rig decides.
+        letters: letter of a turning drive -> the name here.
+        formulas: name here -> its form in a formula, where that is shorter.
+        words: words of a turning drive -> those here; what is left out of a name is "". The longest come
+            first, so that their parts are not taken alone.
+        length: the coordinate that counts as one radian where an effect needs a usual size, in the
+            coordinate's unit: of a turning drive a radian itself.
+    """
+
+    name: str
+    model: str = ""
+    letters: Mapping[str, str] = field(default_factory=dict)
+    formulas: Mapping[str, str] = field(default_factory=dict)
+    words: Mapping[str, str] = field(default_factory=dict)
+    length: float = 1.0
+
+    def __reduce__(self) -> str | tuple[Any, ...]:
+        """A kind is itself in every process."""
+        return _kind_of, (self.name,)
+
+    def said(self, text: str, keep: Collection[str] = ()) -> str:
+        """A text of the toolkit in the words of this kind.
+
+        Args:
+            text: names, units, sentences.
+            keep: parts that are a person's own, such as names of files: they stay as they are.
+        """
+        if self._pattern is None:
+            return text
+        own = "|".join(re.escape(part) for part in sorted(filter(None, keep), key=len, reverse=True))
+        parts = re.split(rf"(?<!\w)({own})(?!\w)", text) if own else [text]
+        return "".join(part if k % 2 else self._put(part) for k, part in enumerate(parts))
+
+    def told(self, value: T, keep: Collection[str] = ()) -> T:
+        """A document, keys included, in the words of this kind; numbers are unchanged."""
+        if self._pattern is None:
+            return value
+        return self._told(value, keep)
+
+    def _told(self, value: Any, keep: Collection[str]) -> Any:
+        if isinstance(value, str):
+            return self.said(value, keep)
+        if isinstance(value, Mapping):
+            return {self.said(k, keep): self._told(x, keep) for k, x in value.items()}
+        if isinstance(value, list | tuple):
+            return type(value)(self._told(x, keep) for x in value)
+        return value
+
+    def estimates(self, found: Mapping[str, E]) -> dict[str, E]:
+        """Estimates by name, or whatever has a unit, under the names and in the units of this kind."""
+        if self._pattern is None:
+            return dict(found)
+        return {self.said(name): replace(e, unit=self.said(e.unit)) for name, e in found.items()}
+
+    def general(self, name: str) -> str:
+        """The letter of a turning drive for a name of this kind."""
+        return {here: letter for letter, here in reversed(self.letters.items())}.get(name, name)
+
+    def _put(self, text: str) -> str:
+        table, pattern = self._table, self._pattern
+        return text if pattern is None else pattern.sub(lambda match: table[match[0]], text)
+
+    @cached_property
+    def _table(self) -> dict[str, str]:
+        capital = {
+            k[0].upper() + k[1:]: x[:1].upper() + x[1:] for k, x in self.words.items() if k[0].isalpha()
+        }
+        return {**capital, **self.words, **self.letters}
+
+    @cached_property
+    def _pattern(self) -> re.Pattern[str] | None:
+        if not self._table:
+            return None
+        known = sorted(self._table, key=len, reverse=True)
+        # A word or letter of its own: not a part of a longer one. A suffix of a name begins with "_".
+        alone = (
+            ("" if name[0] in "_, " else r"(?<![A-Za-z0-9_])") + re.escape(name) + r"(?![A-Za-z0-9_])"
+            for name in known
+        )
+        return re.compile("|".join(alone))
+
+
+TURNING = AxisKind("turning")
+"""A drive that turns: the words of the paper."""
+
+LINEAR = AxisKind(
+    "linear",
+    model="linear_axis",
+    letters={
+        "theta_m": "position",
+        "theta_l": "position",
+        "omega_m": "velocity",
+        "omega_l": "velocity",
+        "alpha_m": "acceleration",
+        "J_m": "mass",
+        "J": "mass",
+        "k_i": "k_f",
+        "B_m": "B",
+        "C_m": "C",
+        "T_load": "F_load",
+        "tau_m": "F_drive",
+        "friction_torque": "friction_force",
+        "mechanical_friction_torque": "mechanical_friction_force",
+        "friction_torque_gradient": "friction_force_gradient",
+        "friction_torque_with_gradient": "friction_force_with_gradient",
+        "friction_torque_jacobian": "friction_force_jacobian",
+        "coulomb_torque": "coulomb_force",
+        "gravity_torque": "load_force",
+        "torque_unit": "force_unit",
+        "omega_m_rad_s": "velocity_m_s",
+        "speed_m_rad_s": "speed_m_s",
+        "position_rad": "position_m",
+    },
+    formulas={"position": "x", "velocity": "v", "acceleration": "a", "mass": "m"},
+    words={
+        # Units.
+        "N m": "N",
+        "(N m)": "N",
+        "Nm": "N",
+        "kg m^2": "kg",
+        "newton metres": "newtons",
+        "newton metre": "newton",
+        "rad": "m",
+        "rad^2": "m^2",
+        "rad^3": "m^3",
+        "N m/rad": "N/m",
+        "_Nm": "_N",
+        "_rad": "_m",
+        "_rad_s": "_m_s",
+        "_rad_s2": "_m_s2",
+        # The drive.
+        "torque constant": "force constant",
+        "torque": "force",
+        "torques": "forces",
+        "torque's": "force's",
+        "inertia": "mass",
+        "inertias": "masses",
+        "moment of inertia": "mass",
+        # Motion.
+        ', mu, and the zero angle (theta_zero_rad = "estimate" estimates it)': "",
+        "motor angle": "position",
+        "motor angles": "positions",
+        "motor velocity": "velocity",
+        "motor acceleration": "acceleration",
+        "motor speed": "speed",
+        "link angle": "position",
+        "link velocity": "velocity",
+        "angle": "position",
+        "angles": "positions",
+        "rotation": "motion",
+        ", motor side": "",
+        "motor side, ": "",
+        "on the motor side": "",
+        # The machine.
+        "link": "carriage",
+        "of the motor": "of the axis",
+    },
+    length=0.01 / 6.283185307179586,
+)
+"""A carriage: position [m], velocity [m/s], mass [kg], force [N]; a usual screw has 10 mm a turn."""
+
+AXES = {kind.name: kind for kind in (TURNING, LINEAR)}
+"""Name in a rig file -> kind."""
+
+
+def _kind_of(name: str) -> AxisKind:
+    return AXES[name]
