@@ -1,9 +1,9 @@
-"""A carriage on a screw drive, simulated: a stiff linear axis under a digital position loop. No code of the model.
+"""A carriage on a screw, simulated: a stiff linear axis under a digital position loop. No code of the model.
 
 The plant is m dv/dt = gain u - B v - C sgn v - F_load, by the trapezoidal rule in steps of an eighth of a
-millisecond, dry friction implicitly, so that it sticks. The loop runs at 1 kHz: proportional in the position, proportional and integral
-in the velocity, which is the difference of the encoder's steps. Rows are logged halfway between two
-instants of the loop, where position and voltage are simultaneous.
+millisecond, dry friction implicitly, so that it sticks. The loop runs at 1 kHz: proportional in the
+position, proportional and integral in the velocity, which is the difference of the encoder's steps. Rows
+are logged halfway between two instants of the loop, where position and voltage are simultaneous.
 """
 
 from __future__ import annotations
@@ -18,7 +18,11 @@ RATE_HZ, PARTS = 1000, 8
 
 @dataclass(frozen=True)
 class Carriage:
-    """The plant: mass [kg], viscous [N s/m] and Coulomb friction [N], load [N], gain [N/V], encoder step [m]."""
+    """The plant: mass [kg], viscous [N s/m] and Coulomb friction [N], load [N], gain [N/V], encoder step [m].
+
+    Further: noise of the logged voltage, Stribeck friction [N] with its velocity [m/s], and a force that
+    varies once per turn of the screw, of an amplitude [N] and a pitch [m].
+    """
 
     mass: float = 95.0
     B: float = 203.0
@@ -36,7 +40,7 @@ class Carriage:
 def logged(
     seed: int, plant: Carriage = Carriage(), seconds: float = 24.0, runs: int = 2
 ) -> dict[str, np.ndarray]:
-    """Time [s], position [m], voltage [V] and number of the run: moves of 0.2 m, back and forth, with rests."""
+    """Time [s], position [m], voltage [V], number of the run: moves of 0.2 m, back and forth, with rests."""
     rng = np.random.default_rng(seed)
     found = [_run(rng, plant, seconds, run) for run in range(runs)]
     return dict(zip(("t_s", "q_m", "u_V", "run"), np.concatenate(found).T, strict=True))

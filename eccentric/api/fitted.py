@@ -8,7 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, names_of, origin_of, sources_of
+from eccentric.api.inputs import (
+    LogSources,
+    ModelSource,
+    RigSource,
+    in_words_of,
+    model_of,
+    names_of,
+    origin_of,
+    sources_of,
+)
 from eccentric.api.result import Result, new_axes, paragraphs
 from eccentric.api.tables import Correlation, ResultTable
 from eccentric.emission import read_parameters, with_fitted
@@ -55,12 +64,13 @@ def fit(
             little motion for the model.
     """
     sources, rig = sources_of(logs), read_rig(rig)
-    read = read_long(sources, rig, FIT_POINTS, reading)
-    channels = read_channels(read, rig)
-    chosen = channels.rig.model if model is None else model
-    base = model_of(chosen)
-    names, axis = names_of(read), rig.axis
-    found = fit_channels(channels, channels.rig, base, ", ".join(names))
+    with in_words_of(rig, sources):
+        read = read_long(sources, rig, FIT_POINTS, reading)
+        channels = read_channels(read, rig)
+        chosen = channels.rig.model if model is None else model
+        base = model_of(chosen)
+        names, axis = names_of(read), rig.axis
+        found = fit_channels(channels, channels.rig, base, ", ".join(names))
     estimates = axis.estimates({**found.coefficients, **found.searched})
     document = fit_document(found, names)
     return FitResult(

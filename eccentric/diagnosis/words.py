@@ -201,7 +201,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     out += _calls(found)
     if a.next_measurement:
         out.append(f"next: {a.next_measurement}")
-    return out
+    own = (*found.asked.logs, *found.channels.own_names)
+    return [found.rig.axis.said(line, own) for line in out]
 
 
 def _calls(found: Diagnosis) -> list[str]:
@@ -211,10 +212,11 @@ def _calls(found: Diagnosis) -> list[str]:
     """
     fitted, name = found.models.extended, result_name(found)
     emitted, states = Emitted(fitted.model), [s.quantity.name for s in fitted.model.states]
-    first = extended_model(found).first_function
+    first, said = extended_model(found).first_function, found.rig.axis.said
 
     def call(function: str, given: Sequence[str]) -> str:
-        return f"{name}_{function}({', '.join([*given, f'&{name}_default'])})"
+        arguments = [*map(said, given), f"&{name}_default"]
+        return f"{name}_{said(function)}({', '.join(arguments)})"
 
     given = [f"state.{a}" if a in states else a for a in emitted.inputs_of(first)]
     torque = call(first, given)

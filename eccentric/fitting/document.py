@@ -3,7 +3,7 @@
 Keys of the document; an estimate is {value, std_error, interval_95, unit, bound_active (or null)}, its
 std_error null if an active bound, its own or another value's, determines the interval:
 
-    format, model, rig, logs, kind (only of an axis that does not turn: names and units below are then its own),
+    format, model, rig, logs, kind (of an axis that does not turn: names and units are then its own),
     drive (current, voltage, torque), unit (of target and error: N m, V or A)
     known             letter: value in SI, from the rig
     coefficients      name: estimate, the columns of the fit as they were fitted

@@ -56,7 +56,7 @@ def require_case(rig: Rig, model: Model) -> None:
 
 
 def load_letters(model: Model) -> set[str]:
-    """Parameters that the regressor and the gravity torque depend on, but for a constant load: it is a column."""
+    """Parameters that the regressor and gravity depend on, but for a constant load: it is a column."""
     expressions = [column.basis for column in regressor(model)]
     expressions.append(model.balance("mechanical").sum_of("gravity", "conservative"))
     found = {symbol.name for e in expressions for symbol in model.expand(e).free_symbols}

@@ -83,11 +83,11 @@ class Problem:
             target = target + drive.machine.inertia({**values, rotor: 0.0}) * steps[:, -1]
         one = np.ones(len(target))
         # What the rig says of a constant load is added beside the model, whether the model has it or not.
-        target = target - self.rig.known.get(LOAD, 0.0) * load_gain(self.rig.known) * one
+        target = target - self.rig.known.get(LOAD, 0.0) * load_gain(self.rig) * one
         torque = target if self.scale is None else self.rows.mean(residuals.torque)
         beside: dict[ColumnRole, Array] = {
             "scale": torque - target,
-            "load": load_gain(self.rig.known) * one,
+            "load": load_gain(self.rig) * one,
             "offset": one / (drive.scale or 1.0),
         }
         columns = [beside[c.role] for c in self.coefficients if c.role in beside]

@@ -37,8 +37,8 @@ from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.reserved import C_KEYWORDS
-from eccentric.model.spoken import spoken, spoken_quantity, spoken_symbol
 from eccentric.model.role import CONTACT, Load, Role
+from eccentric.model.spoken import spoken, spoken_quantity, spoken_symbol
 from eccentric.model.steps import (
     STEPS,
     Across,

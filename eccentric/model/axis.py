@@ -2,15 +2,15 @@
 
 The toolkit computes with one coordinate theta_m, its derivatives and the force along it, in SI. For a turning
 drive they are an angle [rad] and a torque [N m]; for a carriage a position [m] and a force [N]. The equations
-are the same; what a person, a file or a program reads is not. A record says what each is called, and names and
-texts are put into its words where they leave the toolkit.
+are the same; what a person, a file or a program reads is not. A record says what each is called, and names
+and texts are put into its words where they leave the toolkit.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Protocol, TypeVar
 
@@ -37,21 +37,24 @@ class AxisKind:
 
     Attributes:
         name: in a rig file.
-        model: the bundled derivation for it; "" where the case of the rig decides.
+        model, screw: the bundled derivations for it, without and with a pitch of its screw; "" where the case
+            of the rig decides.
         letters: letter of a turning drive -> the name here.
         formulas: name here -> its form in a formula, where that is shorter.
         words: words of a turning drive -> those here; what is left out of a name is "". The longest come
             first, so that their parts are not taken alone.
-        length: the coordinate that counts as one radian where an effect needs a usual size, in the
-            coordinate's unit: of a turning drive a radian itself.
+        absent: variables, as in the `depends_on` of an effect, that it does not have.
+        wraps: whether its coordinate comes back after a turn, as an angle does.
     """
 
     name: str
     model: str = ""
+    screw: str = ""
     letters: Mapping[str, str] = field(default_factory=dict)
     formulas: Mapping[str, str] = field(default_factory=dict)
     words: Mapping[str, str] = field(default_factory=dict)
-    length: float = 1.0
+    absent: frozenset[str] = frozenset()
+    wraps: bool = True
 
     def __reduce__(self) -> str | tuple[Any, ...]:
         """A kind is itself in every process."""
@@ -83,6 +86,23 @@ class AxisKind:
             return {self.said(k, keep): self._told(x, keep) for k, x in value.items()}
         if isinstance(value, list | tuple):
             return type(value)(self._told(x, keep) for x in value)
+        return value
+
+    def record(self, value: T, keep: Collection[str] = ()) -> T:
+        """A record, and those in it, with its texts in the words of this kind; keys of mappings stay."""
+        return value if self._pattern is None else self._record(value, keep)
+
+    def _record(self, value: Any, keep: Collection[str]) -> Any:
+        if isinstance(value, str):
+            return self.said(value, keep)
+        if isinstance(value, Mapping):
+            return {k: self._record(x, keep) for k, x in value.items()}
+        if isinstance(value, list | tuple):
+            return type(value)(self._record(x, keep) for x in value)
+        if is_dataclass(value) and not isinstance(value, type | AxisKind):
+            return replace(
+                value, **{f.name: self._record(getattr(value, f.name), keep) for f in fields(value)}
+            )
         return value
 
     def estimates(self, found: Mapping[str, E]) -> dict[str, E]:
@@ -125,15 +145,17 @@ TURNING = AxisKind("turning")
 LINEAR = AxisKind(
     "linear",
     model="linear_axis",
+    screw="screw_axis",
     letters={
         "theta_m": "position",
-        "theta_l": "position",
+        "theta_l": "theta_s",
         "omega_m": "velocity",
         "omega_l": "velocity",
         "alpha_m": "acceleration",
         "J_m": "mass",
         "J": "mass",
         "k_i": "k_f",
+        "mu": "kappa",
         "B_m": "B",
         "C_m": "C",
         "T_load": "F_load",
@@ -150,7 +172,7 @@ LINEAR = AxisKind(
         "speed_m_rad_s": "speed_m_s",
         "position_rad": "position_m",
     },
-    formulas={"position": "x", "velocity": "v", "acceleration": "a", "mass": "m"},
+    formulas={"position": "x", "velocity": "ẋ", "acceleration": "ẍ", "mass": "m"},
     words={
         # Units.
         "N m": "N",
@@ -182,8 +204,9 @@ LINEAR = AxisKind(
         "motor velocity": "velocity",
         "motor acceleration": "acceleration",
         "motor speed": "speed",
-        "link angle": "position",
-        "link velocity": "velocity",
+        "link angle": "screw angle",
+        "link velocity": "screw velocity",
+        "motor_angle": "position",
         "angle": "position",
         "angles": "positions",
         "rotation": "motion",
@@ -191,12 +214,34 @@ LINEAR = AxisKind(
         "motor side, ": "",
         "on the motor side": "",
         # The machine.
+        "turn of the link": "turn of the screw",
+        "turns of the link": "turns of the screw",
+        "angle of the link": "angle of the screw",
         "link": "carriage",
         "of the motor": "of the axis",
+        "motor turn": "turn of the screw",
+        "f = f_m + mu f_l": "f",
+        "the paper's model": "the model of the axis",
+        "paper's model": "model of the axis",
+        "the paper's friction": "the friction of the axis",
+        "the paper's": "the axis model's",
+        "Parameters with the paper's letters, in": "Parameters in",
+        "Parameters, with the paper's letters, in": "Parameters, in",
+        "Inputs are on the motor side, in": "Inputs are in",
+        # Letters as a formula has them.
+        "ω": "ẋ",
+        "α": "ẍ",
+        "θ": "x",
+        "gravity torque G": "constant force G of the load",
+        ", eq (4)": "",
+        ", eq (5)": "",
+        ", eq (6)": "",
+        ", eqs (11)-(14)": "",
     },
-    length=0.01 / 6.283185307179586,
+    absent=frozenset({"motor_angle", "gravity_load", "transmitted_torque"}),
+    wraps=False,
 )
-"""A carriage: position [m], velocity [m/s], mass [kg], force [N]; a usual screw has 10 mm a turn."""
+"""A carriage: position [m], velocity [m/s], mass [kg], force [N]. What turns is its screw, as a link does."""
 
 AXES = {kind.name: kind for kind in (TURNING, LINEAR)}
 """Name in a rig file -> kind."""

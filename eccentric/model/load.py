@@ -10,7 +10,7 @@ from eccentric.model.model import Model
 from eccentric.places import derivation, folder
 from eccentric.scripts import asks, run_script
 
-_BESIDE = frozenset({"serial_chain", "linear_axis"})
+_BESIDE = frozenset({"serial_chain", "linear_axis", "screw_axis"})
 """Derivations that are not of the paper's drive: several joints, and a carriage."""
 
 _loaded: dict[Path, Model] = {}

@@ -86,7 +86,7 @@ class Model:
 
     @cached_property
     def with_other_values(self) -> Model:
-        """The same for values that are not its defaults, so that every function is emitted, by its letters."""
+        """The same for values that are not its defaults: every function is emitted, by its own letters."""
         plain = {"back_emf_in_friction": False, "current_known": True, "torque_unit": "N m", "axis": TURNING}
         return self if all(getattr(self, k) == x for k, x in plain.items()) else replace(self, **plain)
 

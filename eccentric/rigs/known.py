@@ -81,7 +81,10 @@ _OF_A_CARRIAGE = (
     Known("k_i", "k_f_N_per_A", "N/A", open_below=True, letter="k_f"),
     Known("k_e", "k_e_Vs_per_m", "V s/m"),
     Known("T_load", "F_load_N", "N", lower=-math.inf, letter="F_load"),
+    Known("pitch", "pitch_m", "m", open_below=True),
 )
+_USUAL_PITCH_M = 0.01
+"""Where none is given: effects that build up over a part of a turn then have a usual range of lengths."""
 _BY_AXIS = {TURNING: KNOWNS, LINEAR: _OF_A_CARRIAGE}
 
 
@@ -159,8 +162,11 @@ def read_knowns(
             raise InputError(f"{at}: a range with lower below upper is required, received {value!r}")
         unknown[quantity.name] = lower, upper
     if not turns:
-        # Without a gear; a load is there only if the rig says so.
-        return {"mu": 1.0, **({} if "T_load" in unknown else {"T_load": 0.0}), **known}, unknown, case
+        if "pitch" in unknown:
+            raise InputError(f"{where}: [unknown] pitch: a value in [known] is required, received a range")
+        # The gear is the screw; a load is there only if the rig says so.
+        screw = {"mu": 2.0 * math.pi / known.get("pitch", _USUAL_PITCH_M)}
+        return {**screw, **({} if "T_load" in unknown else {"T_load": 0.0}), **known}, unknown, case
     case = _case(case, known, unknown, where)
     if "g" not in unknown:
         known.setdefault("g", float(sp.Rational(vocabulary.g.default)))  # Table 1's

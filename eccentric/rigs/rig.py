@@ -98,10 +98,16 @@ class Rig:
         return self.known[name]
 
     @property
+    def own_names(self) -> tuple[str, ...]:
+        """What a person has named: the file, the rig, its columns. The words of the axis leave them alone."""
+        columns = self.log.columns or {}
+        return (self.path, self.name, *(source.text for source in columns.values()))
+
+    @property
     def model(self) -> str:
         """The name of the model for the case or the tilt."""
         if self.axis.model:
-            return self.axis.model
+            return self.axis.screw if "pitch" in self.known else self.axis.model
         return {"C1": "c1_perpendicular", "C2": "c2_parallel"}.get(self.case or "", "rotating_link")
 
 
@@ -173,7 +179,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
         ),
         alignment=alignment,
         estimate=estimate,
-        warnings=(*warnings, *_doubts(known)),
+        warnings=(*warnings, *(_doubts(known) if axis is TURNING else ())),
         axis=axis,
     )
 

@@ -176,10 +176,8 @@ class Channels:
 
     @property
     def own_names(self) -> tuple[str, ...]:
-        """What a person has named: the rig and its file, runs, columns. No text of ours changes them."""
-        columns = self.rig.log.columns or {}
-        sources = (source.text for source in columns.values())
-        return (self.rig.path, self.rig.name, *self.time.run_names, *sources)
+        """What a person has named: the rig and its file, runs, columns."""
+        return (*self.rig.own_names, *self.time.run_names)
 
     @property
     def driven(self) -> Channels:

@@ -25,8 +25,8 @@ from eccentric.emission.program.program import (
     needed,
 )
 from eccentric.emission.program.shift import written_out
-from eccentric.emission.program.spoken import spoken_program
 from eccentric.emission.program.shorten import shortened, without_copies
+from eccentric.emission.program.spoken import spoken_program
 from eccentric.errors import InputError
 from eccentric.model import Magnitude, Model, Quantity
 from eccentric.model import vocabulary as v

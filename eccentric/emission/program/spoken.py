@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -18,16 +19,15 @@ def spoken_program(program: Program, axis: AxisKind) -> Program:
     if axis is TURNING:
         return program
 
+    longest = sorted(axis.letters, key=len, reverse=True)
+    letters = re.compile(rf"(?<![A-Za-z0-9])({'|'.join(longest)})(?![A-Za-z0-9])")
+
     def local(symbol: sp.Symbol) -> sp.Symbol:
-        """A letter of the model, or a slope of one value by another: each part by itself."""
-        name = "_d_".join(
-            axis.letters.get(part, axis.words.get(part, part)) for part in symbol.name.split("_d_")
-        )
-        return (
-            spoken_symbol(axis, symbol)
-            if symbol.name in axis.letters
-            else sp.Symbol(name, **symbol.assumptions0)
-        )
+        """A letter of the model, or a name made of some, such as C_m_per_k_i."""
+        if symbol.name in axis.letters:
+            return spoken_symbol(axis, symbol)
+        name = letters.sub(lambda found: axis.letters[found[0]], symbol.name)
+        return sp.Symbol(name, **symbol.assumptions0)
 
     def put(value: sp.Expr) -> sp.Expr:
         return value.xreplace({s: local(s) for s in value.free_symbols})
@@ -63,4 +63,5 @@ def spoken_program(program: Program, axis: AxisKind) -> Program:
         defaults=axis.said(program.defaults),
         helpers=tuple(map(helper, program.helpers)),
         promises=tuple(map(axis.said, program.promises)),
+        axis=axis,
     )

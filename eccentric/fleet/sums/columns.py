@@ -112,7 +112,7 @@ class Columns:
         if place < len(self.headings) - 1:
             found[:, place] = gravity
         found[:, -2] = 1.0
-        found[:, -1] = torque - self._known.get(LOAD, 0.0) * load_gain(self._known)
+        found[:, -1] = torque - self._known.get(LOAD, 0.0) * load_gain(self.rig)
         return found
 
     def _require_known(self) -> None:
