@@ -44,6 +44,7 @@ class AxisKind:
         words: words of a turning drive -> those here; what is left out of a name is "". The longest come
             first, so that their parts are not taken alone.
         absent: variables, as in the `depends_on` of an effect, that it does not have.
+        foreign: families of effects that need an unbalanced mass or a gear with a gap of its own.
         wraps: whether its coordinate comes back after a turn, as an angle does.
     """
 
@@ -54,6 +55,7 @@ class AxisKind:
     formulas: Mapping[str, str] = field(default_factory=dict)
     words: Mapping[str, str] = field(default_factory=dict)
     absent: frozenset[str] = frozenset()
+    foreign: frozenset[str] = frozenset()
     wraps: bool = True
 
     def __reduce__(self) -> str | tuple[Any, ...]:
@@ -113,7 +115,8 @@ class AxisKind:
 
     def general(self, name: str) -> str:
         """The letter of a turning drive for a name of this kind."""
-        return {here: letter for letter, here in reversed(self.letters.items())}.get(name, name)
+        # Of several letters with one name, the first.
+        return next((letter for letter, here in self.letters.items() if here == name), name)
 
     def _put(self, text: str) -> str:
         table, pattern = self._table, self._pattern
@@ -168,9 +171,13 @@ LINEAR = AxisKind(
         "coulomb_torque": "coulomb_force",
         "gravity_torque": "load_force",
         "torque_unit": "force_unit",
-        "omega_m_rad_s": "velocity_m_s",
         "speed_m_rad_s": "speed_m_s",
         "position_rad": "position_m",
+        "angle_rad": "position_m",
+        "theta_m_rad": "position_m",
+        "omega_m_rad_s": "velocity_m_s",
+        "alpha_m_rad_s2": "acceleration_m_s2",
+        "turns_per_rad": "turns_per_m",
     },
     formulas={"position": "x", "velocity": "ẋ", "acceleration": "ẍ", "mass": "m"},
     words={
@@ -220,6 +227,9 @@ LINEAR = AxisKind(
         "link": "carriage",
         "of the motor": "of the axis",
         "motor turn": "turn of the screw",
+        "turn of the motor": "turn of the screw",
+        "turns of the motor": "turns of the screw",
+        "half the link angle": "half the screw angle",
         "f = f_m + mu f_l": "f",
         "the paper's model": "the model of the axis",
         "paper's model": "model of the axis",
@@ -239,6 +249,7 @@ LINEAR = AxisKind(
         ", eqs (11)-(14)": "",
     },
     absent=frozenset({"motor_angle", "gravity_load", "transmitted_torque"}),
+    foreign=frozenset({"gravity_tilt", "angle_offset", "mass_mismatch", "bearing_load", "backlash"}),
     wraps=False,
 )
 """A carriage: position [m], velocity [m/s], mass [kg], force [N]. What turns is its screw, as a link does."""
