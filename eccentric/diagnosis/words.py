@@ -183,6 +183,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     out += [_effect(found, effect, own) for effect, own in found.effects[:3]]
     for balance, models in found.score.rmse.items():
         shown = {name: error for name, error in models.items() if name != "extended" or adopted}
+        if found.rig.axis.model:  # the base model of a carriage is Coulomb + viscous friction
+            shown = {"base" if name == "paper" else name: x for name, x in shown.items() if name != "linear"}
         out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(shown)}")
         if balance == "mechanical" and found.band is not None:
             out.append(found.band.words("extended" if adopted else "paper"))

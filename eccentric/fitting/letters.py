@@ -44,7 +44,12 @@ def following_letters(model: Model) -> dict[str, sp.Expr]:
 
 
 def require_case(rig: Rig, model: Model) -> None:
-    """Raise InputError for a model of a different case than the rig's; one with a tilt fits every case."""
+    """Raise InputError for a model of another axis or case than the rig's; one with a tilt fits each case."""
+    if model.axis is not rig.axis:
+        raise InputError(
+            f"{rig.path}: model {model.name} requires kind = {model.axis.name!r}, received {rig.axis.name!r};"
+            f" {rig.model} fits it"
+        )
     if model.tilted:
         return
     case = "C1" if model.balance("mechanical").sum_of("gravity") == 0 else "C2"
