@@ -29,7 +29,7 @@ def changed(**entries: Any) -> dict[str, Any]:
         (changed(kind=3), "rig: kind: one of turning, linear is required, received 3"),
         (
             changed(position={"column": "q_m", "unit": "deg"}),
-            "rig: [columns] position: a unit like m, cm, mm, um is required, received 'deg'",
+            "rig: [columns] position: a unit like m, cm, mm is required, received 'deg'",
         ),
         (
             changed(position={"column": "q_m", "unit": "counts"}),

@@ -78,7 +78,7 @@ _TABLE = _PLAIN | {
 }
 _SHOWN = (
     "s", "ms", "us", "ns", "min", "rad", "mrad", "deg", "rev", "counts", "rad/s", "deg/s", "rev/s", "rpm",
-    "counts/s", "m/s^2", "m/s", "mm/s", "m", "cm", "mm", "um", "kg", "g", "N", "kN", "mN", "N m", "mNm",
+    "counts/s", "m/s^2", "m/s", "mm/s", "m", "cm", "mm", "kg", "g", "N", "kN", "mN", "N m", "mNm",
     "Ncm", "A", "mA", "V", "mV", "ohm", "mohm", "N m/A", "mNm/A", "N/A", "N/V", "V s/m", "V s/rad",
     "V s/rev", "V/rpm", "V/krpm", "kg m^2", "g cm^2", "degC", "K",
 )  # fmt: skip

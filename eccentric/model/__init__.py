@@ -19,6 +19,7 @@ from eccentric.model.chain import (
     arm,
     at_rest,
     drives,
+    friction_units,
     identity_of,
     letters_of,
     recursion,
@@ -38,7 +39,8 @@ from eccentric.model.quantity import Quantity, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.reserved import C_KEYWORDS
 from eccentric.model.role import CONTACT, Load, Role
-from eccentric.model.spoken import spoken, spoken_quantity, spoken_symbol
+from eccentric.model.spoken import spoken_quantity, spoken_symbol
+from eccentric.model.spoken_model import spoken
 from eccentric.model.steps import (
     STEPS,
     Across,
@@ -107,6 +109,7 @@ __all__ = [
     "at_rest",
     "drives",
     "extended",
+    "friction_units",
     "identity_of",
     "letters_of",
     "load_model",
