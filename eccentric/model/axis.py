@@ -220,6 +220,7 @@ LINEAR = AxisKind(
         ", motor side": "",
         "motor side, ": "",
         "on the motor side": "",
+        " (motor side)": "",
         # The machine.
         "turn of the link": "turn of the screw",
         "turns of the link": "turns of the screw",

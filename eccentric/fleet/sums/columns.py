@@ -51,6 +51,7 @@ class Columns:
     """The columns of one joint; InputError for a rig that leaves open what sums cannot hold."""
 
     def __init__(self, rig: Rig) -> None:
+        rig.require_turning("fleet")
         self.rig = rig
         self._model = model = load_model(rig.model)
         require_case(rig, model)
