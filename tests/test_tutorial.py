@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGES = (
     pytest.param("tutorial", marks=pytest.mark.slow),
     pytest.param("own-effect", marks=pytest.mark.slow),
+    pytest.param("linear-axes", marks=pytest.mark.slow),
     "own-derivation",
 )
 BLOCK = re.compile(r"^```(\S+)(?: (\S+))?\n(.*?)^```$", re.DOTALL | re.MULTILINE)

@@ -58,7 +58,9 @@ def adapt(
     """
     asked = asked_adaptation(True, forgetting, false_alarms, settle)
     read = read_logs(log)
-    channels = read_channels(read, read_rig(rig))
+    rig = read_rig(rig)
+    rig.require_turning("adapt")
+    channels = read_channels(read, rig)
     base = model_of(channels.rig.model if model is None else model)
     names = ", ".join(names_of(read))
     require_logged(channels, [CURRENT], names)

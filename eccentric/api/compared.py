@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, given_path, read_logs
+from eccentric.api.inputs import (
+    LogSources,
+    ModelSource,
+    RigSource,
+    by_name,
+    given_path,
+    in_words_of,
+    read_logs,
+    sources_of,
+)
 from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable
 from eccentric.diagnosis import BASELINE, Contest, contest, contest_document, contest_lines
@@ -47,7 +56,11 @@ def compare(
     several = [models] if isinstance(models, str | os.PathLike | Model) else models
     own = None if effects is None else given_path(effects, "effects")
     named = [name for model in several if (name := by_name(model)) is not None]
-    found = contest(read_logs(logs), read_rig(rig), named, own)
+    rig = read_rig(rig)
+    with in_words_of(rig, sources_of(logs)):
+        found = contest(read_logs(logs), rig, named, own)
+    axis, names = rig.axis, (*rig.own_names, *found.logs)
+    found = replace(found, unit=axis.said(found.unit), warnings=axis.told(found.warnings, names))
     return CompareResult(
         contest=found,
         lines=tuple(contest_lines(found)),

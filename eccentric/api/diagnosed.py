@@ -10,7 +10,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from eccentric.api.files import described
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, names_given, sources_of
+from eccentric.api.inputs import (
+    LogSources,
+    ModelSource,
+    RigSource,
+    by_name,
+    in_words_of,
+    names_given,
+    sources_of,
+)
 from eccentric.api.result import Result, new_axes, paragraphs
 from eccentric.api.tables import Correlation, ResultTable
 from eccentric.diagnosis import (
@@ -81,25 +89,27 @@ def diagnose(
     paths = _scripts(offered, base)
     request = SearchRequest(*(names_given(names) for names in (including, without, only)))
     sources, rig = sources_of(logs), read_rig(rig)
-    read = read_long(sources, rig, tell=reading)
-    found = diagnose_logs(read, rig, base, offered, request, progress)
+    with in_words_of(rig, sources):
+        read = read_long(sources, rig, tell=reading)
+        found = diagnose_logs(read, rig, base, offered, request, progress)
     return result_of(found, {path.name: path.read_text(encoding="utf-8") for path in paths})
 
 
 def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
     """The result of a diagnosis; `own` are the scripts that it loads, name -> text."""
-    given, fitted = found.asked.base, found.models.extended
+    given, axis = found.asked.base, found.rig.axis
+    document, estimates = diagnosis_document(found), axis.estimates(found.models.extended.estimates)
     return DiagnosisResult(
         model=extended_model(found),
         origin="model.py",
-        estimates=fitted.estimates,
-        correlation=Correlation.of(list(fitted.estimates), fitted.covariance),
+        estimates=estimates,
+        correlation=Correlation.of(list(estimates), found.models.extended.covariance),
         script=script(found),
         own={**own} | ({BASE: base_source(given)} if isinstance(given, Model) else {}),
-        warnings=found.warnings,
+        warnings=tuple(document["warnings"]),
         lines=tuple(diagnosis_lines(found)),
         data=report_data(found),
-        document=diagnosis_document(found),
+        document=document,
     )
 
 

@@ -13,9 +13,9 @@ from eccentric.drafting import Draft, Proposal, RigLine, draft_of, log_complaint
 from eccentric.errors import InputError, few
 from eccentric.fitting import fit as fit_channels
 from eccentric.logs import Log
-from eccentric.model import load_model
+from eccentric.model import TURNING, load_model
 from eccentric.output import whole_file
-from eccentric.rigs import KNOWNS, Rig, read_rig, rig_complaints
+from eccentric.rigs import Rig, knowns_of, read_rig, rig_complaints
 from eccentric.signals import read_channels
 
 __all__ = ["RigCheck", "RigDraft", "check_rig", "draft_rig"]
@@ -128,12 +128,15 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
     usable = read_rig(rest)
     usable = _named(usable, rig)
     try:
-        draft = _draft(read)
+        # A draft knows drives that turn.
+        draft = _draft(read) if usable.axis is TURNING else None
     except InputError:
         draft = None  # what could not be drafted can still be described by hand
     for log in read:
         found += [line for line in log_complaints(usable, log, draft) if line not in found]
     asked, estimated, warnings = _tried(read, usable, rest, broken=bool(found))
+    axis, own = usable.axis, (*usable.own_names, *names_of(read))
+    asked, estimated, warnings = (axis.told(lines, own) for lines in (asked, estimated, warnings))
     found += [line for line in asked if line not in found]
     return RigCheck(tuple(found), () if found else estimated, warnings)
 
@@ -178,7 +181,8 @@ def _tried(
                 f"{rig.path}: [known] {letter} is required, as in"
                 f' {letter} = "{_TYPICAL[letter]}", received none'
             )
-            given = {**given, "known": {**given.get("known", {}), letter: _TYPICAL[letter]}}
+            said = tried.axis.said
+            given = {**given, "known": {**given.get("known", {}), said(letter): said(_TYPICAL[letter])}}
             continue
         if missing:
             return missing, (), ()
@@ -202,5 +206,5 @@ def _determined(fit: Any, rig: Rig) -> list[str]:
         )
         lines.append(f"{name} = {e.value:.4g} {e.unit}, 95 % interval {low:.4g} to {high:.4g}, from {source}")
     lines += [f"{name}: estimated along with the fit" for name in sorted(rig.estimate)]
-    given = [known.name for known in KNOWNS if known.name in rig.known]
+    given = [known.name for known in knowns_of(rig.axis) if known.name in rig.known]
     return [*lines, f"taken as the rig file says: {few(given)}"]

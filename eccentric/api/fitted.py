@@ -8,7 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, names_of, origin_of, sources_of
+from eccentric.api.inputs import (
+    LogSources,
+    ModelSource,
+    RigSource,
+    in_words_of,
+    model_of,
+    names_of,
+    origin_of,
+    sources_of,
+)
 from eccentric.api.result import Result, new_axes, paragraphs
 from eccentric.api.tables import Correlation, ResultTable
 from eccentric.emission import read_parameters, with_fitted
@@ -55,27 +64,28 @@ def fit(
             little motion for the model.
     """
     sources, rig = sources_of(logs), read_rig(rig)
-    read = read_long(sources, rig, FIT_POINTS, reading)
-    channels = read_channels(read, rig)
-    chosen = channels.rig.model if model is None else model
-    base = model_of(chosen)
-    names = names_of(read)
-    found = fit_channels(channels, channels.rig, base, ", ".join(names))
-    estimates = {**found.coefficients, **found.searched}
+    with in_words_of(rig, sources):
+        read = read_long(sources, rig, FIT_POINTS, reading)
+        channels = read_channels(read, rig)
+        chosen = channels.rig.model if model is None else model
+        base = model_of(chosen)
+        names, axis = names_of(read), rig.axis
+        found = fit_channels(channels, channels.rig, base, ", ".join(names))
+    estimates = axis.estimates({**found.coefficients, **found.searched})
     document = fit_document(found, names)
     return FitResult(
         base=base,
         model=with_fitted(base, read_parameters(document), base.name),
         origin=origin_of(chosen),
         estimates=estimates,
-        combinations=found.combinations,
+        combinations=axis.estimates(found.combinations),
         correlation=Correlation.of(list(estimates), found.spread.matrix),
         rmse=found.rmse,
         r_squared=found.r_squared,
-        unit=found.problem.unit,
+        unit=axis.said(found.problem.unit),
         improvement=found.percent,
         improvement_interval=found.percent_interval,
-        warnings=found.warnings,
+        warnings=tuple(document["warnings"]),
         lines=tuple(fit_lines(found, names)),
         comparison=compare(found),
         document=document,
@@ -113,7 +123,7 @@ class FitResult(Result):
     @property
     def parameters(self) -> dict[str, float]:
         """All parameters of the fitted model by the paper's letters, in SI."""
-        return read_parameters(self.document).values
+        return {self.base.axis.said(x): value for x, value in read_parameters(self.document).values.items()}
 
     @property
     def sentence(self) -> str:

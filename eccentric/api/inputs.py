@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -12,7 +13,7 @@ from eccentric.emission import FittedValues
 from eccentric.errors import InputError
 from eccentric.logs import Log, LogSource, read_log
 from eccentric.model import Model, Recursion, arm, load_model, model_names, recursion, unlike, with_bodies
-from eccentric.places import given_path, is_arm_file
+from eccentric.places import given_path, is_arm_file, shown
 from eccentric.rigs import Rig
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "RigSource",
     "arm_of",
     "by_name",
+    "in_words_of",
     "is_arm",
     "model_of",
     "names_given",
@@ -33,6 +35,19 @@ __all__ = [
 LogSources: TypeAlias = LogSource | Sequence[LogSource]
 RigSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Rig
 ModelSource: TypeAlias = str | os.PathLike[str] | Model
+
+
+@contextmanager
+def in_words_of(rig: Rig, logs: Sequence[object]) -> Iterator[None]:
+    """Errors in the words of the rig's axis; what a person has named, logs included, is left alone."""
+    try:
+        yield
+    except InputError as error:
+        given = (shown(Path(log)) for log in logs if isinstance(log, str | os.PathLike))
+        text = rig.axis.said(str(error), (*rig.own_names, *map(str, given)))
+        if text == str(error):
+            raise
+        raise InputError(text) from None
 
 
 def read_logs(logs: LogSources) -> list[Log]:

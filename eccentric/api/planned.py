@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, sources_of
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, in_words_of, sources_of
 from eccentric.api.result import Printed
 from eccentric.diagnosis import diagnose
 from eccentric.emission import template
@@ -59,11 +59,16 @@ def plan(
         InputError: as `diagnose` does; the log does not fit the rig; a limit is missing or not positive; or
             no motion stays within them.
     """
-    bounds, sources, rig = read_bounds(limits), sources_of(logs), read_rig(rig)
-    found = diagnose(read_long(sources, rig, tell=reading), rig, by_name(model), tell=progress)
-    made = planned(found, bounds, progress or (lambda _: None))
+    sources, rig = sources_of(logs), read_rig(rig)
+    bounds = read_bounds(limits, rig.axis)
+    with in_words_of(rig, sources):
+        found = diagnose(read_long(sources, rig, tell=reading), rig, by_name(model), tell=progress)
+        made = planned(found, bounds, progress or (lambda _: None))
     return PlanResult(
-        plan=made, lines=tuple(plan_lines(made)), warnings=found.warnings, document=plan_document(made)
+        plan=made,
+        lines=tuple(plan_lines(made)),
+        warnings=rig.axis.told(found.warnings, (*found.asked.logs, *found.channels.own_names)),
+        document=plan_document(made),
     )
 
 
@@ -82,12 +87,13 @@ class PlanResult(Printed):
     def reference(self) -> dict[str, np.ndarray]:
         """The motion as columns (n,): time_s, theta_m_rad, omega_m_rad_s, alpha_m_rad_s2."""
         motion = self.plan.motion
-        return {
+        columns = {
             "time_s": motion.t,
             "theta_m_rad": motion.theta,
             "omega_m_rad_s": motion.omega,
             "alpha_m_rad_s2": motion.alpha,
         }
+        return {self.plan.axis.said(name): values for name, values in columns.items()}
 
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write plan.json, reference.csv, reference.h and, with matplotlib, plan.png and plan.svg.
@@ -113,7 +119,7 @@ class PlanResult(Printed):
             ("angle [rad]", motion.theta, bounds.angle),
             ("speed [rad/s]", motion.omega, (-bounds.speed, bounds.speed)),
             ("acceleration [rad/s²]", motion.alpha, (-bounds.acceleration, bounds.acceleration)),
-            ("current [A]", self.plan.current, (-bounds.current, bounds.current)),
+            ("{} [{}]".format(*self.plan.strength), self.plan.current, (-bounds.current, bounds.current)),
         )
         for axes, (name, values, limits) in zip(figure.subplots(4, 1, sharex=True), rows, strict=True):
             axes.plot(motion.t, values, color="#0072b2", linewidth=1.0)
@@ -123,9 +129,10 @@ class PlanResult(Printed):
                 axes.axhline(limit, color="#d55e00", linestyle="--", linewidth=1.0)
             if limits and not near:
                 axes.set_title(f"limits {limits[0]:.4g} to {limits[1]:.4g}", loc="right", fontsize="small")
-            axes.set_ylabel(name)
+            axes.set_ylabel(self.plan.axis.said(name))
             axes.margins(x=0.0)
-        figure.axes[0].set_title("planned motion (motor side), limits dashed", loc="left", fontsize="medium")
+        title = self.plan.axis.said("planned motion (motor side), limits dashed")
+        figure.axes[0].set_title(title, loc="left", fontsize="medium")
         figure.axes[-1].set_xlabel("time [s]")
 
     def _csv(self) -> str:
@@ -142,6 +149,7 @@ class PlanResult(Printed):
             command="eccentric plan",
             count=len(points),
             rate=FIRMWARE_HZ,
+            said=self.plan.axis.said,
             points=[[f"{x:.6e}" for x in point] for point in points],
         )
 

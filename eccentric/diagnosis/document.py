@@ -10,15 +10,17 @@ import sympy as sp
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.words import diagnosis_sentence, tied_families
 from eccentric.effects import Effect
+from eccentric.model import TURNING
 
 __all__ = ["diagnosis_document"]
 
 
 def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
     """The content of diagnosis.json, format eccentric-diagnosis/1 (keys as in the manual)."""
-    a = found.attribution
-    return {
+    a, axis = found.attribution, found.rig.axis
+    document = {
         "format": "eccentric-diagnosis/1",
+        **({} if axis is TURNING else {"kind": axis.name}),
         "logs": list(found.asked.logs),
         "model": found.models.base.name,
         "asked": {
@@ -76,6 +78,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "settled": not found.models.unsettled,
         "warnings": list(found.warnings),
     }
+    return axis.told(document, (*found.asked.logs, *found.channels.own_names))
 
 
 def _unconfirmed(found: Diagnosis) -> dict[str, Any]:

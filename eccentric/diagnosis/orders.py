@@ -59,10 +59,15 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
     Empty with fewer than `LEAST_STRETCHES` stretches of usable rows in one direction of `LEAST_TURNS` turns.
     """
     channels = data.drive.channels
+    # What turns with a carriage is its screw, if the rig knows the pitch.
+    axis, known = channels.rig.axis, channels.rig.known
+    if not axis.wraps and "pitch" not in known:
+        return ()
+    turning = channels.motion.theta_m * (1.0 if axis.wraps else known["mu"])
     grid = np.arange(LOWEST_ORDER, HIGHEST_ORDER, ORDER_STEP)
     spectra, variances = [], []
     for rows in _stretches(channels.selection.usable, channels.time.segment, channels.motion.omega_m):
-        angle, y = channels.motion.theta_m[rows], target[rows]
+        angle, y = turning[rows], target[rows]
         turns = abs(angle[-1] - angle[0]) / TURN
         if turns < LEAST_TURNS or len(rows) < ROWS_PER_CYCLE * HIGHEST_ORDER * turns:
             continue

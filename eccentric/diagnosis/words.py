@@ -195,6 +195,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     out += [_effect(found, effect, own) for effect, own in found.effects[:3]]
     for balance, models in found.score.rmse.items():
         shown = {name: error for name, error in models.items() if name != "extended" or adopted}
+        if found.rig.axis.model:  # the base model of a carriage is Coulomb + viscous friction
+            shown = {"base" if name == "paper" else name: x for name, x in shown.items() if name != "linear"}
         out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(shown)}")
         if balance == "mechanical" and found.band is not None:
             out.append(found.band.words("extended" if adopted else "paper"))
@@ -213,7 +215,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     out += _calls(found)
     if a.next_measurement:
         out.append(f"next: {a.next_measurement}")
-    return out
+    own = (*found.asked.logs, *found.channels.own_names)
+    return [found.rig.axis.said(line, own) for line in out]
 
 
 def _calls(found: Diagnosis) -> list[str]:
@@ -223,10 +226,11 @@ def _calls(found: Diagnosis) -> list[str]:
     """
     fitted, name = found.models.extended, result_name(found)
     emitted, states = Emitted(fitted.model), [s.quantity.name for s in fitted.model.states]
-    first = extended_model(found).first_function
+    first, said = extended_model(found).first_function, found.rig.axis.said
 
     def call(function: str, given: Sequence[str]) -> str:
-        return f"{name}_{function}({', '.join([*given, f'&{name}_default'])})"
+        arguments = [*map(said, given), f"&{name}_default"]
+        return f"{name}_{said(function)}({', '.join(arguments)})"
 
     given = [f"state.{a}" if a in states else a for a in emitted.inputs_of(first)]
     torque = call(first, given)

@@ -11,7 +11,7 @@ from eccentric.drafting.draft import Draft
 from eccentric.drafting.proposal import Proposal
 from eccentric.errors import InputError, few, meant
 from eccentric.logs import Log, evaluate, parse_unit
-from eccentric.rigs import CHANNELS, Rig
+from eccentric.rigs import CHANNELS, Rig, channels_of
 
 __all__ = ["log_complaints"]
 
@@ -32,7 +32,7 @@ def log_complaints(rig: Rig, log: Log, draft: Draft | None) -> list[str]:
 
 def _sources(rig: Rig, log: Log) -> dict[str, str]:
     if rig.log.columns is None:
-        return {c: column for c, (column, _) in CHANNELS.items() if column in log.columns}
+        return {c: column for c, (column, _) in channels_of(rig.axis).items() if column in log.columns}
     return {c: source.text for c, source in rig.log.columns.items()}
 
 
@@ -49,10 +49,11 @@ def _missing(rig: Rig, log: Log) -> Iterator[str]:
         plain = text.replace("_", "").replace(" ", "").isalnum()
         if plain:
             hint = meant(text, log.columns) or f"; the log has {few(log.columns)}"
-            yield f"{rig.path}: [columns] {channel}: no column {text!r} in {log.path}{hint}"
+            called = rig.axis.said(channel)
+            yield f"{rig.path}: [columns] {called}: no column {text!r} in {log.path}{hint}"
             continue
         try:
-            evaluate(text, log.numbers, f"{rig.path}: [columns] {channel}")
+            evaluate(text, log.numbers, f"{rig.path}: [columns] {rig.axis.said(channel)}")
         except InputError as error:
             yield str(error)
     for choice in (
@@ -61,9 +62,10 @@ def _missing(rig: Rig, log: Log) -> Iterator[str]:
         ("current", "torque", "torque_l", "voltage"),
     ):
         if not any(channel in sources for channel in choice):
+            there = channels_of(rig.axis)
+            called = " or ".join(rig.axis.said(channel) for channel in choice if channel in there)
             yield (
-                f"{rig.path}: [columns]: {' or '.join(choice)} is required, received none;"
-                f" the log has {few(log.columns)}"
+                f"{rig.path}: [columns]: {called} is required, received none; the log has {few(log.columns)}"
             )
 
 

@@ -25,13 +25,13 @@ WORDS = Words(
 )
 
 
-def effects(_: Setting) -> tuple[Effect, ...]:
-    """One effect for each order n of the motor angle."""
-    return tuple(_order(n) for n in ORDERS)
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """One effect for each order n of the motor angle; of a carriage, of the angle of its screw."""
+    return tuple(_order(n, setting.base.axis.wraps) for n in ORDERS)
 
 
-def _order(n: int) -> Effect:
-    cosine, sine = harmonic(n)
+def _order(n: int, turns: bool) -> Effect:
+    cosine, sine = harmonic(n if turns else n * v.mu.symbol)
     C = quantity(f"cogging_c{n}", "N m", f"cogging torque by cos({n} theta_m)", letter=f"c_{n}")
     S = quantity(f"cogging_s{n}", "N m", f"cogging torque by sin({n} theta_m)", letter=f"s_{n}")
     return addition(
@@ -39,8 +39,8 @@ def _order(n: int) -> Effect:
         [(C, cosine), (S, sine)],
         variant=f"n={n}",
         kind="conservative",
-        depends_on=("motor_angle",),
-        formula=f"c cos({n} theta_m) + s sin({n} theta_m)",
+        depends_on=("motor_angle" if turns else "link_angle",),
+        formula=f"c cos({n} theta_{'m' if turns else 'l'}) + s sin({n} theta_{'m' if turns else 'l'})",
         reference="T. M. Jahns and W. L. Soong, IEEE Trans. Industrial Electronics 43(2), 1996",
         inputs=(v.theta_m,),
         repeats=True,

@@ -30,6 +30,6 @@ effect: Effect = addition(
 
 def with_constant_load(model: Model, value: float = 0.0) -> Model:
     """The model, extended by the load with this default [N m]; as it is where it has one already."""
-    if effect.id in {extension.name for extension in model.extensions}:
+    if T_load.name in {q.name for q in model.parameters}:
         return model
     return effect.extend(model, {T_load.name: value})

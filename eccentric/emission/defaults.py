@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.errors import InputError
-from eccentric.model import Model, with_values
+from eccentric.model import AXES, TURNING, Model, with_values
 from eccentric.places import readable
 
 
@@ -91,6 +91,7 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
             f"{where}: friction in N m is required of every joint, received that of"
             f" {', '.join(map(str, unscaled))} without a scale: give k_i in the [drives] of the rig"
         )
+    axis = AXES.get(str(content.get("kind", TURNING.name)), TURNING)
     values = content.get("parameters")
     if not isinstance(values, Mapping) or not values:
         raise InputError(f"{where}: an object `parameters` of numbers by the paper's letters is required")
@@ -98,6 +99,7 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     for letter, value in values.items():
         if not _is_number(value):
             raise InputError(f"{where}: parameters.{letter}: a finite number is required, received {value!r}")
+    values = {axis.general(letter): value for letter, value in values.items()}
     notes, identified_on = content.get("parameter_notes", {}), content.get("identified_range", "")
     if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
         raise InputError(f"{where}: `parameter_notes` by letter and `identified_range` as text are required")
@@ -112,12 +114,23 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     # Bodies that cannot exist are no better than a log that does not fit the rig.
     fits = content.get("fits_the_rig") is not False and bodies.get("possible") is not False
     contained = content.get("back_emf_in_friction") is True
-    known, unit = content.get("current_known") is not False, content.get("torque_unit", "N m")
+    known, unit = content.get("current_known") is not False, content.get(axis.said("torque_unit"), "N m")
+    unit = "N m" if unit == axis.said("N m") else unit
     if unit not in ("N m", "V", "A"):
         raise InputError(f"{where}: torque_unit: N m, V or A is required, received {unit!r}")
     of = content.get("model")
     return FittedValues(
-        name, of, values, dict(notes), identified_on, fits, contained, known, unit, dict(chain), dict(found)
+        name,
+        of,
+        values,
+        {axis.general(x): text for x, text in notes.items()},
+        identified_on,
+        fits,
+        contained,
+        known,
+        unit,
+        dict(chain),
+        dict(found),
     )
 
 

@@ -197,7 +197,7 @@ def _scaled(unit: str, drive: str) -> str:
 def bounded_letters(coefficients: Sequence[Combination], machine: Machine) -> set[str]:
     """The letters of the rig whose ranges bound these coefficients."""
     letters = {symbol.name for c in coefficients for symbol in c.expression.free_symbols}
-    inertia = {machine.rotor, machine.link} if any(c.role == "inertia" for c in coefficients) else set()
+    inertia = {*machine.inertias} if any(c.role == "inertia" for c in coefficients) else set()
     return letters | inertia
 
 

@@ -3,7 +3,8 @@
 Keys of the document; an estimate is {value, std_error, interval_95, unit, bound_active (or null)}, its
 std_error null if an active bound, its own or another value's, determines the interval:
 
-    format, model, rig, logs, drive (current, voltage, torque), unit (of target and error: N m, V or A)
+    format, model, rig, logs, kind (of an axis that does not turn: names and units are then its own),
+    drive (current, voltage, torque), unit (of target and error: N m, V or A)
     known             letter: value in SI, from the rig
     coefficients      name: estimate, the columns of the fit as they were fitted
     correlation       names, matrix: of the errors of coefficients and unknown; null without a standard error
@@ -35,7 +36,8 @@ import numpy as np
 
 from eccentric.fitting.columns import k_e
 from eccentric.fitting.letters import following_letters, own_letters
-from eccentric.rigs import ALIGNMENT
+from eccentric.model import TURNING
+from eccentric.rigs import ALIGNMENT, alignment_of, knowns_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -57,14 +59,17 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
     channels, rig = problem.drive.channels, problem.rig
     parameters, texts = emitted_parameters(fit)
     counted = problem.rows
-    return {
+    axis = rig.axis
+    known = {known.name for known in knowns_of(axis)}
+    document = {
         "format": FORMAT,
+        **({} if axis is TURNING else {"kind": axis.name}),
         "model": problem.model.name,
         "rig": rig.name,
         "logs": list(logs),
         "drive": channels.motor.measured_by,
         "unit": problem.unit,
-        "known": dict(rig.known),
+        "known": {name: value for name, value in rig.known.items() if name in known},
         "coefficients": {name: _entry(e) for name, e in fit.coefficients.items() if name not in ALIGNMENT},
         "correlation": _correlation(fit),
         "combinations": {name: _entry(e) for name, e in fit.combinations.items()},
@@ -106,6 +111,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         },
         "warnings": list(fit.warnings),
     }
+    return axis.told(document, (*logs, *channels.own_names))
 
 
 def _correlation(fit: Fit) -> dict[str, Any]:
@@ -137,7 +143,7 @@ def _alignment(fit: Fit) -> dict[str, Any]:
         name: {**_entry(found[name]), "estimated": True}
         if name in found
         else {"value": getattr(rig.alignment, name), "estimated": False}
-        for name in ALIGNMENT
+        for name in alignment_of(rig.axis)
     }
 
 
@@ -191,7 +197,7 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
         if c.parameter != c.letter or k_e in c.expression.free_symbols:
             shown = _mechanical_name(fit, c.name)
             notes[c.parameter] += "" if shown in (c.parameter, "J") else f"; contains all of {shown}"
-    if problem.has("inertia"):
+    if problem.has("inertia") and problem.drive.machine.link:
         machine = problem.drive.machine
         values[machine.link] = 0.0
         notes[machine.link] = f"convention: {machine.rotor} contains all of the inertia J_m + mu^2 J_l"

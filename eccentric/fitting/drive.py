@@ -162,7 +162,7 @@ class Drive:
         driven, motion = np.where(self.off, 0.0, 1.0), self.channels.motion
         made: dict[ColumnRole, Array] = {
             "inertia": motion.alpha_m,
-            "load": np.full_like(driven, load_gain(self.known)),
+            "load": np.full_like(driven, load_gain(self.channels.rig)),
             "gravity": gravity,
             "back_emf": motion.omega_m * driven,
             "offset": driven,
@@ -189,7 +189,9 @@ def loaded_model(base: Model, rig: Rig) -> Model:
     return with_constant_load(base, rig.known.get(LOAD, 0.0)) if declared else base
 
 
-def load_gain(known: Mapping[str, float]) -> float:
-    """The torque at the motor per newton metre of load: mu, if it is known."""
+def load_gain(rig: Rig) -> float:
+    """The torque at the motor per newton metre of load: mu, if it is known; 1 for a load on a carriage."""
+    if rig.axis.model:
+        return 1.0
     (term,) = constant_load.change.terms["mechanical"]
-    return float(evaluated(term.basis, {"mu": 1.0, **known}))
+    return float(evaluated(term.basis, {"mu": 1.0, **rig.known}))

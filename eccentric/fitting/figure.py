@@ -27,7 +27,7 @@ class Comparison:
     """Measured and predicted friction on held-out rows, at most `MOST_POINTS` of them.
 
     Attributes:
-        speed: of the motor [rad/s] (n,).
+        speed: of the motor [rad/s], of a carriage [m/s] (n,).
         measured: (n,) in `unit`.
         paper, linear: predicted by the fitted model and by Coulomb + viscous friction, (n,) in `unit`.
         rmse: model ("paper", "linear") -> held-out RMSE in `unit`.
@@ -35,6 +35,7 @@ class Comparison:
         quantity: what is compared, for an axis.
         unit: "N m", "V" or "A".
         title: rig, and what a row is.
+        velocity: what `speed` is, for an axis.
     """
 
     speed: Array
@@ -46,6 +47,7 @@ class Comparison:
     quantity: str
     unit: str
     title: str
+    velocity: str
 
 
 def compare(fit: Fit) -> Comparison:
@@ -55,6 +57,7 @@ def compare(fit: Fit) -> Comparison:
     rows = np.flatnonzero(problem.rows.score)
     rows = rows[:: -(-len(rows) // MOST_POINTS)]
     friction = [k for k, c in enumerate(problem.coefficients) if c.role == "friction"]
+    axis = problem.rig.axis
     predicted = paper.design.columns[rows][:, friction] @ paper.values[friction]
     measured = predicted + paper.residual[rows]
     return Comparison(
@@ -65,8 +68,9 @@ def compare(fit: Fit) -> Comparison:
         rmse={name: fit.rmse[name] for name in ("paper", "linear")},
         model="paper's model" if problem.model.name in model_names() else problem.model.name,
         quantity="friction" if problem.unit == "N m" else "friction (and back-EMF)",
-        unit=problem.unit,
+        unit=axis.said(problem.unit),
         title=f"{problem.rig.name}: held-out {problem.rows.description}",
+        velocity=axis.said("motor velocity [rad/s]"),
     )
 
 
@@ -88,7 +92,7 @@ def plot_fit(shown: Comparison, left: Any, right: Any) -> None:
         right.plot(shown.speed, values, color=color, label=called, markersize=size, **style)
     left.plot(ends, ends, color="black", linewidth=0.8)
     left.set(xlabel=f"predicted {name} [{unit}]", ylabel=f"measured {name} [{unit}]")
-    right.set(xlabel="motor velocity [rad/s]", ylabel=f"{name} [{unit}]")
+    right.set(xlabel=shown.velocity, ylabel=f"{name} [{unit}]")
     for axes in (left, right):
         axes.grid(linewidth=0.3)
         # Above the axes, where it never covers a dot.

@@ -81,7 +81,7 @@ def _identified(first: Solution, scale: float | None, inertia: Machine | None, r
     """Parameters that were estimated from the log."""
     scaled = set[str]() if scale is None or {"R", "k_i"} <= set(rig.known) else {"R", "k_i"}
     scaled -= {"k_i"} & set(rig.known)
-    letters = set() if inertia is None else {inertia.rotor, inertia.link} - set(rig.known)
+    letters = set() if inertia is None else {*inertia.inertias} - set(rig.known)
     return tuple(sorted({*first.at, *scaled, *letters, *({LOAD} & set(rig.unknown))}))
 
 
@@ -127,6 +127,8 @@ def _needed(channels: Channels, rig: Rig, base: Model, machine: Machine) -> dict
 def _inertias(rig: Rig, machine: Machine, total: float) -> dict[str, float]:
     """J_m and J_l for the identified inertia; a link of unknown inertia is taken as a point mass."""
     rotor, link = machine.rotor, machine.link
+    if not link:
+        return {rotor: total}
     others = {name: rig.value(name) for name in sorted(machine.inertia_letters - {rotor, link})}
 
     def beyond(inertia: float) -> float:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from eccentric.effects import constant_load
 from eccentric.errors import InputError
 from eccentric.model import Model, regressor
 from eccentric.model import vocabulary as v
@@ -43,7 +44,12 @@ def following_letters(model: Model) -> dict[str, sp.Expr]:
 
 
 def require_case(rig: Rig, model: Model) -> None:
-    """Raise InputError for a model of a different case than the rig's; one with a tilt fits every case."""
+    """Raise InputError for a model of another axis or case than the rig's; one with a tilt fits each case."""
+    if model.axis is not rig.axis:
+        raise InputError(
+            f"{rig.path}: model {model.name} requires kind = {model.axis.name!r}, received {rig.axis.name!r};"
+            f" {rig.model} fits it"
+        )
     if model.tilted:
         return
     case = "C1" if model.balance("mechanical").sum_of("gravity") == 0 else "C2"
@@ -55,8 +61,9 @@ def require_case(rig: Rig, model: Model) -> None:
 
 
 def load_letters(model: Model) -> set[str]:
-    """Parameters that the regressor and the gravity torque depend on."""
+    """Parameters that the regressor and gravity depend on, but for a constant load: it is a column."""
     expressions = [column.basis for column in regressor(model)]
     expressions.append(model.balance("mechanical").sum_of("gravity", "conservative"))
     found = {symbol.name for e in expressions for symbol in model.expand(e).free_symbols}
-    return found & {quantity.name for quantity in model.parameters}
+    loads = {quantity.name for quantity in constant_load.coefficients}
+    return found & {quantity.name for quantity in model.parameters} - loads

@@ -101,8 +101,8 @@ class Machine:
 
     @cached_property
     def link(self) -> str:
-        """The parameter of the inertia behind the gear, J_l: the total is linear in it as well."""
-        return next(name for name in self.inertias if name != self.rotor)
+        """The parameter of the inertia behind the gear, J_l, in which the total is linear; "" if none."""
+        return next((name for name in self.inertias if name != self.rotor), "")
 
     def inertia(self, values: Values) -> float:
         """The total inertia at the motor [kg m^2]: J_m + mu^2 J_l."""

@@ -37,7 +37,7 @@ from eccentric.fitting.letters import load_letters, require_case, with_own
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.residuals import Residuals
 from eccentric.fitting.searched import nonlinear_of
-from eccentric.model import Column, Model, regressor
+from eccentric.model import Column, Load, Model, Role, regressor
 from eccentric.signals import Rows, fit_rows, rows_of
 
 if TYPE_CHECKING:
@@ -83,11 +83,11 @@ class Problem:
             target = target + drive.machine.inertia({**values, rotor: 0.0}) * steps[:, -1]
         one = np.ones(len(target))
         # What the rig says of a constant load is added beside the model, whether the model has it or not.
-        target = target - self.rig.known.get(LOAD, 0.0) * load_gain(self.rig.known) * one
+        target = target - self.rig.known.get(LOAD, 0.0) * load_gain(self.rig) * one
         torque = target if self.scale is None else self.rows.mean(residuals.torque)
         beside: dict[ColumnRole, Array] = {
             "scale": torque - target,
-            "load": load_gain(self.rig.known) * one,
+            "load": load_gain(self.rig) * one,
             "offset": one / (drive.scale or 1.0),
         }
         columns = [beside[c.role] for c in self.coefficients if c.role in beside]
@@ -105,6 +105,13 @@ class Problem:
             friction=tuple(tuple(alone[k] for k in group) for group in groups),
             coefficients=(*(self.coefficients[first] for first, *_ in groups), *bench),
         )
+
+    @property
+    def is_baseline(self) -> bool:
+        """Whether the model itself is Coulomb + viscous friction, as that of a carriage."""
+        roles = [column.role for columns in self.friction for column in columns]
+        unloaded = all(column.load is Load.NONE for columns in self.friction for column in columns)
+        return unloaded and roles == [Role.VISCOUS, Role.COULOMB]
 
     @property
     def narrowed(self) -> Problem | None:

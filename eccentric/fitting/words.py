@@ -32,6 +32,9 @@ def fit_sentence(fit: Fit) -> str:
             f"This log does not fit the rig (R^2 {fit.r_squared['paper']:.2f}): check units and signs of the "
             'columns, mu, and the zero angle (theta_zero_rad = "estimate" estimates it).'
         )
+    if fit.problem.is_baseline:
+        part = 100.0 * (1.0 - fit.r_squared["paper"])
+        return f"Coulomb + viscous friction, which the model is, leaves {part:.2g} % of the drive's variance."
     subject = f"The model {called}" if (called := _called(fit)) != "paper" else "The paper's model"
     low, high = fit.percent_interval
     gain, interval = _percent(fit.percent), f"95 % interval {_percent(low)} to {_percent(high)} %"
@@ -74,13 +77,14 @@ def _percent(x: float) -> str:
 def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     """Return the fit for a terminal."""
     problem, channels = fit.problem, fit.problem.drive.channels
-    rows = problem.rows
+    rows, axis = problem.rows, problem.rig.axis
     what = f"{np.count_nonzero(rows.train)} {rows.description} fitted"
     head = f"{few(logs)}: {problem.model.name}, driven by {channels.motor.measured_by}; {what}, "
     head += f"{np.count_nonzero(rows.score)} held out ({channels.selection.holdout.brief})"
-    out = [head, *([channels.excerpt] if channels.excerpt else [])]
-    out += [*estimate_table({**fit.coefficients, **fit.searched}), *_scale_line(fit)]
-    shown = {"linear": "linear", "paper": _called(fit)}
+    above = [head, *([channels.excerpt] if channels.excerpt else [])]
+    table = estimate_table(axis.estimates({**fit.coefficients, **fit.searched}))
+    out = _scale_line(fit)
+    shown = {"paper": _called(fit)} if problem.is_baseline else {"linear": "linear", "paper": _called(fit)}
     errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())
     parts = ", ".join(f"{name} {fit.r_squared[which]:.4f}" for which, name in shown.items())
     out.append(f"held-out RMSE [{problem.unit}]: {errors}; R^2 of the drive {_DRIVES[problem.unit]}: {parts}")
@@ -91,7 +95,9 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
         out.append(f"rows count as moving above {threshold:.4g} rad/s (default of moving_threshold_rad_s)")
     if fit.fits_the_rig:
         out += _bounds_line(fit)
-    return [*out, fit_sentence(fit)]
+    own = (*logs, *channels.own_names)
+    above, out = ([axis.said(line, own) for line in lines] for lines in (above, [*out, fit_sentence(fit)]))
+    return [*above, *table, *out]
 
 
 def estimate_table(shown: Mapping[str, Estimate]) -> list[str]:

@@ -127,7 +127,8 @@ class ArmLog:
         """Joint j as a log of one drive, and the model whose friction follows these loads."""
         number = self.rig.number(j)
         title, sources = f"Joint {number} of {self.rig.chain.name}", sources_of(j, self.module.loads)
-        model = joint_model(name or f"joint_{number}", title, loads, sources)
+        turns = self.rig.chain.joints[j].turns
+        model = joint_model(name or f"joint_{number}", title, loads, sources, turns=turns)
         drive = replace(self.drive(j), machine=Machine(model), along=self.along(j))
         return model, fit_data_of(drive, self.channels[j].rig, model)
 

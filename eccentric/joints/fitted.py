@@ -14,7 +14,7 @@ from eccentric.estimation import Estimate, improvement, r_squared, rms
 from eccentric.fitting import LEAST_R_SQUARED, Drive, FitData, Refit, drive_noise, refit
 from eccentric.joints.arm_log import ArmLog, arm_log
 from eccentric.joints.bodies import IdentifiedBodies, identified_bodies
-from eccentric.joints.joint_model import OF_BENDING
+from eccentric.joints.joint_model import OF_BENDING, OF_FORCES
 from eccentric.joints.loads import LoadsOfAJoint, loads_of
 from eccentric.logs import LogSource
 from eccentric.rigs import ArmRig
@@ -216,10 +216,13 @@ def _unit_of(name: str, unit: str, drive: str) -> str:
     """
     if drive == "N m":
         return unit
-    if name in {q.name for q in OF_BENDING}:
-        return f"{drive}/(N m)" if unit == "1" else f"{drive} s/(N m rad)"
-    per_force = {"m": f"{drive}/N", "m s/rad": f"{drive} s/(N rad)"}
-    return per_force.get(unit, unit.replace("N m", drive))
+    # Of a slide, the ratio of its gear is in m/rad, which is part of the unit.
+    per_force = {"m": "/N", "m s/rad": " s/(N rad)", "1": "/(N m)", "s/m": " s/(N m^2)"}
+    per_moment = {"1": "/(N m)", "s/rad": " s/(N m rad)", "1/m": "/(N m^2)", "s/m^2": " s/(N m^3)"}
+    for per, coefficients in ((per_force, OF_FORCES), (per_moment, OF_BENDING)):
+        if name in {q.name for q in coefficients}:
+            return f"{drive}{per[unit]}"
+    return unit.replace("N m", drive)
 
 
 def gain_of(drive: Drive) -> str:

@@ -14,7 +14,18 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.joints.body_motion import Bodies
-from eccentric.model import Balance, Definition, Load, Model, Quantity, Role, Sgn, Term, quantity
+from eccentric.model import (
+    Balance,
+    Definition,
+    Load,
+    Model,
+    Quantity,
+    Role,
+    Sgn,
+    Term,
+    friction_units,
+    quantity,
+)
 from eccentric.model import vocabulary as v
 
 __all__ = [
@@ -54,6 +65,8 @@ EVERY = (*DECLARED, Load.TRANSMITTED)
 FORCE = N_l.name
 """The input that is the normal force."""
 
+OF_FORCES = (v.B_lN, v.C_lN, v.B_lT, v.C_lT)
+"""Coefficients of friction by a force on the bearing."""
 OF_BENDING = (B_lM, C_lM)
 """Coefficients of friction by the bending moment, viscous and Coulomb."""
 _COEFFICIENTS: Mapping[Load, tuple[Quantity, Quantity]] = {
@@ -89,6 +102,8 @@ def joint_model(
     title: str,
     loads: Collection[Load] = DECLARED,
     sources: Mapping[str, str] | None = None,
+    *,
+    turns: bool = True,
 ) -> Model:
     """The model of a joint whose friction follows some loads, beside Coulomb and viscous friction.
 
@@ -97,6 +112,7 @@ def joint_model(
         title: one line.
         loads: those that friction of the joint follows.
         sources: where a caller has an input, in words for its comment.
+        turns: whether the joint turns; a slide has friction in other units.
     """
     told = {} if sources is None else sources
     met = [
@@ -112,7 +128,8 @@ def joint_model(
     }
     friction, coefficients = [], []
     for load in (one for one in EVERY if one in loads):
-        B, C = _COEFFICIENTS[load]
+        units = friction_units(load, turns=turns)
+        B, C = (replace(q, unit=unit) for q, unit in zip(_COEFFICIENTS[load], units, strict=True))
         coefficients += [B, C]
         for q, basis, role in (
             (B, mu**2 * size[load] * w, Role.VISCOUS),

@@ -78,9 +78,9 @@ _TABLE = _PLAIN | {
 }
 _SHOWN = (
     "s", "ms", "us", "ns", "min", "rad", "mrad", "deg", "rev", "counts", "rad/s", "deg/s", "rev/s", "rpm",
-    "counts/s", "m/s^2", "m", "cm", "mm", "kg", "g", "N", "mN", "N m", "mNm", "Ncm", "A", "mA", "V", "mV",
-    "ohm", "mohm", "N m/A", "mNm/A", "V s/rad", "V s/rev", "V/rpm", "V/krpm", "kg m^2", "g cm^2",
-    "degC", "K",
+    "counts/s", "m/s^2", "m/s", "mm/s", "m", "cm", "mm", "kg", "g", "N", "kN", "mN", "N m", "mNm",
+    "Ncm", "A", "mA", "V", "mV", "ohm", "mohm", "N m/A", "mNm/A", "N/A", "N/V", "V s/m", "V s/rad",
+    "V s/rev", "V/rpm", "V/krpm", "kg m^2", "g cm^2", "degC", "K",
 )  # fmt: skip
 _NAMES = (*_PLAIN, *_PREFIXED, "counts")
 _TOKEN = re.compile(r"\s*(?:([A-Za-zµμΩ°%]+)(?:\^?(-?\d+)|([²³]))?|(1)(?![\d.])|([*·./()]))")

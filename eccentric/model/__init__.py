@@ -6,6 +6,7 @@ May import: no other room; it knows no data and no templates.
 """
 
 from eccentric.model import steps, vocabulary
+from eccentric.model.axis import AXES, LINEAR, TURNING, AxisKind
 from eccentric.model.balance import KINDS, Balance, Term
 from eccentric.model.chain import (
     Body,
@@ -18,6 +19,7 @@ from eccentric.model.chain import (
     arm,
     at_rest,
     drives,
+    friction_units,
     identity_of,
     letters_of,
     recursion,
@@ -37,6 +39,8 @@ from eccentric.model.quantity import Quantity, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.reserved import C_KEYWORDS
 from eccentric.model.role import CONTACT, Load, Role
+from eccentric.model.spoken import spoken_quantity, spoken_symbol
+from eccentric.model.spoken_model import spoken
 from eccentric.model.steps import (
     STEPS,
     Across,
@@ -58,12 +62,16 @@ from eccentric.model.steps import (
 )
 
 __all__ = [
+    "AXES",
     "CONTACT",
     "C_KEYWORDS",
     "KINDS",
+    "LINEAR",
     "STEPS",
+    "TURNING",
     "Across",
     "Along",
+    "AxisKind",
     "Backward",
     "Balance",
     "Body",
@@ -101,6 +109,7 @@ __all__ = [
     "at_rest",
     "drives",
     "extended",
+    "friction_units",
     "identity_of",
     "letters_of",
     "load_model",
@@ -109,6 +118,9 @@ __all__ = [
     "quantity",
     "recursion",
     "regressor",
+    "spoken",
+    "spoken_quantity",
+    "spoken_symbol",
     "steps",
     "symbols",
     "unlike",

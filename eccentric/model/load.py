@@ -10,17 +10,17 @@ from eccentric.model.model import Model
 from eccentric.places import derivation, folder
 from eccentric.scripts import asks, run_script
 
-_UNEMITTED = frozenset({"serial_chain"})
-"""Derivations of several joints: models that can be read and evaluated, but not emitted yet."""
+_BESIDE = frozenset({"serial_chain", "linear_axis", "screw_axis"})
+"""Derivations that are not of the paper's drive: several joints, and a carriage."""
 
 _loaded: dict[Path, Model] = {}
 _loading: list[Path] = []
 
 
 def model_names() -> tuple[str, ...]:
-    """Names of the bundled derivations that can be emitted, in alphabetical order."""
+    """Names of the bundled derivations of the paper's drive, in alphabetical order."""
     names = (path.stem for path in folder("derivations").glob("*.py") if not path.stem.startswith("_"))
-    return tuple(sorted(set(names) - _UNEMITTED))
+    return tuple(sorted(set(names) - _BESIDE))
 
 
 def load_model(name_or_path: str | os.PathLike[str]) -> Model:

@@ -9,11 +9,13 @@ from functools import cached_property
 import sympy as sp
 
 from eccentric.errors import InputError
+from eccentric.model.axis import TURNING, AxisKind
 from eccentric.model.balance import Balance
 from eccentric.model.change import Extension
 from eccentric.model.definition import Definition, State
 from eccentric.model.equation import Equation, equation_named
 from eccentric.model.quantity import Quantity
+from eccentric.model.spoken import spoken_equation
 from eccentric.model.steps import meaning
 from eccentric.model.vocabulary import alpha_m, i, phi
 
@@ -37,6 +39,7 @@ class Model:
             a voltage alone do. What needs the friction without it is then not emitted.
         current_known: whether the defaults give a current in amperes. What needs one is else not emitted.
         torque_unit: of the defaults: "N m", or "V" or "A" where the log had no scale for a torque.
+        axis: what moves: the words of all that is written for a person or emitted.
 
     Raises:
         InputError: a definition or term uses a symbol that is neither an input nor a parameter nor defined
@@ -56,6 +59,7 @@ class Model:
     back_emf_in_friction: bool = False
     current_known: bool = True
     torque_unit: str = "N m"
+    axis: AxisKind = TURNING
 
     def __post_init__(self) -> None:
         states = (state.quantity for state in self.states)
@@ -82,10 +86,9 @@ class Model:
 
     @cached_property
     def with_other_values(self) -> Model:
-        """The same for values that are not its defaults, so that every function is emitted."""
-        if not self.back_emf_in_friction and self.current_known and self.torque_unit == "N m":
-            return self
-        return replace(self, back_emf_in_friction=False, current_known=True, torque_unit="N m")
+        """The same for values that are not its defaults: every function is emitted, by its own letters."""
+        plain = {"back_emf_in_friction": False, "current_known": True, "torque_unit": "N m", "axis": TURNING}
+        return self if all(getattr(self, k) == x for k, x in plain.items()) else replace(self, **plain)
 
     @property
     def first_function(self) -> str:
@@ -164,10 +167,10 @@ class Model:
     def __str__(self) -> str:
         """The derivation for a terminal, equation by equation."""
         heading = f"{self.title}\n{'=' * len(self.title)}"
-        return "\n\n".join([heading, *(equation.text() for equation in self.equations)])
+        return "\n\n".join([heading, *(spoken_equation(self.axis, e).text() for e in self.equations)])
 
     def latex(self) -> str:
         """The derivation in LaTeX, equation by equation."""
         return "\n\n".join(
-            [rf"\section*{{{self.title}}}", *(equation.latex() for equation in self.equations)]
+            [rf"\section*{{{self.title}}}", *(spoken_equation(self.axis, e).latex() for e in self.equations)]
         )

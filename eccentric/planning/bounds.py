@@ -10,12 +10,15 @@ from typing import Any
 from eccentric.entries import read_document, read_number, refuse_unknown
 from eccentric.errors import InputError
 from eccentric.logs import parse_value
+from eccentric.model import TURNING, AxisKind
 from eccentric.places import given_path
 from eccentric.planning.limits import LEAST_TIME_S
 from eccentric.rigs import plain_entries, read_pair
 
 __all__ = ["Bounds", "read_bounds"]
 
+FORCE = "force_N"
+"""Of a carriage whose log has a force: its limit takes the place of the current's."""
 UNITS = {
     "speed_rad_s": "rad/s",
     "acceleration_rad_s2": "rad/s^2",
@@ -33,6 +36,9 @@ class Bounds:
         speed, acceleration, current: largest magnitudes [rad/s], [rad/s^2], [A].
         time: length of the motion [s].
         angle: lower and upper end [rad], None for a drive that turns without end.
+        by_force: whether the limit of the current is one of the force [N], at a force constant of 1 N/A.
+
+    Of a carriage, radians are metres.
     """
 
     speed: float
@@ -40,10 +46,13 @@ class Bounds:
     current: float
     time: float
     angle: tuple[float, float] | None = None
+    by_force: bool = False
 
 
-def read_bounds(source: str | os.PathLike[str] | Mapping[str, Any] | Bounds) -> Bounds:
-    """Read limits: a file `.toml` or `.json`, or a mapping with its keys.
+def read_bounds(
+    source: str | os.PathLike[str] | Mapping[str, Any] | Bounds, axis: AxisKind = TURNING
+) -> Bounds:
+    """Read limits: a file `.toml` or `.json`, or a mapping with its keys, by the names of the axis.
 
     Numbers in SI by the names of the keys, or texts with a unit ("3000 rpm", "[-90 deg, 90 deg]" as two).
 
@@ -56,35 +65,37 @@ def read_bounds(source: str | os.PathLike[str] | Mapping[str, Any] | Bounds) -> 
         content, where = read_document(path, "a limits file"), str(path)
     else:
         content, where = plain_entries(source, "limits"), "limits"
-    refuse_unknown(content, tuple(UNITS), where)
-    for key in ("speed_rad_s", "acceleration_rad_s2", "current_A", "time_s"):
+    units = {axis.said(key): axis.said(unit) for key, unit in UNITS.items()}
+    by_force = not axis.wraps and FORCE in content
+    if not axis.wraps:
+        units |= {FORCE: "N"}
+    refuse_unknown(content, tuple(units), where)
+    strength = FORCE if by_force else "current_A"
+    keys = (axis.said("speed_rad_s"), axis.said("acceleration_rad_s2"), strength, "time_s")
+    for key in keys:
         if key not in content:
-            raise InputError(f"{where}: {key} is required, received none")
-    speed, acceleration, current = (
-        _number(content[key], key, where) for key in ("speed_rad_s", "acceleration_rad_s2", "current_A")
-    )
-    time = _number(content["time_s"], "time_s", where)
+            beside = f" or {FORCE}" if key == "current_A" and not axis.wraps else ""
+            raise InputError(f"{where}: {key}{beside} is required, received none")
+    if by_force and "current_A" in content:
+        raise InputError(f"{where}: only one of current_A and {FORCE} is required, received both")
+    speed, acceleration, current, time = (_number(content[key], key, where, units) for key in keys)
     if time < LEAST_TIME_S:
         raise InputError(f"{where}: time_s: at least {LEAST_TIME_S:g} s are required, received {time:g}")
-    angle = None
-    if "angle_rad" in content:
-        low, high = (
-            _value(end, "angle_rad", where) for end in read_pair(content["angle_rad"], f"{where}: angle_rad")
-        )
+    angle, key = None, axis.said("angle_rad")
+    if key in content:
+        low, high = (_value(end, key, where, units) for end in read_pair(content[key], f"{where}: {key}"))
         if not low < high:
-            raise InputError(
-                f"{where}: angle_rad: lower before upper is required, received [{low:g}, {high:g}]"
-            )
+            raise InputError(f"{where}: {key}: lower before upper is required, received [{low:g}, {high:g}]")
         angle = low, high
-    return Bounds(speed, acceleration, current, time, angle)
+    return Bounds(speed, acceleration, current, time, angle, by_force)
 
 
-def _number(value: object, key: str, where: str) -> float:
-    return read_number(_value(value, key, where), f"{where}: {key}", 0.0, True)
+def _number(value: object, key: str, where: str, units: Mapping[str, str]) -> float:
+    return read_number(_value(value, key, where, units), f"{where}: {key}", 0.0, True)
 
 
-def _value(value: object, key: str, where: str) -> float:
+def _value(value: object, key: str, where: str, units: Mapping[str, str]) -> float:
     """A number in SI, or a text with its unit."""
     if isinstance(value, str):
-        return parse_value(value, UNITS[key], f"{where}: {key}")
+        return parse_value(value, units[key], f"{where}: {key}")
     return read_number(value, f"{where}: {key}")

@@ -11,7 +11,8 @@ import numpy as np
 
 from eccentric.diagnosis import Diagnosis
 from eccentric.errors import InputError
-from eccentric.planning.bounds import Bounds
+from eccentric.model import TURNING, AxisKind
+from eccentric.planning.bounds import FORCE, Bounds
 from eccentric.planning.chance import Pairs, expected
 from eccentric.planning.choice import chosen
 from eccentric.planning.limits import DECIDES, RATE_HZ, UNDECIDED, WORTH_A_RUN
@@ -39,6 +40,7 @@ class MeasurementPlan:
         narrower: of one alone: coefficient -> expected standard error over that on the log.
         otherwise: a measurement that needs more than a motion, "" where none is known.
         follows: variables of the structure that no effect explains, for a log with some.
+        axis: what moves.
     """
 
     rivals: tuple[Rival, ...]
@@ -51,6 +53,12 @@ class MeasurementPlan:
     narrower: dict[str, float]
     otherwise: str
     follows: tuple[str, ...]
+    axis: AxisKind = TURNING
+
+    @property
+    def strength(self) -> tuple[str, str]:
+        """What the motion needs of the drive, and its unit: a current, of a carriage also a force."""
+        return ("force", "N") if self.bounds.by_force else ("current", "A")
 
 
 def planned(
@@ -66,6 +74,10 @@ def planned(
             f"{found.rig.path}: a log that fits the rig is required to plan from, received one with an R^2 of"
             f" {found.models.r_squared:.2f}: correct the rig file or the log first"
         )
+    by_force = found.channels.motor.measured_by == "torque"
+    if not found.rig.axis.wraps and by_force != bounds.by_force:
+        needed, given = (FORCE, "current_A") if by_force else ("current_A", FORCE)
+        raise InputError(f"limits: {needed} is required, which the log has, received {given}")
     rivals = rivals_of(found)
     tell(f"open: {', '.join(rival.headline for rival in rivals)}")
     separation = Separation(found, rivals)
@@ -97,6 +109,7 @@ def planned(
         narrower=narrower,
         otherwise=found.attribution.next_measurement,
         follows=found.attribution.depends_on if found.attribution.verdict == "unexplained" else (),
+        axis=found.rig.axis,
     )
 
 
@@ -148,19 +161,19 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
     for word, values, limit, unit in (
         ("speed", moved.omega, bounds.speed, "rad/s"),
         ("acceleration", moved.alpha, bounds.acceleration, "rad/s^2"),
-        ("current", plan.current, bounds.current, "A"),
+        ("force" if bounds.by_force else "current", plan.current, bounds.current, plan.strength[1]),
     ):
         said.append(f"  {word} {np.max(np.abs(values)):.4g} of {limit:.4g} {unit}")
     if bounds.angle is not None:
         low, high = np.min(moved.theta), np.max(moved.theta)
         said.append(f"  angle {low:.4g} to {high:.4g} of {bounds.angle[0]:.4g} to {bounds.angle[1]:.4g} rad")
-    return said
+    return [plan.axis.said(line) for line in said]
 
 
 def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
     """The content of plan.json, format eccentric-plan/1."""
-    moved, bounds = plan.motion, plan.bounds
-    return {
+    moved, bounds, current = plan.motion, plan.bounds, "_".join(plan.strength)
+    document = {
         "format": "eccentric-plan/1",
         "rivals": [
             {
@@ -184,14 +197,15 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
         "limits": {
             "speed_rad_s": bounds.speed,
             "acceleration_rad_s2": bounds.acceleration,
-            "current_A": bounds.current,
+            current: bounds.current,
             "time_s": bounds.time,
             "angle_rad": None if bounds.angle is None else list(bounds.angle),
         },
         "largest": {
             "speed_rad_s": float(np.max(np.abs(moved.omega))),
             "acceleration_rad_s2": float(np.max(np.abs(moved.alpha))),
-            "current_A": float(np.max(np.abs(plan.current))),
+            current: float(np.max(np.abs(plan.current))),
             "angle_rad": [float(np.min(moved.theta)), float(np.max(moved.theta))],
         },
     }
+    return plan.axis.told(document)

@@ -21,6 +21,7 @@ import jinja2
 
 from eccentric.diagnosis import Diagnosis
 from eccentric.joints import ArmDiagnosis
+from eccentric.model import TURNING
 from eccentric.places import folder
 from eccentric.report.arm_page import arm_view
 from eccentric.report.data import Parameter, ReportData
@@ -48,8 +49,14 @@ def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
 
 
 def page(data: ReportData) -> str:
-    """The page."""
-    return rendered("report", view(data, _figures()))
+    """The page, its text in the words of the axis."""
+    html = rendered("report", view(data, _figures()))
+    if data.axis is TURNING:
+        return html
+    head, begin, rest = html.partition("<main>")
+    text, end, scripts = rest.partition("</main>")
+    # No attribute of the templates is in single quotes.
+    return head + begin + data.axis.said(text.replace("&#39;", "'"), data.own) + end + scripts
 
 
 def arm_page(found: ArmDiagnosis) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from eccentric.model import TURNING, AxisKind
 from eccentric.report.arrays import BalanceResiduals
 from eccentric.signals import Finding
 
@@ -266,7 +267,10 @@ class LogQuality:
 
 @dataclass(frozen=True)
 class ReportData:
-    """Everything that the report says; `files` are (name, description) of everything beside it."""
+    """Everything that the report says; `files` are (name, description) of everything beside it.
+
+    `axis` is what moves: all texts are in its words but those of `own`, which a person has given.
+    """
 
     source: Source
     conclusion: Conclusion
@@ -275,3 +279,5 @@ class ReportData:
     extended: ExtendedModel
     log: LogQuality
     files: tuple[tuple[str, str], ...]
+    axis: AxisKind = TURNING
+    own: tuple[str, ...] = ()

@@ -43,7 +43,7 @@ def facts_of(found: Diagnosis) -> list[Fact]:
         Fact("drive measured by", channels.motor.measured_by),
         Fact("step of the motor angle", f"{channels.motion.quantum_rad:.3g} rad"),
         aligned("input delay", "input_delay_s", "ms", 1e3),
-        aligned("zero angle", "theta_zero_rad", "rad"),
+        *([aligned("zero angle", "theta_zero_rad", "rad")] if found.rig.axis.wraps else []),
     ]
     if channels.motor.voltage is not None:
         facts.append(aligned("voltage offset", "voltage_offset_V", "V"))

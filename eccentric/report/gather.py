@@ -19,6 +19,7 @@ from eccentric.diagnosis import (
     stability_words,
 )
 from eccentric.effects import Effect
+from eccentric.model import spoken
 from eccentric.report.balance import balance_of
 from eccentric.report.data import (
     AddedEffect,
@@ -51,7 +52,8 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
     attribution, score, findings = found.attribution, found.score, found.channels.intake.findings
     effects = [effect for effect, _ in found.models.extended.effects]
     names = sorted(score.rmse, key=lambda name: name != score.balance)
-    return ReportData(
+    axis, own = found.rig.axis, (*found.asked.logs, *found.channels.own_names)
+    data = ReportData(
         source=Source(
             logs=found.asked.logs,
             rig=found.asked.rig,
@@ -77,7 +79,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         extended=ExtendedModel(
             effects=tuple(_added(effect, found) for effect in effects),
             parameters=tuple(_parameters(found)),
-            equations=tuple(friction_equations(found.models.extended.model, effects)),
+            equations=tuple(friction_equations(spoken(found.models.extended.model), effects)),
         ),
         log=LogQuality(
             facts=tuple(facts_of(found)),
@@ -85,7 +87,10 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
             warnings=tuple(text for text in found.warnings if text not in {f.text for f in findings}),
         ),
         files=tuple(files),
+        axis=axis,
+        own=own,
     )
+    return axis.record(data, own)
 
 
 def _candidates(found: Diagnosis) -> Iterator[CandidateRow]:
@@ -152,7 +157,9 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
     friction = {str(term.coefficient) for term in terms if term.kind == "friction"}
     estimates = found.models.extended.estimates
     given = {*found.data.drive.identified, *estimates}
-    typeset, rows = typesetter_of(found.models.extended.model), []
+    shown = spoken(found.models.extended.model)
+    letters, typeset = {q.name: q for q in shown.parameters}, typesetter_of(shown)
+    axis, rows = found.rig.axis, []
     for q in found.models.extended.model.parameters:
         value = found.models.extended.values.get(q.name)
         kinds = (
@@ -166,7 +173,9 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
         # A coefficient that is inseparable from another is not fitted: the other represents their sum.
         if value is None or (origin == "friction" and estimates and q.name not in estimates):
             continue
-        row = Parameter(q.name, q.meaning, q.unit, value, origin, letter=typeset(q.symbol))
+        row = Parameter(
+            q.name, q.meaning, q.unit, value, origin, letter=typeset(letters[axis.said(q.name)].symbol)
+        )
         if e := estimates.get(q.name):
             error = e.std_error if math.isfinite(e.std_error) else None
             row = replace(

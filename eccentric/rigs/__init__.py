@@ -10,10 +10,10 @@ May import: `logs` for units, `model` for the vocabulary and chains, `arms` for 
 from eccentric.rigs.arm_rig import ArmRig, names_arm, read_arm_rig
 from eccentric.rigs.complaints import rig_complaints
 from eccentric.rigs.entries import plain_entries, read_pair
-from eccentric.rigs.known import KNOWNS, Known, mass_alone
+from eccentric.rigs.known import KNOWNS, Known, knowns_of, mass_alone
 from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
-from eccentric.rigs.rig import KEYS, Rig, read_rig
-from eccentric.rigs.sources import CHANNELS, ColumnSource
+from eccentric.rigs.rig import KEYS, Rig, alignment_of, read_rig
+from eccentric.rigs.sources import CHANNELS, ColumnSource, channels_of
 
 __all__ = [
     "ALIGNMENT",
@@ -28,6 +28,9 @@ __all__ = [
     "NamedHoldout",
     "Rig",
     "Sampling",
+    "alignment_of",
+    "channels_of",
+    "knowns_of",
     "mass_alone",
     "names_arm",
     "plain_entries",

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from eccentric.errors import InputError
+from eccentric.model import AXES, TURNING
 from eccentric.places import given_path, shown
 from eccentric.rigs.entries import plain_entries
 from eccentric.rigs.file import read_file
@@ -67,7 +68,8 @@ def rig_complaints(
         read_rig(rest)
     except InputError as error:
         complain(error)
-        rest["known"] = {**rest.get("known", {}), **_CASE}
+        if "kind" not in rest:
+            rest["known"] = {**rest.get("known", {}), **_CASE}
     return found, rest
 
 
@@ -94,6 +96,9 @@ def _alone(content: Mapping[str, Any], places: list[Place] | tuple[Place, ...]) 
     """A rig with these entries and what they need to be read: a case, and the counts that are a unit."""
     kept = _only(content, places)
     known, unknown = kept.get("known", {}), kept.get("unknown", {})
+    kind = content.get("kind")
+    if isinstance(kind, str) and kind in AXES and kind != TURNING.name:
+        return {"kind": kind, **kept}
     if isinstance(known, dict) and not ({"case", "phi", "phi_rad"} & {*known, *unknown}):
         kept["known"] = {**known, **_CASE}
     if "columns" in kept and "encoder_counts_per_rev" in content:

@@ -10,7 +10,7 @@ import sympy as sp
 
 from eccentric.errors import InputError
 from eccentric.logs import parse_value
-from eccentric.model import vocabulary
+from eccentric.model import LINEAR, TURNING, AxisKind, vocabulary
 from eccentric.rigs.entries import read_number, read_pair, read_table, refuse_unknown
 from eccentric.rigs.limits import LARGEST, SMALLEST
 
@@ -20,7 +20,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Known:
-    """A quantity of the rig: letter, key with the unit as its suffix, SI unit, physical range."""
+    """A quantity of the rig.
+
+    Attributes:
+        name: the letter that the toolkit computes with.
+        key: in a rig file, with the unit as its suffix; `letter`, without, takes a text with a unit.
+        unit: SI unit.
+        lower, upper, open_below: the physical range.
+        letter: in a rig file; "" for `name`.
+    """
 
     name: str
     key: str
@@ -28,6 +36,7 @@ class Known:
     lower: float = 0.0
     upper: float = math.inf
     open_below: bool = False
+    letter: str = ""
 
     @property
     def required(self) -> str:
@@ -66,20 +75,39 @@ KNOWNS = (
 )
 """`k_i_Nm_per_A = 0.02` and `k_i = "20 mNm/A"` are equivalent; J_l is about the axis, M L^2 included."""
 
-_BY_KEY = {key: known for known in KNOWNS for key in (known.key, known.name)}
+_OF_A_CARRIAGE = (
+    Known("J_m", "mass_kg", "kg", letter="mass"),
+    Known("R", "R_ohm", "ohm", open_below=True),
+    Known("k_i", "k_f_N_per_A", "N/A", open_below=True, letter="k_f"),
+    Known("k_e", "k_e_Vs_per_m", "V s/m"),
+    Known("T_load", "F_load_N", "N", lower=-math.inf, letter="F_load"),
+    Known("pitch", "pitch_m", "m", open_below=True),
+)
+_USUAL_PITCH_M = 0.01
+"""Where none is given: effects that build up over a part of a turn then have a usual range of lengths."""
+_BY_AXIS = {TURNING: KNOWNS, LINEAR: _OF_A_CARRIAGE}
 
 
-def find_known(key: str, value: object, where: str, others: Iterable[str] = ()) -> Known:
+def knowns_of(axis: AxisKind) -> tuple[Known, ...]:
+    """The quantities that the rig of an axis can know."""
+    return _BY_AXIS[axis]
+
+
+def find_known(
+    key: str, value: object, where: str, others: Iterable[str] = (), axis: AxisKind = TURNING
+) -> Known:
     """Return the quantity that a key of the rig file names.
 
     Raises InputError if there is none, with the closest of the keys for such a `value`: letters for text with
     a unit, keys with a suffix for numbers.
     """
-    if key not in _BY_KEY:
+    knowns = knowns_of(axis)
+    by_key = {key: known for known in knowns for key in (known.key, known.letter or known.name)}
+    if key not in by_key:
         first = value[0] if isinstance(value, list) and value else value
-        same = [known.name if isinstance(first, str) else known.key for known in KNOWNS]
+        same = [known.letter or known.name if isinstance(first, str) else known.key for known in knowns]
         refuse_unknown([key], (*same, *others), where)
-    return _BY_KEY[key]
+    return by_key[key]
 
 
 def read_value(value: object, known: Known, key: str, where: str) -> float:
@@ -104,32 +132,41 @@ def read_value(value: object, known: Known, key: str, where: str) -> float:
 
 
 def read_knowns(
-    content: Mapping[str, Any], where: str
+    content: Mapping[str, Any], where: str, axis: AxisKind = TURNING
 ) -> tuple[dict[str, float], dict[str, tuple[float, float]], str | None]:
     """Return known values and unknown ranges in SI, by letter, and the case: C1, C2, None for a tilted plane.
+
+    A carriage has no unbalanced mass, so that no gravity varies: it is a case C1 without gear.
 
     Raises InputError for an unknown key or unit, an impossible value, a quantity that is given twice, and a
     tilt that contradicts the case.
     """
     table = dict(read_table(content.get("known", {}), f"{where}: [known]"))
-    given = table.pop("case", None)
+    turns = axis is TURNING
+    given = table.pop("case", None) if turns else "C1"
     case = given.upper() if isinstance(given, str) else given
     if case not in (None, "C1", "C2"):
         raise InputError(f"{where}: [known] case: C1 or C2 is required, received {given!r}")
     known: dict[str, float] = {}
     for key, value in table.items():
-        quantity = find_known(key, value, f"{where}: [known]", ["case"])
-        _refuse_twice(quantity.name, known, where)
+        quantity = find_known(key, value, f"{where}: [known]", ["case"] if turns else [], axis)
+        _refuse_twice(quantity, known, where)
         known[quantity.name] = read_value(value, quantity, key, f"{where}: [known] {key}")
     unknown: dict[str, tuple[float, float]] = {}
     for key, value in read_table(content.get("unknown", {}), f"{where}: [unknown]").items():
-        quantity = find_known(key, value, f"{where}: [unknown]")
-        _refuse_twice(quantity.name, known | unknown, where)
+        quantity = find_known(key, value, f"{where}: [unknown]", (), axis)
+        _refuse_twice(quantity, known | unknown, where)
         at = f"{where}: [unknown] {key}"
         lower, upper = (read_value(end, quantity, key, at) for end in read_pair(value, at))
         if lower >= upper:
             raise InputError(f"{at}: a range with lower below upper is required, received {value!r}")
         unknown[quantity.name] = lower, upper
+    if not turns:
+        if "pitch" in unknown:
+            raise InputError(f"{where}: [unknown] pitch: a value in [known] is required, received a range")
+        # The gear is the screw; a load is there only if the rig says so.
+        screw = {"mu": 2.0 * math.pi / known.get("pitch", _USUAL_PITCH_M)}
+        return {**screw, **({} if "T_load" in unknown else {"T_load": 0.0}), **known}, unknown, case
     case = _case(case, known, unknown, where)
     if "g" not in unknown:
         known.setdefault("g", float(sp.Rational(vocabulary.g.default)))  # Table 1's
@@ -144,9 +181,9 @@ def mass_alone(known: Mapping[str, float]) -> float:
     return known["M"] * known["L"] ** 2
 
 
-def _refuse_twice(name: str, given: Mapping[str, Any], where: str) -> None:
-    if name in given:
-        raise InputError(f"{where}: {name} is required only once, received twice")
+def _refuse_twice(known: Known, given: Mapping[str, Any], where: str) -> None:
+    if known.name in given:
+        raise InputError(f"{where}: {known.letter or known.name} is required only once, received twice")
 
 
 def _case(case: str | None, known: dict[str, float], unknown: Mapping[str, Any], where: str) -> str | None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from eccentric.errors import InputError, few, meant
 from eccentric.logs import parse_value
+from eccentric.model import AXES, TURNING, AxisKind
 from eccentric.places import given_path, shown
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names, read_number, refuse_unknown
 from eccentric.rigs.file import read_file
@@ -22,18 +23,34 @@ from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sam
 from eccentric.rigs.sources import read_columns
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
-__all__ = ["Rig", "read_rig"]
+__all__ = ["Rig", "alignment_of", "read_rig"]
 
 DRIVES = ("current", "voltage", "torque")
 KEYS = (
-    *("format", "name", "log_type", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
+    *("format", "name", "log_type", "kind", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
     *("sample_rate_hz", "low_pass_hz", "moving_threshold_rad_s", "holdout_intervals_s", "holdout_runs"),
     *("runs", "average_over"),
     *ALIGNMENT,
 )
 """Keys at the top level of a rig file."""
+_OF_A_TURN = frozenset({"encoder_counts_per_rev", "theta_zero_rad"})
+_OF_A_CARRIAGE = frozenset({"encoder_step_m"})
+
+
+def alignment_of(axis: AxisKind) -> tuple[str, ...]:
+    """What of the alignment an axis has: a carriage has no zero angle."""
+    return tuple(key for key in ALIGNMENT if axis is TURNING or key not in _OF_A_TURN)
+
+
+def _keys_of(axis: AxisKind) -> dict[str, str]:
+    """The keys of a rig file -> those of a turning drive, by which they are read."""
+    if axis is TURNING:
+        return {key: key for key in KEYS}
+    return {axis.said(key): key for key in KEYS if key not in _OF_A_TURN} | {
+        key: key for key in _OF_A_CARRIAGE
+    }
 
 
 @dataclass(frozen=True)
@@ -52,6 +69,7 @@ class Rig:
         alignment: delay, zero angle and offset, 0 where the fit has to find them.
         estimate: names of those that the fit has to find.
         warnings: what is unusual about the rig.
+        axis: what moves; it says what all of these are called.
     """
 
     path: str
@@ -65,20 +83,38 @@ class Rig:
     alignment: Alignment
     estimate: frozenset[str]
     warnings: tuple[str, ...]
+    axis: AxisKind = TURNING
 
     def __repr__(self) -> str:
         plane = f"case {self.case}" if self.case else "a tilted plane"
+        plane = plane if self.axis is TURNING else f"a {self.axis.name} axis"
         return f"<Rig {self.name}: {plane}; known {few(self.known)}; unknown {few(self.unknown) or 'none'}>"
 
     def value(self, name: str) -> float:
         """Return a known quantity by the paper's letter; InputError, naming the rig, if it is unknown."""
         if name not in self.known:
+            name = self.axis.said(name)
             raise InputError(f"{self.path}: [known] {name} is required here, received none")
         return self.known[name]
+
+    def require_turning(self, what: str) -> None:
+        """Raise InputError for an axis that does not turn, for a use that knows no other."""
+        if self.axis is not TURNING:
+            raise InputError(
+                f"{self.path}: {what} requires a drive that turns, received kind = {self.axis.name!r}"
+            )
+
+    @property
+    def own_names(self) -> tuple[str, ...]:
+        """What a person has named: the file, the rig, its columns. The words of the axis leave them alone."""
+        columns = self.log.columns or {}
+        return (self.path, self.name, *(source.text for source in columns.values()))
 
     @property
     def model(self) -> str:
         """The name of the model for the case or the tilt."""
+        if self.axis.model:
+            return self.axis.screw if "pitch" in self.known else self.axis.model
         return {"C1": "c1_perpendicular", "C2": "c2_parallel"}.get(self.case or "", "rotating_link")
 
 
@@ -107,15 +143,18 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
         raise InputError(
             f'{where}: a rig file is required, received an arm file; a rig names it with arm = "..."'
         )
-    refuse_unknown(content, KEYS, where)
-    known, unknown, case = read_knowns(content, where)
-    counts = _optional(content, "encoder_counts_per_rev", where)
-    columns, warnings = read_columns(content.get("columns"), f"{where}: [columns]", counts)
-    drive = content.get("drive")
-    if drive is not None and drive not in DRIVES:
+    axis = _axis(content, where)
+    keys = _keys_of(axis)
+    refuse_unknown(content, keys, where)
+    content = {keys[key]: value for key, value in content.items()}
+    known, unknown, case = read_knowns(content, where, axis)
+    counts = _counts(content, where)
+    columns, warnings = read_columns(content.get("columns"), f"{where}: [columns]", counts, axis)
+    drive, drives = content.get("drive"), {axis.said(drive): drive for drive in DRIVES}
+    if drive is not None and drive not in drives:
         raise InputError(
-            f"{where}: drive: one of {', '.join(DRIVES)} is required, received {drive!r}"
-            + (meant(drive, DRIVES) if isinstance(drive, str) else "")
+            f"{where}: drive: one of {', '.join(drives)} is required, received {drive!r}"
+            + (meant(drive, drives) if isinstance(drive, str) else "")
         )
     alignment, estimate = _alignment(content, where)
     intervals = read_intervals(content.get("holdout_intervals_s", []), f"{where}: holdout_intervals_s")
@@ -127,7 +166,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
         unknown=unknown,
         log=LogMap(
             columns=columns,
-            drive=drive,
+            drive=None if drive is None else drives[drive],
             counts_per_rev=counts,
             sample_rate_hz=_optional(content, "sample_rate_hz", where),
             runs=read_names(content.get("runs", []), f"{where}: runs"),
@@ -137,7 +176,9 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
                 content.get("low_pass_hz", 25.0), f"{where}: low_pass_hz", LEAST_LOW_PASS_HZ
             ),
             low_pass_given="low_pass_hz" in content,
-            moving_threshold_rad_s=_optional(content, "moving_threshold_rad_s", where, open_below=False),
+            moving_threshold_rad_s=_optional(
+                content, "moving_threshold_rad_s", where, open_below=False, called=axis.said
+            ),
             average_over=_average(content.get("average_over"), f"{where}: average_over"),
         ),
         holdout=NamedHoldout(
@@ -145,7 +186,8 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
         ),
         alignment=alignment,
         estimate=estimate,
-        warnings=(*warnings, *_doubts(known)),
+        warnings=(*warnings, *(_doubts(known) if axis is TURNING else ())),
+        axis=axis,
     )
 
 
@@ -164,9 +206,36 @@ def _doubts(known: Mapping[str, float]) -> list[str]:
     return doubts
 
 
-def _optional(content: Mapping[str, Any], key: str, where: str, *, open_below: bool = True) -> float | None:
-    """Return a number above 0 (or at least 0), None without the key."""
-    return None if key not in content else read_number(content[key], f"{where}: {key}", 0.0, open_below)
+def _axis(content: Mapping[str, Any], where: str) -> AxisKind:
+    """Return the kind of axis that the rig names, by default one that turns."""
+    kind = content.get("kind", TURNING.name)
+    if not isinstance(kind, str) or kind not in AXES:
+        raise InputError(
+            f"{where}: kind: one of {', '.join(AXES)} is required, received {kind!r}"
+            + (meant(kind, AXES) if isinstance(kind, str) else "")
+        )
+    return AXES[kind]
+
+
+def _counts(content: Mapping[str, Any], where: str) -> float | None:
+    """Return the counts of the encoder per radian times 2 pi: of a carriage, per 2 pi metres."""
+    if (step := _optional(content, "encoder_step_m", where)) is not None:
+        return 2.0 * math.pi / step
+    return _optional(content, "encoder_counts_per_rev", where)
+
+
+def _optional(
+    content: Mapping[str, Any],
+    key: str,
+    where: str,
+    *,
+    open_below: bool = True,
+    called: Callable[[str], str] = str,
+) -> float | None:
+    """Return a number above 0 (or at least 0), None without the key; messages have it as it is `called`."""
+    if key not in content:
+        return None
+    return read_number(content[key], f"{where}: {called(key)}", 0.0, open_below)
 
 
 def _alignment(content: Mapping[str, Any], where: str) -> tuple[Alignment, frozenset[str]]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from eccentric.errors import InputError
-from eccentric.logs import Unit, require_unit
+from eccentric.logs import Unit, parse_value, require_unit
+from eccentric.model import LINEAR, TURNING, AxisKind
 from eccentric.rigs.entries import read_names, read_table, refuse_unknown
 
-__all__ = ["CHANNELS", "ColumnSource", "read_columns"]
+__all__ = ["CHANNELS", "ColumnSource", "channels_of", "read_columns"]
 
 CHANNELS = {
     "time": ("time_s", "s"),
@@ -27,6 +28,24 @@ CHANNELS = {
 }
 """Channel: (its standard column, its unit). _m is on the motor side, _l on the link side."""
 
+_ANYWHERE = ("time", "voltage", "current", "temperature", "run", "use", "motor_off")
+_BY_AXIS = {
+    TURNING: CHANNELS,
+    LINEAR: {
+        "theta_m": ("position_m", "m"),
+        "omega_m": ("velocity_m_s", "m/s"),
+        "torque": ("force_N", "N"),
+        **{channel: CHANNELS[channel] for channel in _ANYWHERE},
+    },
+}
+_GAINS = {"N": ("N/V", "N/A")}
+"""Units of a gain, by the unit of what it gives: a force from the reference of an amplifier."""
+
+
+def channels_of(axis: AxisKind) -> dict[str, tuple[str, str]]:
+    """The channels of an axis, as CHANNELS; a rig file calls them by the words of the axis."""
+    return _BY_AXIS[axis]
+
 
 @dataclass(frozen=True)
 class ColumnSource:
@@ -37,32 +56,56 @@ class ColumnSource:
 
 
 def read_columns(
-    value: object, where: str, counts: float | None
+    value: object, where: str, counts: float | None, axis: AxisKind = TURNING
 ) -> tuple[dict[str, ColumnSource] | None, list[str]]:
     """Return sources by channel, and warnings; a list names standard columns, as in the sidecars."""
+    channels = channels_of(axis)
     if value is None:
         return None, []
     if isinstance(value, list):
-        standard = {column: channel for channel, (column, _) in CHANNELS.items()}
+        standard = {column: channel for channel, (column, _) in channels.items()}
         names = read_names(value, where)
         ignored = [f"column {name!r} is not a channel, ignored" for name in names if name not in standard]
         return {standard[name]: ColumnSource(name) for name in names if name in standard}, ignored
     columns: dict[str, ColumnSource] = {}
     table = read_table(value, where)
-    refuse_unknown(table, CHANNELS, where)
-    for channel, source in table.items():
-        entry = {"column": source} if isinstance(source, str) else read_table(source, f"{where} {channel}")
-        refuse_unknown(entry, ("column", "unit"), f"{where} {channel}")
+    by_name = {axis.said(channel): channel for channel in channels}
+    refuse_unknown(table, by_name, where)
+    for name, source in table.items():
+        channel, at = by_name[name], f"{where} {name}"
+        required = channels[channel][1]
+        entry = {"column": source} if isinstance(source, str) else read_table(source, at)
+        refuse_unknown(entry, ("column", "unit", *(["gain"] if required in _GAINS else [])), at)
         text, unit = entry.get("column"), entry.get("unit")
         if not isinstance(text, str) or not text.strip():
-            raise InputError(f"{where} {channel}: a column name or arithmetic is required, received {text!r}")
-        if unit is not None and (not isinstance(unit, str) or not CHANNELS[channel][1]):
-            raise InputError(f"{where} {channel}: no unit, or a unit as text, is required, received {unit!r}")
-        parsed = (
-            None if unit is None else require_unit(unit, CHANNELS[channel][1], f"{where} {channel}", counts)
-        )
+            raise InputError(f"{at}: a column name or arithmetic is required, received {text!r}")
+        if unit is not None and (not isinstance(unit, str) or not required):
+            raise InputError(f"{at}: no unit, or a unit as text, is required, received {unit!r}")
+        if "gain" in entry:
+            parsed = _gain(entry["gain"], unit, required, at)
+        else:
+            parsed = None if unit is None else require_unit(unit, required, at, counts)
         columns[channel] = ColumnSource(text.strip(), parsed)
     for left, right in (("theta_m", "theta_l"), ("omega_m", "omega_l"), ("torque", "torque_l")):
         if left in columns and right in columns:
             raise InputError(f"{where}: only one of {left} and {right} is required, received both")
     return columns, []
+
+
+def _gain(gain: object, unit: str | None, required: str, where: str) -> Unit:
+    """The unit of a column that a gain converts: the unit of the column, V or A, times the gain."""
+    units = _GAINS[required]
+    if not isinstance(gain, str):
+        raise InputError(
+            f'{where}: a gain with its unit is required, as in "35 {units[0]}", received {gain!r}'
+        )
+    per = units[1] if unit is not None and unit.endswith("A") else units[0]
+    factor = parse_value(gain, per, f"{where} gain")
+    if factor == 0.0:
+        raise InputError(f"{where}: a gain other than 0 is required, received {gain!r}")
+    column = require_unit(unit or per.removeprefix(f"{required}/"), per.removeprefix(f"{required}/"), where)
+    return Unit(
+        f"{column.text} times {gain}",
+        column.factor * factor,
+        require_unit(required, required, where).dimension,
+    )

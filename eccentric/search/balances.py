@@ -179,7 +179,7 @@ def variables_of(data: FitData, instruments: Signals | None = None) -> Variables
     own = Variables(
         t=channels.time.t,
         # Angles integrated from the speed have no zero common to several runs.
-        theta_m=channels.motion.theta_m if channels.phased else None,
+        theta_m=channels.motion.theta_m if channels.phased and _turns(data) else None,
         omega_m=channels.motion.omega_m,
         alpha_m=channels.motion.alpha_m,
         gravity=data.gravity,
@@ -201,6 +201,12 @@ def variables_of(data: FitData, instruments: Signals | None = None) -> Variables
         voltage=slow.get("u"),
     )
     return replace(own, instruments=clean)
+
+
+def _turns(data: FitData) -> bool:
+    """Whether something turns with the motion by a known gear: not where the pitch of a screw is unknown."""
+    axis = data.drive.channels.rig.axis
+    return axis.wraps or "pitch" in data.drive.channels.rig.known
 
 
 def _drive_current(data: FitData) -> Array:

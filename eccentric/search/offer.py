@@ -65,6 +65,8 @@ def _in_a_balance(effect: Effect, data: FitData, balances: set[str]) -> bool:
 def _varies(effect: Effect, data: FitData, rig: Rig) -> bool:
     """Whether the variables of the effect are comparable from row to row and from run to run."""
     variables = set(effect.evidence.depends_on)
+    if variables & rig.axis.absent or effect.family in rig.axis.foreign:
+        return False
     if math.isinf(rig.sampling.average_over) and {"time", "acceleration", "history"} & variables:
         return False
     # Without a common zero of the angle, phases of different runs are not comparable.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
 from eccentric.logs import Log, LogStream, evaluate
-from eccentric.rigs import CHANNELS, ColumnSource, Rig
+from eccentric.rigs import ColumnSource, Rig, channels_of
 from eccentric.signals.limits import LARGEST, SMALLEST
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def used_columns(log: Log, rig: Rig) -> list[str]:
         if source.text in log.columns or channel == "run":
             column(source.text)
         else:
-            evaluate(source.text, column, f"{rig.path}: [columns] {channel}")
+            evaluate(source.text, column, f"{rig.path}: [columns] {rig.axis.said(channel)}")
     return list(used)
 
 
@@ -145,7 +145,8 @@ def _run_names(log: Log, rig: Rig) -> set[str]:
 
 def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
     """Return the mapped columns, or the available standard ones; require the minimum for a fit."""
-    standard = {c: ColumnSource(column) for c, (column, _) in CHANNELS.items() if column in log.columns}
+    channels = channels_of(rig.axis)
+    standard = {c: ColumnSource(column) for c, (column, _) in channels.items() if column in log.columns}
     sources = standard if rig.log.columns is None else rig.log.columns
     for choice in (
         ("time",),
@@ -153,7 +154,11 @@ def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
         ("voltage", "current", "torque", "torque_l"),
     ):
         if not any(channel in sources for channel in choice):
-            needed = " or ".join(f"{channel} (column {CHANNELS[channel][0]!r})" for channel in choice)
+            needed = " or ".join(
+                f"{rig.axis.said(channel)} (column {channels[channel][0]!r})"
+                for channel in choice
+                if channel in channels
+            )
             raise InputError(
                 f"{log.path}: a column for {needed} is required; map it in [columns] of {rig.path}; "
                 f"the log has {few(log.columns)}"
@@ -165,21 +170,21 @@ def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
     if source.text in log.columns:
         raw = log.numbers(source.text)
     else:
-        raw = evaluate(source.text, log.numbers, f"{rig.path}: [columns] {channel}")
+        where = f"{rig.path}: [columns] {rig.axis.said(channel)}"
+        raw = evaluate(source.text, log.numbers, where)
         if raw.dtype == bool:
-            raise InputError(
-                f"{rig.path}: [columns] {channel}: a number is required, received {source.text!r}"
-            )
+            raise InputError(f"{where}: a number is required, received {source.text!r}")
     with np.errstate(over="ignore"):
         values = raw if source.unit is None else source.unit.to_si(raw)
-    _require_size(log, channel, source, np.where(np.isfinite(raw), values, 0.0))
+    _require_size(log, rig, channel, source, np.where(np.isfinite(raw), values, 0.0))
     return values
 
 
-def _require_size(log: Log, channel: str, source: ColumnSource, values: Array) -> None:
+def _require_size(log: Log, rig: Rig, channel: str, source: ColumnSource, values: Array) -> None:
     size = np.abs(values)
     largest = int(np.argmax(size))
-    where, unit = f"column {source.text!r} ({channel})", CHANNELS[channel][1]
+    where = f"column {source.text!r} ({rig.axis.said(channel)})"
+    unit = channels_of(rig.axis)[channel][1]
     if size[largest] > LARGEST:
         raise InputError(
             f"{log.path}: {log.place(largest)}, {where}: at most {LARGEST:g} {unit} is required, "
@@ -201,7 +206,7 @@ def _condition(
     text = sources[channel].text
     if text in log.columns:
         return log.numbers(text)
-    return evaluate(text, log.numbers, f"{rig.path}: [columns] {channel}").astype(float)
+    return evaluate(text, log.numbers, f"{rig.path}: [columns] {rig.axis.said(channel)}").astype(float)
 
 
 def _text(value: Any) -> str:

@@ -49,6 +49,8 @@ def of_the_motor(table: Table, rig: Rig) -> tuple[Table, list[str]]:
 
 
 def _smooth(table: Table, rig: Rig, theta: Array) -> Array:
+    if not rig.axis.wraps:
+        return theta
     t = table.channels["time"]
     return unwrapped(t, theta, stretches(t, table.run), table.run, rig.known.get("mu"))[0]
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from eccentric.emission.hot import load_module
 from eccentric.errors import InputError
-from eccentric.model import Column, Model, regressor
+from eccentric.model import TURNING, Column, Model, regressor
 from eccentric.model import vocabulary as v
 
 CHANGE = 0.3
@@ -118,6 +118,8 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
 
 def _require(model: Model) -> None:
     where = f"model {model.name}: an estimator of its friction"
+    if model.axis is not TURNING:
+        raise InputError(f"{where} requires a drive that turns, received kind = {model.axis.name!r}")
     if not model.current_known or model.back_emf_in_friction or model.torque_unit != "N m":
         raise InputError(f"{where}: a fit with the current in amperes and torques in N m is required")
     missing = [q.name for q in model.parameters if q.default is None]

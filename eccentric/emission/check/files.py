@@ -18,7 +18,8 @@ from eccentric.emission.check import proof, selftest
 from eccentric.emission.check.called import Called
 from eccentric.emission.executed import executed
 from eccentric.emission.templates import template
-from eccentric.model import Model
+from eccentric.model import Model, spoken
+from eccentric.model import vocabulary as v
 
 # For parameters without a default, or with one that makes functions zero. Sine and cosine of this tilt are
 # far from halfway between two numbers, so that every libm rounds them the same way.
@@ -47,6 +48,9 @@ def views(
     model: Model, files: Mapping[str, str], *, arrays: bool = True, joints: int = 0
 ) -> dict[str, dict[str, Any]]:
     """The variables of the templates: kind of file -> view."""
+    # What is called has the names of the axis.
+    axis, model = model.axis, spoken(model)
+    acceleration = axis.said(v.alpha_m.name)
     source, in_c = files[f"{model.name}.py"], files[f"{model.name}.c"]
     module = executed(files, model.name)
     # Firmware steps hidden states itself; only Python follows them through a log.
@@ -54,7 +58,8 @@ def views(
     public = {name: getattr(module, name) for name in names}
     inputs = _inputs(() if joints else [q.name for q in model.inputs], public.values())
     functions = [
-        _function(model.name, name, function, inputs, arrays, joints) for name, function in public.items()
+        _function(model.name, name, function, inputs, arrays, joints, acceleration)
+        for name, function in public.items()
     ]
     defaults = _defaults(model)
     missing = [q.name for q in model.parameters if q.name not in defaults]
@@ -65,7 +70,7 @@ def views(
         "program": re.findall(r"program \w+", source)[0],
         "assumed": [(name, repr(value)) for name, value in assumed.items()],
     }
-    driver = {"proof.c": given | proof.view(model, functions, inputs, in_c, joints)}
+    driver = {"proof.c": given | proof.view(model, functions, inputs, in_c, joints, axis)}
     beside = f"{model.name}_arrays.h"
     header = {"has_arrays": arrays, "header": beside if beside in files else f"{model.name}.h"}
     # A module that was called keeps how it evaluates the exponential, which the self-test takes out of it.
@@ -89,9 +94,11 @@ def _inputs(own: Iterable[str], functions: Iterable[Any]) -> list[str]:
     return list(dict.fromkeys([*own, *(x for function in functions for x in _taken(function))]))
 
 
-def _function(prefix: str, name: str, function: Any, inputs: list[str], many: bool, joints: int) -> Called:
+def _function(
+    prefix: str, name: str, function: Any, inputs: list[str], many: bool, joints: int, acceleration: str
+) -> Called:
     taken, length = _taken(function), joints or 1
-    sample = [1.0 if x != "alpha_m" else 0.0 for x in taken]
+    sample = [1.0 if x != acceleration else 0.0 for x in taken]
     shape = np.shape(function(*([x] * joints if joints else x for x in sample)))
     places = [length * inputs.index(x) for x in taken]
     arguments = [f"{'&' if joints else ''}x[{k}]" for k in places]

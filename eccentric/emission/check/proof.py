@@ -9,7 +9,7 @@ from typing import Any
 from eccentric.emission.check.called import Called
 from eccentric.emission.free_text import plain
 from eccentric.emission.program import SHORTEST
-from eccentric.model import Model, Quantity
+from eccentric.model import TURNING, AxisKind, Model, Quantity
 from eccentric.model import vocabulary as v
 
 # Arrays are proved for this many samples: the loop's body is the same for all.
@@ -56,12 +56,17 @@ _IN_DOUBLE = (
 
 
 def view(
-    model: Model, functions: Sequence[Called], inputs: Sequence[str], source: str, joints: int = 0
+    model: Model,
+    functions: Sequence[Called],
+    inputs: Sequence[str],
+    source: str,
+    joints: int = 0,
+    axis: AxisKind = TURNING,
 ) -> dict[str, Any]:
     """The variables of the template of the proof driver.
 
     `source` is the emitted C; `joints` is the number of an arm's, whose inputs are vectors with that many
-    entries.
+    entries; `axis` is what moves.
     """
     states = [state.quantity for state in model.states]
     known = {q.name: q for q in (*model.inputs, *states, v.dt)}
@@ -71,6 +76,7 @@ def view(
         "precisions": _IN_DOUBLE if joints > _IN_FLOAT else _IN_BOTH,
         "inputs": [_input(known[x]) for x in inputs],
         "joints": joints,
+        "velocity": axis.said(v.omega_m.name),
         "states": [q.name for q in states],
         "samples": _SAMPLES,
         "largest": max(f.width for f in functions),

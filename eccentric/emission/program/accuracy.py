@@ -64,7 +64,10 @@ _CENTRIFUGAL = v.M.symbol * v.L.symbol * (v.mu.symbol * v.omega_m.symbol) ** 2
 def promises(model: Model) -> tuple[str, ...]:
     """One line for each bound that the model has; none if an effect changes the angle or adds to F_N."""
     inputs = {q.symbol for q in model.inputs}
-    F_N = model.expand(normal_force(model))
+    force = normal_force(model)
+    if force is None:
+        return ()
+    F_N = model.expand(force)
     angles = {
         step.args[0]: split(step.args[0], model.parameter_symbols) for step in F_N.atoms(HalfCosine, HalfSine)
     }
@@ -106,7 +109,7 @@ def _steady(model: Model, angle: bool, tabled: bool) -> list[str]:
         force, friction = NORMAL_FORCE.within(last, tabled), FRICTION_TORQUE.within(last, tabled)
         slope = GRADIENT.within("eps of its greatest value at that speed, any angle", tabled)
     else:
-        proved = model.expand(normal_force(model)) == _CENTRIFUGAL
+        proved = model.expand(model.definition("F_N").symbol) == _CENTRIFUGAL
         force = (PROVED_FORCE if proved else WITHOUT_ANGLE).within(last, table_1=False)
         force += " (proved for parameters and speeds of 1e-6 to 1e6)" if proved else ""
         friction = slope = WITHOUT_ANGLE.within(last, table_1=False)

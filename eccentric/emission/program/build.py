@@ -26,6 +26,7 @@ from eccentric.emission.program.program import (
 )
 from eccentric.emission.program.shift import written_out
 from eccentric.emission.program.shorten import shortened, without_copies
+from eccentric.emission.program.spoken import spoken_program
 from eccentric.errors import InputError
 from eccentric.model import Magnitude, Model, Quantity
 from eccentric.model import vocabulary as v
@@ -55,7 +56,8 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
     routines = tuple(_routine(model, f, shared, half_turns) for f in chosen)
     called = {s for r in routines for a in r.assignments for s in a.value.free_symbols}
     helpers = tuple(h for h in half_turns.helpers if sp.Symbol(h.name) in called)
-    labels = {r.name: r.labels for r in routines}
+    labels, said = {r.name: r.labels for r in routines}, model.axis.said
+    first = said(model.first_function)
     program = Program(
         name=model.name,
         title=model.title,
@@ -63,18 +65,19 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
         prepare=shortened(shared.assignments),
         coefficients=_used((*helpers, *routines), shared),
         routines=routines,
-        constants=tuple((name, labels[of]) for name, of in _LABELLED.items() if of in labels),
+        constants=tuple((name, labels[said(of)]) for name, of in _LABELLED.items() if said(of) in labels),
         notes=notes(model, shared),
         states=tuple((state.quantity, state.initial) for state in model.states),
         defaults=model.defaults
         or ("Table 1 of the paper with mu = 1/5" if from_table else "those of the derivation"),
         helpers=helpers,
         promises=of_functions(promises(model), names),
-        first=model.first_function if model.first_function in names else names[0],
+        first=first if first in names else names[0],
         chosen=bool(choice.functions),
         arrays=choice.arrays if any(r.inputs for r in routines) else "none",
         fixed=choice.fixed,
     )
+    program = spoken_program(program, model.axis)
     require_distinct(program)
     if choice.functions and not program.coefficients:
         raise InputError(
@@ -97,8 +100,7 @@ def _lacks(program: Program) -> bool:
 def _routine(model: Model, function: Function, shared: Prepare, half_turns: HalfTurns) -> Routine:
     fixed = model.parameter_symbols
     needs = closure(model, function.results, function.definitions)
-    F_N = model.definition("F_N").symbol
-    assignments, results = _unscaled(*written_out(needs, function.results, fixed), F_N)
+    assignments, results = _unscaled(*written_out(needs, function.results, fixed))
     slopes: Mapping[tuple[sp.Symbol, sp.Symbol], sp.Symbol] = {}
     if function.by:
         y = sp.Symbol("torque", real=True)
@@ -143,7 +145,7 @@ def _routine(model: Model, function: Function, shared: Prepare, half_turns: Half
 
 
 def _unscaled(
-    assignments: Sequence[Assignment], results: Sequence[tuple[str, sp.Expr]], F_N: sp.Symbol
+    assignments: Sequence[Assignment], results: Sequence[tuple[str, sp.Expr]]
 ) -> tuple[list[Assignment], list[tuple[str, sp.Expr]]]:
     """F_N = scale_N load is written out, so that its scale goes into the coefficients that multiply it."""
     load = sp.Symbol("load", real=True)
@@ -152,7 +154,7 @@ def _unscaled(
     for a in assignments:
         factors = sp.Mul.make_args(a.value)
         magnitude = [factor for factor in factors if isinstance(factor, Magnitude)]
-        if a.target == F_N and magnitude:
+        if a.target == v.F_N.symbol and magnitude:
             scaled[a.target] = a.value.xreplace({magnitude[0]: load})
             written.append(Assignment(load, magnitude[0], "normal force over scale_N [rad^2/s^2]"))
         else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy as sp
 
@@ -105,10 +105,9 @@ def functions(model: Model) -> tuple[Function, ...]:
     standstill = tuple((side, sign * one_sided.standstill(model, friction, sign)) for side, sign in sides)
     units = {q.symbol: q.unit for q in model.inputs}
     spanned = "friction_torque" if model.back_emf_in_friction else "mechanical_friction_torque"
+    force = normal_force(model)
     listed = [
-        Function(
-            "normal_force", "N", "normal force F_N on the axis of rotation", (("", normal_force(model)),)
-        ),
+        Function("normal_force", "N", "normal force F_N on the axis of rotation", (("", force),)),
         Function(
             "friction_torque",
             "N m",
@@ -197,14 +196,20 @@ def functions(model: Model) -> tuple[Function, ...]:
     withheld = frozenset[str]() if model.current_known else _OF_CURRENT
     if model.back_emf_in_friction:
         withheld = _WITHOUT_BACK_EMF
-    return tuple(f for f in given if f.name not in withheld)
+    if force is None:
+        withheld |= {"normal_force"}
+    said = model.axis.said
+    return tuple(
+        replace(f, name=said(f.name), unit=said(f.unit), meaning=said(f.meaning))
+        for f in given
+        if f.name not in withheld
+    )
 
 
 def _require(model: Model) -> None:
     kinds = {balance.name: {term.kind for term in balance.terms} for balance in model.balances}
     there = {
         "an input omega_m": any(q.name == "omega_m" for q in model.inputs),
-        "a definition of F_N": any(d.quantity.name == "F_N" for d in model.definitions),
         "a balance `mechanical` with a term of kind `drive`": "drive" in kinds.get("mechanical", ()),
         "a balance `electrical` with a term of kind `resistive`": "resistive" in kinds.get("electrical", ()),
     }
@@ -212,10 +217,10 @@ def _require(model: Model) -> None:
         raise InputError(f"model {model.name}: {missing[0]} is required, received none")
 
 
-def normal_force(model: Model) -> sp.Symbol:
-    """The symbol of F_N, or of its replacement by an effect."""
-    F_N = model.definition("F_N").symbol
-    return model.replaced.get(F_N, F_N)
+def normal_force(model: Model) -> sp.Symbol | None:
+    """The symbol of F_N, or of its replacement by an effect; None for a model without one."""
+    F_N = next((d.symbol for d in model.definitions if d.quantity.name == "F_N"), None)
+    return None if F_N is None else model.replaced.get(F_N, F_N)
 
 
 def _inputs(model: Model, expression: sp.Expr) -> tuple[sp.Symbol, ...]:

@@ -13,7 +13,7 @@ from functools import cache, cached_property
 import sympy as sp
 
 from eccentric.emission.program.primitive import InSingle
-from eccentric.model import Quantity, Sgn
+from eccentric.model import TURNING, AxisKind, Quantity, Sgn
 
 ABSENT = -(2.0**127)
 """Stands for a parameter that is not given where NaN cannot: exact in both precisions."""
@@ -104,6 +104,7 @@ class Program:
         chosen: whether functions were chosen, and others of the model left out.
         arrays: where C has its array functions: "with" the others, "beside" them, or "none".
         fixed: whether C has the default parameters only.
+        axis: what moves.
     """
 
     name: str
@@ -122,6 +123,7 @@ class Program:
     chosen: bool = False
     arrays: str = "with"
     fixed: bool = False
+    axis: AxisKind = TURNING
 
     def hot(self) -> tuple[Assignment, ...]:
         """Every assignment that is evaluated for each sample."""

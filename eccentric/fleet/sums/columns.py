@@ -51,6 +51,7 @@ class Columns:
     """The columns of one joint; InputError for a rig that leaves open what sums cannot hold."""
 
     def __init__(self, rig: Rig) -> None:
+        rig.require_turning("fleet")
         self.rig = rig
         self._model = model = load_model(rig.model)
         require_case(rig, model)
@@ -112,7 +113,7 @@ class Columns:
         if place < len(self.headings) - 1:
             found[:, place] = gravity
         found[:, -2] = 1.0
-        found[:, -1] = torque - self._known.get(LOAD, 0.0) * load_gain(self._known)
+        found[:, -1] = torque - self._known.get(LOAD, 0.0) * load_gain(self.rig)
         return found
 
     def _require_known(self) -> None:

@@ -27,7 +27,7 @@ from eccentric.model.chain.arm import arm
 from eccentric.model.chain.bearing import Bearing
 from eccentric.model.chain.body import Body, Moments
 from eccentric.model.chain.chain import Chain
-from eccentric.model.chain.drive import JointDrive, drives
+from eccentric.model.chain.drive import JointDrive, drives, friction_units
 from eccentric.model.chain.given_bodies import with_bodies
 from eccentric.model.chain.identity import identity_of, unlike
 from eccentric.model.chain.inwards import Wrench
@@ -50,6 +50,7 @@ __all__ = [
     "arm",
     "at_rest",
     "drives",
+    "friction_units",
     "identity_of",
     "letters_of",
     "momentum",

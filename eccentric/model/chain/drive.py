@@ -134,9 +134,15 @@ def _called(joint: Joint, j: int) -> str:
     return f"{j}" if joint.name == UNNAMED else f"{j} ({joint.name})"
 
 
-def _coefficients(followed: _Followed, j: int, called: str, *, turns: bool) -> tuple[Quantity, Quantity]:
+def friction_units(load: Load, *, turns: bool) -> tuple[str, str]:
+    """The units of viscous and Coulomb friction per load, of a joint that turns or of a slide."""
+    followed = next(one for one in _FOLLOWED if one.load is load)
     coulomb = followed.turning if turns else followed.sliding
-    viscous = (_VISCOUS if turns else _VISCOUS_SLIDING)[coulomb]
+    return (_VISCOUS if turns else _VISCOUS_SLIDING)[coulomb], coulomb
+
+
+def _coefficients(followed: _Followed, j: int, called: str, *, turns: bool) -> tuple[Quantity, Quantity]:
+    viscous, coulomb = friction_units(followed.load, turns=turns)
     words = f"friction of joint {called} per {followed.meaning}"
     return (
         quantity(f"B_{followed.letter}_{j}", viscous, f"viscous {words}", "(9)", "nonnegative", "0"),

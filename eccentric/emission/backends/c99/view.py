@@ -106,6 +106,7 @@ def view(program: Program, digest: str) -> dict[str, Any]:
         ],
         "exponential": any(e.has(sp.exp) for e in expressions),
         "name": program.name,
+        "said": program.axis.said,
         "guard": program.name.upper(),
         "first": _first(program),
         "digest": f"0x{digest}UL",
@@ -162,11 +163,12 @@ def view(program: Program, digest: str) -> dict[str, Any]:
 
 def _first(program: Program) -> dict[str, str]:
     """The function to begin with: in a choice the first one, by its meaning."""
-    name = program.first
-    if program.chosen or name not in _FIRST:
+    name, said = program.first, program.axis.said
+    known = {said(function): (said(doc), end) for function, (doc, end) in _FIRST.items()}
+    if program.chosen or name not in known:
         meaning = next(r.meaning for r in program.routines if r.name == name)
         return {"name": name, "doc": meaning, "end": ";"}
-    doc, end = _FIRST[name]
+    doc, end = known[name]
     return {"name": name, "doc": doc, "end": end}
 
 

@@ -28,6 +28,7 @@ def module(program: Program, dialect: Dialect) -> dict[str, Any]:
     own = [r.name for r in program.routines]
     return {
         "title": program.title,
+        "said": program.axis.said,
         "public": [
             *sorted([name for name, _ in program.constants] + ["STATES"] * bool(program.states)),
             "Parameters",

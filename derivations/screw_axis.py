@@ -1,0 +1,24 @@
+"""A linear axis that a screw drives: the same carriage, with the turns of its screw known by the pitch.
+
+Friction may then vary over a turn of the screw.
+Run it to read the derivation: python derivations/screw_axis.py
+"""
+
+from dataclasses import replace
+
+from eccentric.model import load_model, quantity
+from eccentric.output import show
+
+carriage = load_model("linear_axis")
+# The toolkit's letter of a gear: the angle of the screw is mu times the position.
+turns = quantity("mu", "1/m", "2 pi over the pitch of the screw", "", "positive")
+
+model = replace(
+    carriage,
+    name="screw_axis",
+    title=f"{carriage.title}, with a screw of known pitch",
+    parameters=(*carriage.parameters, turns),
+)
+
+if __name__ == "__main__":
+    show(model)

@@ -1,0 +1,72 @@
+"""The plan of a linear axis: limits and reference in its own units; what knows turns only is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric import InputError
+from eccentric.model import LINEAR, load_model
+from eccentric.planning import read_bounds
+from tests.carriage import RIG, logged
+
+LIMITS = {
+    "speed_m_s": "400 mm/s",
+    "acceleration_m_s2": 3.0,
+    "force_N": "0.5 kN",
+    "time_s": 10,
+    "position_m": ["0 mm", "300 mm"],
+}
+
+
+def test_limits_are_read_in_units_of_length_and_force() -> None:
+    """Speeds in mm/s, a force in kN and positions in mm become SI units."""
+    found = read_bounds(LIMITS, LINEAR)
+
+    assert (found.speed, found.acceleration, found.current) == (0.4, 3.0, 500.0)
+    assert (found.time, found.angle, found.by_force) == (10.0, (0.0, 0.3), True)
+
+
+@pytest.mark.parametrize(
+    ("limits", "message"),
+    [
+        ({**LIMITS, "speed_m_s": "10 rpm"}, "speed_m_s: a unit like m/s, mm/s is required, received 'rpm'"),
+        ({**LIMITS, "speed_rad_s": 3}, "unknown key 'speed_rad_s'"),
+        ({**LIMITS, "current_A": 3}, "only one of current_A and force_N is required, received both"),
+        ({k: x for k, x in LIMITS.items() if k != "force_N"}, "current_A or force_N is required"),
+        ({**LIMITS, "position_m": [1, 0]}, "position_m: lower before upper is required"),
+    ],
+    ids=lambda x: x[:30] if isinstance(x, str) else "",
+)
+def test_limits_of_another_kind_are_refused(limits: dict[str, object], message: str) -> None:
+    """Each message has the key as it is written."""
+    with pytest.raises(InputError, match=message):
+        read_bounds(limits, LINEAR)
+
+
+def test_what_knows_turns_only_refuses_a_carriage(tmp_path: Path) -> None:
+    """`adapt` and the estimator of `emit --adapt` say that they need a drive that turns."""
+    with pytest.raises(InputError, match="adapt requires a drive that turns, received kind = 'linear'"):
+        eccentric.adapt(logged(0, seconds=3.0, runs=1), RIG)
+    found = eccentric.fit(logged(0, seconds=6.0, runs=1), RIG)
+    found.write(tmp_path / "fit")
+    with pytest.raises(InputError, match="estimator of its friction requires a drive that turns"):
+        eccentric.emit(
+            load_model("linear_axis"), tmp_path / "c", parameters=tmp_path / "fit" / "fit.json", adapt=True
+        )
+
+
+@pytest.mark.slow
+def test_the_plan_is_a_motion_of_the_carriage() -> None:
+    """The reference keeps within its limits, in metres; the force that it needs is the plant's own."""
+    plan = eccentric.plan(logged(2, seconds=6.0, runs=1), RIG, LIMITS)
+    x, v, a = (plan.reference[name] for name in ("position_m", "velocity_m_s", "acceleration_m_s2"))
+    force = 95.0 * a + 203.0 * v + 20.0 * np.sign(v) - 3.0
+
+    assert (x.min() >= 0.0, x.max() <= 0.3) == (True, True)
+    assert (np.abs(v).max() <= 0.4, np.abs(a).max() <= 3.0) == (True, True)
+    np.testing.assert_allclose(plan.plan.current[np.abs(v) > 0.01], force[np.abs(v) > 0.01], atol=1.0)
+    assert not any(word in plan.summary() + plan.to_json() for word in (" rad", "_rad", "N m", "motor"))

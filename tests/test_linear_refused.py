@@ -1,0 +1,131 @@
+"""Bad rigs of a linear axis: one line each, which names the file, the key, what is required and what came."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric import InputError
+from eccentric.rigs import read_rig
+from tests.carriage import RIG, logged
+
+MM: dict[str, Any] = {"column": "q_m", "unit": "mm"}
+
+
+def changed(**entries: Any) -> dict[str, Any]:
+    """The rig with other entries; those of [columns] go into that table."""
+    columns = {key: value for key, value in entries.items() if key in {"position", "velocity", "force"}}
+    others = {key: value for key, value in entries.items() if key not in columns}
+    return RIG | others | {"columns": RIG["columns"] | columns}
+
+
+@pytest.mark.parametrize(
+    ("rig", "message"),
+    [
+        (changed(kind="liner"), "rig: kind: one of turning, linear is required, received 'liner'; did you"),
+        (changed(kind=3), "rig: kind: one of turning, linear is required, received 3"),
+        (
+            changed(position={"column": "q_m", "unit": "deg"}),
+            "rig: [columns] position: a unit like m, cm, mm is required, received 'deg'",
+        ),
+        (
+            changed(position={"column": "q_m", "unit": "counts"}),
+            "rig: [columns] position: unit 'counts' requires",
+        ),
+        (
+            changed(velocity={"column": "v", "unit": "rpm"}),
+            "rig: [columns] velocity: a unit like m/s, mm/s is required, received 'rpm'",
+        ),
+        (
+            changed(force={"column": "u_V", "unit": "Nm"}),
+            "rig: [columns] force: a unit like N, kN, mN is required, received 'Nm'",
+        ),
+        (
+            changed(force={"column": "u_V", "gain": "35 Nm/V"}),
+            "rig: [columns] force gain: a unit like N/V is required, received 'Nm/V'",
+        ),
+        (changed(force={"column": "u_V", "gain": 35}), 'a gain with its unit is required, as in "35 N/V"'),
+        (changed(force={"column": "u_V", "gain": "0 N/V"}), "a gain other than 0 is required"),
+        (
+            changed(force={"column": "u_V", "unit": "A", "gain": "35 N/V"}),
+            "force gain: a unit like N/A",
+        ),
+        (changed(position={**MM, "gain": "2 N/V"}), "[columns] position: unknown key 'gain'"),
+        (changed(known={"mass": "95 Nm"}), "rig: [known] mass: a unit like kg, g is required, received 'Nm'"),
+        (changed(known={"mass": 95}), 'rig: [known] mass: a text with a unit is required, as in mass = "0.1'),
+        (changed(known={"mass_kg": -1}), "rig: [known] mass_kg: a value at least 0 kg is required"),
+        (changed(known={"pitch": "0 mm"}), "rig: [known] pitch: a value above 0 m is required"),
+        (changed(known={"J_m_kgm2": 1}), "rig: [known]: unknown key 'J_m_kgm2'"),
+        (changed(known={"case": "C1"}), "rig: [known]: unknown key 'case'"),
+        (changed(known={"mass_kg": 1, "mass": "1 kg"}), "rig: mass is required only once, received twice"),
+        (changed(unknown={"pitch_m": [0.01, 0.02]}), "[unknown] pitch: a value in [known] is required"),
+        (changed(theta_zero_rad=0.1), "rig: unknown key 'theta_zero_rad'"),
+        (changed(encoder_counts_per_rev=100), "did you mean 'encoder_step_m'?"),
+        (changed(encoder_step_m=0), "rig: encoder_step_m: a finite number above 0 is required, received 0"),
+        (changed(moving_threshold_m_s=-1), "rig: moving_threshold_m_s: "),
+        (
+            changed(drive="torque"),
+            "rig: drive: one of current, voltage, force is required, received 'torque'",
+        ),
+    ],
+    ids=lambda x: x[:60] if isinstance(x, str) else "",
+)
+def test_a_bad_rig_is_refused_in_one_line(rig: dict[str, Any], message: str) -> None:
+    """The message names the key as it is in the file, what is required and what was received."""
+    with pytest.raises(InputError) as refused:
+        read_rig(rig)
+
+    assert message in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_keys_of_a_linear_axis_are_none_of_a_turning_one() -> None:
+    """Without its kind, a rig of a carriage is not understood."""
+    with pytest.raises(InputError, match=r"\[columns\]: unknown key 'position'"):
+        read_rig({"known": {"case": "C1"}, "columns": RIG["columns"]})
+
+
+def test_messages_of_a_fit_have_the_words_of_the_axis() -> None:
+    """What only the log shows is refused in the same words: no position, a current without k_f."""
+    log = logged(0, seconds=3.0, runs=1)
+    with pytest.raises(InputError, match=r"position \(column 'position_m'\) or velocity \(column 'velo"):
+        eccentric.fit({"time_s": log["t_s"], "force_N": log["u_V"]}, {"kind": "linear"})
+    current = {"time_s": log["t_s"], "position_m": log["q_m"], "current_A": log["u_V"]}
+    with pytest.raises(InputError, match=r"\[known\] k_f is required to convert the current to force"):
+        eccentric.fit(current, {"kind": "linear"})
+
+
+def test_a_model_of_another_kind_is_refused() -> None:
+    """A turning drive's model has no place on a carriage, nor the other way round."""
+    log = logged(0, seconds=3.0, runs=1)
+    with pytest.raises(
+        InputError, match="c1_perpendicular requires kind = 'turning', received 'linear'; linear_axis"
+    ):
+        eccentric.fit(log, RIG, "c1_perpendicular")
+    turning = {"time_s": log["t_s"], "theta_m_rad": log["q_m"], "torque_Nm": log["u_V"]}
+    known = {"case": "C1", "mu": "1", "M": "0 kg", "L": "0 m"}
+    with pytest.raises(InputError, match="linear_axis requires kind = 'linear', received 'turning'; c1_perp"):
+        eccentric.fit(turning, {"known": known}, "linear_axis")
+
+
+def test_all_that_is_wrong_is_listed() -> None:
+    """`rig --check` names every wrong entry of the rig, and a column that the log does not have."""
+    log = logged(0, seconds=3.0, runs=1)
+    bad = changed(known={"mass": "95 Nm", "pitch": "1 rad"}, position="x_m")
+    found = eccentric.check_rig(log, bad).complaints
+
+    assert len(found) == 3
+    assert all(any(part in line for line in found) for part in ("mass", "pitch", "x_m"))
+
+
+def test_a_good_rig_is_checked_in_its_own_units() -> None:
+    """What the log determines is listed with units of a carriage."""
+    found = eccentric.check_rig(logged(0, seconds=6.0, runs=1), RIG)
+
+    assert found.complaints == ()
+    assert [line.split(" = ")[0] for line in found.estimated[:4]] == ["B", "C", "mass", "F_load"]
+    assert " kg, " in found.estimated[2]
+    assert np.all(["rad" not in line.split() for line in found.estimated])

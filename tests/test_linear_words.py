@@ -1,0 +1,202 @@
+"""What is written of a linear axis is in its own units and words; what a person has named is left alone."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+import subprocess
+from html import unescape
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric.api import DiagnosisResult
+from eccentric.cli import main
+from eccentric.model import LINEAR, TURNING, load_model, spoken
+from tests.carriage import RIG, SLIDE, logged
+from tests.compiled import FLAGS, REAL, run
+
+FOREIGN = re.compile(
+    r"\brad\b|\bN ?m\b|\bkg m|_rad|_Nm\b|[Tt]orque|\bF_N\b|theta_m|omega|alpha_m|\bJ_m\b|\bk_i\b|B_m\b"
+    r"|normal force|unbalanced|(?<!not )\blink\b|[ωθα]|motor (?:side|angle|velocity)|paper's"
+)
+"""Units, letters and words of a drive that swings an unbalanced mass."""
+
+
+def foreign(text: str) -> list[str]:
+    """What a text has of them, with its surroundings."""
+    return [text[max(m.start() - 40, 0) : m.end() + 20] for m in FOREIGN.finditer(text)]
+
+
+FEW = ("cogging", "stribeck", "quadratic_drag")
+
+
+@pytest.fixture(scope="module", params=[FEW, pytest.param((), marks=pytest.mark.slow)], ids=["few", "all"])
+def diagnosed(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[DiagnosisResult, Path]:
+    """The diagnosis of the example by a few families of effects, or all, and the folder that it writes."""
+    out = tmp_path_factory.mktemp("slide") / "out"
+    found = eccentric.diagnose(SLIDE / "slide.csv.gz", SLIDE / "slide.toml", only=request.param)
+    found.write(out)
+    return found, out
+
+
+def test_the_effects_of_the_example_are_found(diagnosed: tuple[DiagnosisResult, Path]) -> None:
+    """A force once per turn of the screw, 4 N, and Stribeck friction of 12 N at 20 mm/s: both are named."""
+    found, _ = diagnosed
+    estimates = found.estimates
+
+    assert (found.verdict, set(found.effects)) == ("named", {"cogging[n=1]", "stribeck[d=2]"})
+    assert np.hypot(estimates["cogging_c1"].value, estimates["cogging_s1"].value) == pytest.approx(4, rel=0.1)
+    assert estimates["stribeck_A"].value == pytest.approx(12.0, rel=0.1)
+    assert estimates["stribeck_v"].value == pytest.approx(0.02, rel=0.1)
+    assert (estimates["stribeck_v"].unit, estimates["mass"].unit, found.unit) == ("m/s", "kg", "N")
+
+
+def test_the_summary_has_no_foreign_word(diagnosed: tuple[DiagnosisResult, Path]) -> None:
+    """What a terminal and a notebook show is in newtons, metres and words of a carriage."""
+    found, _ = diagnosed
+
+    assert foreign(found.summary()) == []
+    assert foreign(unescape(found._repr_html_())) == []
+    assert foreign("\n".join(found.warnings)) == []
+
+
+def test_the_document_has_no_foreign_word(diagnosed: tuple[DiagnosisResult, Path]) -> None:
+    """Neither keys nor values of diagnosis.json have one, and it says what kind of axis it is of."""
+    _, out = diagnosed
+    text = (out / "diagnosis.json").read_text(encoding="utf-8")
+
+    assert foreign(text) == []
+    assert json.loads(text)["kind"] == "linear"
+
+
+def test_the_report_has_no_foreign_word(diagnosed: tuple[DiagnosisResult, Path]) -> None:
+    """The text of the page has none, and neither have its figures' labels."""
+    _, out = diagnosed
+    html = (out / "report.html").read_text(encoding="utf-8")
+    script = r"<script[^>]*>.*?</script>|<style>.*?</style>"
+    labels = " ".join(re.findall(r'"(?:axis_label|text|name|label)":"([^"]*)"', html))
+
+    assert foreign(unescape(re.sub(r"<[^>]+>", " ", re.sub(script, "", html, flags=re.DOTALL)))) == []
+    assert foreign(labels) == []
+
+
+def test_the_emitted_files_have_no_foreign_word(diagnosed: tuple[DiagnosisResult, Path]) -> None:
+    """Header, source and module name positions, forces and masses only."""
+    _, out = diagnosed
+
+    for name in ("screw_axis_extended.h", "screw_axis_extended.c", "screw_axis_extended.py"):
+        assert foreign((out / name).read_text(encoding="utf-8")) == [], name
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32], ids=["double", "float"])
+def test_the_c_of_an_extended_axis_does_what_its_module_does(
+    diagnosed: tuple[DiagnosisResult, Path], tmp_path: Path, dtype: type[np.floating]
+) -> None:
+    """It compiles without a warning, and its self-test finds the results of the NumPy module."""
+    _, out = diagnosed
+    program = tmp_path / "selftest"
+    options = [*FLAGS, f"-DECCENTRIC_REAL={REAL[dtype]}", f"-I{out}"]
+    run("gcc", *options, out / "check" / "screw_axis_extended_selftest.c", "-o", program, "-lm")
+
+    assert subprocess.run([program], capture_output=True, check=False).returncode == 0
+
+
+def test_the_module_is_the_closed_form(diagnosed: tuple[DiagnosisResult, Path]) -> None:
+    """Friction, cogging and load of the emitted module are those of the formulas, written out here."""
+    found, _ = diagnosed
+    module, p = found.module, found.module.Parameters()
+    x, v, a = np.linspace(0.0, 0.03, 7), np.array([-0.3, -0.02, -1e-3, 1e-3, 0.02, 0.1, 0.4]), 2.0
+    stribeck = p.stribeck_A * np.exp(-((np.abs(v) / p.stribeck_v) ** 2))
+    friction = p.B * v + (p.C + stribeck) * np.sign(v)
+    turn = p.kappa * x
+    cogging = p.cogging_c1 * np.cos(turn) + p.cogging_s1 * np.sin(turn)
+    current = (p.mass * a + p.F_load + cogging + friction) / p.k_f
+
+    np.testing.assert_allclose(module.mechanical_friction_force(v, p), friction, rtol=1e-12)
+    np.testing.assert_allclose(module.load_force(x, p), p.F_load + cogging, rtol=1e-9)
+    np.testing.assert_allclose(module.current(x, v, a, p), current, rtol=1e-9)
+    assert p.kappa == pytest.approx(2.0 * np.pi / 0.01, rel=1e-9)
+
+
+def test_a_fit_is_emitted_under_its_names(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """fit.json and what is emitted from it have no foreign word; the values of the fit are the defaults."""
+    out, log, rig = tmp_path / "fit", str(SLIDE / "slide.csv.gz"), str(SLIDE / "slide.toml")
+    assert main(["fit", log, "--rig", rig, "--out", str(out)]) == 0
+    emit = ["emit", "screw_axis", "--parameters", str(out / "fit.json"), "--prefix", "my_slide"]
+    assert main([*emit, "--out", str(tmp_path / "c")]) == 0
+    text = (out / "fit.json").read_text(encoding="utf-8")
+    header = (tmp_path / "c" / "my_slide.h").read_text(encoding="utf-8")
+    mass = json.loads(text)["parameters"]["mass"]
+
+    assert foreign(capsys.readouterr().out + text + header) == []
+    assert f"fitted: {mass:.4g} kg" in header
+
+
+def test_the_derivation_prints_its_own_letters() -> None:
+    """What `python derivations/linear_axis.py` prints is in letters of a carriage, and checks itself."""
+    for name in ("linear_axis", "screw_axis"):
+        assert foreign(str(load_model(name))) == []
+        assert foreign(load_model(name).latex()) == []
+    for equation in load_model("linear_axis").equations:
+        assert all(identity.zero == 0 for identity in equation.identities)
+
+
+def test_a_spoken_model_has_the_same_equations() -> None:
+    """Only names differ: put back, they give the model's own terms."""
+    model = load_model("linear_axis")
+    heard = spoken(model)
+    back = {
+        now.symbol: was.symbol
+        for was, now in zip(
+            (*model.inputs, *model.parameters), (*heard.inputs, *heard.parameters), strict=True
+        )
+    }
+
+    for was, now in zip(model.balances, heard.balances, strict=True):
+        assert [term.value.xreplace(back) for term in now.terms] == [term.value for term in was.terms]
+
+
+@pytest.mark.parametrize(
+    ("turning", "linear"),
+    [
+        ("k_i*B_m [N m s/rad]", "k_f*B [N s/m]"),
+        ("V/(N m)", "V/N"),
+        ("kg m^2", "kg"),
+        ("rmse_holdout_Nm", "rmse_holdout_N"),
+        ("moving_threshold_rad_s", "moving_threshold_m_s"),
+        ("Torque of the drive", "Force of the drive"),
+        ("N m per rad/s", "N per m/s"),
+        ("a trade and a gradient", "a trade and a gradient"),
+    ],
+)
+def test_names_units_and_words_follow(turning: str, linear: str) -> None:
+    """Each text of a turning drive has one of a carriage; parts of other words are none."""
+    assert (LINEAR.said(turning), TURNING.said(turning)) == (linear, turning)
+
+
+def test_what_a_person_has_named_is_left_alone() -> None:
+    """A log, a rig and a run may be called torque: their names are not words of ours."""
+    log = logged(8, seconds=8.0, runs=1)
+    log = {"t_s": log["t_s"], "motor angle": log["q_m"], "torque": log["u_V"], "run": log["run"]}
+    columns = {
+        "time": "t_s",
+        "position": {"column": "motor angle", "unit": "m"},
+        "force": {"column": "torque", "gain": "35 N/V"},
+    }
+    found = eccentric.fit(log, RIG | {"name": "torque rig", "columns": columns})
+
+    assert found.document["rig"] == "torque rig"
+    with pytest.raises(eccentric.InputError, match=r"no column 'torque'|'torque'"):
+        eccentric.fit({k: x for k, x in log.items() if k != "torque"}, RIG | {"columns": columns})
+
+
+def test_the_kind_of_an_axis_survives_a_copy() -> None:
+    """A result that another process has made, by the same protocol, is of the same kind."""
+    assert copy.deepcopy(LINEAR) is LINEAR
+    assert copy.deepcopy(load_model("linear_axis")).axis is LINEAR
