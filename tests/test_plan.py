@@ -17,11 +17,11 @@ import eccentric
 from eccentric.cli import main
 from eccentric.diagnosis import diagnose
 from eccentric.errors import InputError
-from eccentric.planning import Bounds, planned, read_bounds
+from eccentric.planning import Bounds, planned, question_of, read_bounds
 from eccentric.planning.chance import decided
 from eccentric.planning.limits import MARGIN, UNDECIDED
 from eccentric.planning.motion import joined, pieces
-from eccentric.planning.rivals import Rival, rivals_of
+from eccentric.planning.rivals import Rival
 from eccentric.planning.separation import Ground, Separation
 from eccentric.search import Variant
 from eccentric.virtual_bench import random_scenario, simulate
@@ -45,7 +45,7 @@ def contest(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> Separation
     """Its rivals."""
     found = diagnose([tied[0]], tied[1])
     assert found.attribution.verdict == "not_identifiable"
-    return Separation(found, rivals_of(found))
+    return Separation(question_of(found))
 
 
 @pytest.mark.parametrize("angle", [None, (-3.0, 5.0)])
@@ -59,6 +59,7 @@ def test_every_piece_keeps_its_margin(angle: tuple[float, float] | None) -> None
         motion = joined([piece], bounds)
         assert np.max(np.abs(motion.omega)) <= (1.0 - MARGIN) * bounds.speed * (1.0 + 1e-9), piece.words
         assert np.max(np.abs(motion.alpha)) <= bounds.acceleration, piece.words
+        assert len(piece.omega) <= 10.0 * 200.0 + 1, piece.words
         assert motion.omega[0] == pytest.approx(0.0, abs=1e-9)
         assert motion.omega[-1] == pytest.approx(0.0, abs=1e-9)
         way = np.trapezoid(motion.omega, motion.t)
@@ -92,7 +93,7 @@ def test_a_rival_is_not_apart_from_itself(contest: Separation) -> None:
 
 def test_apart_is_the_error_of_the_best_imitation(contest: Separation) -> None:
     """SciPy's bounded least squares on all rows at once, over a fine grid of shapes; declared values hold."""
-    contest = Separation(contest.found, contest.rivals)
+    contest = Separation(contest.question)
     contest.declared.clear()
     truth, other = contest.rivals
     grounds = [contest.log, _ground(contest)]
@@ -182,7 +183,7 @@ def test_the_angle_is_that_of_the_log() -> None:
         found = diagnose([columns], {**run.rig, "theta_zero_rad": zero})
         motion = joined([next(pieces(bounds, 10.0, np.random.default_rng(0)))], bounds)
         moved = replace(motion, theta=motion.theta + zero / 0.2)
-        currents.append(Separation(found, rivals_of(found)).ground(moved).current)
+        currents.append(Separation(question_of(found)).ground(moved).current)
     np.testing.assert_allclose(currents[0], currents[1], rtol=0.0, atol=1e-6 * np.max(np.abs(currents[0])))
 
 
@@ -213,12 +214,26 @@ def test_limits_that_cannot_be_are_refused(changed: dict[str, object], message: 
         read_bounds(given)
 
 
+def test_all_mistakes_of_a_limits_file_are_told_at_once() -> None:
+    """What is missing, what is no number, what is unknown: one line with each of them."""
+    with pytest.raises(InputError) as error:
+        read_bounds(
+            {"speed_rad_s": "fast", "current_A": -1.0, "torque": 1.0, "time_s": 2.0, "speed_loop_Hz": 0}
+        )
+    said = str(error.value)
+    assert "\n" not in said
+    for part in ("'torque'", "acceleration_rad_s2 is", "'fast'", "current_A:", "time_s:", "speed_loop_Hz:"):
+        assert part in said, part
+
+
 def test_a_current_that_moves_nothing_is_refused(
     contest: Separation,
 ) -> None:
-    """No piece of motion stays within it."""
-    with pytest.raises(InputError, match=r"current_A: enough for the slowest motion"):
-        planned(contest.found, read_bounds({**LIMITS, "current_A": 1e-3}))
+    """No piece of motion stays within it; the message says what friction and load take."""
+    with pytest.raises(InputError, match=r"current_A: enough for load and friction") as error:
+        planned(contest.question, read_bounds({**LIMITS, "current_A": 1e-3}))
+    needed = float(re.findall(r"required, ([0-9.e-]+) A", str(error.value))[0])
+    planned(contest.question, read_bounds({**LIMITS, "current_A": 1.5 * needed}))
 
 
 def test_the_command_prints_what_is_open(

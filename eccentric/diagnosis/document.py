@@ -40,6 +40,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
             }
             for c in a.candidates
         ],
+        "tied": list(a.tied),
         "extended_by": [effect.id for effect, _ in found.models.extended.effects],
         "residual_depends_on": list(a.depends_on),
         "next_measurement": a.next_measurement,

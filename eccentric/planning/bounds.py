@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from eccentric.entries import read_document, read_number, refuse_unknown
@@ -23,6 +24,9 @@ UNITS = {
     "time_s": "s",
     "angle_rad": "rad",
 }
+LOOP = "speed_loop_Hz"
+"""Numbers only: hertz has no place among the units, see `eccentric.logs`."""
+REQUIRED = ("speed_rad_s", "acceleration_rad_s2", "current_A", "time_s")
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,7 @@ class Bounds:
         speed, acceleration, current: largest magnitudes [rad/s], [rad/s^2], [A].
         time: length of the motion [s].
         angle: lower and upper end [rad], None for a drive that turns without end.
+        loop_hz: bandwidth of the drive's speed loop [Hz], None if it is not known.
     """
 
     speed: float
@@ -40,6 +45,7 @@ class Bounds:
     current: float
     time: float
     angle: tuple[float, float] | None = None
+    loop_hz: float | None = None
 
 
 def read_bounds(source: str | os.PathLike[str] | Mapping[str, Any] | Bounds) -> Bounds:
@@ -47,7 +53,7 @@ def read_bounds(source: str | os.PathLike[str] | Mapping[str, Any] | Bounds) -> 
 
     Numbers in SI by the names of the keys, or texts with a unit ("3000 rpm", "[-90 deg, 90 deg]" as two).
 
-    Raises InputError, one line with file, key, what is required and what was received.
+    Raises InputError, one line with file, key, what is required and what was received, for all keys at once.
     """
     if isinstance(source, Bounds):
         return source
@@ -56,27 +62,38 @@ def read_bounds(source: str | os.PathLike[str] | Mapping[str, Any] | Bounds) -> 
         content, where = read_document(path, "a limits file"), str(path)
     else:
         content, where = plain_entries(source, "limits"), "limits"
-    refuse_unknown(content, tuple(UNITS), where)
-    for key in ("speed_rad_s", "acceleration_rad_s2", "current_A", "time_s"):
-        if key not in content:
-            raise InputError(f"{where}: {key} is required, received none")
-    speed, acceleration, current = (
-        _number(content[key], key, where) for key in ("speed_rad_s", "acceleration_rad_s2", "current_A")
-    )
-    time = _number(content["time_s"], "time_s", where)
-    if time < LEAST_TIME_S:
-        raise InputError(f"{where}: time_s: at least {LEAST_TIME_S:g} s are required, received {time:g}")
-    angle = None
+    complaints: list[str] = []
+    values: dict[str, Any] = {}
+
+    def attempt(read: Callable[[], Any], key: str = "") -> None:
+        try:
+            values[key] = read()
+        except InputError as error:
+            complaints.append(str(error).removeprefix(f"{where}: "))
+
+    for key in content:
+        attempt(partial(refuse_unknown, (key,), (*UNITS, LOOP), where))
+    complaints += [f"{key} is required, received none" for key in REQUIRED if key not in content]
+    for key in REQUIRED:
+        if key in content:
+            attempt(partial(_number, content[key], key, where), key)
+    if LOOP in content:
+        attempt(partial(read_number, content[LOOP], f"{where}: {LOOP}", 0.0, True), LOOP)
     if "angle_rad" in content:
-        low, high = (
-            _value(end, "angle_rad", where) for end in read_pair(content["angle_rad"], f"{where}: angle_rad")
-        )
-        if not low < high:
-            raise InputError(
-                f"{where}: angle_rad: lower before upper is required, received [{low:g}, {high:g}]"
-            )
-        angle = low, high
-    return Bounds(speed, acceleration, current, time, angle)
+        attempt(partial(_angle, content["angle_rad"], where), "angle_rad")
+    if values.get("time_s", LEAST_TIME_S) < LEAST_TIME_S:
+        complaints.append(f"time_s: at least {LEAST_TIME_S:g} s are required, received {values['time_s']:g}")
+    if complaints:
+        raise InputError(f"{where}: {'; '.join(complaints)}")
+    speed, acceleration, current, time = (values[key] for key in REQUIRED)
+    return Bounds(speed, acceleration, current, time, values.get("angle_rad"), values.get(LOOP))
+
+
+def _angle(value: object, where: str) -> tuple[float, float]:
+    low, high = (_value(end, "angle_rad", where) for end in read_pair(value, f"{where}: angle_rad"))
+    if not low < high:
+        raise InputError(f"{where}: angle_rad: lower before upper is required, received [{low:g}, {high:g}]")
+    return low, high
 
 
 def _number(value: object, key: str, where: str) -> float:
