@@ -15,14 +15,15 @@ from scipy.optimize import lsq_linear
 
 import eccentric
 from eccentric.cli import main
-from eccentric.diagnosis import diagnose
+from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document
 from eccentric.errors import InputError
-from eccentric.planning import Bounds, planned, question_of, read_bounds
+from eccentric.planning import Bounds, planned, question_from, question_of, read_bounds
 from eccentric.planning.chance import decided
 from eccentric.planning.limits import MARGIN, UNDECIDED
 from eccentric.planning.motion import joined, pieces
 from eccentric.planning.rivals import Rival
 from eccentric.planning.separation import Ground, Separation
+from eccentric.rigs import read_rig
 from eccentric.search import Variant
 from eccentric.virtual_bench import random_scenario, simulate
 
@@ -41,9 +42,14 @@ def tied() -> tuple[dict[str, np.ndarray], dict[str, object]]:
 
 
 @pytest.fixture(scope="module")
-def contest(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> Separation:
+def found(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> Diagnosis:
+    """Its diagnosis."""
+    return diagnose([tied[0]], tied[1])
+
+
+@pytest.fixture(scope="module")
+def contest(found: Diagnosis) -> Separation:
     """Its rivals."""
-    found = diagnose([tied[0]], tied[1])
     assert found.attribution.verdict == "not_identifiable"
     return Separation(question_of(found))
 
@@ -185,6 +191,67 @@ def test_the_angle_is_that_of_the_log() -> None:
         moved = replace(motion, theta=motion.theta + zero / 0.2)
         currents.append(Separation(question_of(found)).ground(moved).current)
     np.testing.assert_allclose(currents[0], currents[1], rtol=0.0, atol=1e-6 * np.max(np.abs(currents[0])))
+
+
+def test_an_earlier_diagnosis_says_what_is_open(
+    tied: tuple[dict[str, np.ndarray], dict[str, object]],
+    found: Diagnosis,
+    contest: Separation,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From its document, without a search: the same rivals, as likely, with the same fits to the log."""
+
+    def no_search(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr("eccentric.diagnosis.loop.attribute", no_search)
+    said = json.loads(json.dumps(diagnosis_document(found)))
+    question = question_from(said, [tied[0]], read_rig(tied[1]), None)
+    own = {rival.family: rival for rival in question.rivals}
+    assert list(own) == [rival.family for rival in contest.rivals]
+    for rival in contest.rivals:
+        assert own[rival.family].chance == pytest.approx(rival.chance)
+        losses = [
+            q.screen.fit(r.variants).score
+            for q, r in ((question, own[rival.family]), (contest.question, rival))
+        ]
+        assert losses[0] == pytest.approx(losses[1], rel=1e-3)
+    pair = tuple(own)
+    grounds = [[one.log, _ground(one)] for one in (Separation(question), contest)]
+    apart = [
+        one.by_names(*pair, ground)
+        for one, ground in zip((Separation(question), contest), grounds, strict=True)
+    ]
+    assert apart[0] == pytest.approx(apart[1], rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"format": "eccentric-fit/1"}, r"format eccentric-diagnosis/1 is required"),
+        ({"logs": ["other.csv"]}, r"logs: that of these logs.*received \['other.csv'\]"),
+        ({"model": "c1_asymmetric"}, r"model: that of these logs"),
+        ({"tied": None}, r"tied is required, received none: diagnose the logs again"),
+        ({"fits_the_rig": False}, r"a log that fits the rig is required"),
+        ({"asked": {"with": ["stribeck"]}}, r"without effects to begin with .* received one with stribeck"),
+        (
+            {"extended_by": ["my_effect"], "tied": ["my_effect"]},
+            r"effects that these logs can show .* my_effect",
+        ),
+    ],
+)
+def test_a_diagnosis_of_something_else_is_refused(
+    tied: tuple[dict[str, np.ndarray], dict[str, object]],
+    found: Diagnosis,
+    changed: dict[str, object],
+    message: str,
+) -> None:
+    """One line with the key, what is required and what came."""
+    said = {
+        key: value for key, value in {**diagnosis_document(found), **changed}.items() if value is not None
+    }
+    with pytest.raises(InputError, match=message):
+        question_from(said, [tied[0]], read_rig(tied[1]), None)
 
 
 def test_a_log_of_another_rig_is_refused(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> None:

@@ -20,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--limits",
         metavar="LIMITS",
         required=True,
-        help="file .toml or .json with speed_rad_s, acceleration_rad_s2, current_A, time_s; optional: angle_rad,"
+        help=".toml or .json with speed_rad_s, acceleration_rad_s2, current_A, time_s; optional: angle_rad,"
         " speed_loop_Hz",
     )
     parser.add_argument(

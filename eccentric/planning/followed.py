@@ -1,10 +1,10 @@
 """A motion as a drive makes it that is not quite the fitted one: extremes of angle, speed and current.
 
-A reference within its limits is not a motion within them: a speed loop lags behind a ramp and overshoots its
-end, gravity and the reversal of friction disturb it, and mass and friction of the drive are not those of the fit.
-So the loop is simulated with each of them off by `OFF`, both ways: a speed controller, proportional and integral,
-tuned for the fitted inertia, behind the filter of its speed; friction that holds what is below its level.
-Load and friction are those along the reference: where the drive is elsewhere, it is by little.
+A reference within its limits is not a motion within them: a speed loop lags behind a ramp and overshoots
+its end, gravity and the reversal of friction disturb it, and mass and friction of the drive are not those of
+the fit. So the loop is simulated with each of them off by `OFF`, both ways: a speed controller, proportional
+and integral, tuned for the fitted inertia, behind the filter of its speed; friction holds what is below its
+level. Load and friction are those along the reference: where the drive is elsewhere, it is by little.
 """
 
 from __future__ import annotations

@@ -138,7 +138,8 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         if plan.changed is not None:
             said.append(
                 f"With {plan.changed.added_kg:.2g} kg more on the link, the same motion decides with a"
-                f" probability of {100 * plan.changed.probability:.0f} %: diagnose that log alone, with its own rig file."
+                f" probability of {100 * plan.changed.probability:.0f} %: diagnose that log alone,"
+                " with its own rig file."
             )
         if plan.probability < DECIDES and plan.otherwise:
             said.append(f"What would: {plan.otherwise}")

@@ -189,7 +189,7 @@ class Separation:
     def _signals(
         self, motion: Reference, changed: Mapping[str, float]
     ) -> tuple[Signals, Array, Array, Array]:
-        """The signals of a motion, its base columns (n, p), and load [N m] and current [A] (n,) without effects."""
+        """Signals of a motion, its base columns (n, p), load [N m] and current [A] (n,) without effects."""
         data, model = self.question.data, self.question.model
         old = replace(data.signals, known={**data.signals.known, **changed})
         n, dt = len(motion.t), 1.0 / RATE_HZ
