@@ -7,6 +7,7 @@
     question    all that a plan starts from: rivals, log, noise; from a diagnosis or its document
     separation  how far apart two rivals are on a motion, each fitted anew to log and motion
     choice      the sequence of pieces that separates the closest two
+    heavier     the same motion with more mass on the link
     chance      the probability that the new log decides
     outcome     the plan: motion, rivals, probability, words
     limits      every threshold, with its reason

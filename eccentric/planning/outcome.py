@@ -12,8 +12,8 @@ import numpy as np
 from eccentric.diagnosis import Diagnosis
 from eccentric.planning.bounds import Bounds
 from eccentric.planning.chance import Pairs, expected
-from eccentric.planning.changed import Changed, heavier
 from eccentric.planning.choice import chosen
+from eccentric.planning.heavier import Heavier, with_more_mass
 from eccentric.planning.limits import DECIDES, RATE_HZ, UNDECIDED, WORTH_A_RUN
 from eccentric.planning.motion import Reference, joined
 from eccentric.planning.question import Question, question_of
@@ -37,7 +37,7 @@ class MeasurementPlan:
         bounds: its limits.
         apart: (true family, other family) -> twice the expected log-likelihood ratio, log included.
         probability: that the new log decides between the rivals; None for one alone.
-        changed: the same with another mass on the link, where the motion is not enough and there is a mass.
+        heavier: the same with another mass on the link, where the motion is not enough and there is a mass.
         narrower: of one alone: coefficient -> expected standard error over that on the log.
         otherwise: a measurement that needs more than a motion, "" where none is known.
         follows: variables of the structure that no effect explains, for a log with some.
@@ -50,7 +50,7 @@ class MeasurementPlan:
     bounds: Bounds
     apart: Pairs
     probability: float | None
-    changed: Changed | None
+    heavier: Heavier | None
     narrower: dict[str, float]
     otherwise: str
     follows: tuple[str, ...]
@@ -83,10 +83,10 @@ def planned(
     worth = {pair: 1.0 / max(1.0, separation.by_names(*pair, [separation.log]) / UNDECIDED) for pair in apart}
     apart = {pair: d * worth[pair] for pair, d in apart.items()}
     probability = None if alone else expected(apart, chances)
-    changed = None
+    heavier = None
     if probability is not None and probability < DECIDES:
         tell("judging the same motion with more mass")
-        changed = heavier(separation, segments, bounds, worth)
+        heavier = with_more_mass(separation, segments, bounds, worth)
     return MeasurementPlan(
         rivals=rivals,
         motion=motion,
@@ -95,7 +95,7 @@ def planned(
         bounds=bounds,
         apart=apart,
         probability=probability,
-        changed=changed,
+        heavier=heavier,
         narrower=narrower,
         otherwise=question.otherwise,
         follows=question.follows,
@@ -135,10 +135,10 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         )
         if plan.probability < WORTH_A_RUN:
             said.append("No motion within the limits is likely to decide.")
-        if plan.changed is not None:
+        if plan.heavier is not None:
             said.append(
-                f"With {plan.changed.added_kg:.2g} kg more on the link, the same motion decides with a"
-                f" probability of {100 * plan.changed.probability:.0f} %: diagnose that log alone,"
+                f"With {plan.heavier.added_kg:.2g} kg more on the link, the same motion decides with a"
+                f" probability of {100 * plan.heavier.probability:.0f} %: diagnose that log alone,"
                 " with its own rig file."
             )
         if plan.probability < DECIDES and plan.otherwise:
@@ -183,7 +183,7 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
             {"true": truth, "other": other, "expected": value} for (truth, other), value in plan.apart.items()
         ],
         "relative_std_error": plan.narrower,
-        "changed": None if plan.changed is None else vars(plan.changed),
+        "heavier": None if plan.heavier is None else vars(plan.heavier),
         "otherwise": plan.otherwise,
         "residual_depends_on": list(plan.follows),
         "parts": list(plan.parts),

@@ -16,20 +16,20 @@ from eccentric.planning.limits import EVALUATIONS, HEAVIER
 from eccentric.planning.motion import Segment
 from eccentric.planning.separation import Separation
 
-__all__ = ["Changed", "heavier"]
+__all__ = ["Heavier", "with_more_mass"]
 
 
 @dataclass(frozen=True)
-class Changed:
+class Heavier:
     """A mass that is added at the place of the one on the link [kg], and the probability that it decides."""
 
     added_kg: float
     probability: float
 
 
-def heavier(
+def with_more_mass(
     separation: Separation, parts: Sequence[Segment], bounds: Bounds, worth: Mapping[tuple[str, str], float]
-) -> Changed | None:
+) -> Heavier | None:
     """The motion with more mass, slower where the limits require it; None where it cannot be judged.
 
     That is without a known mass and its distance, or where the limits leave no motion.
@@ -51,4 +51,4 @@ def heavier(
         return None
     found = pairs(separation, [offer[1]], EVALUATIONS)
     chances = {rival.family: rival.chance for rival in separation.rivals}
-    return Changed(added, expected({pair: d * worth[pair] for pair, d in found.items()}, chances))
+    return Heavier(added, expected({pair: d * worth[pair] for pair, d in found.items()}, chances))
