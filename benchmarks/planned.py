@@ -97,7 +97,8 @@ def _following(tied: Tied, t: np.ndarray, omega: np.ndarray) -> Scenario:
     holdout = tuple((round(float(a), 2), round(float(a + 0.04 * seconds), 2)) for a in starts)
     course = Follows("traj", seconds, holdout, (0.0,), course=(t, omega))
     scenario = tied.run.scenario
-    return replace(scenario, course=course, seed=scenario.seed + 1)
+    # A reference begins at its own angle, here where the mass hangs lowest.
+    return replace(scenario, course=course, seed=scenario.seed + 1, start_angle=0.0)
 
 
 def _outcome(tied: Tied, following: Scenario) -> Outcome:

@@ -149,7 +149,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
             for name, part in plan.narrower.items()
         ]
     moved, bounds = plan.motion, plan.bounds
-    said.append(f"Motion of {moved.seconds:.1f} s at {RATE_HZ:g} Hz:")
+    said.append(f"Motion of {moved.seconds:.1f} s at {RATE_HZ:g} Hz, from rest at {moved.theta[0]:.4g} rad:")
     said += [f"  {len(tuple(same))} x {words}" for words, same in groupby(plan.parts)]
     said.append("Largest values, beside the limits (motor side):")
     for word, values, limit, unit in (
