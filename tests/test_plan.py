@@ -304,20 +304,32 @@ def test_a_current_that_moves_nothing_is_refused(
 
 
 def test_the_command_prints_what_is_open(
-    tied: tuple[dict[str, np.ndarray], dict[str, object]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tied: tuple[dict[str, np.ndarray], dict[str, object]],
+    found: Diagnosis,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """From files to files, with a missing limit as one line."""
-    log, rig, limits = tmp_path / "log.csv", tmp_path / "rig.json", tmp_path / "limits.toml"
+    """From files to files, by an earlier diagnosis, with a missing limit and a wrong document as one line."""
+    log, rig, limits, said = (tmp_path / name for name in ("log.csv", "rig.json", "limits.toml", "said.json"))
     np.savetxt(
         log, np.column_stack(list(tied[0].values())), delimiter=",", header=",".join(tied[0]), comments=""
     )
     rig.write_text(json.dumps(tied[1]), encoding="utf-8")
     limits.write_text("speed_rad_s = 190.0\nacceleration_rad_s2 = 500.0\ntime_s = 40\n", encoding="utf-8")
-    given = ["plan", str(log), "--rig", str(rig), "--limits", str(limits), "--out", str(tmp_path / "plan")]
+    said.write_text(json.dumps({**diagnosis_document(found), "logs": ["other.csv"]}), encoding="utf-8")
+    out = tmp_path / "plan"
+    given = ["plan", str(log), "--rig", str(rig), "--limits", str(limits), "--out", str(out)]
+    given += ["--diagnosis", str(said)]
 
     assert main(given) == 2
     assert "current_A is required" in capsys.readouterr().err
 
     limits.write_text(limits.read_text(encoding="utf-8") + 'current_A = "9000 mA"\n', encoding="utf-8")
+    assert main(given) == 2
+    assert "said.json: logs: that of these logs" in capsys.readouterr().err
+    assert not out.exists()
+
+    said.write_text(json.dumps({**diagnosis_document(found), "logs": ["log.csv"]}), encoding="utf-8")
     assert main(given) == 0
     assert re.search(r"decides with a probability of \d+ %", capsys.readouterr().out)
+    assert (out / "reference.csv").exists()
