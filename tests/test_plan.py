@@ -71,8 +71,8 @@ def test_every_piece_keeps_its_margin(angle: tuple[float, float] | None) -> None
         way = np.trapezoid(motion.omega, motion.t)
         assert motion.theta[-1] - motion.theta[0] == pytest.approx(way, rel=1e-9, abs=1e-9)
         if angle is not None:
-            assert angle[0] <= np.min(motion.theta)
-            assert np.max(motion.theta) <= angle[1]
+            half = 0.5 * (1.0 - MARGIN) * (angle[1] - angle[0]) + 1e-3
+            assert np.max(np.abs(motion.theta - 0.5 * sum(angle))) <= half, piece.words
 
 
 def test_the_probability_to_decide_has_its_limits() -> None:

@@ -115,7 +115,9 @@ def _strokes(speed: float, hold: float, steep: float, seconds: float, bounds: Bo
     ramp = _ramp(2.0 * speed, steep)
     if bounds.angle is not None:
         room = (1.0 - MARGIN) * (bounds.angle[1] - bounds.angle[0])
-        longest = room / speed - ramp  # a trapezoid covers speed (hold + ramp)
+        # The first ramp, from rest, is shorter than the others, so that the first end is the farthest: at
+        # speed (hold / 2 + 9/16 ramp), by the integral of the smoothstep.
+        longest = room / speed - 1.125 * ramp
         if longest < 0.0:
             return
         hold = min(hold, longest)
@@ -125,7 +127,6 @@ def _strokes(speed: float, hold: float, steep: float, seconds: float, bounds: Bo
         return
     lengths = np.r_[0.5, np.ones(strokes - 1), 0.5] * (hold + ramp)
     signs = (-1.0) ** np.arange(strokes + 1)
-    # The first ramp, from rest, takes half as long as those between two directions.
     omega = _timed(signs * speed, lengths, steep)
     if omega is not None and len(omega) <= seconds * RATE_HZ + 1:
         word = f"held for {hold:.2g} s" if hold else "turned at once"
