@@ -15,14 +15,15 @@ from scipy.optimize import lsq_linear
 
 import eccentric
 from eccentric.cli import main
-from eccentric.diagnosis import diagnose
+from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document
 from eccentric.errors import InputError
-from eccentric.planning import Bounds, planned, read_bounds
+from eccentric.planning import Bounds, planned, question_from, question_of, read_bounds
 from eccentric.planning.chance import decided
 from eccentric.planning.limits import MARGIN, UNDECIDED
 from eccentric.planning.motion import joined, pieces
-from eccentric.planning.rivals import Rival, rivals_of
+from eccentric.planning.rivals import Rival
 from eccentric.planning.separation import Ground, Separation
+from eccentric.rigs import read_rig
 from eccentric.search import Variant
 from eccentric.virtual_bench import random_scenario, simulate
 
@@ -41,11 +42,16 @@ def tied() -> tuple[dict[str, np.ndarray], dict[str, object]]:
 
 
 @pytest.fixture(scope="module")
-def contest(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> Separation:
+def found(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> Diagnosis:
+    """Its diagnosis."""
+    return diagnose([tied[0]], tied[1])
+
+
+@pytest.fixture(scope="module")
+def contest(found: Diagnosis) -> Separation:
     """Its rivals."""
-    found = diagnose([tied[0]], tied[1])
     assert found.attribution.verdict == "not_identifiable"
-    return Separation(found, rivals_of(found))
+    return Separation(question_of(found))
 
 
 @pytest.mark.parametrize("angle", [None, (-3.0, 5.0)])
@@ -59,13 +65,14 @@ def test_every_piece_keeps_its_margin(angle: tuple[float, float] | None) -> None
         motion = joined([piece], bounds)
         assert np.max(np.abs(motion.omega)) <= (1.0 - MARGIN) * bounds.speed * (1.0 + 1e-9), piece.words
         assert np.max(np.abs(motion.alpha)) <= bounds.acceleration, piece.words
+        assert len(piece.omega) <= 10.0 * 200.0 + 1, piece.words
         assert motion.omega[0] == pytest.approx(0.0, abs=1e-9)
         assert motion.omega[-1] == pytest.approx(0.0, abs=1e-9)
         way = np.trapezoid(motion.omega, motion.t)
         assert motion.theta[-1] - motion.theta[0] == pytest.approx(way, rel=1e-9, abs=1e-9)
         if angle is not None:
-            assert angle[0] <= np.min(motion.theta)
-            assert np.max(motion.theta) <= angle[1]
+            half = 0.5 * (1.0 - MARGIN) * (angle[1] - angle[0]) + 1e-3
+            assert np.max(np.abs(motion.theta - 0.5 * sum(angle))) <= half, piece.words
 
 
 def test_the_probability_to_decide_has_its_limits() -> None:
@@ -92,7 +99,7 @@ def test_a_rival_is_not_apart_from_itself(contest: Separation) -> None:
 
 def test_apart_is_the_error_of_the_best_imitation(contest: Separation) -> None:
     """SciPy's bounded least squares on all rows at once, over a fine grid of shapes; declared values hold."""
-    contest = Separation(contest.found, contest.rivals)
+    contest = Separation(contest.question)
     contest.declared.clear()
     truth, other = contest.rivals
     grounds = [contest.log, _ground(contest)]
@@ -182,8 +189,69 @@ def test_the_angle_is_that_of_the_log() -> None:
         found = diagnose([columns], {**run.rig, "theta_zero_rad": zero})
         motion = joined([next(pieces(bounds, 10.0, np.random.default_rng(0)))], bounds)
         moved = replace(motion, theta=motion.theta + zero / 0.2)
-        currents.append(Separation(found, rivals_of(found)).ground(moved).current)
+        currents.append(Separation(question_of(found)).ground(moved).current)
     np.testing.assert_allclose(currents[0], currents[1], rtol=0.0, atol=1e-6 * np.max(np.abs(currents[0])))
+
+
+def test_an_earlier_diagnosis_says_what_is_open(
+    tied: tuple[dict[str, np.ndarray], dict[str, object]],
+    found: Diagnosis,
+    contest: Separation,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From its document, without a search: the same rivals, as likely, with the same fits to the log."""
+
+    def no_search(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr("eccentric.diagnosis.loop.attribute", no_search)
+    said = json.loads(json.dumps(diagnosis_document(found)))
+    question = question_from(said, [tied[0]], read_rig(tied[1]), None)
+    own = {rival.family: rival for rival in question.rivals}
+    assert list(own) == [rival.family for rival in contest.rivals]
+    for rival in contest.rivals:
+        assert own[rival.family].chance == pytest.approx(rival.chance)
+        losses = [
+            q.screen.fit(r.variants).score
+            for q, r in ((question, own[rival.family]), (contest.question, rival))
+        ]
+        assert losses[0] == pytest.approx(losses[1], rel=1e-3)
+    pair = tuple(own)
+    grounds = [[one.log, _ground(one)] for one in (Separation(question), contest)]
+    apart = [
+        one.by_names(*pair, ground)
+        for one, ground in zip((Separation(question), contest), grounds, strict=True)
+    ]
+    assert apart[0] == pytest.approx(apart[1], rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"format": "eccentric-fit/1"}, r"format eccentric-diagnosis/1 is required"),
+        ({"logs": ["other.csv"]}, r"logs: that of these logs.*received \['other.csv'\]"),
+        ({"model": "c1_asymmetric"}, r"model: that of these logs"),
+        ({"tied": None}, r"tied is required, received none: diagnose the logs again"),
+        ({"fits_the_rig": False}, r"a log that fits the rig is required"),
+        ({"asked": {"with": ["stribeck"]}}, r"without effects to begin with .* received one with stribeck"),
+        (
+            {"extended_by": ["my_effect"], "tied": ["my_effect"]},
+            r"effects that these logs can show .* my_effect",
+        ),
+    ],
+)
+def test_a_diagnosis_of_something_else_is_refused(
+    tied: tuple[dict[str, np.ndarray], dict[str, object]],
+    found: Diagnosis,
+    changed: dict[str, object],
+    message: str,
+) -> None:
+    """One line with the key, what is required and what came."""
+    said = {
+        key: value for key, value in {**diagnosis_document(found), **changed}.items() if value is not None
+    }
+    with pytest.raises(InputError, match=message):
+        question_from(said, [tied[0]], read_rig(tied[1]), None)
 
 
 def test_a_log_of_another_rig_is_refused(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> None:
@@ -213,29 +281,55 @@ def test_limits_that_cannot_be_are_refused(changed: dict[str, object], message: 
         read_bounds(given)
 
 
+def test_all_mistakes_of_a_limits_file_are_told_at_once() -> None:
+    """What is missing, what is no number, what is unknown: one line with each of them."""
+    with pytest.raises(InputError) as error:
+        read_bounds(
+            {"speed_rad_s": "fast", "current_A": -1.0, "torque": 1.0, "time_s": 2.0, "speed_loop_Hz": 0}
+        )
+    said = str(error.value)
+    assert "\n" not in said
+    for part in ("'torque'", "acceleration_rad_s2 is", "'fast'", "current_A:", "time_s:", "speed_loop_Hz:"):
+        assert part in said, part
+
+
 def test_a_current_that_moves_nothing_is_refused(
     contest: Separation,
 ) -> None:
-    """No piece of motion stays within it."""
-    with pytest.raises(InputError, match=r"current_A: enough for the slowest motion"):
-        planned(contest.found, read_bounds({**LIMITS, "current_A": 1e-3}))
+    """No piece of motion stays within it; the message says what friction and load take."""
+    with pytest.raises(InputError, match=r"current_A: enough for load and friction") as error:
+        planned(contest.question, read_bounds({**LIMITS, "current_A": 1e-3}))
+    needed = float(re.findall(r"required, ([0-9.e-]+) A", str(error.value))[0])
+    planned(contest.question, read_bounds({**LIMITS, "current_A": 1.5 * needed}))
 
 
 def test_the_command_prints_what_is_open(
-    tied: tuple[dict[str, np.ndarray], dict[str, object]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tied: tuple[dict[str, np.ndarray], dict[str, object]],
+    found: Diagnosis,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """From files to files, with a missing limit as one line."""
-    log, rig, limits = tmp_path / "log.csv", tmp_path / "rig.json", tmp_path / "limits.toml"
+    """From files to files, by an earlier diagnosis, with a missing limit and a wrong document as one line."""
+    log, rig, limits, said = (tmp_path / name for name in ("log.csv", "rig.json", "limits.toml", "said.json"))
     np.savetxt(
         log, np.column_stack(list(tied[0].values())), delimiter=",", header=",".join(tied[0]), comments=""
     )
     rig.write_text(json.dumps(tied[1]), encoding="utf-8")
     limits.write_text("speed_rad_s = 190.0\nacceleration_rad_s2 = 500.0\ntime_s = 40\n", encoding="utf-8")
-    given = ["plan", str(log), "--rig", str(rig), "--limits", str(limits), "--out", str(tmp_path / "plan")]
+    said.write_text(json.dumps({**diagnosis_document(found), "logs": ["other.csv"]}), encoding="utf-8")
+    out = tmp_path / "plan"
+    given = ["plan", str(log), "--rig", str(rig), "--limits", str(limits), "--out", str(out)]
+    given += ["--diagnosis", str(said)]
 
     assert main(given) == 2
     assert "current_A is required" in capsys.readouterr().err
 
     limits.write_text(limits.read_text(encoding="utf-8") + 'current_A = "9000 mA"\n', encoding="utf-8")
+    assert main(given) == 2
+    assert "said.json: logs: that of these logs" in capsys.readouterr().err
+    assert not out.exists()
+
+    said.write_text(json.dumps({**diagnosis_document(found), "logs": ["log.csv"]}), encoding="utf-8")
     assert main(given) == 0
     assert re.search(r"decides with a probability of \d+ %", capsys.readouterr().out)
+    assert (out / "reference.csv").exists()

@@ -22,6 +22,8 @@ from eccentric.planning import (
     plan_document,
     plan_lines,
     planned,
+    question_from,
+    question_of,
     read_bounds,
 )
 from eccentric.rigs import read_rig
@@ -42,6 +44,7 @@ def plan(
     model: ModelSource | None = None,
     progress: Callable[[str], None] | None = None,
     reading: Callable[[float], None] | None = None,
+    diagnosis: str | os.PathLike[str] | Mapping[str, Any] | None = None,
 ) -> PlanResult:
     """Plan the motion that tells apart what a diagnosis of logs left open.
 
@@ -51,23 +54,35 @@ def plan(
         logs, rig, model: as `diagnose` takes them.
         limits: what the motion may not exceed, motor side: the path of a TOML or JSON file or a mapping with
             `speed_rad_s`, `acceleration_rad_s2`, `current_A`, `time_s` and, for a drive that does not turn
-            without end, `angle_rad`, each in SI or as a text with a unit ("3000 rpm").
+            without end, `angle_rad`, each in SI or as a text with a unit ("3000 rpm"); `speed_loop_Hz`, the
+            bandwidth of the speed loop, where it is known.
         progress: called with one line for each stage.
         reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read.
+        diagnosis: what `diagnose` has found in these logs, its diagnosis.json or a mapping like it: what
+            is open is taken from there, and no search is run.
 
     Raises:
-        InputError: as `diagnose` does; the log does not fit the rig; a limit is missing or not positive; or
+        InputError: as `diagnose` does; the diagnosis is of other logs or another model; the log
+            does not fit the rig; limits are missing or not positive; or
             no motion stays within them.
     """
     sources, rig = sources_of(logs), read_rig(rig)
     bounds = read_bounds(limits, rig.axis)
     with in_words_of(rig, sources):
-        found = diagnose(read_long(sources, rig, tell=reading), rig, by_name(model), tell=progress)
-        made = planned(found, bounds, progress or (lambda _: None))
+        read = read_long(sources, rig, tell=reading)
+        if diagnosis is None:
+            found = diagnose(read, rig, by_name(model), tell=progress)
+            question, warnings = question_of(found), found.warnings
+        else:
+            question = question_from(diagnosis, read, rig, by_name(model))
+            channels = question.data.drive.channels
+            warnings = (*channels.intake.warnings, *question.data.drive.warnings)
+        made = planned(question, bounds, progress or (lambda _: None))
+    own_names = (*map(str, sources), *question.data.drive.channels.own_names)
     return PlanResult(
         plan=made,
         lines=tuple(plan_lines(made)),
-        warnings=rig.axis.told(found.warnings, (*found.asked.logs, *found.channels.own_names)),
+        warnings=rig.axis.told(warnings, own_names),
         document=plan_document(made),
     )
 

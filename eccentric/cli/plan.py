@@ -20,7 +20,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--limits",
         metavar="LIMITS",
         required=True,
-        help="speed_rad_s, acceleration_rad_s2, current_A, time_s and angle_rad of the motor: .toml or .json",
+        help=".toml or .json with speed_rad_s, acceleration_rad_s2, current_A, time_s; optional: angle_rad,"
+        " speed_loop_Hz",
+    )
+    parser.add_argument(
+        "--diagnosis",
+        metavar="JSON",
+        help="what `diagnose` wrote of these logs, diagnosis.json: what is open is taken from it",
     )
     add_folder(parser, "the reference, as CSV and C, and its picture")
 
@@ -30,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     own_folder(args.out)
     if arm_of(args.rig, {"--model": args.model}):
         raise InputError(f"{args.rig}: plan requires the rig of a single drive, received that of an arm")
-    found = eccentric.plan(args.logs, args.rig, args.limits, args.model, progress(), bar())
+    found = eccentric.plan(args.logs, args.rig, args.limits, args.model, progress(), bar(), args.diagnosis)
     names = [path.name for path in found.write(args.out)]
     print_warnings(found.warnings)
     print(found.summary())

@@ -23,7 +23,7 @@ from eccentric.diagnosis.base_script import BASE, base_source
 from eccentric.diagnosis.closest import Closest
 from eccentric.diagnosis.contest import BASELINE, Contest, Entry, contest, contest_document, contest_lines
 from eccentric.diagnosis.document import diagnosis_document
-from eccentric.diagnosis.loop import diagnose, diagnosed
+from eccentric.diagnosis.loop import diagnose, diagnosed, staged_log
 from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name, script
 from eccentric.diagnosis.orders import Order, orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
@@ -70,4 +70,5 @@ __all__ = [
     "sibling_sentence",
     "stability_words",
     "staged",
+    "staged_log",
 ]

@@ -34,9 +34,9 @@ from eccentric.logs import LogSource
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
 from eccentric.search import LEAST_DEVIANCE, attribute, variables_of
-from eccentric.signals import band_of, read_channels, read_long
+from eccentric.signals import Channels, band_of, read_channels, read_long
 
-__all__ = ["diagnose", "diagnosed"]
+__all__ = ["diagnose", "diagnosed", "staged_log"]
 
 
 def diagnose(
@@ -62,12 +62,7 @@ def diagnose(
             from the current, or such an effect to begin with; or fewer than two rows to hold out.
     """
     tell, request = tell or (lambda _: None), request or SearchRequest()
-    rig = read_rig(rig)
-    read = read_long(logs, rig)
-    channels = read_channels(read, rig)
-    names = tuple(Path(log.path).name for log in read)
-    given = channels.rig.model if model is None else model
-    plain = given if isinstance(given, Model) else load_model(given)
+    channels, given, plain, names = _read(logs, rig, model)
     tell(f"{channels.counts['used']} rows used of {channels.intake.read}")
     stage = stage_of(channels, plain, effects, ", ".join(names))
     if request.including:
@@ -78,6 +73,30 @@ def diagnose(
         except InputError as error:
             raise InputError(f"including {', '.join(request.including)}: {error}") from None
     return diagnosed(stage, Asked(names, Path(channels.rig.path).name, given, effects, request), tell)
+
+
+def staged_log(
+    logs: Sequence[LogSource],
+    rig: str | os.PathLike[str] | Mapping[str, Any] | Rig,
+    model: str | Model | None = None,
+) -> tuple[Stage, tuple[str, ...]]:
+    """The stage of one rig's logs, before any search, and their names; arguments and errors as `diagnose`."""
+    channels, _, plain, names = _read(logs, rig, model)
+    return stage_of(channels, plain, None, ", ".join(names)), names
+
+
+def _read(
+    logs: Sequence[LogSource],
+    rig: str | os.PathLike[str] | Mapping[str, Any] | Rig,
+    model: str | Model | None,
+) -> tuple[Channels, str | Model, Model, tuple[str, ...]]:
+    """The signals, the model as it was given or by the rig, the same loaded, and the names of the logs."""
+    rig = read_rig(rig)
+    read = read_long(logs, rig)
+    channels = read_channels(read, rig)
+    given = channels.rig.model if model is None else model
+    plain = given if isinstance(given, Model) else load_model(given)
+    return channels, given, plain, tuple(Path(log.path).name for log in read)
 
 
 def diagnosed(

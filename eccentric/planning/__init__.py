@@ -2,14 +2,17 @@
 
     bounds      what the motion may not exceed: angle, speed, acceleration, current, time
     motion      pieces of motion that a drive can follow, and their sequence
+    followed    the extremes of a motion, as drives make it that are not quite the fitted one
     rivals      what a diagnosis left open: fits that explain its log alike
-    separation     how far apart two rivals are on a motion, each fitted anew to log and motion
+    question    all that a plan starts from: rivals, log, noise; from a diagnosis or its document
+    separation  how far apart two rivals are on a motion, each fitted anew to log and motion
     choice      the sequence of pieces that separates the closest two
+    heavier     the same motion with more mass on the link
     chance      the probability that the new log decides
     outcome     the plan: motion, rivals, probability, words
     limits      every threshold, with its reason
 
-In: a `Diagnosis` and `Bounds`.  Out: a `MeasurementPlan`.
+In: a `Diagnosis`, or logs and its document, and `Bounds`.  Out: a `MeasurementPlan`.
 May import: `diagnosis`, `search`, `fitting`, `signals`, `rigs`, `logs`, `model`, `effects`, `estimation`.
 """
 
@@ -17,15 +20,19 @@ from eccentric.planning.bounds import Bounds, read_bounds
 from eccentric.planning.limits import FIRMWARE_HZ, RATE_HZ
 from eccentric.planning.motion import Reference
 from eccentric.planning.outcome import MeasurementPlan, plan_document, plan_lines, planned
+from eccentric.planning.question import Question, question_from, question_of
 
 __all__ = [
     "FIRMWARE_HZ",
     "RATE_HZ",
     "Bounds",
     "MeasurementPlan",
+    "Question",
     "Reference",
     "plan_document",
     "plan_lines",
     "planned",
+    "question_from",
+    "question_of",
     "read_bounds",
 ]

@@ -2,78 +2,138 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import permutations
 
 import numpy as np
 
 from eccentric.errors import InputError
 from eccentric.planning.bounds import Bounds
-from eccentric.planning.limits import EVALUATIONS, LEAST_PIECE_S, MARGIN, PIECES, RATE_HZ
-from eccentric.planning.motion import Reference, Segment, joined, pieces
+from eccentric.planning.chance import decided
+from eccentric.planning.followed import extremes
+from eccentric.planning.limits import (
+    BEYOND,
+    EVALUATIONS,
+    KEPT,
+    LEAST_PIECE_S,
+    LEAST_SCALE,
+    OFF,
+    PIECES,
+    RATE_HZ,
+    RESCALED,
+    REST_S,
+    SLOWER,
+    SLOWEST_OF,
+    SURPLUS,
+)
+from eccentric.planning.motion import Segment, joined, pieces
 from eccentric.planning.separation import Ground, Separation
 
-__all__ = ["chosen"]
+__all__ = ["chosen", "kept", "pairs"]
 
-Offer = tuple[Segment, Ground]
+Offer = tuple[tuple[Segment, ...], Ground]
 
 
 def chosen(
     separation: Separation, bounds: Bounds, seed: int, tell: Callable[[str], None]
-) -> tuple[Reference, tuple[str, ...], dict[tuple[str, str], float]]:
-    """The motion, its pieces in words, and how far it leaves the rivals apart, log included.
+) -> tuple[tuple[Segment, ...], Ground, dict[tuple[str, str], float]]:
+    """The pieces of the motion, all of it as a ground, and how far it leaves the rivals apart, log included.
 
     Greedy: each piece is the one that adds most to those before it. Then the sequence as a whole is compared
     with its best pieces repeated, which shows what drifts with time.
 
-    Raises InputError if no piece stays within the bounds.
+    Raises InputError if no piece keeps the bounds for drives of the uncertainty.
     """
     count = int(np.clip(bounds.time / LEAST_PIECE_S, 2, PIECES))
-    seconds = bounds.time / count
-    offers: list[Offer] = []
-    for piece in pieces(bounds, seconds, np.random.default_rng(seed)):
-        ground = separation.ground(joined([piece], bounds))
-        if np.max(np.abs(ground.current)) <= (1.0 - MARGIN) * bounds.current:
-            offers.append((piece, ground))
+    # The last samples bring the reference to rest.
+    seconds = (bounds.time - REST_S) / count
+    offers = [
+        offer
+        for piece in pieces(bounds, seconds, np.random.default_rng(seed))
+        if (offer := kept(separation, [piece], bounds, LEAST_SCALE)) is not None
+    ]
     if not offers:
-        raise InputError(
-            f"limits: current_A: enough for the slowest motion is required, received {bounds.current:g} A"
-        )
+        raise InputError(_too_tight(separation, bounds))
     tell(f"{len(offers)} pieces of motion within the limits")
     taken: list[Offer] = []
-    left = bounds.time
+    left = bounds.time - REST_S
     while fitting := [offer for offer in offers if _length(offer[0]) <= left + 1e-9]:
         grounds = [separation.log, *(ground for _, ground in taken)]
         best = max(fitting, key=lambda offer: _worth(separation, [*grounds, offer[1]]))
         taken.append(best)
         left -= _length(best[0])
-    sequences = [[piece for piece, _ in taken]]
-    for piece in dict.fromkeys(piece.words for piece, _ in taken):
-        own = next(p for p, _ in taken if p.words == piece)
-        sequences.append([own] * max(int(bounds.time / _length(own)), 1))
-    found = []
-    for parts in sequences:
-        motion = joined(parts, bounds)
-        ground = separation.ground(motion)
-        if np.max(np.abs(ground.current)) <= bounds.current:
-            found.append((_worth(separation, [separation.log, ground]), motion, parts, ground))
+    sequences = [[piece for (piece,), _ in taken]]
+    different = {piece.words: piece for piece in sequences[0]}.values()
+    sequences += [[own] * max(int((bounds.time - REST_S) / _length([own])), 1) for own in different]
+    found = [one for parts in sequences if (one := kept(separation, parts, bounds, 0.0)) is not None]
     if not found:
-        raise InputError(
-            "limits: current_A: enough for the pieces one after another is required,"
-            f" received {bounds.current:g} A"
-        )
-    _, motion, parts, ground = max(found, key=lambda one: one[0])
+        raise InputError(_too_tight(separation, bounds))
+    parts, ground = max(found, key=lambda one: _worth(separation, [separation.log, one[1]]))
     tell("judging the motion")
-    return motion, tuple(p.words for p in parts), _pairs(separation, [separation.log, ground], EVALUATIONS)
+    return parts, ground, pairs(separation, [separation.log, ground], EVALUATIONS)
 
 
-def _length(piece: Segment) -> float:
-    return len(piece.omega) / RATE_HZ
+def kept(
+    separation: Separation,
+    parts: Sequence[Segment],
+    bounds: Bounds,
+    least: float = 0.0,
+    known: Mapping[str, float] | None = None,
+) -> Offer | None:
+    """The same motion, slower where needed for true drives to keep the limits.
+
+    None if less than this part of its speed would be left; `known`: parameters of the rig that were changed.
+    """
+    scale = 1.0
+    for _ in range(RESCALED):
+        slower = [part.scaled(scale) for part in parts]
+        motion = joined(slower, bounds)
+        ground = separation.ground(motion, known)
+        if ground.met is None:
+            return None
+        used = extremes(motion, ground.met, bounds.loop_hz).beyond(bounds)
+        if used <= KEPT:
+            return tuple(slower), ground
+        # Load and friction do not shrink with the motion: a current needs more than its share.
+        scale *= min(KEPT / used, SLOWER)
+        if scale < least:
+            return None
+    return None
 
 
-def _pairs(
+def _too_tight(separation: Separation, bounds: Bounds) -> str:
+    """What makes every motion impossible, in a message: the slowest motion of all says by how much."""
+    top = SLOWEST_OF * bounds.speed
+    rest = Segment("", np.concatenate([np.full(int(RATE_HZ), sign * top) for sign in (1.0, -1.0)]))
+    met = separation.ground(joined([rest], bounds)).met
+    needed = (
+        0.0
+        if met is None
+        else float(np.max(np.abs(met.load) + np.abs(met.friction))) / abs(met.torque_constant)
+    )
+    noise = 0.0 if met is None else met.noise
+    least = (1.0 + OFF) * needed + noise
+    if least > KEPT * bounds.current:
+        return (
+            "limits: current_A: enough for load and friction of the slowest motion is required,"
+            f" {least / KEPT:.3g} A"
+            f" with mass and friction {100 * OFF:.0f} % higher, received {bounds.current:g} A"
+        )
+    return (
+        "limits: speed, acceleration, current and angle that leave room for one motion are required, received"
+        f" {bounds.speed:g} rad/s, {bounds.acceleration:g} rad/s^2, {bounds.current:g} A"
+        + ("" if bounds.angle is None else f", {bounds.angle[0]:g} to {bounds.angle[1]:g} rad")
+    )
+
+
+def _length(parts: Sequence[Segment]) -> float:
+    return sum(len(part.omega) for part in parts) / RATE_HZ
+
+
+def pairs(
     separation: Separation, grounds: Sequence[Ground], evaluations: int = 0
 ) -> dict[tuple[str, str], float]:
+    """(true family, other family) -> how far apart they are on these grounds; refined with `evaluations`."""
     return {
         (truth.family, other.family): separation.apart(truth, other, grounds, evaluations)
         for truth, other in permutations(separation.rivals, 2)
@@ -81,14 +141,15 @@ def _pairs(
 
 
 def _worth(separation: Separation, grounds: Sequence[Ground]) -> float:
-    """What grounds are worth: how far the true rival is from the closest other; alone, how well it is known.
+    """What grounds are worth: how likely two rivals are told apart, whichever they are.
 
+    Each pair counts, since two that no motion can separate are to be separated from the others all the same.
     Alone: the log determinant of the information on its coefficients, D-optimality.
     """
     if len(separation.rivals) == 1:
         return float(np.linalg.slogdet(separation.information(separation.rivals[0], grounds))[1])
-    pairs = _pairs(separation, grounds)
+    chances = {rival.family: rival.chance for rival in separation.rivals}
     return sum(
-        rival.chance * float(np.log1p(min(d for (truth, _), d in pairs.items() if truth == rival.family)))
-        for rival in separation.rivals
+        chances[truth] * chances[other] * (decided(d / SURPLUS) + BEYOND * float(np.log1p(d)))
+        for (truth, other), d in pairs(separation, grounds).items()
     )

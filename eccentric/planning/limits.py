@@ -2,22 +2,40 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 __all__ = [
     "ACCELERATION_PART",
+    "BEYOND",
     "COARSE",
     "DECIDES",
     "EVALUATIONS",
     "FIRMWARE_HZ",
+    "HEAVIER",
     "INFORMATIVE_HZ",
+    "INTEGRAL_PER_S",
+    "KEPT",
     "LEAST_PIECE_S",
+    "LEAST_SCALE",
     "LEAST_TIME_S",
+    "LOOPS_HZ",
+    "LOOP_STEPS",
     "MARGIN",
+    "NOISE_PEAK",
+    "OFF",
     "PIECES",
     "RATE_HZ",
+    "RESCALED",
+    "REST_S",
+    "SLOWER",
+    "SLOWEST_OF",
+    "SPEED_FILTER_HZ",
     "SURE",
+    "SURPLUS",
     "TRAINED",
     "UNDECIDED",
     "VARIANTS_AGREE",
+    "WHOLE_TURNS",
     "WORTH_A_RUN",
 ]
 
@@ -29,11 +47,36 @@ INFORMATIVE_HZ = 50.0
 """Independent samples that a second has below a low pass of 25 Hz."""
 TRAINED = 0.8
 """Part of a log that the search sees: the rest is held out."""
-MARGIN = 0.15
-"""Part of every limit that stays unused: parameters of a drive are off by some percent, and a loop of a few
-hertz overshoots the end of a ramp by a tenth of the speed."""
-ACCELERATION_PART = 0.5
-"""Part of the acceleration that ramps use: the loop has to make up what it lags behind."""
+MARGIN = 0.03
+"""Part of speed and angle that no piece is offered with: the reserve of what is simulated in `followed`."""
+ACCELERATION_PART = 0.9
+"""Part of the acceleration that ramps use: a smoothstep on a grid of samples exceeds its own by little."""
+OFF = 0.1
+"""Part by which mass, friction and loop of the true drive may differ from the fitted one."""
+LOOPS_HZ = (3.5, 12.0)
+"""Bandwidths of the speed loop that a motion has to suit where none is given: a slow one overshoots ramps, a
+fast one takes more current."""
+INTEGRAL_PER_S = 6.0
+"""Integral over proportional gain of the loop [1/s]: the upper end of what is usual; more overshoots more."""
+SPEED_FILTER_HZ = 30.0
+"""Corner of the filter of the speed: the lower end of what is usual; its lag costs damping."""
+LOOP_STEPS = 2
+"""Steps of the simulated loop per sample of the reference: 2.5 ms, half of the filter's time."""
+KEPT = 0.97
+"""Part of a limit that the simulated drives may use: the sensors of the drive have noise, too."""
+RESCALED, LEAST_SCALE = 6, 0.6
+"""How often a piece is made slower to keep its limits, and what part of its speed it keeps: what is slower
+than that is left to the slower pieces on offer."""
+SLOWER = 0.9
+"""Most of its speed that a motion keeps when it is made slower."""
+SLOWEST_OF = 0.005
+"""Part of the limit of speed at which a motion is the slowest of interest."""
+REST_S = 0.05
+"""Rest at the end of a reference, which rounds it to whole steps of the table for firmware."""
+NOISE_PEAK = 4.0
+"""Standard deviations of the current's noise that count as its peak, in a minute of samples."""
+WHOLE_TURNS = 10.0 * np.pi
+"""Reach of the largest reversals of a drive that turns without end [rad]: five turns of the motor."""
 LEAST_TIME_S, LEAST_PIECE_S = 10.0, 4.0
 """Shortest plan, and shortest piece of it: a stroke at constant speed, there and back."""
 PIECES = 6
@@ -42,6 +85,12 @@ COARSE = (0.5, 0.75, 1.0, 1.4, 2.0)
 """Factors on the shapes of a rival while pieces are chosen: between them its fit changes little."""
 EVALUATIONS = 60
 """Fits of the refinement that the chosen motion is judged with."""
+SURPLUS, BEYOND = 5.0, 0.02
+"""A motion is chosen to leave rivals this many times as far apart as its probability would require, and a
+little farther still: the fitted rivals are not quite the true drive."""
+HEAVIER = 0.5
+"""Part of the mass on the link that is added where no motion decides: what a person has at hand, and enough
+to change the loads of the bearing and of the gear."""
 SURE = 9.0
 """Odds at which a verdict names an effect: a probability of 0.9."""
 VARIANTS_AGREE = 1.28

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.planning.bounds import Bounds
-from eccentric.planning.limits import ACCELERATION_PART, FIRMWARE_HZ, MARGIN, RATE_HZ
+from eccentric.planning.limits import ACCELERATION_PART, FIRMWARE_HZ, MARGIN, RATE_HZ, WHOLE_TURNS
 
 __all__ = ["Reference", "Segment", "joined", "pieces"]
 
@@ -43,10 +43,25 @@ class Reference:
 
 @dataclass(frozen=True)
 class Segment:
-    """A part of a motion, from rest to rest: what it does, in words, and its velocity [rad/s], (n,)."""
+    """A part of a motion, from rest to rest.
 
-    words: str
+    Attributes:
+        pattern: what it does, in words, with places for `sizes`, which grow with the velocity.
+        omega: its velocity [rad/s], (n,).
+    """
+
+    pattern: str
     omega: Array
+    sizes: tuple[float, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """What it does."""
+        return self.pattern.format(*(f"{size:.3g}" for size in self.sizes))
+
+    def scaled(self, factor: float) -> Segment:
+        """The same motion, faster or slower, in the same time."""
+        return Segment(self.pattern, factor * self.omega, tuple(factor * size for size in self.sizes))
 
 
 def joined(parts: Sequence[Segment], bounds: Bounds) -> Reference:
@@ -63,17 +78,19 @@ def joined(parts: Sequence[Segment], bounds: Bounds) -> Reference:
 
 
 def pieces(bounds: Bounds, seconds: float, rng: np.random.Generator) -> Iterator[Segment]:
-    """The pieces to choose from, each of about these seconds and within a margin of the bounds."""
+    """The pieces to choose from, each of at most these seconds and within a margin of the bounds."""
     top, steep = (1.0 - MARGIN) * bounds.speed, ACCELERATION_PART * bounds.acceleration
-    for low, high in ((0.02, 0.2), (0.05, 1.0), (0.3, 1.0)):
+    for low, high in ((0.005, 0.1), (0.02, 0.3), (0.05, 1.0), (0.3, 1.0)):
         for order in ("rising", "falling"):
             yield from _speeds(low * top, high * top, order == "falling", steep, seconds, bounds)
-    for part in (0.01, 0.03, 0.1, 0.3, 0.6, 1.0):
-        yield from _strokes(part * top, steep, seconds, bounds)
+    for part in (0.005, 0.015, 0.05, 0.15, 0.3, 0.6, 1.0):
+        for hold in (0.0, 1.0, 3.0):
+            yield from _strokes(part * top, hold, steep, seconds, bounds)
     for reach in (0.01, 0.1, 1.0):
         yield from _reversals(reach, top, steep, seconds, bounds)
-    for _ in range(8):
-        yield from _sines(top, steep, seconds, bounds, rng)
+    for fastest in (0.5, 1.5, 4.0):
+        for _ in range(4):
+            yield from _sines(top, fastest, steep, seconds, bounds, rng)
 
 
 def _speeds(
@@ -82,38 +99,43 @@ def _speeds(
     """Constant speeds, geometric steps, there and back: without an end of the angle only."""
     if bounds.angle is not None:
         return
-    count = max(2, int(seconds / 3.0))
+    count = max(2, int(seconds / 2.0))
     sizes = np.geomspace(low, high, count)
     sizes = sizes[::-1] if falling else sizes
     speeds = sizes * (-1.0) ** np.arange(count)
-    omega = _timed(speeds, np.full(count, seconds / count), steep)
+    last = _ramp(speeds[-1], steep)
+    omega = _timed(speeds, np.full(count, (seconds - last) / count), steep)
     if omega is not None:
-        word = "falling" if falling else "rising"
-        yield Segment(f"constant speeds of both directions, {word}, {low:.3g} to {high:.3g} rad/s", omega)
+        order = "falling" if falling else "rising"
+        yield Segment(f"constant speeds of both directions, {order}, {{}} to {{}} rad/s", omega, (low, high))
 
 
-def _strokes(speed: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Segment]:
-    """Strokes of one speed to both ends, or of a second each."""
-    ramp = 1.5 * 2.0 * speed / steep
-    if bounds.angle is None:
-        hold = max(1.0, 2.0 * ramp)
-    else:
+def _strokes(speed: float, hold: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Segment]:
+    """Strokes of one speed, held for so long [s], or to both ends: with 0, all is acceleration."""
+    ramp = _ramp(2.0 * speed, steep)
+    if bounds.angle is not None:
         room = (1.0 - MARGIN) * (bounds.angle[1] - bounds.angle[0])
-        hold = room / speed - ramp  # a trapezoid covers speed (hold + ramp)
-        if hold < 0.2 * ramp or hold > 0.5 * seconds:
+        # The first ramp, from rest, is shorter than the others, so that the first end is the farthest: at
+        # speed (hold / 2 + 9/16 ramp), by the integral of the smoothstep.
+        longest = room / speed - 1.125 * ramp
+        if longest < 0.0:
             return
+        hold = min(hold, longest)
     # Half a stroke first: the strokes then lie about the middle.
-    strokes = max(2, 2 * int(seconds / (2.0 * (hold + ramp))))
+    strokes = 2 * int((seconds - ramp) / (2.0 * (hold + ramp)))
+    if strokes < 2:
+        return
     lengths = np.r_[0.5, np.ones(strokes - 1), 0.5] * (hold + ramp)
     signs = (-1.0) ** np.arange(strokes + 1)
     omega = _timed(signs * speed, lengths, steep)
-    if omega is not None and len(omega) <= 1.5 * seconds * RATE_HZ:
-        yield Segment(f"strokes in both directions at {speed:.3g} rad/s", omega)
+    if omega is not None and len(omega) <= seconds * RATE_HZ + 1:
+        word = f"held for {hold:.2g} s" if hold else "turned at once"
+        yield Segment(f"strokes in both directions at {{}} rad/s, {word}", omega, (speed,))
 
 
 def _reversals(reach: float, top: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Segment]:
-    """Slow strokes that grow: 1 % of the reach, then twice as far each time, and back."""
-    whole = 2.0 * np.pi * 5.0 if bounds.angle is None else 0.5 * (1.0 - MARGIN) * np.ptp(bounds.angle)
+    """Slow strokes that grow: 3 % of the reach, then twice as far each time, and back."""
+    whole = WHOLE_TURNS if bounds.angle is None else 0.5 * (1.0 - MARGIN) * np.ptp(bounds.angle)
     end, cycles = reach * whole, 6
     amplitudes = end * np.geomspace(0.03, 1.0, cycles)
     t = np.arange(int(seconds * RATE_HZ)) / RATE_HZ
@@ -124,16 +146,16 @@ def _reversals(reach: float, top: float, steep: float, seconds: float, bounds: B
     omega = amplitudes[which] * 0.5 * rate * np.sin(2.0 * np.pi * phase)
     alpha = amplitudes[which] * 0.5 * rate**2
     if np.max(np.abs(omega)) < top and np.max(alpha) < steep:
-        yield Segment(f"reversals that grow to {end:.3g} rad", np.append(omega, 0.0))
+        yield Segment("reversals that grow to {} rad", np.append(omega, 0.0), (end,))
 
 
 def _sines(
-    top: float, steep: float, seconds: float, bounds: Bounds, rng: np.random.Generator
+    top: float, fastest: float, steep: float, seconds: float, bounds: Bounds, rng: np.random.Generator
 ) -> Iterator[Segment]:
-    """A sum of five sines, faded in and out, as large as the bounds allow."""
+    """A sum of five sines up to a frequency [Hz], faded in and out, as large as the bounds allow."""
     t = np.arange(int(seconds * RATE_HZ) + 1) / RATE_HZ
-    slow = max(2.0 / seconds, 0.05)
-    frequency = slow * np.exp(rng.uniform(0.0, np.log(1.5 / slow), 5))
+    slow = min(max(2.0 / seconds, 0.05), 0.5 * fastest)
+    frequency = slow * np.exp(rng.uniform(0.0, np.log(fastest / slow), 5))
     size, shift = rng.uniform(0.3, 1.0, 5), rng.uniform(-np.pi, np.pi, 5)
     fade = _step(t / 0.8) * _step((t[-1] - t) / 0.8)
     omega = fade * np.sum(
@@ -144,8 +166,12 @@ def _sines(
     if bounds.angle is not None:
         way = np.cumsum(omega) / RATE_HZ
         scales.append(0.5 * (1.0 - MARGIN) * np.ptp(bounds.angle) / np.max(np.abs(way)))
-    scale = min(scales)
-    yield Segment(f"a sum of sines, 5 frequencies to {np.max(frequency):.2g} Hz", scale * omega)
+    yield Segment(f"a sum of sines, 5 frequencies to {np.max(frequency):.2g} Hz", min(scales) * omega)
+
+
+def _ramp(change: float, steep: float) -> float:
+    """The time [s] of a smoothstep by this change of speed: its rate is 1.5 times its mean."""
+    return 1.5 * abs(float(change)) / steep
 
 
 def _timed(speeds: Array, lengths: Array, steep: float) -> Array | None:
@@ -154,11 +180,11 @@ def _timed(speeds: Array, lengths: Array, steep: float) -> Array | None:
     None where a ramp does not fit into its length.
     """
     edges = np.r_[0.0, np.cumsum(lengths)]
-    last = 1.5 * abs(speeds[-1]) / steep
+    last = _ramp(speeds[-1], steep)
     t = np.arange(int(np.ceil((edges[-1] + last) * RATE_HZ)) + 1) / RATE_HZ
     omega, before = np.zeros_like(t), 0.0
     for start, length, speed in zip(edges, [*lengths, np.inf], [*speeds, 0.0], strict=False):
-        ramp = 1.5 * abs(speed - before) / steep
+        ramp = _ramp(speed - before, steep)
         if ramp > length:
             return None
         omega += (speed - before) * _step((t - start) / ramp if ramp else (t >= start).astype(float))

@@ -15,9 +15,11 @@ from eccentric.model import TURNING, AxisKind
 from eccentric.planning.bounds import FORCE, Bounds
 from eccentric.planning.chance import Pairs, expected
 from eccentric.planning.choice import chosen
+from eccentric.planning.heavier import Heavier, with_more_mass
 from eccentric.planning.limits import DECIDES, RATE_HZ, UNDECIDED, WORTH_A_RUN
-from eccentric.planning.motion import Reference
-from eccentric.planning.rivals import Rival, rivals_of
+from eccentric.planning.motion import Reference, joined
+from eccentric.planning.question import Question, question_of
+from eccentric.planning.rivals import Rival
 from eccentric.planning.separation import Separation
 
 __all__ = ["MeasurementPlan", "plan_document", "plan_lines", "planned"]
@@ -37,6 +39,7 @@ class MeasurementPlan:
         bounds: its limits.
         apart: (true family, other family) -> twice the expected log-likelihood ratio, log included.
         probability: that the new log decides between the rivals; None for one alone.
+        heavier: the same with another mass on the link, where the motion is not enough and there is a mass.
         narrower: of one alone: coefficient -> expected standard error over that on the log.
         otherwise: a measurement that needs more than a motion, "" where none is known.
         follows: variables of the structure that no effect explains, for a log with some.
@@ -50,6 +53,7 @@ class MeasurementPlan:
     bounds: Bounds
     apart: Pairs
     probability: float | None
+    heavier: Heavier | None
     narrower: dict[str, float]
     otherwise: str
     follows: tuple[str, ...]
@@ -62,27 +66,23 @@ class MeasurementPlan:
 
 
 def planned(
-    found: Diagnosis, bounds: Bounds, tell: Callable[[str], None] = lambda _: None
+    found: Diagnosis | Question, bounds: Bounds, tell: Callable[[str], None] = lambda _: None
 ) -> MeasurementPlan:
     """Plan the motion that tells the rivals of a diagnosis apart, or that determines its model best.
 
     Raises:
         InputError: the log does not fit the rig, or no motion stays within the bounds.
     """
-    if not found.models.fits_the_rig:
-        raise InputError(
-            f"{found.rig.path}: a log that fits the rig is required to plan from, received one with an R^2 of"
-            f" {found.models.r_squared:.2f}: correct the rig file or the log first"
-        )
-    by_force = found.channels.motor.measured_by == "torque"
-    if not found.rig.axis.wraps and by_force != bounds.by_force:
+    question = found if isinstance(found, Question) else question_of(found)
+    channels, axis = question.data.drive.channels, question.data.drive.channels.rig.axis
+    by_force = channels.motor.measured_by == "torque"
+    if not axis.wraps and by_force != bounds.by_force:
         needed, given = (FORCE, "current_A") if by_force else ("current_A", FORCE)
         raise InputError(f"limits: {needed} is required, which the log has, received {given}")
-    rivals = rivals_of(found)
+    rivals, separation = question.rivals, Separation(question)
     tell(f"open: {', '.join(rival.headline for rival in rivals)}")
-    separation = Separation(found, rivals)
-    motion, parts, apart = chosen(separation, bounds, SEED, tell)
-    ground = separation.ground(motion)
+    segments, ground, apart = chosen(separation, bounds, SEED, tell)
+    motion = joined(segments, bounds)
     alone = len(rivals) == 1
     narrower: dict[str, float] = {}
     if alone:
@@ -91,25 +91,29 @@ def planned(
             for grounds in ([separation.log], [separation.log, ground])
         )
         # Declared values, free within their tolerance, come after these.
-        names = _names(found, rivals[0])
+        names = _names(question, rivals[0])
         narrower = {name: float(x) for name, x in zip(names, after / before, strict=False)}
     chances = {rival.family: rival.chance for rival in rivals}
-    apart = {
-        pair: d / max(1.0, separation.by_names(*pair, [separation.log]) / UNDECIDED)
-        for pair, d in apart.items()
-    }
+    worth = {pair: 1.0 / max(1.0, separation.by_names(*pair, [separation.log]) / UNDECIDED) for pair in apart}
+    apart = {pair: d * worth[pair] for pair, d in apart.items()}
+    probability = None if alone else expected(apart, chances)
+    heavier = None
+    if probability is not None and probability < DECIDES:
+        tell("judging the same motion with more mass")
+        heavier = with_more_mass(separation, segments, bounds, worth)
     return MeasurementPlan(
         rivals=rivals,
         motion=motion,
         current=ground.current,
-        parts=parts,
+        parts=tuple(segment.words for segment in segments),
         bounds=bounds,
         apart=apart,
-        probability=None if alone else expected(apart, chances),
+        probability=probability,
+        heavier=heavier,
         narrower=narrower,
-        otherwise=found.attribution.next_measurement,
-        follows=found.attribution.depends_on if found.attribution.verdict == "unexplained" else (),
-        axis=found.rig.axis,
+        otherwise=question.otherwise,
+        follows=question.follows,
+        axis=axis,
     )
 
 
@@ -119,11 +123,10 @@ def _errors(information: np.ndarray) -> np.ndarray:
     return np.sqrt(np.diag(np.linalg.pinv(information / np.outer(scale, scale)))) / scale
 
 
-def _names(found: Diagnosis, rival: Rival) -> list[str]:
-    search = found.attribution.searches[rival.balance]
-    names = [c.name for c in search.screen.balance.coefficients]
+def _names(question: Question, rival: Rival) -> list[str]:
+    names = [c.name for c in question.screen.balance.coefficients]
     for variant in rival.variants:
-        width = search.screen.columns(variant).shape[1]
+        width = question.screen.columns(variant).shape[1]
         names += [f"{variant.candidate.id}" + (f" ({k + 1})" if width > 1 else "") for k in range(width)]
     return names
 
@@ -147,6 +150,12 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         )
         if plan.probability < WORTH_A_RUN:
             said.append("No motion within the limits is likely to decide.")
+        if plan.heavier is not None:
+            said.append(
+                f"With {plan.heavier.added_kg:.2g} kg more on the link, the same motion decides with a"
+                f" probability of {100 * plan.heavier.probability:.0f} %: diagnose that log alone,"
+                " with its own rig file."
+            )
         if plan.probability < DECIDES and plan.otherwise:
             said.append(f"What would: {plan.otherwise}")
     else:
@@ -155,7 +164,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
             for name, part in plan.narrower.items()
         ]
     moved, bounds = plan.motion, plan.bounds
-    said.append(f"Motion of {moved.seconds:.1f} s at {RATE_HZ:g} Hz:")
+    said.append(f"Motion of {moved.seconds:.1f} s at {RATE_HZ:g} Hz, from rest at {moved.theta[0]:.4g} rad:")
     said += [f"  {len(tuple(same))} x {words}" for words, same in groupby(plan.parts)]
     said.append("Largest values, beside the limits (motor side):")
     for word, values, limit, unit in (
@@ -189,6 +198,7 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
             {"true": truth, "other": other, "expected": value} for (truth, other), value in plan.apart.items()
         ],
         "relative_std_error": plan.narrower,
+        "heavier": None if plan.heavier is None else vars(plan.heavier),
         "otherwise": plan.otherwise,
         "residual_depends_on": list(plan.follows),
         "parts": list(plan.parts),

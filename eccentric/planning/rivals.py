@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from eccentric.diagnosis import Diagnosis
-from eccentric.search import Variant
+from eccentric.search import Screen, Variant
 
-__all__ = ["Rival", "rivals_of"]
+__all__ = ["Rival", "rival_of", "rivals_of", "shared"]
 
 LEAST_CHANCE = 1e-3
 """What keeps a rival in the contest that the list of candidates has no probability for."""
@@ -40,8 +41,7 @@ def rivals_of(found: Diagnosis) -> tuple[Rival, ...]:
     attribution = found.attribution
     kept = attribution.adopted if attribution.verdict in {"not_identifiable", "named"} else ()
     if not kept:
-        base = attribution.searches["mechanical"].base
-        return (Rival("", "the friction of the paper's model", "mechanical", (), base.coefficients, 1.0),)
+        return (rival_of(attribution.searches["mechanical"].screen, (), None),)
     first = next((one for one in kept if one.alike), kept[0])
     own, search = first.variant.candidate, attribution.searches[first.balance]
     best = search.best.variants
@@ -56,10 +56,22 @@ def rivals_of(found: Diagnosis) -> tuple[Rival, ...]:
             variants = options[family][1].variants
         else:
             continue
-        fitted = search.screen.fit(variants)
-        words = variants[-1].candidate.words.headline or family
-        chance = max(likely.get(family, 0.0), LEAST_CHANCE)
-        rivals.append(Rival(family, words, first.balance, tuple(variants), fitted.coefficients, chance))
+        rivals.append(rival_of(search.screen, tuple(variants), likely.get(family)))
+    return shared(rivals)
+
+
+def rival_of(screen: Screen, variants: tuple[Variant, ...], likely: float | None) -> Rival:
+    """The fit of the base model and these variants, the last of them its own; `likely` its probability."""
+    coefficients = screen.fit(variants).coefficients
+    if not variants:
+        return Rival("", "the friction of the paper's model", screen.balance.name, (), coefficients, 1.0)
+    own = variants[-1].candidate
+    words = own.words.headline or own.family
+    chance = max(likely or 0.0, LEAST_CHANCE)
+    return Rival(own.family, words, screen.balance.name, variants, coefficients, chance)
+
+
+def shared(rivals: Sequence[Rival]) -> tuple[Rival, ...]:
+    """The rivals with probabilities that add to one, most probable first."""
     whole = sum(rival.chance for rival in rivals)
-    shared = (replace(rival, chance=rival.chance / whole) for rival in rivals)
-    return tuple(sorted(shared, key=lambda rival: -rival.chance))
+    return tuple(sorted((replace(r, chance=r.chance / whole) for r in rivals), key=lambda r: -r.chance))

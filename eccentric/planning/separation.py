@@ -8,21 +8,22 @@ showed: twice the expected log-likelihood ratio.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Effect
 from eccentric.estimation import Coefficient, ColumnRole
 from eccentric.fitting import Signals, base_coefficients, base_columns, load_torque
-from eccentric.planning.limits import COARSE, EVALUATIONS, INFORMATIVE_HZ, RATE_HZ, TRAINED
+from eccentric.planning.followed import Met
+from eccentric.planning.limits import COARSE, EVALUATIONS, INFORMATIVE_HZ, NOISE_PEAK, RATE_HZ, TRAINED
 from eccentric.planning.motion import Reference
+from eccentric.planning.question import Question
 from eccentric.planning.rivals import Rival
 from eccentric.search import Candidate, Screen, Variant, bounded_solve, candidate_of, refined
-from eccentric.signals import BalanceDesign, Rows, balance_design
+from eccentric.signals import BalanceDesign, Rows, balance_design, white_noise
 
 __all__ = ["Ground", "Separation"]
 
@@ -44,7 +45,8 @@ class Ground:
 
     screen: designs of the balance that shows them; candidates: by id, on its signals; seen: the rows (rows,)
     that a search would use; per_row: information of a row, 1/(variance of an independent one) times their
-    number per row; current: [A] (samples,), the drive's.
+    number per row; current: [A] (samples,), the largest that any rival needs; met: what the drive meets
+    there, None on a log.
     """
 
     screen: Screen
@@ -52,6 +54,7 @@ class Ground:
     seen: Array
     per_row: float
     current: Array
+    met: Met | None = None
 
     def on(self, variants: Sequence[Variant]) -> list[Variant]:
         """The same variants on the signals of this ground."""
@@ -72,20 +75,19 @@ class Ground:
 
 
 class Separation:
-    """The rivals of a diagnosis on its log, and on any motion."""
+    """The rivals of a question on its log, and on any motion."""
 
-    def __init__(self, found: Diagnosis, rivals: Sequence[Rival]) -> None:
-        self.found, self.rivals = found, tuple(rivals)
-        self._search = found.attribution.searches[rivals[0].balance]
-        own = {v.candidate.id: v.candidate for rival in rivals for v in rival.variants}
-        offered = self._search.screen.candidates
+    def __init__(self, question: Question) -> None:
+        self.question, self.rivals = question, question.rivals
+        own = {v.candidate.id: v.candidate for rival in self.rivals for v in rival.variants}
+        offered = question.screen.candidates
         # What a declared value may be off by is part of every rival.
         self.declared = [c for c in offered if c.tolerance and c.changes is None and c.id not in own]
         own |= {c.id: c for c in self.declared}
-        self._effects: dict[str, Effect] = {e.id: e for e in found.offered if e.id in own}
+        self._effects: dict[str, Effect] = {e.id: e for e in question.effects if e.id in own}
         self._kept: dict[tuple[object, ...], Sums] = {}
-        screen = self._search.screen
-        variance = min(screen.fit(rival.variants).loss.sum() for rival in rivals) / screen.rows
+        screen = question.screen
+        variance = min(screen.fit(rival.variants).loss.sum() for rival in self.rivals) / screen.rows
         # Logs and windows may have gaps.
         seconds = (
             screen.rows * float(np.median(np.abs(np.diff(screen.balance.rows.t)))) if screen.rows > 1 else 1.0
@@ -95,15 +97,15 @@ class Separation:
         per_row = min(self._information * seconds / screen.rows, 1.0 / variance)
         self.log = Ground(screen, own, np.ones(screen.rows, bool), per_row, np.empty(0))
 
-    def ground(self, motion: Reference) -> Ground:
-        """A motion as the rivals see it."""
-        signals, base, current = self._signals(motion)
+    def ground(self, motion: Reference, known: Mapping[str, float] | None = None) -> Ground:
+        """A motion as the rivals see it; `known`: parameters of the rig that were changed for it."""
+        signals, base, load, current = self._signals(motion, known or {})
         balance = self._balance(signals, base, motion)
-        drive = self.found.data.drive
+        drive = self.question.data.drive
         only = "mechanical" if drive.by_voltage else None
         seen = current if drive.measured_twice else None
-        friction = self.found.attribution.searches["mechanical"].base.coefficients
-        model = self.found.models.base
+        friction = self.question.friction
+        model = self.question.model
         candidates = {
             name: candidate_of(effect, model, signals, friction, only, seen)
             for name, effect in self._effects.items()
@@ -116,9 +118,27 @@ class Separation:
             }
         seen = np.ones(len(motion.t), bool)
         if balance.name == "mechanical":
-            seen = np.abs(motion.omega) > self.found.channels.selection.moving_threshold_rad_s
+            seen = np.abs(motion.omega) > self.question.data.drive.channels.selection.moving_threshold_rad_s
         per_row = TRAINED * self._information / RATE_HZ
-        return Ground(Screen(balance, ()), candidates, seen, per_row, current)
+        made = Ground(Screen(balance, ()), candidates, seen, per_row, current)
+        met = self._met(made, signals.known, load, base, motion)
+        needed = met.load + met.inertia * motion.alpha + met.friction
+        return replace(made, current=needed / met.torque_constant, met=met)
+
+    def _met(
+        self, ground: Ground, known: Mapping[str, float], load: Array, base: Array, motion: Reference
+    ) -> Met:
+        """What the drive meets: of all rivals the largest friction, at least that of the base model."""
+        drive = self.question.data.drive
+        inertia = drive.machine.inertia({**drive.known, **known})
+        frictions = [base @ self.question.friction]
+        if self.rivals[0].balance == "mechanical":
+            frictions += [ground.predicted(rival) for rival in self.rivals]
+        way = np.sign(motion.omega)
+        friction = way * np.max([way * own for own in frictions], axis=0)
+        one = float(drive.machine.current_of_torque(known, 1.0))
+        noise = white_noise(drive.torque(), drive.channels.time.segment) * abs(one)
+        return Met(inertia, load - inertia * motion.alpha, friction, 1.0 / one, NOISE_PEAK * noise)
 
     def apart(self, truth: Rival, other: Rival, grounds: Sequence[Ground], evaluations: int = 0) -> float:
         """Twice the expected log-likelihood ratio of a true rival over another on these grounds.
@@ -166,10 +186,12 @@ class Separation:
             self._kept[key] = ground.sums(ground.predicted(truth), [*variants, *free])
         return self._kept[key]
 
-    def _signals(self, motion: Reference) -> tuple[Signals, Array, Array]:
-        """The signals of a motion, its base columns (n, p), and the current [A] (n,) that it needs."""
-        data, model = self.found.data, self.found.models.base
-        old = data.signals
+    def _signals(
+        self, motion: Reference, changed: Mapping[str, float]
+    ) -> tuple[Signals, Array, Array, Array]:
+        """Signals of a motion, its base columns (n, p), load [N m] and current [A] (n,) without effects."""
+        data, model = self.question.data, self.question.model
+        old = replace(data.signals, known={**data.signals.known, **changed})
         n, dt = len(motion.t), 1.0 / RATE_HZ
         # The machine counts its angle from where it likes, the model from where the mass hangs lowest.
         theta = motion.theta - data.drive.channels.alignment.theta_zero_rad / old.known["mu"]
@@ -196,13 +218,13 @@ class Separation:
         }
         signals = replace(signals, open={c: made[c.role] for c in data.drive.open})
         base = base_columns(model, signals)
-        mechanical = self.found.attribution.searches["mechanical"].base.coefficients
-        torque = load_torque(model, signals) + base @ mechanical
-        current = data.drive.machine.current_of_torque(signals.known, torque)
+        mechanical = self.question.friction
+        load = load_torque(model, signals)
+        current = data.drive.machine.current_of_torque(signals.known, load + base @ mechanical)
         values["i"] = current
         if "u" in old.values:
             values["u"] = data.drive.machine.voltage(signals.known, current, motion.omega)
-        return replace(signals, values=values), base, current
+        return replace(signals, values=values), base, load, current
 
     def _balance(self, signals: Signals, base: Array, motion: Reference) -> BalanceDesign:
         """The balance of the rivals on a motion, its rows the samples, its target zero."""
@@ -214,7 +236,7 @@ class Separation:
         coefficients: tuple[Coefficient, ...] = ()
         columns = np.empty((n, 0))
         if name == "mechanical":
-            coefficients, columns = base_coefficients(self.found.models.base, signals), base
+            coefficients, columns = base_coefficients(self.question.model, signals), base
         made = balance_design(name, rows, coefficients, np.zeros(n), columns, np.ones(n))
         return made.without_bounds(but=("friction",)) if name == "mechanical" else made
 

@@ -1,0 +1,175 @@
+"""What a plan starts from: the log as its rivals see it, from a diagnosis, or its document and the log."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from eccentric.diagnosis import Diagnosis, staged_log
+from eccentric.effects import Effect
+from eccentric.entries import read_document
+from eccentric.errors import InputError
+from eccentric.fitting import FitData
+from eccentric.logs import LogSource
+from eccentric.model import Model
+from eccentric.places import given_path
+from eccentric.planning.rivals import Rival, rival_of, rivals_of, shared
+from eccentric.rigs import Rig
+from eccentric.search import Candidate, Screen, Variant
+
+__all__ = ["Question", "question_from", "question_of"]
+
+FORMAT = "eccentric-diagnosis/1"
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is open, and all that a motion is judged by.
+
+    Attributes:
+        rivals: what explains the log, most probable first; one alone where nothing is open.
+        data: drive and signals of the log; model: the base model; friction: its coefficients, first fit.
+        screen: the log's balance that shows the rivals, with their candidates and the declared values.
+        effects: of the library, those that the candidates are made of among them.
+        otherwise: a measurement that needs more than a motion, "" where none is known.
+        follows: variables of the structure that no effect explains, for a log with some.
+    """
+
+    rivals: tuple[Rival, ...]
+    data: FitData
+    model: Model
+    friction: np.ndarray
+    screen: Screen
+    effects: tuple[Effect, ...]
+    otherwise: str = ""
+    follows: tuple[str, ...] = ()
+
+
+def question_of(found: Diagnosis) -> Question:
+    """The question that a diagnosis left.
+
+    Raises:
+        InputError: the log does not fit the rig.
+    """
+    if not found.models.fits_the_rig:
+        raise _unfit(found.rig.path, f" with an R^2 of {found.models.r_squared:.2f}")
+    searched, rivals = found.attribution.searches, rivals_of(found)
+    unexplained = found.attribution.verdict == "unexplained"
+    return Question(
+        rivals,
+        found.data,
+        found.models.base,
+        searched["mechanical"].base.coefficients,
+        searched[rivals[0].balance].screen,
+        found.offered,
+        found.attribution.next_measurement,
+        found.attribution.depends_on if unexplained else (),
+    )
+
+
+def question_from(
+    document: str | os.PathLike[str] | Mapping[str, Any],
+    logs: Sequence[LogSource],
+    rig: Rig,
+    model: str | Model | None,
+) -> Question:
+    """The question that an earlier diagnosis of these logs left, by its diagnosis.json: no search is run.
+
+    What is open comes from the document; the logs say how well each rival and the base model are known, and
+    how large the noise is.
+
+    Raises:
+        InputError: it is no such document, or of other logs, another model or effects of one's own; its log
+            does not fit the rig; or the logs do not show what it names.
+    """
+    where = "diagnosis" if isinstance(document, Mapping) else str(given_path(document, "diagnosis"))
+    said = document if isinstance(document, Mapping) else read_document(Path(where), "a diagnosis.json")
+    _require_known(said, where)
+    if not said["fits_the_rig"]:
+        raise _unfit(rig.path, "")
+    stage, names = staged_log(logs, rig, model)
+    for key, own in (("logs", list(names)), ("model", stage.plain.name)):
+        if said[key] != own:
+            raise InputError(f"{where}: {key}: that of these logs, {own}, is required, received {said[key]}")
+    adopted = tuple(said["extended_by"]) if said["verdict"] in {"not_identifiable", "named"} else ()
+    tied, family = tuple(said["tied"]), {c["id"]: c["family"] for c in said["candidates"]}
+    likely = {c["family"]: c["probability"] for c in said["candidates"]}
+    own = next((name for name in adopted if family.get(name) in tied), adopted[-1] if adopted else "")
+    beside = [name for name in adopted if name != own]
+    rivals = [own, *(name for name in family if family[name] in tied and family[name] != family.get(own))]
+    asked = {*beside, *rivals} - {""}
+    effects = tuple(e for e in stage.offered if e.id in asked or e.corrects is not None)
+    if unknown := asked - {e.id for e in effects}:
+        raise InputError(f"{where}: effects that these logs can show are required, received {min(unknown)}")
+    candidates = stage.candidates(effects)
+    balances = {c.balance for c in candidates if c.id in asked} or {"mechanical"}
+    if len(balances) > 1:
+        raise InputError(
+            f"{where}: effects of one balance are required, received some of both: leave the diagnosis out"
+        )
+    balance = next(b for b in stage.balances if b.name in balances)
+    screen = Screen(balance, [c for c in candidates if c.balance == balance.name], stage.noise[balance.name])
+    by_id = {c.id: c for c in candidates}
+    found = [
+        rival_of(
+            screen,
+            _fitted(screen, [by_id[n] for n in (*beside, name) if n]),
+            likely.get(family.get(name, "")),
+        )
+        for name in rivals
+    ]
+    follows = said["residual_depends_on"] if said["verdict"] == "unexplained" else ()
+    return Question(
+        shared(found),
+        stage.data,
+        stage.base,
+        stage.friction,
+        screen,
+        effects,
+        said["next_measurement"],
+        tuple(follows),
+    )
+
+
+def _fitted(screen: Screen, candidates: Sequence[Candidate]) -> tuple[Variant, ...]:
+    """The candidates, one beside the others, at their best shapes."""
+    variants: list[Variant] = []
+    for candidate in candidates:
+        look = [screen.points[number] for _, number in screen.first_look(variants)]
+        best = next((v for v in look if v.candidate.id == candidate.id), None)
+        if best is None:
+            raise InputError(
+                f"diagnosis: effects that these logs determine are required, received {candidate.id}"
+            )
+        variants.append(best)
+    return screen.refine(screen.fit(variants)).variants
+
+
+def _require_known(said: Mapping[str, Any], where: str) -> None:
+    if said.get("format") != FORMAT:
+        raise InputError(
+            f"{where}: a document of format {FORMAT} is required, received {said.get('format')!r}"
+        )
+    needed = (
+        "fits_the_rig logs model verdict tied extended_by candidates residual_depends_on next_measurement"
+    )
+    if missing := [key for key in needed.split() if key not in said]:
+        raise InputError(f"{where}: {', '.join(missing)} is required, received none: diagnose the logs again")
+    given = [word for words in said.get("asked", {}).values() for word in words]
+    if given:
+        raise InputError(
+            f"{where}: a diagnosis without effects to begin with or to leave out is required,"
+            f" received one with {', '.join(given)}"
+        )
+
+
+def _unfit(path: str, how: str) -> InputError:
+    return InputError(
+        f"{path}: a log that fits the rig is required to plan from, received one{how}:"
+        " correct the rig file or the log first"
+    )
