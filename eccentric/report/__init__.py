@@ -51,12 +51,13 @@ def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
 def page(data: ReportData) -> str:
     """The page, its text in the words of the axis."""
     html = rendered("report", view(data, _figures()))
-    if data.axis is TURNING:
+    axis = data.source.axis
+    if axis is TURNING:
         return html
     head, begin, rest = html.partition("<main>")
     text, end, scripts = rest.partition("</main>")
     # No attribute of the templates is in single quotes.
-    return head + begin + data.axis.said(text.replace("&#39;", "'"), data.own) + end + scripts
+    return head + begin + axis.said(text.replace("&#39;", "'"), data.source.own) + end + scripts
 
 
 def arm_page(found: ArmDiagnosis) -> str:

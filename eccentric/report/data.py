@@ -172,6 +172,8 @@ class Source:
         model, model_title: name and title of the base model.
         command: shell command that repeats the diagnosis.
         version: of eccentric.
+        axis: what moves: all texts are in its words.
+        own: names that a person has given, which are not.
     """
 
     logs: tuple[str, ...]
@@ -180,6 +182,8 @@ class Source:
     model_title: str
     command: str
     version: str
+    axis: AxisKind = TURNING
+    own: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -267,10 +271,7 @@ class LogQuality:
 
 @dataclass(frozen=True)
 class ReportData:
-    """Everything that the report says; `files` are (name, description) of everything beside it.
-
-    `axis` is what moves: all texts are in its words but those of `own`, which a person has given.
-    """
+    """Everything that the report says; `files` are (name, description) of everything beside it."""
 
     source: Source
     conclusion: Conclusion
@@ -279,5 +280,3 @@ class ReportData:
     extended: ExtendedModel
     log: LogQuality
     files: tuple[tuple[str, str], ...]
-    axis: AxisKind = TURNING
-    own: tuple[str, ...] = ()

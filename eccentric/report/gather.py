@@ -61,6 +61,8 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
             model_title=found.models.base.title,
             command=_command(found),
             version=__version__,
+            axis=axis,
+            own=own,
         ),
         conclusion=Conclusion(
             verdict=attribution.verdict,
@@ -87,8 +89,6 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
             warnings=tuple(text for text in found.warnings if text not in {f.text for f in findings}),
         ),
         files=tuple(files),
-        axis=axis,
-        own=own,
     )
     return axis.record(data, own)
 

@@ -12,7 +12,7 @@ from eccentric.errors import InputError
 from eccentric.logs import parse_value
 from eccentric.model import LINEAR, TURNING, AxisKind, vocabulary
 from eccentric.rigs.entries import read_number, read_pair, read_table, refuse_unknown
-from eccentric.rigs.limits import LARGEST, SMALLEST
+from eccentric.rigs.limits import LARGEST, SMALLEST, USUAL_PITCH_M
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -83,8 +83,6 @@ _OF_A_CARRIAGE = (
     Known("T_load", "F_load_N", "N", lower=-math.inf, letter="F_load"),
     Known("pitch", "pitch_m", "m", open_below=True),
 )
-_USUAL_PITCH_M = 0.01
-"""Where none is given: effects that build up over a part of a turn then have a usual range of lengths."""
 _BY_AXIS = {TURNING: KNOWNS, LINEAR: _OF_A_CARRIAGE}
 
 
@@ -165,7 +163,7 @@ def read_knowns(
         if "pitch" in unknown:
             raise InputError(f"{where}: [unknown] pitch: a value in [known] is required, received a range")
         # The gear is the screw; a load is there only if the rig says so.
-        screw = {"mu": 2.0 * math.pi / known.get("pitch", _USUAL_PITCH_M)}
+        screw = {"mu": 2.0 * math.pi / known.get("pitch", USUAL_PITCH_M)}
         return {**screw, **({} if "T_load" in unknown else {"T_load": 0.0}), **known}, unknown, case
     case = _case(case, known, unknown, where)
     if "g" not in unknown:
