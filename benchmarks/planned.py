@@ -24,6 +24,7 @@ from eccentric.virtual_bench.course import Course
 FIRST_SEED = 330000
 LOGS = 40
 SECONDS = 30.0
+"""Of a motion: half of what is allowed, since most ties take less and each second is simulated nine times."""
 PEERS_KEEP = 0.75
 """Part of the limits that the peers use: nobody simulates the drive for them, so they keep a margin."""
 
@@ -191,7 +192,7 @@ def measured(quick: bool, first: int = FIRST_SEED, logs: int = LOGS) -> Part:
 
 _HEAD = [
     "Logs of 8 to 16 s at few speeds, with one effect of 3 to 12 % of friction, that end in a tie with the truth among"
-    " the tied; the planned motion of at most a minute on the same rig; then `diagnose` with both logs.",
+    " the tied; the planned motion of at most half a minute on the same rig; then `diagnose` with both logs.",
     "Limits: the top speed of the drive, that within 0.3 s, and 1.3 times the current that this takes."
     " They are judged on the same drive with mass, friction and speed loop 10 % lower and higher.",
     "Peers are motions of the same length at three quarters of the limits of speed and acceleration.",

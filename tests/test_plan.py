@@ -226,6 +226,21 @@ def test_an_earlier_diagnosis_says_what_is_open(
     assert apart[0] == pytest.approx(apart[1], rel=0.05)
 
 
+def test_a_document_without_a_tie_leaves_one_model(
+    tied: tuple[dict[str, np.ndarray], dict[str, object]], found: Diagnosis
+) -> None:
+    """That of the base where nothing is missing, that with the effect where one is named: fitted as ever."""
+    said = {**diagnosis_document(found), "tied": []}
+    search = found.attribution.searches["mechanical"]
+    for changed, own in (
+        ({"verdict": "nothing_missing", "extended_by": []}, search.base),
+        ({"verdict": "named"}, search.best),
+    ):
+        (rival,) = question_from({**said, **changed}, [tied[0]], read_rig(tied[1]), None).rivals
+        assert rival.chance == 1.0
+        np.testing.assert_allclose(rival.coefficients, own.coefficients, rtol=0.02)
+
+
 @pytest.mark.parametrize(
     ("changed", "message"),
     [

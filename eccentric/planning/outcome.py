@@ -136,13 +136,12 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         if plan.probability < WORTH_A_RUN:
             said.append("No motion within the limits is likely to decide.")
         if (more := plan.heavier) is not None:
-            with_it = (
-                f"With {more.added_kg:.2g} kg more on the link, this motion decides with a probability"
-            )
+            kg = f"{more.added_kg:.2g} kg more on the link"
             said.append(
-                f"{with_it} of {100 * more.probability:.0f} %: diagnose that log alone, with its own rig file."
+                f"With {kg}, this motion decides with a probability of {100 * more.probability:.0f} %:"
+                " diagnose that log alone, with its own rig file."
                 if more.probability > plan.probability
-                else f"{more.added_kg:.2g} kg more on the link would not decide either."
+                else f"{kg} would not decide either."
             )
         if plan.probability < DECIDES and plan.otherwise:
             said.append(f"What would: {plan.otherwise}")
