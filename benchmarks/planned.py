@@ -24,7 +24,7 @@ from eccentric.virtual_bench.course import Course
 FIRST_SEED = 330000
 LOGS = 40
 SECONDS = 30.0
-"""Of a motion: half of what is allowed, since most ties take less and each second is simulated nine times."""
+"""Of a motion: half of what is allowed, since most ties take less and each second is simulated seven times."""
 PEERS_KEEP = 0.75
 """Part of the limits that the peers use: nobody simulates the drive for them, so they keep a margin."""
 
