@@ -156,10 +156,12 @@ def broken_limits(scenario: Scenario, bounds: Bounds) -> tuple[str, ...]:
 def measured(quick: bool, first: int = FIRST_SEED, logs: int = LOGS) -> Part:
     """Scan for tied logs, plan, and settle them."""
     found: list[Settled] = []
+    failed: list[int] = []
     scanned, began = 0, time.process_time()
     for seed, tied in tied_logs(first, SECONDS):
         scanned += 1
-        found += [settled(tied)] if tied else []
+        failed += [seed] if isinstance(tied, Exception) else []
+        found += [settled(tied)] if isinstance(tied, Tied) else []
         progress(f"plans: {len(found)} tied logs to seed {seed}")
         if len(found) == (2 if quick else logs):
             break
@@ -183,7 +185,8 @@ def measured(quick: bool, first: int = FIRST_SEED, logs: int = LOGS) -> Part:
         figures,
         [
             *_HEAD,
-            f"{scanned} logs were tried, {took / 60:.0f} min of processor time in all.",
+            f"{scanned} logs were tried, {took / 60:.0f} min of processor time in all."
+            + (f" `diagnose` failed on seeds {failed}." if failed else ""),
             "",
             *_table(found),
         ],
