@@ -37,21 +37,26 @@ class Tied:
     bounds: Bounds
 
 
-def tied_logs(first: int, time_s: float) -> Iterator[tuple[int, Tied | None]]:
-    """From a seed on, each seed with its log if that is tied; plans for them may take `time_s`."""
+def tied_logs(first: int, time_s: float) -> Iterator[tuple[int, Tied | Exception | None]]:
+    """From a seed on, each seed with its log if that is tied, or the failure of its diagnosis.
+
+    Plans for them may take `time_s` [s].
+    """
     families = [family for family in EFFECTS if "temperature" not in family]
     seed = first
     while True:
         rng = np.random.default_rng(seed)
         effect = str(rng.choice(families)), float(rng.choice(STRENGTHS))
         case, mu, noise = str(rng.choice(["C1", "C2"])), float(rng.choice(RATIOS)), float(rng.choice(NOISES))
-        one = None
+        one: Tied | Exception | None = None
         # A case need not show every effect.
         with suppress(InputError):
             drawn = random_scenario(rng, case=case, mu=mu, log_type="runs", effects=[effect], noise=noise)
-            one = _tied(
-                seed, replace(drawn, course=poor_course(rng, max(drawn.course.speeds))), drawn, time_s
-            )
+            poor = replace(drawn, course=poor_course(rng, max(drawn.course.speeds)))
+            try:
+                one = _tied(seed, poor, drawn, time_s)
+            except np.linalg.LinAlgError as error:
+                one = error
         yield seed, one
         seed += 1
 

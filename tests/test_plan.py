@@ -17,8 +17,9 @@ import eccentric
 from eccentric.cli import main
 from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document
 from eccentric.errors import InputError
-from eccentric.planning import Bounds, planned, question_from, question_of, read_bounds
+from eccentric.planning import Bounds, plan_lines, planned, question_from, question_of, read_bounds
 from eccentric.planning.chance import decided
+from eccentric.planning.heavier import Heavier
 from eccentric.planning.limits import MARGIN, UNDECIDED
 from eccentric.planning.motion import joined, pieces
 from eccentric.planning.rivals import Rival
@@ -225,6 +226,21 @@ def test_an_earlier_diagnosis_says_what_is_open(
     assert apart[0] == pytest.approx(apart[1], rel=0.05)
 
 
+def test_a_document_without_a_tie_leaves_one_model(
+    tied: tuple[dict[str, np.ndarray], dict[str, object]], found: Diagnosis
+) -> None:
+    """That of the base where nothing is missing, that with the effect where one is named: fitted as ever."""
+    said = {**diagnosis_document(found), "tied": []}
+    search = found.attribution.searches["mechanical"]
+    for changed, own in (
+        ({"verdict": "nothing_missing", "extended_by": []}, search.base),
+        ({"verdict": "named"}, search.best),
+    ):
+        (rival,) = question_from({**said, **changed}, [tied[0]], read_rig(tied[1]), None).rivals
+        assert rival.chance == 1.0
+        np.testing.assert_allclose(rival.coefficients, own.coefficients, rtol=0.02)
+
+
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
@@ -301,6 +317,21 @@ def test_a_current_that_moves_nothing_is_refused(
         planned(contest.question, read_bounds({**LIMITS, "current_A": 1e-3}))
     needed = float(re.findall(r"required, ([0-9.e-]+) A", str(error.value))[0])
     planned(contest.question, read_bounds({**LIMITS, "current_A": 1.5 * needed}))
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (0.9, "With 0.2 kg more on the link, this motion decides with a probability of 90 %"),
+        (0.3, "0.2 kg more on the link would not decide either."),
+    ],
+)
+def test_more_mass_is_told_where_it_helps_and_where_not(contest: Separation, more: float, words: str) -> None:
+    """Beside a plan that is not likely to decide, which says so."""
+    plan = replace(planned(contest.question, read_bounds(LIMITS)), probability=0.4)
+    said = plan_lines(replace(plan, heavier=Heavier(0.2, more)))
+    assert "No motion within the limits is likely to decide." in said
+    assert any(line.startswith(words) for line in said)
 
 
 def test_the_command_prints_what_is_open(

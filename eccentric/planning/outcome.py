@@ -150,11 +150,13 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         )
         if plan.probability < WORTH_A_RUN:
             said.append("No motion within the limits is likely to decide.")
-        if plan.heavier is not None:
+        if (more := plan.heavier) is not None:
+            kg = f"{more.added_kg:.2g} kg more on the link"
             said.append(
-                f"With {plan.heavier.added_kg:.2g} kg more on the link, the same motion decides with a"
-                f" probability of {100 * plan.heavier.probability:.0f} %: diagnose that log alone,"
-                " with its own rig file."
+                f"With {kg}, this motion decides with a probability of {100 * more.probability:.0f} %:"
+                " diagnose that log alone, with its own rig file."
+                if more.probability > plan.probability
+                else f"{kg} would not decide either."
             )
         if plan.probability < DECIDES and plan.otherwise:
             said.append(f"What would: {plan.otherwise}")
