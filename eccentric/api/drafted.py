@@ -16,7 +16,7 @@ from eccentric.logs import Log
 from eccentric.model import load_model
 from eccentric.output import whole_file
 from eccentric.rigs import KNOWNS, Rig, read_rig, rig_complaints
-from eccentric.signals import read_channels
+from eccentric.signals import Finding, read_channels
 
 __all__ = ["RigCheck", "RigDraft", "check_rig", "draft_rig"]
 
@@ -133,7 +133,7 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
         draft = None  # what could not be drafted can still be described by hand
     for log in read:
         found += [line for line in log_complaints(usable, log, draft) if line not in found]
-    asked, estimated, warnings = _tried(read, usable, rest, broken=bool(found))
+    asked, estimated, warnings = _tried(read, usable, rest, found)
     found += [line for line in asked if line not in found]
     return RigCheck(tuple(found), () if found else estimated, warnings)
 
@@ -156,9 +156,12 @@ _TYPICAL = {
 
 
 def _tried(
-    logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], *, broken: bool
+    logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], complaints: Sequence[str]
 ) -> tuple[list[str], tuple[str, ...], tuple[str, ...]]:
-    """Fit, and name every quantity that is missing: each once, with a typical value in its place."""
+    """Fit, and name every quantity that is missing, each once, with a typical value in its place.
+
+    With all of them there, name what the log contradicts.
+    """
     missing: list[str] = []
     given = dict(content)
     for _ in range(len(_TYPICAL) + 1):
@@ -173,17 +176,32 @@ def _tried(
             )
             if letter is None or letter in tried.known:
                 # What follows from a complaint that is already made would only be noise.
-                return [*missing, *([] if broken else [said])], (), ()
+                return [*missing, *([] if complaints else [said])], (), ()
             missing.append(
                 f"{rig.path}: [known] {letter} is required, as in"
                 f' {letter} = "{_TYPICAL[letter]}", received none'
             )
             given = {**given, "known": {**given.get("known", {}), letter: _TYPICAL[letter]}}
             continue
-        if missing:
+        # A value that was filled in, and a column that is read wrongly, contradict the log by themselves.
+        if missing or any("[columns]" in line for line in complaints):
             return missing, (), ()
+        contradicted = [f"{rig.path}: {_with_mend(f)}" for f in channels.intake.findings if _grave(f)]
+        if not contradicted and not fit.fits_the_rig:
+            contradicted = [f"{rig.path}: {line}" for line in fit.warnings[:1]]
+        if contradicted:
+            return contradicted, (), ()
         return [], tuple(_determined(fit, tried)), tuple(fit.warnings)
     return missing, (), ()
+
+
+def _grave(finding: Finding) -> bool:
+    """Whether log and rig contradict each other, or two of the rig's values in view of the log."""
+    return finding.doubts_the_rig or finding.kind == "contradiction"
+
+
+def _with_mend(finding: Finding) -> str:
+    return f"{finding.text}: write {finding.mend}" if finding.mend else finding.text
 
 
 def _determined(fit: Any, rig: Rig) -> list[str]:
