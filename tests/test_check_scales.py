@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import functools
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -33,23 +34,22 @@ def findings(
     without: tuple[str, ...] = (),
     ranged: bool = False,
     voltage: bool = True,
-    **factors: float,
+    factors: Mapping[str, float] | None = None,
 ) -> tuple[Finding, ...]:
     """What the check of the log says, with the current and values of the rig off by factors."""
     log, given = bench(case)
-    log, rig = Log(log.path, dict(log.columns), log.rows), copy.deepcopy(given)
-    log.columns["current_A"] = log.columns["current_A"] * current
+    columns, rig = {**log.columns, "current_A": current * log.numbers("current_A")}, copy.deepcopy(given)
     if not voltage:
-        del log.columns["voltage_V"]
+        del columns["voltage_V"]
         rig["columns"].remove("voltage_V")
     for key in without:
         del rig["known"][key]
-    for letter, factor in factors.items():
+    for letter, factor in (factors or {}).items():
         rig["known"][KEYS[letter]] *= factor
     if ranged:
         del rig["known"][KEYS["k_i"]]
         rig["unknown"] = {KEYS["k_i"]: [0.001, 20.0]}
-    found = read_channels([log], read_rig(rig)).intake.findings
+    found = read_channels([Log(log.path, columns, log.rows)], read_rig(rig)).intake.findings
     return tuple(f for f in found if f.kind in ("contradiction", "wrong_unit", "another_rig"))
 
 
@@ -69,7 +69,7 @@ def findings(
     ids=str,
 )
 def test_a_current_in_milliamperes_is_named_with_its_mend(case: str, options: dict[str, Any]) -> None:
-    """By R, by gravity, by inertia, or by k_i against k_e: with or without values in the rig; else silence."""
+    """By R, by gravity, by inertia, or by k_i against k_e: whatever the rig has; else silence."""
     (found,) = findings(case, 1e3, **options)
 
     assert MILLI == found.mend
@@ -84,7 +84,7 @@ def test_a_motor_constant_off_by_a_decade_is_named(
 ) -> None:
     """The current is right, and the mend is the value that made the log, to 5 %."""
     true = bench(case)[1]["known"][KEYS[letter]]
-    (found,) = findings(case, without=without, **{letter: factor})
+    (found,) = findings(case, without=without, factors={letter: factor})
 
     assert letter == found.channel
     assert found.mend.startswith(f'{letter} = "')
@@ -102,13 +102,13 @@ def test_a_current_in_counts_has_its_scale_told() -> None:
 
 def test_equal_constants_of_the_motor_may_differ_by_convention() -> None:
     """k_i of a line current of three phases is sqrt(3) off, and no complaint."""
-    assert () == findings("C1", without=INERTIA, k_i=3.0**0.5)
+    assert () == findings("C1", without=INERTIA, factors={"k_i": 3.0**0.5})
 
 
 def test_the_check_lists_what_the_log_contradicts() -> None:
     """One line with the mend, in place of a list of estimates; the right rig has none."""
     log, rig = bench("C2")
-    wrong = {**log.columns, "current_A": 1e3 * log.columns["current_A"]}
+    wrong = {**log.columns, "current_A": 1e3 * log.numbers("current_A")}
     found = eccentric.check_rig(Log(log.path, wrong, log.rows), rig)
 
     assert [f"write {MILLI}" in line for line in found.complaints] == [True]

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, names_of, read_logs
-from eccentric.drafting import Draft, Proposal, RigLine, draft_of, log_complaints, toml_of
+from eccentric.arms import read_arm
+from eccentric.drafting import Draft, Proposal, RigLine, draft_of, draft_of_arm, log_complaints, toml_of
 from eccentric.errors import InputError, few
 from eccentric.fitting import fit as fit_channels
 from eccentric.logs import Log
-from eccentric.model import load_model
+from eccentric.model import load_model, with_numbers
 from eccentric.output import whole_file
 from eccentric.rigs import KNOWNS, Rig, read_rig, rig_complaints
 from eccentric.signals import Finding, read_channels
@@ -41,7 +42,8 @@ class RigDraft:
     @property
     def needed(self) -> tuple[str, ...]:
         """The letters that have to be typed for a fit."""
-        return tuple(e.key for e in self.questions if e.key in ("case", "M", "M_l", "L", "k_i"))
+        needed = ("case", "M", "M_l", "L", "k_i")
+        return tuple(e.key for e in self.questions if e.table == "known" and e.key in needed)
 
     def summary(self) -> str:
         """The channels with unit and confidence, the doubts and the questions, for a terminal."""
@@ -87,18 +89,34 @@ class RigCheck:
         return "\n".join(["nothing is wrong; the log determines:", *(f"  {line}" for line in self.estimated)])
 
 
-def draft_rig(logs: LogSources, name: str | None = None) -> RigDraft:
+def draft_rig(
+    logs: LogSources,
+    name: str | None = None,
+    arm: str | os.PathLike[str] | None = None,
+    *,
+    beside: str | os.PathLike[str] = ".",
+    reading: Callable[[float], None] | None = None,
+) -> RigDraft:
     """Draft the rig of a log, or of several of one rig, of which the longest is looked at.
 
     Args:
         logs: as in `fit`.
         name: of the rig; by default that of the log.
+        arm: the path of an arm, .toml or .urdf: its joints' columns are found by pattern.
+        beside: the folder that the rig file of an arm will be in: its path is written relative to it.
+        reading: called with the part of the joints of an arm that is done, 0 to 1.
 
     Raises:
-        InputError: a log cannot be read, two have different columns, or one shows neither time nor motion.
+        InputError: a log or the arm cannot be read, two logs have different columns, or one shows neither
+            time nor motion.
     """
     read = read_logs(logs)
-    draft = _draft(read)
+    if arm is None:
+        draft = _draft(read)
+    else:
+        chain = with_numbers(read_arm(Path(arm)))
+        place = Path(os.path.relpath(arm, beside)).as_posix()
+        draft = draft_of_arm(_same_columns(read), chain, place, reading or (lambda _: None))
     title = name or names_of([_longest(read)])[0].split(".")[0]
     return RigDraft(toml_of(draft, title), draft.proposals, draft.left_out, draft.doubts, draft.questions)
 
@@ -108,13 +126,18 @@ def _longest(logs: Sequence[Log]) -> Log:
 
 
 def _draft(logs: Sequence[Log]) -> Draft:
+    return draft_of(_same_columns(logs))
+
+
+def _same_columns(logs: Sequence[Log]) -> Log:
+    """The longest of the logs. InputError if they have different columns."""
     for log in logs[1:]:
         if set(log.columns) != set(logs[0].columns):
             differ = few(sorted(set(log.columns) ^ set(logs[0].columns)))
             raise InputError(
                 f"{log.path}: the same columns are required in every log, {differ} is not in all of them"
             )
-    return draft_of(_longest(logs))
+    return _longest(logs)
 
 
 def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any]) -> RigCheck:
