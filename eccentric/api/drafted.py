@@ -186,7 +186,7 @@ def _tried(
     With all of them there, name what the log contradicts.
     """
     missing: list[str] = []
-    given = dict(content)
+    given, filled = dict(content), False
     for _ in range(len(_TYPICAL) + 1):
         tried = _named(read_rig(given), rig.path)
         try:
@@ -200,14 +200,16 @@ def _tried(
             if letter is None or letter in tried.known:
                 # What follows from a complaint that is already made would only be noise.
                 return [*missing, *([] if complaints else [said])], (), ()
-            missing.append(
-                f"{rig.path}: [known] {letter} is required, as in"
-                f' {letter} = "{_TYPICAL[letter]}", received none'
-            )
+            if not any(f"[known] {letter}:" in line for line in complaints):
+                missing.append(
+                    f"{rig.path}: [known] {letter} is required, as in"
+                    f' {letter} = "{_TYPICAL[letter]}", received none'
+                )
+            filled = True
             given = {**given, "known": {**given.get("known", {}), letter: _TYPICAL[letter]}}
             continue
         # A value that was filled in, and a column that is read wrongly, contradict the log by themselves.
-        if missing or any("[columns]" in line for line in complaints):
+        if filled or any("[columns]" in line for line in complaints):
             return missing, (), ()
         contradicted = [f"{rig.path}: {_with_mend(f)}" for f in channels.intake.findings if _grave(f)]
         if not contradicted and not fit.fits_the_rig:
@@ -234,13 +236,13 @@ def _determined(fit: Any, rig: Rig) -> list[str]:
         "J": "the acceleration", "J_m": "the acceleration", "J_l": "the acceleration",
         "k_i": "gravity and inertia against the current", "M_l": "the load of the bearing", "L": "gravity",
         "phi": "gravity", "T_load": "what is constant in both directions",
+        "1": "gravity and inertia against the drive", "theta_zero_rad": "the phase of gravity",
+        "input_delay_s": "the lag of the motion", "voltage_offset_V": "what is constant in both directions",
     }  # fmt: skip
     for name, e in {**fit.coefficients, **fit.searched}.items():
         low, high = e.interval
-        source = next(
-            (said for key, said in meaning.items() if name == key or name.startswith(f"{key}*")),
-            "the friction of moving rows",
-        )
+        # A scaled one, such as J/k_i or J*R/k_i, is of its first letter; 1/k_i of k_i.
+        source = meaning.get(name.replace("/", "*").partition("*")[0], "the friction of moving rows")
         lines.append(f"{name} = {e.value:.4g} {e.unit}, 95 % interval {low:.4g} to {high:.4g}, from {source}")
     lines += [f"{name}: estimated along with the fit" for name in sorted(rig.estimate)]
     given = [known.name for known in KNOWNS if known.name in rig.known]
