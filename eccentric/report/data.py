@@ -9,6 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from eccentric.report.arrays import BalanceResiduals
 from eccentric.signals import Finding
 
@@ -16,6 +19,7 @@ __all__ = [
     "AddedEffect",
     "CandidateRow",
     "Conclusion",
+    "Correlations",
     "Errors",
     "ExtendedModel",
     "Fact",
@@ -171,6 +175,7 @@ class Source:
         model, model_title: name and title of the base model.
         command: shell command that repeats the diagnosis.
         version: of eccentric.
+        plan: shell command that plans the next measurement; "" where there is none.
     """
 
     logs: tuple[str, ...]
@@ -179,6 +184,7 @@ class Source:
     model_title: str
     command: str
     version: str
+    plan: str = ""
 
 
 @dataclass(frozen=True)
@@ -235,6 +241,17 @@ class SearchTable:
 
 
 @dataclass(frozen=True)
+class Correlations:
+    """Correlations of the errors of estimates: names, and the matrix (n, n), from -1 to 1.
+
+    NaN where an estimate has no standard error, or two are from different balances.
+    """
+
+    names: tuple[str, ...]
+    matrix: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class ExtendedModel:
     """The base model with the adopted effects, fitted.
 
@@ -242,11 +259,13 @@ class ExtendedModel:
         effects: in order of adoption.
         parameters: in order of printing.
         equations: its friction, then the definitions of its letters.
+        correlations: of the fitted parameters; None with fewer than two.
     """
 
     effects: tuple[AddedEffect, ...]
     parameters: tuple[Parameter, ...]
     equations: tuple[Formula, ...]
+    correlations: Correlations | None = None
 
 
 @dataclass(frozen=True)
