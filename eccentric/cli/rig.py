@@ -5,6 +5,7 @@ from pathlib import Path
 
 import eccentric
 from eccentric.cli.arguments import LOGS, bar, print_warnings
+from eccentric.cli.colours import coloured
 from eccentric.errors import InputError
 
 NAME = "rig"
@@ -36,8 +37,12 @@ def run(args: argparse.Namespace) -> int:
                 raise InputError(f"--check: no {option} is required with it, received one")
         found = eccentric.check_rig(args.logs, args.check)
         print_warnings(found.warnings)
-        print(found.summary())
-        return 1 if found.complaints else 0
+        if found.complaints:
+            print("\n".join(coloured(line, "error") for line in found.complaints))
+            return 1
+        first, *rest = found.summary().splitlines()
+        print("\n".join([coloured(first, "good"), *rest]))
+        return 0
     beside = Path(args.out or "rig.toml").parent
     draft = eccentric.draft_rig(args.logs, args.name, args.arm, beside=beside, reading=bar())
     if args.out is None:
