@@ -93,7 +93,7 @@ def test_a_bar_becomes_lines_with_the_time_left(clock: Clock, capsys: pytest.Cap
     assert "eccentric: 10 s: 25%, 30 s left\n" == capsys.readouterr().err
 
 
-def test_progress_can_be_turned_off(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_lines_can_be_turned_off(monkeypatch: pytest.MonkeyPatch) -> None:
     """For whoever compares what is printed."""
     monkeypatch.setenv("ECCENTRIC_PROGRESS", "off")
 

@@ -84,14 +84,13 @@ def arm_of(rig: str, given: Mapping[str, object]) -> bool:
 
 def progress() -> Callable[[str], None] | None:
     """Progress by stage: each on a terminal, elsewhere the latest one, at most every ten seconds."""
-    if _silent():
-        return None
-    if sys.stderr.isatty():
+    if sys.stderr is not None and sys.stderr.isatty():
         return lambda line: print(f"  {line}", file=sys.stderr)
-    return _now_and_then()
+    return None if _silent() else _now_and_then()
 
 
 def _silent() -> bool:
+    """Whether nobody reads lines in a file, or somebody compares it."""
     return sys.stderr is None or os.environ.get("ECCENTRIC_PROGRESS", "").lower() == "off"
 
 
@@ -113,10 +112,8 @@ def bar() -> Callable[..., None] | None:
 
     It takes the part that is done, and of what: a stage has a time of its own.
     """
-    if _silent():
-        return None
-    if not sys.stderr.isatty():
-        return _in_lines()
+    if sys.stderr is None or not sys.stderr.isatty():
+        return None if _silent() else _in_lines()
     begun, widest = {"": time.monotonic()}, 0
 
     def show(part: float, what: str = "") -> None:
