@@ -30,8 +30,8 @@ class RunErrors:
 
     Attributes:
         name: of the run.
-        fitted, held_out: its rows in motion, None without any. Fitted ones have passed the low pass, held-out
-            ones are as logged: their errors are not to be compared with each other.
+        fitted, held_out: its rows in motion, None without any. Fitted ones may have passed a low pass that
+            held-out ones have not: their errors are not to be compared with each other.
         level: friction of the run over that of the model fitted to all, and its standard error; None where
             the balance contains no friction, or the run is too short for an error.
     """

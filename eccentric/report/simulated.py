@@ -93,8 +93,9 @@ def simulated(balance: BalanceResiduals) -> Simulated | None:
     run = balance.rows.run_names[int(balance.rows.run[index[0]])]
     where = f"{number(start, 5)} to {number(start + span, 5)} s of {run}"
     caption = (
-        f"The held-out stretch in which the drive varies most, {where}. Below: what the models miss of it,"
-        f" {told} RMS. Rows at standstill are left out."
+        f"The {drive.label} that was measured, and what each model requires for the measured motion: the"
+        f" held-out stretch in which it varies most, {where}. Below: what the models miss of it, {told} RMS."
+        " Rows at standstill are left out."
     )
     legend = [("measured", "measured"), *((kind, MODELS[kind]) for kind in errors)]
     alternative = f"{drive.label}, measured and by the models, {where}; they miss {told} RMS."
