@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -36,9 +37,22 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
         content = parsers[path.suffix.lower()](text)
     except InputError:
         raise
-    except (ValueError, RecursionError) as error:  # ValueError: for example a number with thousands of digits
+    except (ValueError, RecursionError) as error:
+        if comma := _decimal_comma(text, str(error)):
+            raise InputError(f"{path}: a decimal point is required, received {comma}") from None
+        # ValueError: for example a number with thousands of digits
         raise InputError(f"{path}: not valid {path.suffix[1:].upper()}: {error}") from None
     return read_table(content, str(path))
+
+
+def _decimal_comma(text: str, error: str) -> str:
+    """The line that a parser stopped at, if a number in it has a decimal comma; else empty."""
+    place = re.search(r"\bline (\d+)", error)
+    lines = text.splitlines()
+    if place is None or not 0 < int(place[1]) <= len(lines):
+        return ""
+    line = lines[int(place[1]) - 1].strip()
+    return f"{line!r} in line {place[1]}" if re.search(r"[=:]\s*[-+]?\d+,\d+\s*(?:#.*)?$", line) else ""
 
 
 def read_utf8(path: Path) -> str:

@@ -14,8 +14,17 @@ class InputError(ValueError):
 
 def meant(name: object, known: Iterable[str]) -> str:
     """Return a hint at the known name closest to an unknown one; empty if none is close."""
-    close = difflib.get_close_matches(str(name), list(known), 1)
-    return f"; did you mean {close[0]!r}?" if close else ""
+    spelled = {_plain(one): one for one in reversed(list(known))}
+    close = difflib.get_close_matches(_plain(name), spelled, 1)
+    return f"; did you mean {spelled[close[0]]!r}?" if close else ""
+
+
+def _plain(name: object) -> str:
+    """A name without what is most often got wrong: case, hyphens, spaces and underscores."""
+    return str(name).lower().translate(_APART)
+
+
+_APART = str.maketrans("", "", "-_ ")
 
 
 def counted(number: int, what: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,8 @@ settings.register_profile(
     phases=(Phase.explicit, Phase.generate),
 )
 settings.load_profile("eccentric")
+# What a command prints is compared: on a slow machine it would tell of its progress in between.
+os.environ["ECCENTRIC_PROGRESS"] = "off"
 
 BENCH = Path(__file__).resolve().parent.parent / "examples" / "bench"
 LONGEST = (

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from eccentric.errors import InputError
+from eccentric.virtual_bench import on_reference, random_scenario, simulate
 from eccentric.virtual_bench.course import Course, speed_runs, sum_of_sines
 
 SEEDS = range(200)
@@ -81,3 +83,39 @@ def test_sines_go_from_slow_to_fast_below_the_top_speed() -> None:
         assert 0.9 < fast < 1.25
         assert TOP / 0.85 == pytest.approx(sum(course.speeds), abs=0.01)
         assert min(course.speeds) > 0.59 * max(course.speeds)
+
+
+def test_a_reference_is_driven_by_the_same_drive() -> None:
+    """Friction, effect and its amplitude are those of the first run; the speed is that of the reference."""
+    rng = np.random.default_rng(4)
+    first = simulate(
+        random_scenario(rng, case="C1", mu=0.2, log_type="runs", effects=["stribeck"], seconds=15.0)
+    )
+    time = np.linspace(0.0, 15.0, 301)
+    speed = 12.0 * np.sin(0.8 * time)
+    again = simulate(on_reference(first.scenario, time, speed, 0.5), again=True)
+    log = again.columns
+    late = log["time_s"] > 2.0
+
+    assert first.scenario.effects == again.scenario.effects
+    assert first.truth["hidden_parameters"] == again.truth["hidden_parameters"]
+    assert first.rig["known"] == again.rig["known"]
+    assert log["theta_m_rad"][0] == pytest.approx(0.5, abs=0.01)
+    expected = np.interp(log["time_s"], time, speed)[late]
+    # A loop of some hertz follows 0.13 Hz within a few per cent, but for reversals, where it sticks.
+    assert np.median(np.abs(log["omega_m_rad_s"][late] - expected)) < 0.05 * 12.0
+
+
+@pytest.mark.parametrize(
+    ("time", "speed", "said"),
+    [
+        ([0.0, 1.0], [1.0], "as many speeds as times"),
+        ([1.0, 2.0], [1.0, 2.0], "times that rise from 0"),
+        ([0.0, 1.0], [1.0, np.nan], "finite speeds"),
+    ],
+)
+def test_a_reference_that_is_none_is_refused(time: list[float], speed: list[float], said: str) -> None:
+    """What a drive cannot follow."""
+    scenario = random_scenario(np.random.default_rng(1), case="C1", mu=0.2, log_type="runs", seconds=15.0)
+    with pytest.raises(InputError, match=said):
+        on_reference(scenario, np.array(time), np.array(speed), 0.0)

@@ -15,6 +15,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (
     pytest.param("tutorial", marks=pytest.mark.slow),
+    pytest.param("tutorial-raw", marks=pytest.mark.slow),
     pytest.param("own-effect", marks=pytest.mark.slow),
     pytest.param("linear-axes", marks=pytest.mark.slow),
     "own-derivation",

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, names_of, read_logs
-from eccentric.drafting import Draft, Proposal, RigLine, draft_of, log_complaints, toml_of
+from eccentric.arms import read_arm
+from eccentric.drafting import Draft, Proposal, RigLine, draft_of, draft_of_arm, log_complaints, toml_of
 from eccentric.errors import InputError, few
 from eccentric.fitting import fit as fit_channels
 from eccentric.logs import Log
-from eccentric.model import TURNING, load_model
+from eccentric.model import TURNING, load_model, with_numbers
 from eccentric.output import whole_file
 from eccentric.rigs import Rig, knowns_of, read_rig, rig_complaints
-from eccentric.signals import read_channels
+from eccentric.signals import Finding, read_channels
 
 __all__ = ["RigCheck", "RigDraft", "check_rig", "draft_rig"]
 
@@ -41,7 +42,8 @@ class RigDraft:
     @property
     def needed(self) -> tuple[str, ...]:
         """The letters that have to be typed for a fit."""
-        return tuple(e.key for e in self.questions if e.key in ("case", "M", "M_l", "L", "k_i"))
+        needed = ("case", "M", "M_l", "L", "k_i")
+        return tuple(e.key for e in self.questions if e.table == "known" and e.key in needed)
 
     def summary(self) -> str:
         """The channels with unit and confidence, the doubts and the questions, for a terminal."""
@@ -87,18 +89,34 @@ class RigCheck:
         return "\n".join(["nothing is wrong; the log determines:", *(f"  {line}" for line in self.estimated)])
 
 
-def draft_rig(logs: LogSources, name: str | None = None) -> RigDraft:
+def draft_rig(
+    logs: LogSources,
+    name: str | None = None,
+    arm: str | os.PathLike[str] | None = None,
+    *,
+    beside: str | os.PathLike[str] = ".",
+    reading: Callable[[float], None] | None = None,
+) -> RigDraft:
     """Draft the rig of a log, or of several of one rig, of which the longest is looked at.
 
     Args:
         logs: as in `fit`.
         name: of the rig; by default that of the log.
+        arm: the path of an arm, .toml or .urdf: its joints' columns are found by pattern.
+        beside: the folder that the rig file of an arm will be in: its path is written relative to it.
+        reading: called with the part of the joints of an arm that is done, 0 to 1.
 
     Raises:
-        InputError: a log cannot be read, two have different columns, or one shows neither time nor motion.
+        InputError: a log or the arm cannot be read, two logs have different columns, or one shows neither
+            time nor motion.
     """
     read = read_logs(logs)
-    draft = _draft(read)
+    if arm is None:
+        draft = _draft(read)
+    else:
+        chain = with_numbers(read_arm(Path(arm)))
+        place = Path(os.path.relpath(arm, beside)).as_posix()
+        draft = draft_of_arm(_same_columns(read), chain, place, reading or (lambda _: None))
     title = name or names_of([_longest(read)])[0].split(".")[0]
     return RigDraft(toml_of(draft, title), draft.proposals, draft.left_out, draft.doubts, draft.questions)
 
@@ -108,13 +126,18 @@ def _longest(logs: Sequence[Log]) -> Log:
 
 
 def _draft(logs: Sequence[Log]) -> Draft:
+    return draft_of(_same_columns(logs))
+
+
+def _same_columns(logs: Sequence[Log]) -> Log:
+    """The longest of the logs. InputError if they have different columns."""
     for log in logs[1:]:
         if set(log.columns) != set(logs[0].columns):
             differ = few(sorted(set(log.columns) ^ set(logs[0].columns)))
             raise InputError(
                 f"{log.path}: the same columns are required in every log, {differ} is not in all of them"
             )
-    return draft_of(_longest(logs))
+    return _longest(logs)
 
 
 def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any]) -> RigCheck:
@@ -134,7 +157,7 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
         draft = None  # what could not be drafted can still be described by hand
     for log in read:
         found += [line for line in log_complaints(usable, log, draft) if line not in found]
-    asked, estimated, warnings = _tried(read, usable, rest, broken=bool(found))
+    asked, estimated, warnings = _tried(read, usable, rest, found)
     axis, own = usable.axis, (*usable.own_names, *names_of(read))
     asked, estimated, warnings = (axis.told(lines, own) for lines in (asked, estimated, warnings))
     found += [line for line in asked if line not in found]
@@ -159,11 +182,14 @@ _TYPICAL = {
 
 
 def _tried(
-    logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], *, broken: bool
+    logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], complaints: Sequence[str]
 ) -> tuple[list[str], tuple[str, ...], tuple[str, ...]]:
-    """Fit, and name every quantity that is missing: each once, with a typical value in its place."""
+    """Fit, and name every quantity that is missing, each once, with a typical value in its place.
+
+    With all of them there, name what the log contradicts.
+    """
     missing: list[str] = []
-    given = dict(content)
+    given, filled = dict(content), False
     for _ in range(len(_TYPICAL) + 1):
         tried = _named(read_rig(given), rig.path)
         try:
@@ -176,18 +202,34 @@ def _tried(
             )
             if letter is None or letter in tried.known:
                 # What follows from a complaint that is already made would only be noise.
-                return [*missing, *([] if broken else [said])], (), ()
-            missing.append(
-                f"{rig.path}: [known] {letter} is required, as in"
-                f' {letter} = "{_TYPICAL[letter]}", received none'
-            )
-            said = tried.axis.said
-            given = {**given, "known": {**given.get("known", {}), said(letter): said(_TYPICAL[letter])}}
+                return [*missing, *([] if complaints else [said])], (), ()
+            if not any(f"[known] {letter}:" in line for line in complaints):
+                missing.append(
+                    f"{rig.path}: [known] {letter} is required, as in"
+                    f' {letter} = "{_TYPICAL[letter]}", received none'
+                )
+            filled, here = True, tried.axis.said
+            given = {**given, "known": {**given.get("known", {}), here(letter): here(_TYPICAL[letter])}}
             continue
-        if missing:
+        # A value that was filled in, and a column that is read wrongly, contradict the log by themselves.
+        if filled or any("[columns]" in line for line in complaints):
             return missing, (), ()
+        contradicted = [f"{rig.path}: {_with_mend(f)}" for f in channels.intake.findings if _grave(f)]
+        if not contradicted and not fit.fits_the_rig:
+            contradicted = [f"{rig.path}: {line}" for line in fit.warnings[:1]]
+        if contradicted:
+            return contradicted, (), ()
         return [], tuple(_determined(fit, tried)), tuple(fit.warnings)
     return missing, (), ()
+
+
+def _grave(finding: Finding) -> bool:
+    """Whether log and rig contradict each other, or two of the rig's values in view of the log."""
+    return finding.doubts_the_rig or finding.kind == "contradiction"
+
+
+def _with_mend(finding: Finding) -> str:
+    return f"{finding.text}: write {finding.mend}" if finding.mend else finding.text
 
 
 def _determined(fit: Any, rig: Rig) -> list[str]:
@@ -197,13 +239,13 @@ def _determined(fit: Any, rig: Rig) -> list[str]:
         "J": "the acceleration", "J_m": "the acceleration", "J_l": "the acceleration",
         "k_i": "gravity and inertia against the current", "M_l": "the load of the bearing", "L": "gravity",
         "phi": "gravity", "T_load": "what is constant in both directions",
+        "1": "gravity and inertia against the drive", "theta_zero_rad": "the phase of gravity",
+        "input_delay_s": "the lag of the motion", "voltage_offset_V": "what is constant in both directions",
     }  # fmt: skip
     for name, e in {**fit.coefficients, **fit.searched}.items():
         low, high = e.interval
-        source = next(
-            (said for key, said in meaning.items() if name == key or name.startswith(f"{key}*")),
-            "the friction of moving rows",
-        )
+        # A scaled one, such as J/k_i or J*R/k_i, is of its first letter; 1/k_i of k_i.
+        source = meaning.get(name.replace("/", "*").partition("*")[0], "the friction of moving rows")
         lines.append(f"{name} = {e.value:.4g} {e.unit}, 95 % interval {low:.4g} to {high:.4g}, from {source}")
     lines += [f"{name}: estimated along with the fit" for name in sorted(rig.estimate)]
     given = [known.name for known in knowns_of(rig.axis) if known.name in rig.known]

@@ -22,6 +22,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
+from eccentric.cli.colours import coloured
 from eccentric.errors import InputError, meant
 from eccentric.output import UNREAD, Ended, ended_by_signals, escape_unprintable, nobody_reads
 from eccentric.version import __version__
@@ -141,7 +142,8 @@ def _one_line_warning(message: Warning | str, *_: object, **__: object) -> str:
 def _complain(message: str, status: int) -> int:
     """Print one line on stderr and return `status`."""
     with suppress(OSError):  # after SIGHUP there may be no terminal any more
-        print(f"eccentric: {'error: ' if status == 2 else ''}{_line(message)}", file=sys.stderr)
+        prefix = f"eccentric:{' error:' if status == 2 else ''}"
+        print(f"{coloured(prefix, 'error', sys.stderr)} {_line(message)}", file=sys.stderr)
     return status
 
 

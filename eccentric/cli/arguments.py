@@ -1,6 +1,7 @@
 """Arguments shared by several commands."""
 
 import argparse
+import os
 import re
 import sys
 import time
@@ -8,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+from eccentric.cli.colours import coloured
 from eccentric.errors import InputError
 
 __all__ = [
@@ -25,6 +27,8 @@ __all__ = [
 
 LOGS = ".csv[.gz], .json[.gz], .npz, .mat, .parquet, .h5, .mf4, .db3, .mcap, .ulg, .tdms"
 """Formats of logs, for help pages; `eccentric.logs` is not imported for them."""
+EVERY_S = 10.0
+"""Progress is told so often where it is kept in a file: a run of an hour leaves a page."""
 MISFIT = 1
 """Exit status of a fit or diagnosis that has written its result, and whose log does not fit the rig."""
 _STATUS = (
@@ -78,20 +82,38 @@ def arm_of(rig: str, given: Mapping[str, object]) -> bool:
     return True
 
 
-def progress():  # noqa: ANN201 - a function or None
-    """Progress by stage on a terminal, nothing elsewhere."""
-    if not sys.stderr.isatty():
-        return None
-    return lambda line: print(f"  {line}", file=sys.stderr)
+def progress() -> Callable[[str], None] | None:
+    """Progress by stage: each on a terminal, elsewhere the latest one, at most every ten seconds."""
+    if sys.stderr is not None and sys.stderr.isatty():
+        return lambda line: print(f"  {line}", file=sys.stderr)
+    return None if _silent() else _now_and_then()
+
+
+def _silent() -> bool:
+    """Whether nobody reads lines in a file, or somebody compares it."""
+    return sys.stderr is None or os.environ.get("ECCENTRIC_PROGRESS", "").lower() == "off"
+
+
+def _now_and_then() -> Callable[[str], None]:
+    """Print a line with the seconds gone, if the last one is ten seconds old: for a log of a scheduler."""
+    begun = told = time.monotonic()
+
+    def show(line: str) -> None:
+        nonlocal told
+        if (now := time.monotonic()) - told >= EVERY_S:
+            told = now
+            print(f"eccentric: {now - begun:.0f} s: {line}", file=sys.stderr, flush=True)
+
+    return show
 
 
 def bar() -> Callable[..., None] | None:
-    """A bar with the time left on a terminal, nothing elsewhere; gone when all is done.
+    """A bar with the time left on a terminal, gone when all is done; elsewhere a line every ten seconds.
 
     It takes the part that is done, and of what: a stage has a time of its own.
     """
     if sys.stderr is None or not sys.stderr.isatty():
-        return None
+        return None if _silent() else _in_lines()
     begun, widest = {"": time.monotonic()}, 0
 
     def show(part: float, what: str = "") -> None:
@@ -103,6 +125,18 @@ def bar() -> Callable[..., None] | None:
         widest = max(widest, len(shown))
         shown = shown.ljust(widest) if part < 1.0 else " " * widest + "\r"
         print(f"\r{shown}", end="", file=sys.stderr, flush=True)
+
+    return show
+
+
+def _in_lines() -> Callable[..., None]:
+    """The bar's numbers in words."""
+    say, begun = _now_and_then(), {"": time.monotonic()}
+
+    def show(part: float, what: str = "") -> None:
+        left = (time.monotonic() - begun.setdefault(what, time.monotonic())) * (1.0 / max(part, 1e-9) - 1.0)
+        if part < 1.0:
+            say(f"{what + ' ' if what else ''}{part:.0%}, {left:.0f} s left")
 
     return show
 
@@ -127,4 +161,5 @@ def options(names: Mapping[str, str]) -> Iterator[None]:
 def print_warnings(warnings: Iterable[str]) -> None:
     """Print each as one line on stderr."""
     for warning in warnings:
-        print(f"eccentric: warning: {warning}", file=sys.stderr)
+        prefix = coloured("eccentric: warning:", "warning", sys.stderr)
+        print(f"{prefix} {warning}", file=sys.stderr)

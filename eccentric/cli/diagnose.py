@@ -16,6 +16,7 @@ from eccentric.cli.arguments import (
     print_warnings,
     progress,
 )
+from eccentric.cli.colours import coloured
 from eccentric.output import own_folder
 
 NAME = "diagnose"
@@ -61,7 +62,8 @@ def run(args: argparse.Namespace) -> int:
         )
     names = [path.relative_to(args.out).as_posix() for path in found.write(args.out)]
     print_warnings(found.warnings)
-    print(found.summary())
+    verdict, *rest = found.lines
+    print("\n".join([coloured(verdict, "answer"), *rest]))
     print(f"{args.out}: {', '.join(name for name in names if '/' not in name)}, check/")
     if args.open and not webbrowser.open((Path(args.out).resolve() / "report.html").as_uri()):
         print_warnings(["no browser was found to open the report"])

@@ -6,9 +6,11 @@ import platform
 import shlex
 import shutil
 import subprocess
+import sys
 import webbrowser
 from importlib.metadata import PackageNotFoundError, version
 
+from eccentric.cli.colours import coloured
 from eccentric.version import __version__
 
 NAME = "doctor"
@@ -16,6 +18,7 @@ HELP = "show Python, packages, compiler and browser, and what to install for wha
 EXAMPLE = "eccentric doctor"
 
 _CORE = ("numpy", "sympy", "scipy", "jinja2")
+_BROWSERS = ("firefox", "chromium", "chromium-browser", "google-chrome", "microsoft-edge", "epiphany")
 _EXTRAS = {
     "figures": (("matplotlib",), "figures of a fit and of the paper"),
     "report": (("matplotlib", "bokeh"), "figures in the report of a diagnosis"),
@@ -56,7 +59,7 @@ def run(_: argparse.Namespace) -> int:
         said = (
             ", ".join(f"{package} {number}" for package, number in found.items())
             if all(found.values())
-            else f'missing: pip install "eccentric[{extra}]"'
+            else coloured(f'missing: pip install "eccentric[{extra}]"', "warning")
         )
         print(f"{extra:{width}}  {purpose}: {said}")
     return 1 if missing else 0
@@ -80,6 +83,10 @@ def _compiler() -> str:
 
 
 def _browser() -> str:
+    if sys.platform.startswith("linux") and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ):
+        there = next(filter(shutil.which, _BROWSERS), None)
+        found = f"{there}, but there is no display" if there else "none, and no display"
+        return f"{found}: copy report.html, a single file, to a computer that has one"
     try:
         return str(getattr(webbrowser.get(), "name", "that of the system"))
     except webbrowser.Error:

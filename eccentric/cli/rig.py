@@ -1,15 +1,18 @@
 """`eccentric rig`: draft a rig file from a log, or list all that is wrong with one."""
 
 import argparse
+from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import LOGS, print_warnings
+from eccentric.cli.arguments import LOGS, bar, print_warnings
+from eccentric.cli.colours import coloured
 from eccentric.errors import InputError
 
 NAME = "rig"
 HELP = "draft the rig file of a log that nobody has described, or list all that is wrong with a rig file"
 EXAMPLE = """eccentric rig examples/bench/bench.csv.gz --out my_rig.toml
-eccentric rig examples/bench/bench.csv.gz --check examples/bench/bench.toml"""
+eccentric rig examples/bench/bench.csv.gz --check examples/bench/bench.toml
+eccentric rig my_log.csv --arm my_arm.urdf --out my_rig.toml"""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -22,19 +25,26 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="RIG",
         help="check this rig file against the logs instead; status 1 if something is wrong",
     )
+    add("--arm", metavar="ARM", help="the arm whose joints the log has, .toml or .urdf: columns by pattern")
     add("--name", help="name of the rig (that of the log)")
 
 
 def run(args: argparse.Namespace) -> int:
     """Print or write the draft, or the complaints; return 1 if a checked rig has any."""
     if args.check is not None:
-        if args.out is not None:
-            raise InputError("--check: no --out is required with it, received one")
+        for option, given in (("--out", args.out), ("--arm", args.arm)):
+            if given is not None:
+                raise InputError(f"--check: no {option} is required with it, received one")
         found = eccentric.check_rig(args.logs, args.check)
         print_warnings(found.warnings)
-        print(found.summary())
-        return 1 if found.complaints else 0
-    draft = eccentric.draft_rig(args.logs, args.name)
+        if found.complaints:
+            print("\n".join(coloured(line, "error") for line in found.complaints))
+            return 1
+        first, *rest = found.summary().splitlines()
+        print("\n".join([coloured(first, "good"), *rest]))
+        return 0
+    beside = Path(args.out or "rig.toml").parent
+    draft = eccentric.draft_rig(args.logs, args.name, args.arm, beside=beside, reading=bar())
     if args.out is None:
         print(draft.text, end="")
         return 0

@@ -14,14 +14,17 @@ rig its value or a question (`RigLine`), each with its evidence in words and any
     questions   the other lines, and what no log shows
     draft       all of it
     toml        the draft as a rig file
+    of_arm      the same for all joints of an arm, columns by pattern
     against     a rig file held against the draft
 
-May import: `logs`, `rigs`. Names are evidence among others; nothing is fitted here.
+May import: `logs`, `rigs`, and `model` for the chain of an arm. Names are evidence among others; nothing is
+fitted here.
 """
 
 from eccentric.drafting.against import log_complaints
 from eccentric.drafting.draft import Draft, draft_of
+from eccentric.drafting.of_arm import draft_of_arm
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.toml import toml_of
 
-__all__ = ["Draft", "Proposal", "RigLine", "draft_of", "log_complaints", "toml_of"]
+__all__ = ["Draft", "Proposal", "RigLine", "draft_of", "draft_of_arm", "log_complaints", "toml_of"]

@@ -26,10 +26,10 @@ def toml_of(draft: Draft, name: str) -> str:
     ]
     drive = next(
         (
-            p.channel
+            kind
             for kind in ("current", "torque", "voltage")
             for p in draft.proposals
-            if p.channel == kind
+            if p.channel in (kind, f"{kind}_l")
         ),
         "",
     )
@@ -42,7 +42,7 @@ def toml_of(draft: Draft, name: str) -> str:
     lines += [
         f"# {_line(f'{column} is no channel: {why}')}" for column, why in sorted(draft.left_out.items())
     ]
-    for table in ("known", "unknown"):
+    for table in ("known", "unknown", "drives", "joints"):
         entries = [entry for entry in draft.entries if entry.table == table]
         if entries:
             lines += ["", f"[{table}]", *(line for entry in entries for line in _entry(entry))]

@@ -145,6 +145,9 @@ def parse_value(text: str, required: str, where: str, counts_per_rev: float | No
             f"{where}: a number with a unit is required ({', '.join(_choices(required, where))}), "
             f"received {text!r}"
         )
+    if re.match(r",\s*\d", match[3]):
+        point = text.replace(",", ".", 1)
+        raise InputError(f"{where}: a decimal point is required, as in {point!r}, received {text!r}")
     if match[3].startswith(":"):
         raise InputError(f"{where}: a ratio with '/', as in '1/5', is required, received {text!r}")
     if required == "rad" and not match[3]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["BalanceResiduals", "Channel", "ResidualRows"]
+__all__ = ["BalanceResiduals", "Channel", "DriveSignal", "ResidualRows"]
 
 Array = np.ndarray
 
@@ -63,6 +63,23 @@ class ResidualRows:
 
 
 @dataclass(frozen=True)
+class DriveSignal:
+    """What drives the motor, on the rows of a balance.
+
+    Attributes:
+        label: "current", "voltage", "torque", without unit.
+        unit: of the values.
+        values: (n,) as measured; a model gives `values` - `gain` * its residual.
+        gain: units of the drive for one of the balance.
+    """
+
+    label: str
+    unit: str
+    values: Array
+    gain: float
+
+
+@dataclass(frozen=True)
 class BalanceResiduals:
     """A balance and how well each model satisfies it.
 
@@ -78,6 +95,7 @@ class BalanceResiduals:
             if the balance contains no friction.
         rmse: model ("linear", "paper", "extended") -> held-out RMSE, as in diagnosis.json.
         noise_floor: RMS of the sensors' noise in this balance; None if unknown.
+        drive: what the balance is about as the log has it; None for another balance than the mechanical.
     """
 
     name: str
@@ -90,3 +108,4 @@ class BalanceResiduals:
     measured: Array | None
     rmse: Mapping[str, float]
     noise_floor: float | None = None
+    drive: DriveSignal | None = None

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from eccentric.diagnosis import Diagnosis
-from eccentric.fitting import Refit
-from eccentric.report.arrays import BalanceResiduals, Channel, ResidualRows
+from eccentric.fitting import DRIVE_UNITS, Refit
+from eccentric.report.arrays import BalanceResiduals, Channel, DriveSignal, ResidualRows
 from eccentric.signals import Rows
 
 __all__ = ["balance_of"]
@@ -39,6 +39,21 @@ def balance_of(found: Diagnosis, name: str) -> BalanceResiduals:
         measured=_scaled(found, found.models.paper, found.models.paper.target) if mechanical else None,
         rmse=found.score.rmse[name],
         noise_floor=found.noise_floor if mechanical else None,
+        drive=_drive(found) if mechanical else None,
+    )
+
+
+def _drive(found: Diagnosis) -> DriveSignal:
+    """The measured drive on the rows, and how much of it a newton metre is."""
+    drive, scale = found.data.drive, found.models.extended.scale
+    name = found.channels.motor.measured_by
+    gain = 1.0
+    if scale is not None:
+        gain = scale
+    elif name == "current":
+        gain = float(drive.machine.current_of_torque(drive.known, 1.0))
+    return DriveSignal(
+        name, DRIVE_UNITS[name], np.where(found.data.off, np.nan, found.rows.mean(drive.signal())), gain
     )
 
 

@@ -9,6 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from eccentric.model import TURNING, AxisKind
 from eccentric.report.arrays import BalanceResiduals
 from eccentric.signals import Finding
@@ -17,6 +20,7 @@ __all__ = [
     "AddedEffect",
     "CandidateRow",
     "Conclusion",
+    "Correlations",
     "Errors",
     "ExtendedModel",
     "Fact",
@@ -172,6 +176,7 @@ class Source:
         model, model_title: name and title of the base model.
         command: shell command that repeats the diagnosis.
         version: of eccentric.
+        plan: shell command that plans the next measurement; "" where there is none.
         axis: what moves: all texts are in its words.
         own: names that a person has given, which are not.
     """
@@ -182,6 +187,7 @@ class Source:
     model_title: str
     command: str
     version: str
+    plan: str = ""
     axis: AxisKind = TURNING
     own: tuple[str, ...] = ()
 
@@ -240,6 +246,17 @@ class SearchTable:
 
 
 @dataclass(frozen=True)
+class Correlations:
+    """Correlations of the errors of estimates: names, and the matrix (n, n), from -1 to 1.
+
+    NaN where an estimate has no standard error, or two are from different balances.
+    """
+
+    names: tuple[str, ...]
+    matrix: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class ExtendedModel:
     """The base model with the adopted effects, fitted.
 
@@ -247,11 +264,13 @@ class ExtendedModel:
         effects: in order of adoption.
         parameters: in order of printing.
         equations: its friction, then the definitions of its letters.
+        correlations: of the fitted parameters; None with fewer than two.
     """
 
     effects: tuple[AddedEffect, ...]
     parameters: tuple[Parameter, ...]
     equations: tuple[Formula, ...]
+    correlations: Correlations | None = None
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from eccentric.diagnosis import (
     Diagnosis,
     closest_sentence,
@@ -19,12 +21,14 @@ from eccentric.diagnosis import (
     stability_words,
 )
 from eccentric.effects import Effect
+from eccentric.fitting import Refit
 from eccentric.model import spoken
 from eccentric.report.balance import balance_of
 from eccentric.report.data import (
     AddedEffect,
     CandidateRow,
     Conclusion,
+    Correlations,
     Errors,
     ExtendedModel,
     Gain,
@@ -61,6 +65,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
             model_title=found.models.base.title,
             command=_command(found),
             version=__version__,
+            plan=_plan(found),
             axis=axis,
             own=own,
         ),
@@ -82,6 +87,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
             effects=tuple(_added(effect, found) for effect in effects),
             parameters=tuple(_parameters(found)),
             equations=tuple(friction_equations(spoken(found.models.extended.model), effects)),
+            correlations=_correlations(found.models.extended),
         ),
         log=LogQuality(
             facts=tuple(facts_of(found)),
@@ -185,10 +191,33 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
     return sorted(rows, key=lambda row: _ORIGINS.index(row.origin))
 
 
+def _correlations(fit: Refit) -> Correlations | None:
+    """Those of the estimates that have an error: a bound leaves none."""
+    error = np.sqrt(np.diag(fit.covariance))
+    free = np.flatnonzero(np.isfinite(error) & (error > 0.0))
+    if len(free) < 2:
+        return None
+    names = list(fit.estimates)
+    own = fit.covariance[np.ix_(free, free)]
+    return Correlations(tuple(names[k] for k in free), own / np.outer(error[free], error[free]))
+
+
+def _plan(found: Diagnosis) -> str:
+    """The command that plans the next measurement; a search that was narrowed has no plan of its own."""
+    if found.asked.effects is not None or found.asked.request.words:
+        return ""
+    words = ["eccentric", "plan", *found.asked.logs, "--rig", found.asked.rig, "--limits", "limits.toml"]
+    return shlex.join([*words, *_model(found), "--out", "plan"])
+
+
+def _model(found: Diagnosis) -> list[str]:
+    named = found.asked.model != found.rig.model and not found.asked.request.including
+    return ["--model", Path(found.asked.model).name] if named else []
+
+
 def _command(found: Diagnosis) -> str:
     words = ["eccentric", "diagnose", *found.asked.logs, "--rig", found.asked.rig]
-    if found.asked.model != found.rig.model and not found.asked.request.including:
-        words += ["--model", Path(found.asked.model).name]
+    words += _model(found)
     if found.asked.effects is not None:
         words += ["--effects", found.asked.effects.name]
     request = found.asked.request

@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from html import escape
 
 import numpy as np
 
 from eccentric.report.arrays import BalanceResiduals
-from eccentric.report.data import CandidateRow, ReportData
+from eccentric.report.data import CandidateRow, Correlations, ReportData
 from eccentric.report.formulas import short_formula
+from eccentric.report.limits import CLOSE, MOST_NAMED
 from eccentric.report.panels import Panel, Trace
+from eccentric.report.runs import RunErrors, runs_apart
 from eccentric.search import LEAST_DEVIANCE, LEAST_SHARE
 
 __all__ = [
     "MODELS",
     "VERDICTS",
+    "correlation_words",
     "curve_name",
     "figure_words",
+    "headline",
     "meaning_html",
     "number",
     "plain_words",
     "range_of",
+    "runs_words",
     "trace_words",
     "unit_text",
     "why",
@@ -34,6 +40,12 @@ VERDICTS = {
     "not_identifiable": "not identifiable on this log",
     "unexplained": "structure unexplained",
     "nothing_missing": "nothing missing",
+}
+_HEADLINES = {
+    "named": "The model lacks an effect",
+    "not_identifiable": "The model lacks something, and this log leaves open what",
+    "unexplained": "The model lacks something that no known effect explains",
+    "nothing_missing": "The model lacks nothing that this log shows",
 }
 _WINDOWS = (
     "These errors are for smoothed windows, each predicted by a fit to the others; those of the held-out part"
@@ -48,6 +60,44 @@ def number(value: float, digits: int = 4) -> str:
     mantissa, e, exponent = text.partition("e")
     power = f" × 10{str(int(exponent)).translate(_SUPERSCRIPT)}" if e else ""
     return mantissa.replace("-", "−") + power
+
+
+def headline(data: ReportData) -> str:
+    """The answer in a few words, for the top of the page."""
+    named = [effect.headline or effect.id for effect in data.extended.effects]
+    if data.conclusion.verdict == "named" and named:
+        last = f" and {named[-1]}" if len(named) > 1 else named[-1]
+        return f"The model lacks {', '.join(named[:-1])}{last}"
+    tied = {
+        c.family: c.headline or c.id for c in reversed(data.search.candidates) if c.family in data.search.tied
+    }
+    if data.conclusion.verdict == "not_identifiable" and 1 < len(tied) <= MOST_NAMED:
+        return f"The model lacks {' or '.join(reversed(tied.values()))}"
+    return _HEADLINES[data.conclusion.verdict]
+
+
+def runs_words(runs: Sequence[RunErrors]) -> str:
+    """That the runs disagree, and what to do; "" if one model suits them all."""
+    apart = runs_apart(list(runs))
+    if apart is None:
+        return ""
+    least, most = (f"{run.level[0]:.3g} times in {run.name}" for run in apart if run.level)
+    return (
+        f"The runs disagree: the friction is {least} and {most} that of the model that was fitted to all of"
+        " them. No single model suits both: diagnose them apart, or log what changed between them."
+    )
+
+
+def correlation_words(found: Correlations) -> str:
+    """The pair that is closest to one combination, if any is close; "" otherwise."""
+    size = np.abs(np.tril(np.nan_to_num(found.matrix), -1))
+    k, j = np.unravel_index(int(np.argmax(size)), size.shape)
+    if size[k, j] < CLOSE:
+        return ""
+    return (
+        f"{found.names[j]} and {found.names[k]} are closest: the log determines a combination of the two"
+        " better than either."
+    )
 
 
 def curve_name(curve: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from types import ModuleType
 from typing import Any
@@ -9,15 +10,21 @@ from typing import Any
 from eccentric.report.arrays import BalanceResiduals
 from eccentric.report.data import CandidateRow, Errors, Parameter, ReportData
 from eccentric.report.formulas import short_formula
+from eccentric.report.limits import SHOWN_RUNS
 from eccentric.report.panels import friction_panel, residual_panel, trace
+from eccentric.report.runs import Part, RunErrors, runs_of
+from eccentric.report.simulated import simulated
 from eccentric.report.text import (
     MODELS,
     VERDICTS,
+    correlation_words,
     figure_words,
+    headline,
     meaning_html,
     number,
     plain_words,
     range_of,
+    runs_words,
     trace_words,
     unit_text,
     why,
@@ -39,7 +46,7 @@ _MARKS = {"named": "✓", "not_identifiable": "≈", "unexplained": "?", "nothin
 
 
 def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
-    """The variables of the templates; without `figures` (no Bokeh) captions and tables remain."""
+    """The variables of the templates; without `figures` (no Bokeh) their sections are left out."""
     shown = [b for k, b in enumerate(data.errors.balances) if k == 0 or b.extended is not None]
     drawn = _Figures(figures)
     residuals = [(b, _residuals(drawn, b, data)) for b in shown]
@@ -47,11 +54,15 @@ def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
     traces = [one for b in shown for one in _traces(drawn, b)]
     return {
         "title": f"What does the model lack? {', '.join(data.source.logs)}",
+        "headline": headline(data),
         "data": data,
         "verdict": VERDICTS[data.conclusion.verdict],
         "mark": _MARKS[data.conclusion.verdict],
         "key_figures": _key_figures(data),
         "errors": _errors(data),
+        "runs": _runs(data),
+        "simulated": simulated(data.errors.balances[0]) or next(filter(None, map(simulated, shown)), None),
+        "correlations": _correlations(data),
         "residuals": [(f"{b.name} balance", b.unit, panels) for b, panels in residuals],
         "friction": friction,
         "traces": traces,
@@ -181,6 +192,59 @@ def _bars(errors: Errors, noise: float | None, top: float) -> dict[str, Any]:
         "noise": None if noise is None else (number(noise, 3), f"{noise * part:.2f}"),
         "note": errors.note,
     }
+
+
+def _runs(data: ReportData) -> dict[str, Any] | None:
+    """The table of runs, the first of it shown, the rest folded; None with a single run."""
+    balance = data.errors.balances[0]
+    runs = runs_of(balance)
+    if len(runs) < 2:
+        return None
+    rows = [_run(run) for run in runs]
+    return {
+        "unit": balance.unit,
+        "after": balance.extended is not None,
+        "level": any(row["level"] for row in rows),
+        "parts": [("", rows[:SHOWN_RUNS])]
+        + ([(f"{len(rows) - SHOWN_RUNS} further runs", rows[SHOWN_RUNS:])] if len(rows) > SHOWN_RUNS else []),
+        "apart": runs_words(runs),
+    }
+
+
+def _run(run: RunErrors) -> dict[str, Any]:
+    level = run.level
+    return {
+        "name": run.name,
+        "parts": [_part(run.fitted), _part(run.held_out)],
+        "level": "" if level is None else f"{level[0]:.4f} ± {level[1]:.4f}",
+    }
+
+
+def _part(part: Part | None) -> tuple[str, str, str]:
+    """Rows, error before, error after."""
+    if part is None:
+        return "", "", ""
+    after = "" if part.after is None else number(part.after, 3)
+    return f"{part.rows}", number(part.before, 3), after
+
+
+def _correlations(data: ReportData) -> dict[str, Any] | None:
+    """The lower triangle; a cell's tint is the size of its correlation."""
+    found = data.extended.correlations
+    if found is None:
+        return None
+    rows = []
+    for k, name in enumerate(found.names):
+        cells = [_cell(float(found.matrix[k, j])) for j in range(k)]
+        rows.append((name, cells, len(found.names) - 1 - k))
+    return {"names": found.names[:-1], "rows": rows[1:], "close": correlation_words(found)}
+
+
+def _cell(r: float) -> tuple[str, str, str]:
+    """Text, kind and tint in percent."""
+    if not math.isfinite(r):
+        return "", "", "0"
+    return f"{r:.2f}".replace("-", "−"), "minus" if r < 0.0 else "plus", f"{60.0 * min(abs(r), 1.0):.0f}"
 
 
 def _candidates(data: ReportData) -> list[tuple[str, list[dict[str, Any]]]]:

@@ -7,7 +7,7 @@ of what a rig file may contain (`KEYS`, `KNOWNS`, `CHANNELS`, `ALIGNMENT`). A ri
 May import: `logs` for units, `model` for the vocabulary and chains, `arms` for their files.
 """
 
-from eccentric.rigs.arm_rig import ArmRig, names_arm, read_arm_rig
+from eccentric.rigs.arm_rig import NUMBER, ArmRig, names_arm, read_arm_rig
 from eccentric.rigs.complaints import rig_complaints
 from eccentric.rigs.entries import plain_entries, read_pair
 from eccentric.rigs.known import KNOWNS, Known, knowns_of, mass_alone
@@ -20,6 +20,7 @@ __all__ = [
     "CHANNELS",
     "KEYS",
     "KNOWNS",
+    "NUMBER",
     "Alignment",
     "ArmRig",
     "ColumnSource",

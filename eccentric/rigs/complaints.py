@@ -15,7 +15,9 @@ from eccentric.model import AXES, TURNING
 from eccentric.places import given_path, shown
 from eccentric.rigs.entries import plain_entries
 from eccentric.rigs.file import read_file
-from eccentric.rigs.rig import read_rig
+from eccentric.rigs.known import KNOWNS
+from eccentric.rigs.rig import KEYS, read_rig
+from eccentric.rigs.sources import CHANNELS
 
 __all__ = ["rig_complaints"]
 
@@ -48,6 +50,10 @@ def rig_complaints(
     entries = list(_entries(content))
     good: list[Place] = []
     for place in entries:
+        if home := _home(place):
+            table = f"[{place[0]}] " if place[0] else ""
+            found.append(f"{where}: {table}{place[1]}: this key belongs {home}")
+            continue
         try:
             read_rig(_alone(content, [place]))
         except InputError as error:
@@ -80,6 +86,20 @@ def _entries(content: Mapping[str, Any]) -> Iterator[Place]:
             yield from ((key, inner) for inner in value)
         else:
             yield "", key
+
+
+def _home(place: Place) -> str:
+    """Where a key of another table belongs; empty where it is right, or known nowhere."""
+    table, key = place
+    letters = {*_CASE, *(name for known in KNOWNS for name in (known.name, known.key))}
+    homes = (
+        ("under [known]", ("known", "unknown"), letters),
+        ("under [columns]", ("columns",), CHANNELS),
+        ("at the top, above all tables", ("",), KEYS),
+    )
+    if any(table in tables and key in keys for _, tables, keys in homes):
+        return ""
+    return next((home for home, _, keys in homes if key in keys), "")
 
 
 def _only(content: Mapping[str, Any], places: list[Place] | tuple[Place, ...]) -> dict[str, Any]:

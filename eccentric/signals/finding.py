@@ -16,7 +16,8 @@ class Finding:
     """One line about the data: `kind` (a word for tests and tables), the channel or letter, the text.
 
     `rows` counts the rows concerned. A "warning" makes results wrong unless it is corrected; a "note" has
-    already been handled, or does little harm.
+    already been handled, or does little harm. `mend` is the line of the rig file that would put it right, ""
+    where the log does not say which.
     """
 
     kind: str
@@ -24,6 +25,7 @@ class Finding:
     text: str
     rows: int
     severity: Severity
+    mend: str = ""
 
     @property
     def doubts_the_rig(self) -> bool:

@@ -25,7 +25,7 @@ from .effects import EFFECTS, VARIANTS, Law, PlantedEffect, simply
 from .files import free_paths, write
 from .fleet import BAD_SENSORS, WAYS, FleetJoint, FleetPlan, fleet_plan
 from .fleet_files import write_fleet
-from .scenario import Scenario, known_effect, random_scenario
+from .scenario import Scenario, known_effect, on_reference, random_scenario
 from .simulation import BenchRun, simulate
 
 __all__ = [
@@ -48,6 +48,7 @@ __all__ = [
     "free_paths",
     "known_effect",
     "known_joint_effect",
+    "on_reference",
     "random_arm_scenario",
     "random_scenario",
     "simply",

@@ -11,6 +11,7 @@ class Course:
 
     `runs`: `starts` [s] and `speeds` [rad/s] of the constant speeds, joined by smooth ramps of `ramp_s`.
     `traj`: `frequencies` [Hz], `speeds` (amplitudes, rad/s) and `phases` [rad] of the sines.
+    `reference`: `speeds` [rad/s] at the times `starts` [s], straight in between.
     """
 
     log_type: str
@@ -29,6 +30,8 @@ class Course:
             for amplitude, frequency, phase in zip(self.speeds, self.frequencies, self.phases, strict=True):
                 sines += amplitude * np.sin(2.0 * np.pi * frequency * time + phase)
             return sines * _smooth(time)  # faded in over the first second
+        if self.log_type == "reference":
+            return np.interp(time, self.starts, self.speeds)
         speed, before = np.zeros_like(time), 0.0
         for start, value in zip(self.starts, self.speeds, strict=True):
             speed += (value - before) * _smooth((time - start) / self.ramp_s)
@@ -65,6 +68,18 @@ def speed_runs(rng: np.random.Generator, seconds: float, top_speed: float) -> Co
     return Course(
         "runs", seconds, tuple(holdout), tuple(np.round(speeds, 3).tolist()), tuple(edges[:-1].tolist()), ramp
     )
+
+
+def followed(time: np.ndarray, speed: np.ndarray) -> Course:
+    """Return the course of a reference: motor speed [rad/s] (n,) at `time` [s] (n,), from 0 on.
+
+    Five blocks of 4 % of it are held out, evenly spread.
+    """
+    seconds = round(float(time[-1]), 3)
+    holdout = tuple(
+        (round(k * seconds / 25, 3), round((k + 1) * seconds / 25, 3)) for k in (3, 8, 13, 18, 23)
+    )
+    return Course("reference", seconds, holdout, tuple(speed.tolist()), tuple(time.tolist()))
 
 
 def sum_of_sines(rng: np.random.Generator, seconds: float, top_speed: float) -> Course:

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from eccentric.errors import InputError, meant
 
 from .controller import MotorController
-from .course import Course, speed_runs, sum_of_sines
+from .course import Course, followed, speed_runs, sum_of_sines
 from .effects import EFFECTS, VARIANTS, PlantedEffect, PlantSetting, Request
 from .plant import Plant
 
@@ -101,6 +101,26 @@ def random_scenario(
     if logged or hiding:
         plant = replace(plant, Rth=_thermal_resistance(setting))
     return Scenario(plant, controller, course, tuple(built), noise, logged, seed, theta)
+
+
+def on_reference(scenario: Scenario, time: np.ndarray, speed: np.ndarray, start_angle: float) -> Scenario:
+    """Return the scenario of the same drive on another course, for `simulate(..., again=True)`.
+
+    Args:
+        scenario: that of a `BenchRun`, whose amplitudes are those of its effects; the noise is drawn anew.
+        time, speed: motor speed [rad/s] (n,) at these times [s] (n,), which begin at 0.
+        start_angle: of the motor [rad].
+
+    Raises:
+        InputError: fewer than two times, times that do not rise from 0, or values that are not numbers.
+    """
+    if time.ndim != 1 or time.shape != speed.shape or len(time) < 2:
+        raise InputError(
+            f"reference: as many speeds as times are required, received {speed.shape}, {time.shape}"
+        )
+    if time[0] != 0.0 or not np.all(np.diff(time) > 0.0) or not np.all(np.isfinite(speed)):
+        raise InputError("reference: times that rise from 0, and finite speeds, are required")
+    return replace(scenario, course=followed(time, speed), seed=scenario.seed + 1, start_angle=start_angle)
 
 
 def known_effect(name: str) -> tuple[str, str | None]:

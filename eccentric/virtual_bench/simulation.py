@@ -14,6 +14,7 @@ from .scenario import Scenario
 from .time_step import laws, mover
 
 _TOLERANCE, _MOST_RUNS = 2e-3, 6
+_LOG_TYPES = {"runs": "speed_runs", "traj": "trajectory", "reference": "reference"}
 
 
 @dataclass(frozen=True)
@@ -216,7 +217,7 @@ def _rig(scenario: Scenario, columns: dict[str, np.ndarray], raw: _Raw) -> dict[
     return {
         "format": "rotlink-log/1",
         "name": scenario.name,
-        "log_type": {"runs": "speed_runs", "traj": "trajectory"}[scenario.course.log_type],
+        "log_type": _LOG_TYPES[scenario.course.log_type],
         "known": scenario.plant.known(),
         "encoder_counts_per_rev": scenario.controller.counts,
         "sample_rate_hz": scenario.sample_rate_hz,

@@ -17,14 +17,14 @@ from eccentric.signals.quality.body import (
     Means,
     RigidBody,
     body_of,
-    friction_of,
     is_clear,
     means_of,
-    regressed,
 )
-from eccentric.signals.quality.causes import ANGLES, SPEEDS, Ratio, common_cause, single_cause
-from eccentric.signals.quality.declared import gravity_of, inertia_of, torque_per_unit, upright_gravity_of
-from eccentric.signals.quality.limits import BETTER, EXPLAINED, FACTOR, FACTOR_MOTOR, NOTICED, SIGMAS, TURNED
+from eccentric.signals.quality.causes import ANGLES, SPEEDS, Logged, common_cause, single_cause
+from eccentric.signals.quality.declared import torque_per_unit, upright_gravity_of
+from eccentric.signals.quality.limits import BETTER, EXPLAINED, FACTOR, FACTOR_MOTOR, IDEAL, TURNED
+from eccentric.signals.quality.mends import of_letter, with_unit
+from eccentric.signals.quality.ratios import Ratio, electrical, mechanical, motor_constant
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -58,10 +58,11 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
         text = f"the {drive} follows gravity if the {name} {unit}: correct the rig's [columns]"
         yield Finding("wrong_unit", channel, text, means.rows, "warning")
         return
-    ratios = [*_electrical(means, rig)]
+    ratios = [*electrical(means, rig)]
     if drive in bodies:
         body = bodies[drive]
-        ratios += _mechanical(body, drive, rig)
+        ratios += mechanical(body, drive, rig)
+        ratios += motor_constant(means, body, drive, rig)
         yield from _gravity(body, channels, rig, means)
     yield from _contradictions(ratios, rig, channels, means.rows)
 
@@ -74,7 +75,7 @@ def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
 
     def ratios(body: RigidBody, gear: float) -> list[Ratio]:
         turned = dataclasses.replace(rig, known={**rig.known, "mu": gear})
-        return list(_mechanical(body, drive, turned))
+        return list(mechanical(body, drive, turned))
 
     body, other = body_of(m, x, m.link), body_of(m, x, m.link / mu**2)
     if 1.0 - other.explained > min(BETTER * (1.0 - body.explained), EXPLAINED):
@@ -123,39 +124,6 @@ def _angle_unit(m: Means, drive: str, angle: bool) -> str:
     return words[best]
 
 
-def _electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
-    """Yield k_e and R by the armature's u = R i + k_e w, over those of the rig."""
-    if "voltage" not in m.drives or "current" not in m.drives or not {"R", "k_e"} <= set(rig.known):
-        return
-    u, i = m.drives["voltage"], m.drives["current"]
-    rest = friction_of(m)
-    a, covariance, explained = regressed([i, *rest], u)
-    if explained < EXPLAINED:
-        return
-    resistance = Ratio.of("R", a[0], math.sqrt(covariance[0, 0]) * SIGMAS, rig.known["R"])
-    yield resistance
-    if not resistance.off(FACTOR_MOTOR):
-        # With the rig's R, k_e is also known where current and speed are correlated.
-        a, covariance, _ = regressed(rest, u - rig.known["R"] * i)
-        yield Ratio.of("k_e", a[0], math.sqrt(covariance[0, 0]) * SIGMAS, rig.known["k_e"])
-    else:
-        yield Ratio.of("k_e", a[1], math.sqrt(covariance[1, 1]) * SIGMAS, rig.known["k_e"])
-
-
-def _mechanical(body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]:
-    """Yield inertia and gravity of the drive over those of the rig."""
-    scale = torque_per_unit(drive, rig)
-    if scale is None:
-        return
-    if inertia := inertia_of(rig):
-        value, error = body.inertia
-        if max(abs(value), inertia / scale) * body.alpha >= NOTICED * body.drive:
-            yield Ratio.of("J", scale * value, scale * error * SIGMAS, inertia)
-    if gravity := gravity_of(rig):
-        value, error = body.gravity
-        yield Ratio.of("M g L", scale * value, scale * error * SIGMAS, gravity)
-
-
 def _gravity(body: RigidBody, c: Channels, rig: Rig, m: Means) -> Iterator[Finding]:
     """Yield gravity where the rig's case has none, and gravity in the wrong direction."""
     value, error = body.gravity
@@ -186,19 +154,25 @@ def _gravity(body: RigidBody, c: Channels, rig: Rig, m: Means) -> Iterator[Findi
 
 def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> Iterator[Finding]:
     """Yield one wrong unit that explains all deviations, else each deviation by itself."""
-    limits = {"R": FACTOR_MOTOR, "k_e": FACTOR_MOTOR}
+    limits = {"R": FACTOR_MOTOR, "k_e": FACTOR_MOTOR, "k_i": IDEAL, "k_i by gravity": IDEAL}
     off = [ratio for ratio in ratios if ratio.off(limits.get(ratio.name, FACTOR))]
     if not off:
         return
-    cause = common_cause(ratios, c.motor.measured_by, rig.known.get("mu"), c.motion.quantum_rad > 0.0)
+    logged = Logged(c.motor.measured_by, rig.known.get("mu"), c.motion.quantum_rad > 0.0)
+    cause = common_cause(ratios, logged)
     if cause:
-        said = ", ".join(ratio.text for ratio in off)
-        yield Finding(cause.kind, cause.channel, f"{cause.text}: {said}", rows, "warning")
+        said, mend = with_unit(cause, rig)
+        text = f"{said}: {', '.join(ratio.text for ratio in off)}"
+        yield Finding(cause.kind, cause.channel, text, rows, "warning", mend)
         return
     for ratio in off:
-        why = single_cause(ratio, c.motor.measured_by, rig.known.get("mu"))
-        text = f"{ratio.text}{why}; correct the rig, or give it in [unknown] to estimate it jointly"
-        yield Finding("contradiction", ratio.name, text, rows, "warning")
+        why, unit = single_cause(ratio, logged)
+        _, mend = with_unit(unit, rig) if unit else ("", of_letter(ratio))
+        todo = "the rig's [columns]" if unit else "the rig, or give it in [unknown] to estimate it jointly"
+        text = f"{ratio.text}{why}; correct {todo}"
+        # Where the rig's k_e is that of the log, the log says nothing against its k_i but that they differ.
+        alone = ratio.name == "k_i" and any(r.name == "k_e" and r.near(1.0) for r in ratios)
+        yield Finding("contradiction", ratio.letter, text, rows, "note" if alone else "warning", mend)
     if {"J", "M g L"} <= {ratio.name for ratio in off}:
         text = "neither inertia nor gravity of the rig agrees with the log: is the log from another rig?"
         yield Finding("another_rig", c.motor.measured_by, text, rows, "warning")

@@ -11,46 +11,34 @@ from eccentric.signals.quality.limits import DIRECT, LEVEL_PLANE, NEAR, REDUCED
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from eccentric.signals.quality.ratios import Ratio
+
 TURN = 2.0 * math.pi
-UNITS = {
-    "J": "kg m^2", "M g L": "N m at the motor", "k_e": "V s/rad", "R": "ohm",
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Ratio:
-    """A quantity from the log over that from the rig; `low` to `high` is its uncertainty."""
+class Logged:
+    """What a cause depends on: the drive's signal, mu if it is known, whether an angle is logged."""
 
-    name: str
-    value: float
-    low: float
-    high: float
-    text: str
-
-    @classmethod
-    def of(cls, name: str, found: float, error: float, given: float) -> Ratio:
-        """Make one from the value in the log, its uncertainty, and the value in the rig, in SI."""
-        text = f"{name} is {found:.3g} {UNITS[name]} by the log and {given:.3g} by the rig"
-        return cls(name, found / given, (found - error) / given, (found + error) / given, text)
-
-    def off(self, factor: float) -> bool:
-        """Return whether log and rig differ by more than this factor, whatever the uncertainty."""
-        return self.low > factor or self.high < 1.0 / factor
-
-    def near(self, factor: float) -> bool:
-        """Return whether the factor explains the ratio, or is within its uncertainty."""
-        close = self.value > 0.0 and abs(math.log(self.value / factor)) <= NEAR
-        return close or self.low <= factor <= self.high
+    drive: str
+    mu: float | None
+    angle: bool
 
 
 @dataclass(frozen=True)
 class Cause:
-    """A wrong unit: kind and channel of its finding, its text, and the ratios that it causes (others: 1)."""
+    """A wrong unit: kind and channel of its finding, its text, and the ratios that it causes (others: 1).
+
+    `factor` is that of a current, voltage or torque over what it should be in SI, 0 for any other cause; with
+    `letter`, that quantity of the rig should be divided by `factor` instead.
+    """
 
     kind: str
     channel: str
     text: str
     ratios: dict[str, float]
+    factor: float = 0.0
+    letter: str = ""
 
 
 ANGLES = {"is in deg": 360.0 / TURN, "is in rev": 1.0 / TURN}
@@ -58,56 +46,79 @@ SPEEDS = {"is in rpm": 60.0 / TURN, "is in deg/s": 360.0 / TURN, "is in rev/s": 
 """Possible units of the angle, or of the speed if no angle is logged, with their factors to SI."""
 
 
-def common_cause(ratios: Sequence[Ratio], drive: str, mu: float | None, angle: bool) -> Cause | None:
+def common_cause(ratios: Sequence[Ratio], logged: Logged) -> Cause | None:
     """Return the one wrong unit or scale that explains all ratios; None if there is none.
 
-    One ratio alone has many causes: at least two must be off consistently. `angle`: whether one is logged.
+    One ratio alone has many causes: at least two must be off consistently.
     """
-    for cause in _causes(drive, mu, angle):
+    for cause in _causes(logged):
         made = [ratio for ratio in ratios if ratio.name in cause.ratios]
         if len(made) > 1 and all(ratio.near(cause.ratios.get(ratio.name, 1.0)) for ratio in ratios):
             return cause
-    moved = {ratio.name: ratio for ratio in ratios}
-    if {"J", "M g L"} <= set(moved) and (scale := moved["J"].value) > 0.0 and moved["M g L"].near(scale):
-        rest = [ratio for ratio in ratios if ratio.name not in ("J", "M g L")]
-        if all(ratio.near(1.0) for ratio in rest) and not moved["J"].near(1.0):
-            text = f"the scale of the {drive}, or k_i, is off by a factor of {scale:.3g}"
-            return Cause("contradiction", "k_i", text, {})
-    return None
+    return _scale(ratios, logged.drive)
 
 
-def _causes(drive: str, mu: float | None, angle: bool) -> list[Cause]:
+def _scale(ratios: Sequence[Ratio], drive: str) -> Cause | None:
+    """Blame the scale of the drive or k_i for torques that are all off by one factor that no unit has."""
+    torques = [ratio for ratio in ratios if ratio.name in ("J", "M g L")]
+    if not torques or (scale := torques[0].value) <= 0.0 or torques[0].near(1.0):
+        return None
+    if not all(ratio.near(scale) for ratio in torques):
+        return None
+    rest = {ratio.name: ratio for ratio in ratios if ratio not in torques}
+    others = [ratio for name, ratio in rest.items() if name not in ("R", "k_i")]
+    resistance, constant = rest.get("R"), rest.get("k_i")
+    if not all(ratio.near(1.0) for ratio in others):
+        return None
+    by = f"off by a factor of {scale:.3g}"
+    if drive == "current" and resistance is not None and constant is None and resistance.near(1.0 / scale):
+        return Cause("wrong_unit", "current", f"the scale of the current is {by}", {}, scale)
+    if resistance is not None and not resistance.near(1.0):
+        return None
+    if constant is not None:
+        found = constant.near(1.0 / scale)
+        return Cause("contradiction", "k_i", f"k_i is {by}", {}, scale, "k_i") if found else None
+    if len(torques) < 2:
+        return None
+    if drive == "current" and resistance is not None:
+        return Cause("contradiction", "k_i", f"k_i is {by}", {}, scale, "k_i")
+    return Cause("contradiction", "k_i", f"the scale of the {drive}, or k_i, is {by}", {})
+
+
+def _causes(logged: Logged) -> list[Cause]:
+    drive, mu, angle = logged.drive, logged.mu, logged.angle
     channel, name, units = ("theta_m", "angle", ANGLES) if angle else ("omega_m", "speed", SPEEDS)
     if mu is not None and not DIRECT[0] < mu < DIRECT[1]:
         sides = {"is the link's, mapped as the motor's": mu, "is the motor's, mapped as the link's": 1.0 / mu}
         units = units | sides
     causes = [
-        Cause("wrong_unit", channel, f"the {name} {words}", {"J": 1.0 / f, "k_e": 1.0 / f})
+        Cause("wrong_unit", channel, f"the {name} {words}", {"J": 1.0 / f, "k_e": 1.0 / f, "k_i": 1.0 / f})
         for words, f in units.items()
     ]
     causes += [
-        Cause("wrong_unit", "time", f"the time is in {unit}", {"J": f * f, "k_e": f})
+        Cause("wrong_unit", "time", f"the time is in {unit}", {"J": f * f, "k_e": f, "k_i": f})
         for unit, f in (("ms", 1e3), ("us", 1e6))
     ]
-    for factor, prefix in ((1e3, "m"), (1e-3, "k")):
-        causes += [
-            Cause(
-                "wrong_unit",
-                "current",
-                f"the current is in {prefix}A",
-                {"R": 1.0 / factor} | ({"J": factor, "M g L": factor} if drive == "current" else {}),
-            ),
-            Cause(
-                "wrong_unit",
-                "voltage",
-                f"the voltage is in {prefix}V",
-                {"R": factor, "k_e": factor} | ({"J": factor, "M g L": factor} if drive == "voltage" else {}),
-            ),
-        ]
-        if drive == "torque":
-            both = {"J": factor, "M g L": factor}
-            causes.append(Cause("wrong_unit", "torque", f"the torque is in {prefix}N m", both))
-    return causes  # fmt: skip
+    return [*causes, *(_prefixed(name, factor, drive) for factor in (1e3, 1e-3) for name in _SIGNALS)]
+
+
+_SIGNALS = {"current": "A", "voltage": "V", "torque": "N m"}
+
+
+def _prefixed(signal: str, factor: float, drive: str) -> Cause:
+    """A current, voltage or torque whose values are this factor larger than in SI."""
+    made = {
+        "current": {"R": 1.0 / factor},
+        "voltage": {"R": factor, "k_e": factor, "k_i": factor},
+        "torque": {},
+    }[signal]
+    if signal in ("current", "voltage"):
+        made["k_i by gravity"] = 1.0 / factor
+    if drive == signal:
+        made |= {"J": factor, "M g L": factor}
+    prefix = "m" if factor > 1.0 else "k"
+    text = f"the {signal} is in {prefix}{_SIGNALS[signal]}"
+    return Cause("wrong_unit", signal, text, made, factor)
 
 
 _SINGLE = {
@@ -123,18 +134,33 @@ _SINGLE = {
 }  # fmt: skip
 
 
-def single_cause(ratio: Ratio, drive: str, mu: float | None) -> str:
-    """Return the explanation of one ratio, in brackets, empty if there is none."""
-    causes = dict(_SINGLE[ratio.name])
+def single_cause(ratio: Ratio, logged: Logged) -> tuple[str, Cause | None]:
+    """Return the explanation of one ratio, in brackets, "" if there is none, and the unit to blame."""
+    drive, mu = logged.drive, logged.mu
+    causes = dict(_SINGLE.get(ratio.letter, {}))
     if ratio.name == "J" and mu is not None and mu < REDUCED:
         causes |= {mu**2: "the rig's J_m is at the link", 1.0 / mu**2: "the rig's J_l is at the motor"}
-    if ratio.name == "M g L" and ratio.high < LEVEL_PLANE:
-        return " (is the plane of motion horizontal, case C1?)"
+    level = ratio.name == "M g L" and ratio.high < LEVEL_PLANE
+    if level and ratio.low <= 0.0:
+        return " (is the plane of motion horizontal, case C1?)", None
+    for factor in (1e3, 1e-3):
+        # A mass in grams, an inertia in kg mm^2: nobody logs in kiloamperes.
+        if ratio.name in ("J", "M g L") and factor < 1.0:
+            continue
+        # A resistance has two readings: that of the more usual winding is taken.
+        if ratio.name == "R" and abs(math.log(ratio.found)) < abs(math.log(ratio.found / ratio.value)):
+            continue
+        cause = _prefixed("current" if ratio.letter in ("R", "k_i") else drive, factor, drive)
+        if ratio.name in cause.ratios and ratio.value > 0.0 and ratio.near(cause.ratios[ratio.name]):
+            return f" ({cause.text}?)", cause
     near = {math.inf: ""}
     if ratio.value > 0.0:
         near |= {abs(math.log(ratio.value / factor)): words for factor, words in causes.items()}
     best = min(near)
     if best <= NEAR:
-        return f" ({near[best]}?)"
+        return f" ({near[best]}?)", None
+    if level:
+        return " (is the plane of motion horizontal, case C1?)", None
     # Gravity is the larger part of a torque; an inertia off by the same factor may not show.
-    return " (or is k_i off by this factor?)" if ratio.name == "M g L" and drive == "current" else ""
+    either = ratio.name == "M g L" and drive == "current"
+    return (" (or is k_i off by this factor?)" if either else ""), None

@@ -56,6 +56,11 @@ FACTOR = 2.0
 much of them in a mean."""
 FACTOR_MOTOR = 1.5
 """The same for R and k_e, which are easily measured; a hot winding adds 0.4 to R."""
+IDEAL = 5.0
+"""k_i and k_e are one constant in SI. Conventions of phases (sqrt 3, 1.5, rms) and of the side of the gear's
+losses part them by up to 3; a decade is a wrong unit."""
+LEAST_OHM = 5e-3
+"""Less resistance than any winding with its leads that a drive of a few kilowatts has."""
 NOTICED = 0.1
 """Least fraction of the drive that accelerates, by log or rig, to judge the inertia: below it, the lag
 of a drive that averages its signals looks like inertia."""

@@ -1,0 +1,52 @@
+"""The test stand of docs/tutorial-raw.md: a drive of the virtual bench, and a logger with its own units.
+
+    python test_stand.py monday.csv                        a sum of sines
+    python test_stand.py tuesday.csv plan/reference.csv    the motion that was planned
+
+The logger writes semicolons, decimal commas and a row of units. The drive is simulated: what is known of it
+at the stand is on the page, what is planted in it is below.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from eccentric.virtual_bench import on_reference, random_scenario, simulate
+
+MU, EFFECT, SEED = 1.0 / 30.0, ("eddy_current", 0.08), 5
+ZERO_DEG = 127.5  # of the logger
+
+
+def main() -> None:
+    """Measure, and write what the logger would have written."""
+    out, *planned = map(Path, sys.argv[1:])
+    scenario = random_scenario(
+        np.random.default_rng(SEED),
+        case="C1",
+        mu=MU,
+        log_type="traj",
+        effects=[EFFECT],
+        noise=0.004,
+        seconds=40.0,
+    )
+    run = simulate(scenario)
+    if planned:
+        reference = np.genfromtxt(planned[0], delimiter=",", names=True)
+        start = reference["theta_m_rad"][0] - np.radians(ZERO_DEG)
+        following = on_reference(run.scenario, reference["time_s"], reference["omega_m_rad_s"], start)
+        run = simulate(following, again=True)
+    log = run.columns
+    columns = (
+        1e3 * log["time_s"],
+        np.degrees(log["theta_m_rad"]) + ZERO_DEG,
+        log["omega_m_rad_s"] * 30.0 / np.pi,
+        1e3 * log["current_A"],
+    )
+    rows = (f"{t:.0f};{deg:.3f};{rpm:.1f};{mA:.0f}" for t, deg, rpm, mA in zip(*columns, strict=True))
+    text = "\n".join(["T;Pos;n;Iq", "ms;deg;1/min;mA", *rows]).replace(".", ",") + "\n"
+    out.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
