@@ -28,6 +28,7 @@ from eccentric.effects import (
     hidden_thermal_drift,
     inertia_mismatch,
     inverter_deadtime,
+    kinematic_error,
     kt_ripple,
     kt_saturation,
     link_harmonic_friction,
@@ -115,6 +116,7 @@ FAMILIES = MappingProxyType(
         "time_drift": time_drift,
         "sensor_delay": sensor_delay,
         "encoder_eccentricity": encoder_eccentricity,
+        "kinematic_error": kinematic_error,
     }
 )
 """Family -> the module whose `effects(setting)` makes its records."""

@@ -1,6 +1,6 @@
 """Effects of the link or motor angle, and of a rig that differs from its declaration."""
 
-from math import cos, exp, pi, sin
+from math import cos, exp, hypot, pi, sin
 
 from eccentric.virtual_bench.motion import Motion
 from eccentric.virtual_bench.plant import Plant
@@ -169,6 +169,39 @@ def mass_mismatch(request: Request) -> PlantedEffect:
     )
 
 
+def kinematic_error(request: Request) -> PlantedEffect:
+    """Gear whose ratio varies over a turn of the motor or of the link, n times (transmission error).
+
+    Unless it is chosen, the angle is that of the link where a turn of it has more than 12 of the motor: no
+    log at 250 rows per second shows a ripple of a motor that is as fast as that.
+    """
+    plant, setting = request.plant, request.setting
+    where, order = request.variant.split(",n=")
+    if not request.chosen and plant.mu < 1.0 / 12.0:
+        where = "link"
+    n = int(order)
+    rate, shift = (n if where == "motor" else n * plant.mu), request.phase()
+    load = hypot(plant.gravity_torque(pi / 2, plant.in_plane_gravity), setting.friction)
+    inertial = plant.mu**2 * plant.J_l * rate * setting.speed**2
+    letter = {"motor": "thm", "link": "thl"}[where]
+    return PlantedEffect(
+        "kinematic_error",
+        f"thl = mu thm + A sin({n} {letter} + phi), in angle, ratio and acceleration of the link",
+        request.torque(1.4) * plant.mu / (rate * hypot(load, inertial)),
+        simply(
+            **{
+                "link angle": lambda s, a: a * sin(rate * s.theta + shift),
+                "link ratio": lambda s, a: a * rate * cos(rate * s.theta + shift),
+                "link bend": lambda s, a: -a * rate**2 * sin(rate * s.theta + shift),
+            }
+        ),
+        ("motor_angle" if where == "motor" else "link_angle", "transmitted_torque", "acceleration"),
+        (rate, shift),
+        variant=f"{where},n={n}",
+        bound=0.2 * plant.mu / rate,
+    )
+
+
 def inertia_mismatch(request: Request) -> PlantedEffect:
     """Inertia on the motor side larger than declared by the fraction A."""
     inertia = request.plant.inertia
@@ -196,5 +229,6 @@ BUILDERS: tuple[Builder, ...] = (
     gravity_tilt,
     angle_offset,
     mass_mismatch,
+    kinematic_error,
     inertia_mismatch,
 )
