@@ -68,6 +68,7 @@ KEPT = {
         "of either sign, so that friction may cancel": (
             "coulomb_asymmetry", "viscous_asymmetry", "link_harmonic_friction", "ke_mismatch", "wear_runin",
             "motor_harmonic_friction", "wear_runin[travel]", "time_drift", "coulomb_temperature[bearing]",
+            "nonsynchronous_friction",
         ),
         "taken off friction": (
             "backlash", "presliding", "presliding[lugre]", "hidden_thermal_drift[bearing]",

@@ -99,6 +99,7 @@ FORMULAS: dict[str, Formula] = {
     "time_drift": lambda s, a, p, e: {"dry": a * s.t / 15.0},  # seconds of the scenario
     "link_harmonic_friction[n=3]": lambda s, a, p, e: {"dry": a * cos(3 * s.link + e.shape[1])},
     "motor_harmonic_friction[n=2]": lambda s, a, p, e: {"dry": a * cos(2 * s.theta + e.shape[1])},
+    "nonsynchronous_friction": lambda s, a, p, e: {"dry": a * cos(e.shape[0] * s.theta + e.shape[1])},
     "cogging[n=4]": lambda s, a, p, e: {"torque": a * cos(4 * s.theta + e.shape[1])},
     "kt_ripple[n=6]": lambda s, a, p, e: {"flux": a * cos(6 * s.theta + e.shape[1])},
     "local_defect": lambda s, a, p, e: {"dry": a * bump(s, e)},

@@ -173,6 +173,9 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
      lambda x: (0.02 * np.cos(x["theta_m"] / 5) - 0.03 * np.sin(x["theta_m"] / 5)) * np.sign(x["omega_m"])),
     ("C1", "motor_harmonic_friction[n=3]", {"motor_harmonic_c3": 0.02, "motor_harmonic_s3": -0.03},
      lambda x: (0.02 * np.cos(3 * x["theta_m"]) - 0.03 * np.sin(3 * x["theta_m"])) * np.sign(x["omega_m"])),
+    ("C1", "nonsynchronous_friction", {"nonsync_c": 0.02, "nonsync_s": -0.03, "nonsync_order": 3.57},
+     lambda x: (0.02 * np.cos(3.57 * x["theta_m"]) - 0.03 * np.sin(3.57 * x["theta_m"]))
+     * np.sign(x["omega_m"])),
     ("C1", "cogging[n=24]", {"cogging_c24": 0.02, "cogging_s24": 0.05},
      lambda x: 0.02 * np.cos(24 * x["theta_m"]) + 0.05 * np.sin(24 * x["theta_m"])),
     ("C1", "kt_ripple[n=7]", {"kt_ripple_c7": 0.1, "kt_ripple_s7": -0.2},

@@ -41,6 +41,25 @@ def motor_harmonic_friction(request: Request) -> PlantedEffect:
     )
 
 
+def nonsynchronous_friction(request: Request) -> PlantedEffect:
+    """Dry friction at a non-integer order of the motor: balls and cage of a bearing that rolls without slip.
+
+    The orders are those of balls that pass a race, or, where the link turns slowly and the log could not show
+    such a ripple, those of a slower bearing inside the gear.
+    """
+    slow = request.plant.mu < 1.0 / 12.0
+    whole = 0 if slow else int(request.rng.integers(2, 6))
+    order, shift = whole + request.draw(0.55 if slow else 0.2, 0.8), request.phase()
+    return PlantedEffect(
+        "nonsynchronous_friction",
+        f"A cos({order:g} thm + phi) sgn w",
+        request.torque(1.4),
+        simply(dry=lambda s, a: a * cos(order * s.theta + shift)),
+        ("motor_angle",),
+        (order, shift),
+    )
+
+
 def cogging(request: Request) -> PlantedEffect:
     """Cogging torque of slots and magnets, n times per turn of the motor (Hanselman 2003)."""
     order, shift = int(request.variant[2:]), request.phase()
@@ -222,6 +241,7 @@ def _gravity_size(plant: Plant) -> float:
 BUILDERS: tuple[Builder, ...] = (
     link_harmonic_friction,
     motor_harmonic_friction,
+    nonsynchronous_friction,
     cogging,
     kt_ripple,
     local_defect,
