@@ -21,6 +21,7 @@ slow = pytest.mark.slow
 M, M_L, L, MU, R, K_I, K_E, G, J_M, J_L = 0.5, 0.2, 0.25, 0.2, 1.0, 0.02, 0.05, 9.81, 2e-4, 0.04
 KNOWN = {"M": M, "M_l": M_L, "L": L, "mu": MU, "R": R, "k_i": K_I, "k_e": K_E, "g": G, "J_m": J_M, "J_l": J_L}
 MEAN, END, WARM, W_MAX = 20.0, 60.0, 25.0, 80.0
+TURNS, ORDER = 40.0, 3.57  # range of the motor angle, and the order that stands out in the log
 # Table 1 as the first fit would find it; C1's B and C hold the transversal force 0.2 kg 9.81 m/s^2.
 FIRST_FIT = {
     "C1": {
@@ -79,6 +80,7 @@ def setting(case: str, *, warm: bool) -> Setting:
     middle = WARM if warm else None
     base = load_model(BASE[case])
     shown = {"temperature_mid": middle, "channels": seen, "friction": FIRST_FIT[case]}
+    shown |= {"turns": TURNS, "orders": (ORDER,)}
     return Setting(base, MU, KNOWN, 0.5, W_MAX, 15.0, END, MEAN, **shown)
 
 

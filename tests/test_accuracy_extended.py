@@ -45,6 +45,10 @@ KEPT = {
             "magnetic_hysteresis[play]", "current_bias", "sensor_delay",
         ),
         "the angle read": ("encoder_eccentricity[motor]", "encoder_eccentricity[link]"),
+        "the angle of the link": (
+            "kinematic_error[motor,n=1]", "kinematic_error[motor,n=2]",
+            "kinematic_error[link,n=1]", "kinematic_error[link,n=2]",
+        ),
         "the voltage": (
             "inverter_deadtime", "resistance_mismatch", "resistance_temperature",
             "resistance_temperature[hidden]", "armature_inductance",
@@ -64,6 +68,7 @@ KEPT = {
         "of either sign, so that friction may cancel": (
             "coulomb_asymmetry", "viscous_asymmetry", "link_harmonic_friction", "ke_mismatch", "wear_runin",
             "motor_harmonic_friction", "wear_runin[travel]", "time_drift", "coulomb_temperature[bearing]",
+            "nonsynchronous_friction",
         ),
         "taken off friction": (
             "backlash", "presliding", "presliding[lugre]", "hidden_thermal_drift[bearing]",

@@ -99,6 +99,7 @@ FORMULAS: dict[str, Formula] = {
     "time_drift": lambda s, a, p, e: {"dry": a * s.t / 15.0},  # seconds of the scenario
     "link_harmonic_friction[n=3]": lambda s, a, p, e: {"dry": a * cos(3 * s.link + e.shape[1])},
     "motor_harmonic_friction[n=2]": lambda s, a, p, e: {"dry": a * cos(2 * s.theta + e.shape[1])},
+    "nonsynchronous_friction": lambda s, a, p, e: {"dry": a * cos(e.shape[0] * s.theta + e.shape[1])},
     "cogging[n=4]": lambda s, a, p, e: {"torque": a * cos(4 * s.theta + e.shape[1])},
     "kt_ripple[n=6]": lambda s, a, p, e: {"flux": a * cos(6 * s.theta + e.shape[1])},
     "local_defect": lambda s, a, p, e: {"dry": a * bump(s, e)},
@@ -107,6 +108,8 @@ FORMULAS: dict[str, Formula] = {
     "gravity_tilt, C1": lambda s, a, p, e: other_gravity(s, p, gravity=p.g * sin(a), shift=e.shape[0]),
     "angle_offset": lambda s, a, p, e: other_gravity(s, p, shift=a),
     "mass_mismatch": lambda s, a, p, e: other_gravity(s, p, mass=p.M * (1.0 + a)),
+    "kinematic_error[motor,n=2]": lambda s, a, p, e: gear_error(a, 2.0, 2.0 * s.theta + e.shape[1]),
+    "kinematic_error[link,n=1]": lambda s, a, p, e: gear_error(a, p.mu, s.link + e.shape[1]),
     "inertia_mismatch": lambda s, a, p, e: {"inertia": a * (p.J_m + p.mu**2 * p.J_l)},
     "load_dependent[gravity]": lambda s, a, p, e: {"dry": a * abs(s.gravity)},
     "load_dependent[transmitted]": lambda s, a, p, e: {"dry": a * abs(transmitted(s, p))},
@@ -154,6 +157,15 @@ def transmitted(s: Motion, plant: Plant) -> float:
 def driven(load: float, s: Motion, e: PlantedEffect) -> float:
     """1 where the motor drives the load, and the other factor where the load drives it."""
     return 1.0 if (load > 0.0) == (s.w > 0.0) else e.shape[0]
+
+
+def gear_error(a: float, rate: float, angle: float) -> Ports:
+    """A sine of the motor angle, and its first two derivatives."""
+    return {
+        "link angle": a * sin(angle),
+        "link ratio": a * rate * cos(angle),
+        "link bend": -a * rate**2 * sin(angle),
+    }
 
 
 def dead_time(voltage: float, a: float, R: float, i0: float) -> float:

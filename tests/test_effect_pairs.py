@@ -241,6 +241,7 @@ COULOMB = {
     "link_harmonic_friction[n=2]",
     "motor_harmonic_friction[n=3]",
     "motor_harmonic_friction[n=4]",
+    "nonsynchronous_friction",
     "bearing_load[degressive]",
     "bearing_load[progressive]",
     "bearing_load[preload]",

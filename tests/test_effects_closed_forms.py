@@ -110,6 +110,26 @@ def misread(x: Signals, case: str, rate: float, c: float, s: float) -> np.ndarra
     return inertial + slope_f * slope * w + gravity * error
 
 
+def geared(x: Signals, case: str, rate: float, c: float, s: float, share: float) -> np.ndarray:
+    """What the motor feels of a link that turns by mu theta_m + e, to first order in e."""
+    theta, w, alpha = x["theta_m"], x["omega_m"], x["alpha_m"]
+    e = c * np.cos(rate * theta) + s * np.sin(rate * theta)
+    slope = rate * (s * np.cos(rate * theta) - c * np.sin(rate * theta))
+    pull, weight = M * L * (MU * w) ** 2, (M + M_L) * G * (case == "C2")
+    force = np.hypot(pull + weight * np.cos(MU * theta), weight * np.sin(MU * theta))
+    force = np.where(force == 0.0, 1.0, force)
+    # Of the normal force: by the velocity, times that; and by the motor angle.
+    faster = 2 * pull * (pull + weight * np.cos(MU * theta)) / force
+    further = -MU * pull * weight * np.sin(MU * theta) / force
+    per_force = MU**2 * B_LN * w + MU * C_LN * np.sign(w)
+    at_rest = friction(x, case, np.zeros_like(w))
+    held = normal_force(x) if case == "C2" else pull
+    viscous = MU**2 * B_LN * held * w + share * (at_rest - friction(x, case, np.zeros_like(w), viscous=0))
+    turned = MU * (M * G * L * (case == "C2")) * MU * np.cos(MU * theta) + per_force * further
+    felt = slope * (load(x, case, share) + viscous + per_force * faster) + e * turned
+    return felt / MU + MU * J_L * (slope * alpha - rate**2 * e * w**2)
+
+
 Torque = Callable[[Signals], np.ndarray]
 # (case, id, parameters, torque that the effect adds to friction and load [N m], NumPy from the physics)
 MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
@@ -153,6 +173,9 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
      lambda x: (0.02 * np.cos(x["theta_m"] / 5) - 0.03 * np.sin(x["theta_m"] / 5)) * np.sign(x["omega_m"])),
     ("C1", "motor_harmonic_friction[n=3]", {"motor_harmonic_c3": 0.02, "motor_harmonic_s3": -0.03},
      lambda x: (0.02 * np.cos(3 * x["theta_m"]) - 0.03 * np.sin(3 * x["theta_m"])) * np.sign(x["omega_m"])),
+    ("C1", "nonsynchronous_friction", {"nonsync_c": 0.02, "nonsync_s": -0.03, "nonsync_order": 3.57},
+     lambda x: (0.02 * np.cos(3.57 * x["theta_m"]) - 0.03 * np.sin(3.57 * x["theta_m"]))
+     * np.sign(x["omega_m"])),
     ("C1", "cogging[n=24]", {"cogging_c24": 0.02, "cogging_s24": 0.05},
      lambda x: 0.02 * np.cos(24 * x["theta_m"]) + 0.05 * np.sin(24 * x["theta_m"])),
     ("C1", "kt_ripple[n=7]", {"kt_ripple_c7": 0.1, "kt_ripple_s7": -0.2},
@@ -255,6 +278,14 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
         (case, f"encoder_eccentricity[{where}]", {"eccentric_c": 0.02, "eccentric_s": -0.03},
          lambda x, case=case, rate=rate: misread(x, case, rate, 0.02, -0.03))
         for where, rate in (("motor", 1.0), ("link", MU))
+        for case in CASES
+    ),
+    *(
+        (case, f"kinematic_error[{where},n={n}]",
+         {"kinematic_c": 0.02, "kinematic_s": -0.03, "kinematic_share": 0.3},
+         lambda x, case=case, rate=n * rate: geared(x, case, rate, 0.02, -0.03, 0.3))
+        for where, rate in (("motor", 1.0), ("link", MU))
+        for n in (1, 2)
         for case in CASES
     ),
 ]  # fmt: skip

@@ -20,6 +20,7 @@ KNOWN = {**_defaults(v.M, v.M_l, v.L, v.mu, v.R, v.k_i, v.k_e, v.g), "J_m": 1e-4
 FRICTION = _defaults(v.B_lN, v.C_lN, v.B_m, v.C_m)
 BASE = {"C1": "c1_perpendicular", "C2": "c2_parallel"}
 SPEED, CURRENT, SECONDS, LOSS, WARM = 60.0, 15.0, 60.0, 70.0, 30.0
+TURNS, ORDER = 60.0, 3.57  # of balls that pass the outer race of a bearing with nine
 
 
 def setting(case: str, *, warm: bool) -> Setting:
@@ -28,6 +29,7 @@ def setting(case: str, *, warm: bool) -> Setting:
     middle = WARM if warm else None
     base = load_model(BASE[case])
     logged = {"temperature_mid": middle, "channels": channels, "friction": FRICTION}
+    logged |= {"turns": TURNS, "orders": (ORDER,)}
     return Setting(base, KNOWN["mu"], KNOWN, 1.0, SPEED, CURRENT, SECONDS, LOSS, **logged)
 
 

@@ -28,6 +28,7 @@ from eccentric.effects import (
     hidden_thermal_drift,
     inertia_mismatch,
     inverter_deadtime,
+    kinematic_error,
     kt_ripple,
     kt_saturation,
     link_harmonic_friction,
@@ -37,6 +38,7 @@ from eccentric.effects import (
     magnetic_hysteresis,
     mass_mismatch,
     motor_harmonic_friction,
+    nonsynchronous_friction,
     presliding,
     resistance_temperature,
     sensor_delay,
@@ -90,6 +92,7 @@ FAMILIES = MappingProxyType(
         "viscous_asymmetry": asymmetry,
         "link_harmonic_friction": link_harmonic_friction,
         "motor_harmonic_friction": motor_harmonic_friction,
+        "nonsynchronous_friction": nonsynchronous_friction,
         "cogging": cogging,
         "kt_ripple": kt_ripple,
         "local_defect": local_defect,
@@ -117,6 +120,7 @@ FAMILIES = MappingProxyType(
         "time_drift": time_drift,
         "sensor_delay": sensor_delay,
         "encoder_eccentricity": encoder_eccentricity,
+        "kinematic_error": kinematic_error,
     }
 )
 """Family -> the module whose `effects(setting)` makes its records."""

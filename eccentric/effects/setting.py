@@ -32,6 +32,8 @@ class Setting:
         left_open: what the rig leaves to be identified: roles of columns, among others "inertia" and
             "gravity", and keys of the rig's alignment, such as "theta_zero_rad".
         mean_square_A2: mean square of the current [A^2]; 0 where nobody asks for it.
+        turns: range of the motor angle over the log, in turns.
+        orders: periods per turn of the motor that stand out in what a first fit leaves, the strongest first.
 
     Raises:
         ValueError: a range is not positive.
@@ -53,6 +55,8 @@ class Setting:
     left_open: tuple[str, ...] = ()
     mean_force: float = 0.0
     mean_square_A2: float = 0.0
+    turns: float = 0.0
+    orders: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("mu", "w_min", "w_max", "current_max", "duration_s", "mean_loss_W"):

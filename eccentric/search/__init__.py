@@ -1,6 +1,7 @@
 """What a model lacks: residuals of a log and a library of effects in, one verdict out.
 
     balances      FitData -> both balances as linear designs, the setting of the library
+    periods       orders of the motor that stand out in a residual
     offer         which effects of the library a log can show
     instruments   signals without the noise of the target, for what a candidate gains by chance
     from_effect   an effect becomes a candidate: columns of torque with a few shapes

@@ -15,12 +15,15 @@ from eccentric.rigs import Rig
 from eccentric.search.limits import (
     LAGS,
     LEAST_LOSS_W,
+    LINK_ORDERS,
+    MOTOR_ORDERS,
     SLOWEST,
     SLOWEST_PART,
     SPEED_RANGE,
     TOP_CURRENT,
     TOP_SPEED,
 )
+from eccentric.search.periods import standing_orders
 from eccentric.search.smooth import Variables
 from eccentric.signals import (
     BalanceDesign,
@@ -139,6 +142,15 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
     present |= {"current", "voltage"} if data.drive.by_voltage else set()
     present |= {"temperature"} if warm is not None else set()
     highest = float(np.quantile(speed, TOP_SPEED))
+    turns, orders = 0.0, ()
+    if channels.phased:
+        left = data.drive.torque() - load_torque(model, signals) - base_columns(model, signals) @ friction
+        angle, turning = channels.motion.theta_m, channels.motion.omega_m
+        mu = signals.known["mu"]
+        harmonics = sorted(
+            {*(n * mu for n in range(1, LINK_ORDERS + 1)), *map(float, range(1, MOTOR_ORDERS + 1))}
+        )
+        turns, orders = standing_orders(angle[rows], turning[rows], left[rows], harmonics)
     return Setting(
         base=model,
         mu=signals.known["mu"],
@@ -156,6 +168,8 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         scaled=data.drive.scale is None and channels.motor.measured_by in {"current", "voltage"},
         left_open=tuple(sorted({*(c.role for c in data.drive.open), *channels.rig.estimate, *_bodies(data)})),
         mean_force=_mean_force(data),
+        turns=turns,
+        orders=orders,
     )
 
 

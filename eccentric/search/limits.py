@@ -8,10 +8,12 @@ from __future__ import annotations
 
 __all__ = [
     "ALIASED",
+    "AROUND_A_PEAK",
     "AT_FLOOR",
     "AT_ONCE",
     "BELOW_NOISE",
     "BEYOND_NOISE",
+    "BINS_PER_TURN",
     "CHANCE",
     "CHANGES",
     "CLEARLY",
@@ -50,11 +52,14 @@ __all__ = [
     "MOST_EFFECTS",
     "MOST_KEPT",
     "MOST_LAGS",
+    "MOST_PEAKS",
+    "MOST_TURNS",
     "MOTOR_ORDERS",
     "NEAR",
     "NOTHING",
     "NO_RANGE",
     "ORDER_OF_FOLDS",
+    "PADDED",
     "PARTNERS",
     "PIECES",
     "POSSIBLE",
@@ -67,6 +72,7 @@ __all__ = [
     "SPECIAL",
     "SPEED_RANGE",
     "STABLE",
+    "STANDS_OUT",
     "SURE",
     "SWAPPED",
     "TAIL",
@@ -173,6 +179,21 @@ UNEXPLAINED_OVER_RUNS = 0.15
 has yet to predict those held out."""
 EXTRAPOLATED = 4.0
 """A block counts for nothing if a smooth term multiplies its loss by this: it had to extrapolate there."""
+
+# Orders of the motor that stand out.
+
+BINS_PER_TURN = 64
+"""Bins of the motor angle per turn: eight for a period of the highest order that is looked for."""
+PADDED = 4
+"""Steps of the spectrum per width of a peak: the nearest is off by an eighth of a cycle over the log."""
+AROUND_A_PEAK = 4.0
+"""Orders around a peak whose median is its floor: on a short log the sides of the peak itself fill one."""
+STANDS_OUT = 25.0
+"""Least power over that floor: among a thousand orders chance reaches 20 in one log of a thousand."""
+MOST_PEAKS = 40
+"""Peaks that are looked at, the strongest first: harmonics of motor and link are among them."""
+MOST_TURNS = 20_000.0
+"""Longest range of the angle, in turns: no bearing keeps its phase for as long."""
 
 # Recordings that differ.
 

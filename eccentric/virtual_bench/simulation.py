@@ -130,6 +130,10 @@ def _run(scenario: Scenario) -> _Raw:
             value, logged = plant.k_i * (late - i), logged + late - i
         elif port == "angle":
             value = _misread(plant, law, effect.amplitude, (theta, w_mid, alpha))
+        elif port == "link angle":
+            value = _geared(plant, effect, (theta, w_mid, alpha))
+        elif port in {"link ratio", "link bend"}:  # in that torque already
+            value = np.zeros(rows)
         torques[:, place] += value
     direction = np.sign(w_mid)
     base = np.stack([direction, w_mid, normal * direction, normal * w_mid], axis=1)
@@ -156,6 +160,26 @@ def _misread(
     ]
     torque = plant.inertia * (slope * alpha + bend * w**2) + np.array(gravity)
     return np.hypot(torque, plant.k_i * plant.k_e / plant.R * slope * w)
+
+
+def _geared(
+    plant: Plant, effect: PlantedEffect, motion: tuple[np.ndarray, np.ndarray, np.ndarray]
+) -> np.ndarray:
+    """Return the torque (rows,) of the link on the motor, less that through a gear of the ratio mu."""
+    probe, gear = Motion(plant), effect.start()
+
+    def torque(theta: float, w: float, alpha: float, amplitude: float) -> float:
+        probe.theta = theta
+        angle, ratio, bend = (
+            gear[port](probe, amplitude) for port in ("link angle", "link ratio", "link bend")
+        )
+        link, gain = plant.mu * theta + angle, 1.0 + ratio / plant.mu
+        dry, viscous = plant.link_friction(plant.normal_force(link, plant.mu * gain * w))
+        inertial = plant.mu * plant.J_l * (plant.mu * gain * alpha + bend * w * w)
+        friction = dry * float(np.sign(w)) + viscous * gain * w
+        return gain * (inertial + plant.gravity_torque(link) + friction)
+
+    return np.array([torque(*row, effect.amplitude) - torque(*row, 0.0) for row in zip(*motion, strict=True)])
 
 
 def _rms(x: np.ndarray) -> float:

@@ -2,6 +2,9 @@
 
     (J_m + mu^2 J_l) dw/dt + G(theta) + (b + k_i k_e / R) w + c Sgn(w) + effects = k_i u / R
 
+A gear whose ratio r(theta) is not mu transmits the link's torques by r instead, its inertia by r^2, and adds
+J_l r dr/dtheta w^2.
+
 Angles drift half a step, the speed is kicked, angles drift the other half. In the kick the linear damping is
 evaluated at the mean of old and new speed, and the Coulomb level c is set-valued: the new speed solves
 
@@ -51,11 +54,21 @@ def mover(
 
     dry_laws, viscous_laws, torque_laws, drop_laws = of("dry"), of("viscous"), of("torque"), of("drop")
     flux_laws, rise_laws, drag_laws = of("flux"), of("rise"), of("drag")
+    gear_laws = of("link angle"), of("link ratio"), of("link bend")
+    uneven, J_l, constant_ratio = any(gear_laws), plant.J_l, (0.0, 0.0, 0.0)
     warm_dry, warm_viscous, warm_rise = of("warm dry"), of("warm viscous"), of("warm rise")
-    inertia = plant.inertia
+    even = plant.inertia
     for n, law, amplitude in of("inertia"):
         acting[n] = law(s, amplitude)
-        inertia += acting[n]
+        even += acting[n]
+
+    def gear() -> tuple[float, float, float]:
+        sums = [0.0, 0.0, 0.0]
+        for k, port_laws in enumerate(gear_laws):
+            for n, law, amplitude in port_laws:
+                acting[n] = value = law(s, amplitude)
+                sums[k] += value
+        return sums[0], sums[1], sums[2]
 
     def advance(u: float) -> None:
         w, before = s.w, s.w_before
@@ -63,14 +76,17 @@ def mover(
         w_mid = 1.5 * w - 0.5 * before
         if w_mid * w <= 0.0:
             w_mid = w
-        link, w_link = mu * theta, mu * w_mid
+        s.theta = theta
+        beyond, more, bend = gear() if uneven else constant_ratio
+        ratio = mu + more
+        link, w_link = mu * theta + beyond, ratio * w_mid
         pull = ML * w_link * w_link
         if flat:
             normal, gravity = pull, 0.0
         else:
             sine = sin(link)
             normal, gravity = hypot(pull * sine, pull * cos(link) + weight), MgL * sine
-        s.theta, s.w_mid, s.link, s.w_link, s.normal, s.gravity = theta, w_mid, link, w_link, normal, gravity
+        s.w_mid, s.link, s.w_link, s.normal, s.gravity = w_mid, link, w_link, normal, gravity
         s.link_dry = C_N * normal + C_T
         s.link_viscous = B_N * normal + B_T
         s.dry = dry = C_m + s.link_dry
@@ -80,7 +96,14 @@ def mover(
             acting[n] = value = law(s, amplitude)
             flux += value
         s.v = u - k_e * flux * w_mid
-        torque, drop = gravity, 0.0
+        torque, drop, inertia = gravity, 0.0, even
+        if uneven:
+            # The laws of the effects see the torques of the link at the ratio mu.
+            gain = ratio / mu
+            dry += (gain - 1.0) * s.link_dry
+            viscous += (gain * gain - 1.0) * s.link_viscous
+            torque = gain * gravity + J_l * ratio * bend * w_mid * w_mid
+            inertia += J_l * (ratio * ratio - mu * mu)
         for n, law, amplitude in dry_laws:
             acting[n] = value = law(s, amplitude)
             dry += value

@@ -26,6 +26,7 @@ VARIANTS = {
     "stribeck_load": ("gravity", "transmitted", "F_N"),
     "presliding": ("dahl", "lugre"),
     "encoder_eccentricity": ("motor", "link"),
+    "kinematic_error": ("motor,n=1", "motor,n=2", "link,n=1", "link,n=2"),
 }
 """Variants of a family, by its id; a family without an entry has none."""
 

@@ -1,6 +1,6 @@
 """Effects of the link or motor angle, and of a rig that differs from its declaration."""
 
-from math import cos, exp, pi, sin
+from math import cos, exp, hypot, pi, sin
 
 from eccentric.virtual_bench.motion import Motion
 from eccentric.virtual_bench.plant import Plant
@@ -38,6 +38,25 @@ def motor_harmonic_friction(request: Request) -> PlantedEffect:
         ("motor_angle",),
         (float(order), shift),
         variant=f"n={order}",
+    )
+
+
+def nonsynchronous_friction(request: Request) -> PlantedEffect:
+    """Dry friction at a non-integer order of the motor: balls and cage of a bearing that rolls without slip.
+
+    The orders are those of balls that pass a race, or, where the link turns slowly and the log could not show
+    such a ripple, those of a slower bearing inside the gear.
+    """
+    slow = request.plant.mu < 1.0 / 12.0
+    whole = 0 if slow else int(request.rng.integers(2, 6))
+    order, shift = whole + request.draw(0.55 if slow else 0.2, 0.8), request.phase()
+    return PlantedEffect(
+        "nonsynchronous_friction",
+        f"A cos({order:g} thm + phi) sgn w",
+        request.torque(1.4),
+        simply(dry=lambda s, a: a * cos(order * s.theta + shift)),
+        ("motor_angle",),
+        (order, shift),
     )
 
 
@@ -169,6 +188,39 @@ def mass_mismatch(request: Request) -> PlantedEffect:
     )
 
 
+def kinematic_error(request: Request) -> PlantedEffect:
+    """Gear whose ratio varies over a turn of the motor or of the link, n times (transmission error).
+
+    Unless it is chosen, the angle is that of the link where a turn of it has more than 12 of the motor: no
+    log at 250 rows per second shows a ripple of a motor that is as fast as that.
+    """
+    plant, setting = request.plant, request.setting
+    where, order = request.variant.split(",n=")
+    if not request.chosen and plant.mu < 1.0 / 12.0:
+        where = "link"
+    n = int(order)
+    rate, shift = (n if where == "motor" else n * plant.mu), request.phase()
+    load = hypot(plant.gravity_torque(pi / 2, plant.in_plane_gravity), setting.friction)
+    inertial = plant.mu**2 * plant.J_l * rate * setting.speed**2
+    letter = {"motor": "thm", "link": "thl"}[where]
+    return PlantedEffect(
+        "kinematic_error",
+        f"thl = mu thm + A sin({n} {letter} + phi), in angle, ratio and acceleration of the link",
+        request.torque(1.4) * plant.mu / (rate * hypot(load, inertial)),
+        simply(
+            **{
+                "link angle": lambda s, a: a * sin(rate * s.theta + shift),
+                "link ratio": lambda s, a: a * rate * cos(rate * s.theta + shift),
+                "link bend": lambda s, a: -a * rate**2 * sin(rate * s.theta + shift),
+            }
+        ),
+        ("motor_angle" if where == "motor" else "link_angle", "transmitted_torque", "acceleration"),
+        (rate, shift),
+        variant=f"{where},n={n}",
+        bound=0.2 * plant.mu / rate,
+    )
+
+
 def inertia_mismatch(request: Request) -> PlantedEffect:
     """Inertia on the motor side larger than declared by the fraction A."""
     inertia = request.plant.inertia
@@ -189,6 +241,7 @@ def _gravity_size(plant: Plant) -> float:
 BUILDERS: tuple[Builder, ...] = (
     link_harmonic_friction,
     motor_harmonic_friction,
+    nonsynchronous_friction,
     cogging,
     kt_ripple,
     local_defect,
@@ -196,5 +249,6 @@ BUILDERS: tuple[Builder, ...] = (
     gravity_tilt,
     angle_offset,
     mass_mismatch,
+    kinematic_error,
     inertia_mismatch,
 )

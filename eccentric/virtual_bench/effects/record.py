@@ -28,6 +28,9 @@ PORTS = {
     "current": "added to the logged current only [A]",
     "delay": "delay of the logged current [s]",
     "angle": "added to the motor angle that the drive reads [rad]",
+    "link angle": "added to mu theta_m, the angle of the link [rad]",
+    "link ratio": "its slope over the motor angle, added to mu",
+    "link bend": "the slope of that over the motor angle [1/rad]",
 }
 
 

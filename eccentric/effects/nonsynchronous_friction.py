@@ -1,0 +1,65 @@
+"""Friction that repeats at a non-integer order of the motor: balls and cage of a rolling bearing."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, direction, harmonic
+from eccentric.effects.link_harmonic_friction import ORDERS as LINK_ORDERS
+from eccentric.effects.motor_harmonic_friction import ORDERS as MOTOR_ORDERS
+from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words
+from eccentric.model import Role, quantity
+from eccentric.model import vocabulary as v
+
+order = quantity("nonsync_order", "1", "periods per turn of the motor", "", "positive", letter="nu")
+C = quantity("nonsync_c", "N m", "friction torque by cos(nu theta_m)", letter="c_nu")
+S = quantity("nonsync_s", "N m", "friction torque by sin(nu theta_m)", letter="s_nu")
+LOWEST, HIGHEST = 0.5, 8.0
+"""Orders per turn of the motor: the inner race passes its cage some 0.6 times, and a dozen balls 7 times."""
+CYCLES = 1.5
+"""Cycles by which it has to slip against every harmonic of motor and link over the log: within one, they are
+alike, and its order is searched half a cycle to either side."""
+WORDS = Words(
+    headline="friction that repeats at a non-integer order of the motor",
+    meaning=(
+        "Friction that repeats, but not with the turn of the motor: a damaged ball, race or cage of its"
+        " bearing, or of one inside the gear, as long as that rolls without slip."
+    ),
+    hint="long slow turns of the motor in one direction, and the orders of its bearings from their geometry",
+    tell_apart={
+        "link_harmonic_friction": "Turn the motor over many more turns, slowly: the two orders drift apart.",
+        "motor_harmonic_friction": "Turn the motor over many more turns, slowly: the two orders drift apart.",
+    },
+)
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """The one effect of the family, at the strongest order of the log that is no harmonic.
+
+    The order is a shape within half a cycle over the log of that one: further away, another peak is meant.
+    """
+    found = next((nu for nu in setting.orders if _own(nu, setting)), None)
+    if found is None:
+        return ()
+    cosine, sine = harmonic(order.symbol)
+    half = 0.5 / setting.turns
+    effect = addition(
+        "nonsynchronous_friction",
+        [(C, cosine * direction), (S, sine * direction)],
+        role=Role.COULOMB,
+        depends_on=("motor_angle",),
+        formula="(c cos(nu theta_m) + s sin(nu theta_m)) sgn w, nu not an integer",
+        reference="N. Tandon and A. Choudhury, Tribology International 32(8), 1999 (orders of a bearing);"
+        " standard form, as over the link angle",
+        shapes=(Shape(order, found - half, found + half, "linear", 5),),
+        inputs=(v.theta_m,),
+        words=WORDS,
+    )
+    return (effect,)
+
+
+def _own(nu: float, setting: Setting) -> bool:
+    """Whether an order is within the range, and no harmonic of motor or link."""
+    least = CYCLES / setting.turns
+    harmonics = [*map(float, MOTOR_ORDERS), *(n * setting.mu for n in LINK_ORDERS)]
+    return LOWEST <= nu <= HIGHEST and all(abs(nu - own) > least for own in harmonics)

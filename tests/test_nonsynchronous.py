@@ -1,0 +1,126 @@
+"""Friction at a non-integer order: found in a spectrum over the angle, kept apart from the harmonics."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eccentric.diagnosis import SearchRequest, diagnose
+from eccentric.effects import library
+from eccentric.search.periods import standing_orders
+from eccentric.virtual_bench import simulate, write
+from tests.extended import MU, TURNS, every_case, setting
+from tests.virtual import drawn_scenario
+
+Array = np.ndarray
+RIVALS = (
+    "nonsynchronous_friction",
+    "motor_harmonic_friction",
+    "link_harmonic_friction",
+    "cogging",
+    "kt_ripple",
+    "kinematic_error",
+    "stribeck",
+)
+HARMONICS = sorted({*map(float, range(1, 9)), *(n * MU for n in range(1, 13))})
+
+
+def swings(seed: int) -> tuple[Array, Array]:
+    """Return motor angle and velocity of a minute of swings, both directions, some tens of turns."""
+    rng, t = np.random.default_rng(seed), np.arange(0.0, 60.0, 0.004)
+    parts = [
+        (rng.uniform(8.0, 25.0), f * rng.uniform(0.9, 1.1), rng.uniform(0.0, 6.0)) for f in (0.05, 0.13, 0.4)
+    ]
+    omega = sum(a * np.sin(2.0 * np.pi * f * t + p) for a, f, p in parts)
+    return np.cumsum(omega) * 0.004, np.asarray(omega)
+
+
+@pytest.mark.parametrize("nu", [0.7, 3.57, 7.3])
+def test_an_order_stands_out_to_a_fifth_of_a_cycle(nu: float) -> None:
+    """Friction at an order beside a harmonic twice as large, in noise as large: the order is first."""
+    theta, omega = swings(1)
+    way = np.sign(omega)
+    residual = (0.01 * np.cos(nu * theta + 0.7) + 0.02 * np.cos(2.0 * theta)) * way
+    residual += 0.02 * np.random.default_rng(2).normal(size=len(theta))
+    turns, found = standing_orders(theta, omega, residual, HARMONICS)
+
+    assert np.ptp(theta) / (2.0 * np.pi) == pytest.approx(turns)
+    assert nu == pytest.approx(found[0], abs=0.2 / turns)
+
+
+def test_noise_and_what_follows_speed_or_load_have_no_order() -> None:
+    """White noise, a wrong Coulomb and viscous coefficient and a gravity torque: no order is offered."""
+    for seed in range(10):
+        theta, omega = swings(seed)
+        rng = np.random.default_rng(seed)
+        residual = 0.02 * np.sign(omega) + 1e-3 * omega + 0.01 * rng.normal(size=len(theta))
+        residual += 0.02 * np.sin(MU * theta)
+        turns, found = standing_orders(theta, omega, residual, HARMONICS)
+        offered = library(replace(setting("C2", warm=False), turns=turns, orders=found))
+
+        assert "nonsynchronous_friction" not in {effect.family for effect in offered}
+
+
+def left(y: Array, *others: Array) -> float:
+    """Return the part of y, by its norm, that a fit of the others leaves."""
+    x = np.column_stack(others)
+    return float(np.linalg.norm(y - x @ np.linalg.lstsq(x, y, rcond=None)[0]) / np.linalg.norm(y))
+
+
+@pytest.mark.parametrize(("cycles", "offered"), [(0.2, False), (1.0, False), (1.7, True)])
+@pytest.mark.parametrize("harmonic", [4.0, 11 * MU], ids=["motor", "link"])
+def test_it_is_offered_where_no_harmonic_is_like_it(harmonic: float, cycles: float, offered: bool) -> None:
+    """Over the log it slips by a cycle and a half against each harmonic: most of it is left beside them."""
+    nu = harmonic + cycles / TURNS
+    angle = np.linspace(0.0, 2.0 * np.pi * TURNS, 20000)
+    rest = left(np.cos(nu * angle), np.cos(harmonic * angle), np.sin(harmonic * angle))
+    found = library(replace(setting("C2", warm=False), orders=(nu,)))
+
+    assert offered == any(effect.family == "nonsynchronous_friction" for effect in found)
+    assert not offered or rest > 0.95
+    assert cycles != 0.2 or rest < 0.4
+
+
+@pytest.mark.parametrize(("turns", "alike"), [(1.8, True), (2.9, True), (3.1, False)])
+def test_where_the_motor_turns_too_little_a_harmonic_says_that_it_may_be_one(
+    turns: float, alike: bool
+) -> None:
+    """Below three turns no order is a cycle and a half from both integers: every harmonic names the alias."""
+    between = 3.5
+    found = library(replace(setting("C2", warm=False), mu=1.0, turns=turns, orders=(between,)))
+    harmonics = [e for e in found if e.family in {"motor_harmonic_friction", "link_harmonic_friction"}]
+
+    assert alike == (0.5 * turns < 1.5)
+    assert {alike} == {"nonsynchronous_friction" in e.evidence.aliases for e in harmonics}
+    assert alike != any(e.family == "nonsynchronous_friction" for e in found)
+
+
+@every_case
+def test_it_follows_the_strongest_order_that_is_no_harmonic(case: str) -> None:
+    """Harmonics and orders beyond the range are passed over; without any other it is not offered."""
+
+    def offered(*orders: float) -> list[float]:
+        found = library(replace(setting(case, warm=False), orders=orders))
+        return [e.shapes[0].middle for e in found if e.family == "nonsynchronous_friction"]
+
+    assert [pytest.approx(5.43)] == offered(3.0, 9.7, 0.1, 5.43, 2.6)
+    assert [] == offered(3.0, 9.7)
+    assert [] == offered()
+
+
+def test_a_planted_one_is_named_with_its_order_and_size(tmp_path: Path) -> None:
+    """On a bench log it is the only name, before all that a ripple over an angle may be taken for."""
+    scenario = drawn_scenario(97410, case="C2", mu=0.2, effects=["nonsynchronous_friction"], strength=0.1)
+    run = simulate(scenario)
+    log, rig, _ = write(run, tmp_path / "log.csv.gz")
+    found = diagnose([log], rig, request=SearchRequest(only=RIVALS))
+    values = found.models.extended.values
+    planted = run.truth["effects"][0]
+
+    assert ["nonsynchronous_friction"] == [a.variant.candidate.id for a in found.attribution.adopted]
+    assert "named" == found.attribution.verdict
+    assert planted["shape"][0] == pytest.approx(values["nonsync_order"], abs=0.1 / found.setting.turns)
+    assert planted["amplitude"] == pytest.approx(np.hypot(values["nonsync_c"], values["nonsync_s"]), rel=0.05)
