@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
+from eccentric.model import AxisKind
 from eccentric.report.arrays import BalanceResiduals
 from eccentric.report.data import CandidateRow, Errors, Parameter, ReportData
 from eccentric.report.formulas import short_formula
@@ -62,9 +64,17 @@ def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
         "parameters": [_parameter(p) for p in data.extended.parameters],
         "effects": [(e, short_formula(e.formula), number(100.0 * e.share, 3)) for e in data.extended.effects],
         "hints": _hints(data),
-        "figures_json": drawn.json(),
+        "figures_json": _in_words_of(data.source.axis, drawn.json()),
         "bokeh": figures.library() if figures else "",
     }
+
+
+def _in_words_of(axis: AxisKind, document: str) -> str:
+    """The document of the figures with its own texts in the words of the axis; its labels are already."""
+    for text in (*MODELS.values(), "sgn ω"):
+        old, new = (json.dumps(x)[1:-1] for x in (text, axis.said(text)))
+        document = document.replace(old, new)
+    return document
 
 
 class _Figures:
