@@ -21,7 +21,7 @@ from tests.compiled import FLAGS, REAL, run
 
 FOREIGN = re.compile(
     r"\brad\b|\bN ?m\b|\bkg m|_rad|_Nm\b|[Tt]orque|\bF_N\b|theta_m|omega|alpha_m|\bJ_m\b|\bk_i\b|B_m\b"
-    r"|normal force|unbalanced|(?<!not )\blink\b|[ωθα]|motor (?:side|angle|velocity)|paper's"
+    r"|normal force|unbalanced|(?<!not )\blink\b|[ωα]|\\u03c9|motor (?:side|angle|velocity)|paper's"
 )
 """Units, letters and words of a drive that swings an unbalanced mass."""
 
@@ -80,10 +80,11 @@ def test_the_report_has_no_foreign_word(diagnosed: tuple[DiagnosisResult, Path])
     _, out = diagnosed
     html = (out / "report.html").read_text(encoding="utf-8")
     script = r"<script[^>]*>.*?</script>|<style>.*?</style>"
-    labels = " ".join(re.findall(r'"(?:axis_label|text|name|label)":"([^"]*)"', html))
+    labels = " ".join(re.findall(r'"(?:axis_label|text|name|label|value)":"([^"]*)"', html))
 
     assert foreign(unescape(re.sub(r"<[^>]+>", " ", re.sub(script, "", html, flags=re.DOTALL)))) == []
     assert foreign(labels) == []
+    assert ("screw position" in html, "paper's model" in html, "sgn \\u03c9" in html) == (False,) * 3
 
 
 def test_the_emitted_files_have_no_foreign_word(diagnosed: tuple[DiagnosisResult, Path]) -> None:

@@ -213,6 +213,8 @@ LINEAR = AxisKind(
         "motor speed": "speed",
         "link angle": "screw angle",
         "link velocity": "screw velocity",
+        "screw angle": "screw angle",
+        "angle of the screw": "angle of the screw",
         "motor_angle": "position",
         "angle": "position",
         "angles": "positions",
@@ -242,7 +244,6 @@ LINEAR = AxisKind(
         # Letters as a formula has them.
         "ω": "ẋ",
         "α": "ẍ",
-        "θ": "x",
         "gravity torque G": "constant force G of the load",
         ", eq (4)": "",
         ", eq (5)": "",

@@ -64,13 +64,14 @@ def _scaled(found: Diagnosis, fit: Refit, x: Array) -> Array:
 def _rows(found: Diagnosis) -> ResidualRows:
     channels, mu, rows = found.channels, found.setting.mu, found.rows
     axis = found.rig.axis
-    turn = TURN if axis.wraps else None
+    # The screw of a carriage turns by an angle, whose unit is not one of length.
+    turn, radian = (TURN, "rad") if axis.wraps else (None, "radian")
     turns = axis.wraps or "pitch" in found.rig.known
     gravity = found.data.gravity if np.any(found.data.gravity) else None
     theta = channels.motion.theta_m if channels.phased else None
     given = [
         ("velocity", "motor velocity", "rad/s", channels.motion.omega_m, None),
-        ("link_angle", "link angle", "rad", None if theta is None or not turns else mu * theta, TURN),
+        ("link_angle", "link angle", radian, None if theta is None or not turns else mu * theta, TURN),
         # Without a gear the motor turns with the link.
         ("motor_angle", "motor angle", "rad", theta if abs(mu) != 1.0 else None, turn),
         ("acceleration", "motor acceleration", "rad/s²", channels.motion.alpha_m, None),

@@ -16,7 +16,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class Part:
+class PartErrors:
     """Rows of a run: how many, and the RMS of the residual before and after; `after` is None without one."""
 
     rows: int
@@ -37,8 +37,8 @@ class RunErrors:
     """
 
     name: str
-    fitted: Part | None
-    held_out: Part | None
+    fitted: PartErrors | None
+    held_out: PartErrors | None
     level: tuple[float, float] | None
 
 
@@ -56,11 +56,11 @@ def runs_of(balance: BalanceResiduals) -> list[RunErrors]:
     return found
 
 
-def _part(balance: BalanceResiduals, own: Array) -> Part | None:
+def _part(balance: BalanceResiduals, own: Array) -> PartErrors | None:
     if not own.any():
         return None
     after = None if balance.extended is None else _rms(balance.extended[own])
-    return Part(int(np.count_nonzero(own)), _rms(balance.paper[own]), after)
+    return PartErrors(int(np.count_nonzero(own)), _rms(balance.paper[own]), after)
 
 
 def runs_apart(runs: list[RunErrors]) -> tuple[RunErrors, RunErrors] | None:

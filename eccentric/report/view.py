@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
+from eccentric.model import AxisKind
 from eccentric.report.arrays import BalanceResiduals
 from eccentric.report.data import CandidateRow, Errors, Parameter, ReportData
 from eccentric.report.formulas import short_formula
 from eccentric.report.limits import SHOWN_RUNS
 from eccentric.report.panels import friction_panel, residual_panel, trace
-from eccentric.report.runs import Part, RunErrors, runs_of
+from eccentric.report.runs import PartErrors, RunErrors, runs_of
 from eccentric.report.simulated import simulated
 from eccentric.report.text import (
     MODELS,
@@ -73,9 +75,17 @@ def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
         "parameters": [_parameter(p) for p in data.extended.parameters],
         "effects": [(e, short_formula(e.formula), number(100.0 * e.share, 3)) for e in data.extended.effects],
         "hints": _hints(data),
-        "figures_json": drawn.json(),
+        "figures_json": _in_words_of(data.source.axis, drawn.json()),
         "bokeh": figures.library() if figures else "",
     }
+
+
+def _in_words_of(axis: AxisKind, document: str) -> str:
+    """The document of the figures with its own texts in the words of the axis; its labels are already."""
+    for text in (*MODELS.values(), "sgn ω"):
+        old, new = (json.dumps(x)[1:-1] for x in (text, axis.said(text)))
+        document = document.replace(old, new)
+    return document
 
 
 class _Figures:
@@ -220,7 +230,7 @@ def _run(run: RunErrors) -> dict[str, Any]:
     }
 
 
-def _part(part: Part | None) -> tuple[str, str, str]:
+def _part(part: PartErrors | None) -> tuple[str, str, str]:
     """Rows, error before, error after."""
     if part is None:
         return "", "", ""
