@@ -82,11 +82,36 @@ def test_an_active_bound_is_told_where_it_makes_the_interval() -> None:
     q = np.linalg.qr(rng.standard_normal((4000, 3)))[0]
     design = np.column_stack([q[:, 0], q[:, 0] + q[:, 1], q[:, 2]])
     residual, zero, unit = 0.1 * rng.standard_normal(4000), np.zeros(3), np.eye(3)
-    found = spread(design, residual, np.array([-1, 0, 0]), zero, np.full(3, math.inf))
+    values = np.array([0.0, 5.0, 5.0])
+    found = spread(design, residual, values, np.array([-1, 0, 0]), zero, np.full(3, math.inf))
     bounds = (0.0, math.inf)
     held = found.estimate(-1e-18, unit[0], "N m", bounds, -1)
     assert (held.value, held.widened, held.bound_active) == (0.0, True, "lower")
     assert [found.estimate(5.0, unit[k], "N m", bounds).widened for k in (1, 2)] == [True, False]
+
+
+def test_what_the_log_does_not_see_goes_as_far_as_the_bounds() -> None:
+    """Of a x + b x, a = 3 and b = 0, neither negative: any b up to 3 fits as well, and a then falls to 0.
+
+    Without an upper bound for what another of either sign replaces, there is no end.
+    """
+    x = np.linspace(-1.0, 1.0, 500)
+    residual = 0.01 * np.random.default_rng(3).standard_normal(500)
+    values, active, unit = np.array([3.0, 0.0]), np.array([0, -1]), np.eye(2)
+    high = np.full(2, math.inf)
+    found = spread(np.column_stack([x, x]), residual, values, active, np.zeros(2), high)
+    a = found.estimate(3.0, unit[0], "N m", (0.0, math.inf))
+    b = found.estimate(0.0, unit[1], "N m", (0.0, math.inf), -1)
+
+    assert (b.value, b.interval, b.widened, b.std_error) == (0.0, (0.0, pytest.approx(3.0)), True, math.inf)
+    assert (a.interval[0], a.widened) == (0.0, True)
+    assert a.interval[1] == pytest.approx(3.0, abs=0.01)
+    both = found.estimate(3.0, unit[0] + unit[1], "N m")
+    np.testing.assert_allclose(both.interval, 3.0, atol=0.01)
+
+    found = spread(np.column_stack([x, x]), residual, values, active, np.array([-math.inf, 0.0]), high)
+    assert found.estimate(0.0, unit[1], "N m", (0.0, math.inf), -1).interval == (0.0, math.inf)
+    assert found.estimate(3.0, unit[0], "N m").interval[0] == -math.inf
 
 
 def test_equal_predictions_gain_nothing() -> None:

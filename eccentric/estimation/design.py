@@ -161,6 +161,7 @@ class Solution:
         found = spread(
             self._tangents(design),
             self.weighted,
+            np.concatenate([self.values, [self.at[n.name] for n in nonlinear]]),
             active,
             np.concatenate([design.lower, [n.lower for n in nonlinear]]),
             np.concatenate([design.upper, [n.upper for n in nonlinear]]),

@@ -29,6 +29,10 @@ NEAR_END = 1e-3
 
 # Uncertainty.
 
+REPLACED = 1e-7
+"""A column whose part that others do not make up is smaller than this: its square is lost in rounding."""
+LITTLE_STEP = 1e-6
+"""A part of a joint move that is smaller than this beside the largest is rounding."""
 LITTLE = 0.01
 """An active bound that changes a value by less than this fraction of its interval is not worth mentioning."""
 FRACTION = 0.1

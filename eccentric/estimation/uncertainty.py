@@ -24,7 +24,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtri, ndtri_exp, stdtrit
 
-from eccentric.estimation.limits import BLOCKS, DRAWS, FRACTION, LITTLE, NO_INFLUENCE
+from eccentric.estimation.limits import (
+    BLOCKS,
+    DRAWS,
+    FRACTION,
+    LITTLE,
+    LITTLE_STEP,
+    NO_INFLUENCE,
+    REPLACED,
+)
 
 Array = NDArray[np.float64]
 
@@ -80,8 +88,10 @@ class Spread:
         held = {-1: bounds[0], 0: math.nan, 1: bounds[1]}[active]
         value = held if math.isfinite(held) else min(max(float(value), bounds[0]), bounds[1])
         variance = float(slope @ self.matrix @ slope)
-        error = math.sqrt(max(variance, 0.0) + float(np.sum((slope * self.alone) ** 2)) * (active != 0))
-        moved = self.moves @ slope
+        counts = slope != 0.0  # What has no end may not meet a slope of 0.
+        alone = float(np.sum((slope[counts] * self.alone[counts]) ** 2)) if active else 0.0
+        error = math.sqrt(max(variance, 0.0) + alone)
+        moved = self.moves[:, counts] @ slope[counts]
         reach = TWO_SIDED * math.sqrt(max(variance, 0.0))
         low = value - reach + float(np.sum(np.minimum(moved, 0.0)))
         high = value + reach + float(np.sum(np.maximum(moved, 0.0)))
@@ -91,11 +101,14 @@ class Spread:
         return Estimate(value, error, interval, unit, side, widened)
 
 
-def spread(design: Array, residual: Array, active: NDArray[np.int64], lower: Array, upper: Array) -> Spread:
+def spread(
+    design: Array, residual: Array, values: Array, active: NDArray[np.int64], lower: Array, upper: Array
+) -> Spread:
     """Return the spread of p values with columns (m, p) and residual (m,), both times root weights.
 
     `active` (p,) is -1 or 1 for a value at its bound. A column of zeros is a value without any influence: it
-    is omitted, and its standard error is zero here.
+    is omitted, and its standard error is zero here. Where the free columns make up that of a value at its
+    bound, the log does not see it leave the bound: it may go as far as all bounds let it, the others with it.
     """
     size = np.linalg.norm(design, axis=0)
     seen = size > NO_INFLUENCE
@@ -104,14 +117,29 @@ def spread(design: Array, residual: Array, active: NDArray[np.int64], lower: Arr
     matrix, alone, moves = np.zeros((count, count)), np.zeros(count), np.zeros((len(held), count))
     matrix[np.ix_(free, free)] = covariance(design[:, free], residual)
     for row, k in enumerate(held):
+        follow = np.linalg.lstsq(design[:, free] / size[free], design[:, k], rcond=None)[0] / size[free]
+        if np.linalg.norm(design[:, k] - design[:, free] @ follow) < REPLACED * size[k]:
+            step = np.zeros(count)
+            step[k], step[free] = -active[k], active[k] * follow
+            alone[k], moves[row] = math.inf, _as_far(values, step, lower, upper)
+            continue
         together = design[:, [*free, k]]
         alone[k] = math.sqrt(covariance(together, residual)[-1, -1])
         beyond = np.linalg.lstsq(together / size[[*free, k]], residual, rcond=None)[0][-1] / size[k]
         reach = -active[k] * min(_one_sided(-active[k] * beyond, alone[k]), upper[k] - lower[k])
         moves[row, k] = reach
-        follow = np.linalg.lstsq(design[:, free] / size[free], design[:, k], rcond=None)[0] / size[free]
         moves[row, free] = -reach * follow
     return Spread(matrix, alone, moves)
+
+
+def _as_far(values: Array, step: Array, lower: Array, upper: Array) -> Array:
+    """The longest move (p,) of values along a step within their bounds, infinite where none ends it."""
+    moving = np.abs(step) > LITTLE_STEP * np.max(np.abs(step))
+    ends = np.where(step > 0.0, upper, lower)[moving]
+    reach = max(0.0, float(np.min((ends - values[moving]) / step[moving])))
+    move = np.zeros(len(values))
+    move[moving] = reach * step[moving]
+    return move
 
 
 def _one_sided(free: float, error: float) -> float:
