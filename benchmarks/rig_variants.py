@@ -162,7 +162,9 @@ def write(name: str, line: str) -> None:
         raise SystemExit(f"{PAGE}: a section {SECTION.strip()} is required")
     there = re.search(r"(?:^\|.*\n)+", rest, flags=re.MULTILINE)
     old = there.group().splitlines()[2:] if there else []
-    lines = {row.split("|")[1].strip(): row for row in old} | {name: line}
+    # Rows of an earlier form of the table go.
+    lines = {row.split("|")[1].strip(): row for row in old if row.count("|") == HEAD[0].count("|")}
+    lines[name] = line
     rows = [lines[one] for one in (*SETS, *EXAMPLES) if one in lines]
     table = "\n".join([*HEAD, *rows, ""])
     new = rest.replace(there.group(), table, 1) if there else f"\n{table}{rest}"

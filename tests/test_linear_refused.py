@@ -63,7 +63,7 @@ def changed(**entries: Any) -> dict[str, Any]:
         (changed(known={"mass_kg": 1, "mass": "1 kg"}), "rig: mass is required only once, received twice"),
         (changed(unknown={"pitch_m": [0.01, 0.02]}), "[unknown] pitch: a value in [known] is required"),
         (changed(theta_zero_rad=0.1), "rig: unknown key 'theta_zero_rad'"),
-        (changed(encoder_counts_per_rev=100), "did you mean 'encoder_step_m'?"),
+        (changed(encoder_counts_per_rev=100), "rig: unknown key 'encoder_counts_per_rev'"),
         (changed(encoder_step_m=0), "rig: encoder_step_m: a finite number above 0 is required, received 0"),
         (changed(moving_threshold_m_s=-1), "rig: moving_threshold_m_s: "),
         (

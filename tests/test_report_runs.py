@@ -173,7 +173,12 @@ def test_the_headline_answers_in_words() -> None:
 
     assert "The model lacks a shaft that wobbles" == headline(data)
     assert "The model lacks wobble[n=2] or a dent" == headline(tied)
-    assert "The model lacks nothing that this log shows" == headline(nothing_missing(data))
+    assert "This log proves nothing that the model lacks" == headline(nothing_missing(data))
+    unexplained = replace(data.conclusion, verdict="unexplained")
+    misfit, unconfirmed = replace(unexplained, fits_the_rig=False), replace(unexplained, confirmed=False)
+    assert "no known effect explains" in headline(replace(data, conclusion=unexplained))
+    assert "This log does not fit the rig" == headline(replace(data, conclusion=misfit))
+    assert headline(replace(data, conclusion=unconfirmed)).endswith("not confirmed")
 
 
 def test_the_command_of_the_next_plan_is_there_to_copy(monkeypatch: pytest.MonkeyPatch) -> None:

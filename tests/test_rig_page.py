@@ -44,7 +44,7 @@ def test_the_rig_of_the_page_fits_a_log_in_its_units(tmp_path: Path) -> None:
     }
     log, page = tmp_path / "log.csv", tmp_path / "rig.toml"
     np.savetxt(log, np.column_stack(list(table.values())), "%.12g", ",", header=",".join(table), comments="")
-    (text,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    text = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)[0]
     page.write_text(text, encoding="utf-8")
     named = read_rig(page)
     found = fitted(log, page)
@@ -82,8 +82,8 @@ def test_every_key_stands_in_the_page() -> None:
 
 
 def test_every_unit_of_the_page_is_a_unit() -> None:
-    """What the last table lists is understood."""
-    table = PAGE.split("## Units")[1]
+    """What the table of units lists is understood."""
+    table = PAGE.split("## Units")[1].split("\n## ")[0]
     units = [unit for row in table.splitlines() if row.startswith("| ") for unit in _code(row)]
     assert len(units) > 40
     for unit in units:

@@ -13,6 +13,7 @@ from eccentric.arms import read_arm
 from eccentric.drafting import Draft, Proposal, RigLine, draft_of, draft_of_arm, log_complaints, toml_of
 from eccentric.errors import InputError, few
 from eccentric.fitting import fit as fit_channels
+from eccentric.fitting import fit_sentence
 from eccentric.logs import Log
 from eccentric.model import TURNING, load_model, with_numbers
 from eccentric.output import whole_file
@@ -216,7 +217,7 @@ def _tried(
             return missing, (), ()
         contradicted = [f"{rig.path}: {_with_mend(f)}" for f in channels.intake.findings if _grave(f)]
         if not contradicted and not fit.fits_the_rig:
-            contradicted = [f"{rig.path}: {line}" for line in fit.warnings[:1]]
+            contradicted = [f"{rig.path}: {fit_sentence(fit)}"]
         if contradicted:
             return contradicted, (), ()
         return [], tuple(_determined(fit, tried)), tuple(fit.warnings)
@@ -249,4 +250,4 @@ def _determined(fit: Any, rig: Rig) -> list[str]:
         lines.append(f"{name} = {e.value:.4g} {e.unit}, 95 % interval {low:.4g} to {high:.4g}, from {source}")
     lines += [f"{name}: estimated along with the fit" for name in sorted(rig.estimate)]
     given = [known.name for known in knowns_of(rig.axis) if known.name in rig.known]
-    return [*lines, f"taken as the rig file says: {few(given)}"]
+    return [*lines, f"taken as the rig file says: {few(given)}"] if given else lines

@@ -12,8 +12,6 @@ from eccentric.model import Role, quantity
 from eccentric.model import vocabulary as v
 
 ORDERS = range(1, 13)
-LEAST_TURNS = 3.0
-"""Turns of the motor in a log, below which no order between two integers is a cycle and a half from both."""
 WORDS = Words(
     title="Friction that varies over a turn of the link",
     meaning=(
@@ -26,15 +24,10 @@ WORDS = Words(
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """One effect for each order n; every 1/mu turns of the motor are one of the link."""
-    return tuple(_order(n, setting.mu, blurred(setting)) for n in ORDERS)
+    return tuple(_order(n, setting.mu) for n in ORDERS)
 
 
-def blurred(setting: Setting) -> tuple[str, ...]:
-    """What a harmonic may be as well: friction at an order beside it, where the motor turns too little."""
-    return ("nonsynchronous_friction",) if 0.0 < setting.turns < LEAST_TURNS else ()
-
-
-def _order(n: int, mu: float, blurred: tuple[str, ...]) -> Effect:
+def _order(n: int, mu: float) -> Effect:
     of_motor = round(n * mu)
     same = of_motor > 0 and abs(n * mu - of_motor) < 1e-3 * n * mu
     cosine, sine = harmonic(n * v.mu.symbol)
@@ -49,7 +42,7 @@ def _order(n: int, mu: float, blurred: tuple[str, ...]) -> Effect:
         formula=f"(c cos({n} theta_l) + s sin({n} theta_l)) sgn w",
         reference="M. R. Popovic and A. A. Goldenberg, IEEE Trans. Robotics and Automation 14(1), 1998",
         inputs=(v.theta_m,),
-        aliases=((f"motor_harmonic_friction[n={of_motor}]",) if same else ()) + blurred,
+        aliases=(f"motor_harmonic_friction[n={of_motor}]",) if same else (),
         repeats=True,
         words=replace(WORDS, headline=f"friction that varies {how_often(n)} per turn of the link"),
     )

@@ -7,7 +7,6 @@ from dataclasses import replace
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, direction, harmonic
 from eccentric.effects.link_harmonic_friction import ORDERS as LINK_ORDERS
-from eccentric.effects.link_harmonic_friction import blurred
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words, how_often
 from eccentric.model import Role, quantity
@@ -34,7 +33,7 @@ REFERENCE = (
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """One effect for each order n, but those that are an order of the link, n/mu, already."""
-    return tuple(_order(n, blurred(setting)) for n in ORDERS if not _of_the_link(n / setting.mu))
+    return tuple(_order(n) for n in ORDERS if not _of_the_link(n / setting.mu))
 
 
 def _of_the_link(order: float) -> bool:
@@ -42,7 +41,7 @@ def _of_the_link(order: float) -> bool:
     return any(abs(order - own) < 1e-3 * own for own in LINK_ORDERS)
 
 
-def _order(n: int, aliases: tuple[str, ...]) -> Effect:
+def _order(n: int) -> Effect:
     cosine, sine = harmonic(n)
     C = quantity(f"motor_harmonic_c{n}", "N m", f"friction torque by cos({n} theta_m)", letter=f"c_{n}")
     S = quantity(f"motor_harmonic_s{n}", "N m", f"friction torque by sin({n} theta_m)", letter=f"s_{n}")
@@ -55,7 +54,6 @@ def _order(n: int, aliases: tuple[str, ...]) -> Effect:
         formula=f"(c cos({n} theta_m) + s sin({n} theta_m)) sgn w",
         reference=REFERENCE,
         inputs=(v.theta_m,),
-        aliases=aliases,
         repeats=True,
         words=replace(WORDS, headline=f"friction that varies {how_often(n)} per turn of the motor"),
     )

@@ -212,6 +212,7 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
             current: bounds.current,
             "time_s": bounds.time,
             "angle_rad": None if bounds.angle is None else list(bounds.angle),
+            "speed_loop_Hz": bounds.loop_hz,
         },
         "largest": {
             "speed_rad_s": float(np.max(np.abs(moved.omega))),

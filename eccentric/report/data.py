@@ -203,6 +203,8 @@ class Conclusion:
         closest: the best effect and its gain, where none is adopted, and a model that predicts better;
             "" otherwise.
         next_measurement: one sentence; "" if nothing is open.
+        fits_the_rig: whether the log can be from this rig.
+        confirmed: whether what fits the training part predicts the held-out part as well.
     """
 
     verdict: str
@@ -210,6 +212,8 @@ class Conclusion:
     depends_on: tuple[str, ...]
     closest: str
     next_measurement: str
+    fits_the_rig: bool = True
+    confirmed: bool = True
 
 
 @dataclass(frozen=True)

@@ -75,6 +75,8 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
             depends_on=attribution.depends_on,
             closest=" ".join(filter(None, [closest_sentence(found), sibling_sentence(found)])),
             next_measurement=attribution.next_measurement,
+            fits_the_rig=found.models.fits_the_rig,
+            confirmed=not attribution.unconfirmed,
         ),
         errors=HeldOutErrors(
             holdout=found.channels.selection.holdout.rule,
@@ -203,8 +205,9 @@ def _correlations(fit: Refit) -> Correlations | None:
 
 
 def _plan(found: Diagnosis) -> str:
-    """The command that plans the next measurement; a search that was narrowed has no plan of its own."""
-    if found.asked.effects is not None or found.asked.request.words:
+    """The command that plans the next measurement; "" after a narrowed search and for a log of another rig."""
+    narrowed = found.asked.effects is not None or found.asked.request.words
+    if narrowed or not found.models.fits_the_rig:
         return ""
     words = ["eccentric", "plan", *found.asked.logs, "--rig", found.asked.rig, "--limits", "limits.toml"]
     return shlex.join([*words, *_model(found), "--out", "plan"])

@@ -11,7 +11,7 @@ import numpy as np
 
 from eccentric.report.arrays import BalanceResiduals
 from eccentric.report.limits import GAP_STEPS, STRETCH_S
-from eccentric.report.text import MODELS, number
+from eccentric.report.text import MODELS, number, run_name
 
 __all__ = ["Simulated", "simulated"]
 
@@ -91,7 +91,7 @@ def simulated(balance: BalanceResiduals) -> Simulated | None:
         for kind, error in errors.items()
     )
     run = balance.rows.run_names[int(balance.rows.run[index[0]])]
-    where = f"{number(start, 5)} to {number(start + span, 5)} s of {run}"
+    where = f"{number(start, 5)} to {number(start + span, 5)} s of {run_name(run)}"
     caption = (
         f"The {drive.label} that was measured, and what each model requires for the measured motion: the"
         f" held-out stretch in which it varies most, {where}. Below: what the models miss of it, {told} RMS."

@@ -45,7 +45,7 @@ _HEADLINES = {
     "named": "The model lacks an effect",
     "not_identifiable": "The model lacks something, and this log leaves open what",
     "unexplained": "The model lacks something that no known effect explains",
-    "nothing_missing": "The model lacks nothing that this log shows",
+    "nothing_missing": "This log proves nothing that the model lacks",
 }
 _WINDOWS = (
     "These errors are for smoothed windows, each predicted by a fit to the others; those of the held-out part"
@@ -73,7 +73,16 @@ def headline(data: ReportData) -> str:
     }
     if data.conclusion.verdict == "not_identifiable" and 1 < len(tied) <= MOST_NAMED:
         return f"The model lacks {' or '.join(reversed(tied.values()))}"
+    if data.conclusion.verdict != "named" and not data.conclusion.fits_the_rig:
+        return "This log does not fit the rig"
+    if not data.conclusion.confirmed:
+        return "The model lacks something, and what fits is not confirmed"
     return _HEADLINES[data.conclusion.verdict]
+
+
+def run_name(name: str) -> str:
+    """A run as it is called in a sentence; a number from a column alone would not be read as one."""
+    return f"run {name}" if name.replace(".", "", 1).isdigit() else name
 
 
 def runs_words(runs: Sequence[RunErrors]) -> str:
@@ -81,7 +90,7 @@ def runs_words(runs: Sequence[RunErrors]) -> str:
     apart = runs_apart(list(runs))
     if apart is None:
         return ""
-    least, most = (f"{run.level[0]:.3g} times in {run.name}" for run in apart if run.level)
+    least, most = (f"{run.level[0]:.3g} times in {run_name(run.name)}" for run in apart if run.level)
     return (
         f"The runs disagree: the friction is {least} and {most} that of the model that was fitted to all of"
         " them. No single model suits both: diagnose them apart, or log what changed between them."
