@@ -205,7 +205,7 @@ def _correlations(fit: Refit) -> Correlations | None:
 
 
 def _plan(found: Diagnosis) -> str:
-    """The command that plans the next measurement; "" after a narrowed search and for a log of another rig."""
+    """The command that plans the next measurement; "" after a narrowed search, or for a misfit."""
     narrowed = found.asked.effects is not None or found.asked.request.words
     if narrowed or not found.models.fits_the_rig:
         return ""
