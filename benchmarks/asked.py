@@ -130,7 +130,7 @@ DIAGNOSIS: dict[str, Asked] = {
     ),
     "long fit hours": Asked("fit of 30 million rows: the same", "at most", 10),
     "fleet found": Asked("fleet of 1,000 joints, 12 months: joints that degrade, found", "at least", 1),
-    "fleet alarms": Asked("the same: false alarms", "at most", 1),
+    "fleet alarms": Asked("the same: joints without a change that are called changed", "at most", 1),
     "fleet family": Asked("the same: right family named", "at least", 0.9),
     "fleet cost": Asked("the same: coefficients, one worker, time over a bare PyArrow scan", "at most", 10),
     "fleet memory": Asked("the same: memory of a worker", "at most", 1, "GB"),
