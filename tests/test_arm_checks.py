@@ -54,7 +54,7 @@ def test_a_wrong_sign_is_seen(folders: dict[str, Path], tmp_path: Path) -> None:
 
 
 @both_reals
-@pytest.mark.parametrize("name", JOINTS)
+@pytest.mark.parametrize("name", ["planar_2r", pytest.param("six_joints", marks=pytest.mark.slow)])
 def test_misra_as_declared(folders: dict[str, Path], tmp_path: Path, name: str, real: str) -> None:
     """The deviations that the header lists, and no others."""
     folder = folders[name]

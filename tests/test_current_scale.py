@@ -53,7 +53,8 @@ def test_a_wrong_inertia_is_not_taken_for_a_wrong_k_i(tmp_path: Path) -> None:
     assert ("named", ["inertia_mismatch"]) == (found.attribution.verdict, [e.id for e, _ in found.effects])
 
 
-@pytest.mark.parametrize("wrong", ["k_i_Nm_per_A", pytest.param("M_kg", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("wrong", ["k_i_Nm_per_A", "M_kg"])
 def test_where_the_inertia_is_open_mass_and_k_i_are_told_together(wrong: str, tmp_path: Path) -> None:
     """Gravity alone is too little or too much then: the mass is named, k_i said to look the same."""
     log, rig = log_of(tmp_path, 9004, log_type="traj")

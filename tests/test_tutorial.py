@@ -18,7 +18,7 @@ PAGES = (
     pytest.param("tutorial-raw", marks=pytest.mark.slow),
     pytest.param("own-effect", marks=pytest.mark.slow),
     pytest.param("linear-axes", marks=pytest.mark.slow),
-    "own-derivation",
+    pytest.param("own-derivation", marks=pytest.mark.slow),
 )
 BLOCK = re.compile(r"^```(\S+)(?: (\S+))?\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]\d+)?")

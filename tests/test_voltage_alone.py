@@ -84,6 +84,7 @@ def test_a_gear_that_loses_unlike_amounts_gives_the_same_voltage() -> None:
     assert other.torque(theta, omega, alpha) == pytest.approx(by * torque, rel=1e-12, abs=1e-14)
 
 
+@pytest.mark.slow
 def test_load_dependent_friction_is_told_with_its_equal(with_load: Diagnosis) -> None:
     """Both families that give this log are listed and no other; one that separates them is proposed."""
     assert "not_identifiable" == with_load.attribution.verdict
@@ -123,7 +124,7 @@ def test_a_fit_that_is_stopped_too_early_says_so(
     assert not any("converged" in warning for warning in with_load.warnings)
 
 
-@pytest.mark.parametrize("name", ["with_drag", "with_load", "control"])
+@pytest.mark.parametrize("name", ["with_drag", pytest.param("with_load", marks=pytest.mark.slow), "control"])
 def test_rig_is_identified_beside_the_effect(name: str, request: pytest.FixtureRequest) -> None:
     """Scale, back-EMF and inertia of the extended model are those of the rig, effect or not."""
     found: Diagnosis = request.getfixturevalue(name)
@@ -156,7 +157,7 @@ def test_errors_in_volts_are_those_in_newton_metres_by_the_scale(with_drag: Diag
     assert volts["extended"] < 1.05 * 0.05 < volts["paper"]
 
 
-@pytest.mark.parametrize("name", ["with_drag", "with_load"])
+@pytest.mark.parametrize("name", ["with_drag", pytest.param("with_load", marks=pytest.mark.slow)])
 def test_free_swings_are_predicted_by_the_same_friction(name: str, request: pytest.FixtureRequest) -> None:
     """With the motor off the extended friction is all there is: the error falls to that of the encoder."""
     found: Diagnosis = request.getfixturevalue(name)
