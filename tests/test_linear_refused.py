@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -129,3 +130,11 @@ def test_a_good_rig_is_checked_in_its_own_units() -> None:
     assert [line.split(" = ")[0] for line in found.estimated[:4]] == ["B", "C", "mass", "F_load"]
     assert " kg, " in found.estimated[2]
     assert np.all(["rad" not in line.split() for line in found.estimated])
+
+
+def test_a_draft_says_that_a_length_is_no_angle() -> None:
+    """Drafts are of drives that turn: the columns of a carriage are doubted, with what to write."""
+    drafted = eccentric.draft_rig(Path("examples/slide/slide.csv.gz"))
+    said = [doubt for doubt in drafted.doubts if 'kind = "linear"' in doubt]
+
+    assert ["theta_m = q_mm: mm is no unit of an angle"] == [doubt.split(": for")[0] for doubt in said]

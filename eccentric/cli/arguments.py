@@ -119,7 +119,7 @@ def bar() -> Callable[..., None] | None:
     def show(part: float, what: str = "") -> None:
         nonlocal widest
         start = begun.setdefault(what, time.monotonic())
-        filled, left = round(30 * part), (time.monotonic() - start) * (1.0 / max(part, 1e-9) - 1.0)
+        filled, left = round(30 * part), (time.monotonic() - start) * max(1.0 / max(part, 1e-9) - 1.0, 0.0)
         name = what and f"{what:12} "
         shown = f"  {name}[{'#' * filled}{'.' * (30 - filled)}] {part:.0%}, {left:.0f} s left"
         widest = max(widest, len(shown))
@@ -134,7 +134,8 @@ def _in_lines() -> Callable[..., None]:
     say, begun = _now_and_then(), {"": time.monotonic()}
 
     def show(part: float, what: str = "") -> None:
-        left = (time.monotonic() - begun.setdefault(what, time.monotonic())) * (1.0 / max(part, 1e-9) - 1.0)
+        passed = time.monotonic() - begun.setdefault(what, time.monotonic())
+        left = passed * max(1.0 / max(part, 1e-9) - 1.0, 0.0)
         if part < 1.0:
             say(f"{what + ' ' if what else ''}{part:.0%}, {left:.0f} s left")
 

@@ -70,5 +70,5 @@ def run(args: argparse.Namespace) -> int:
     if (more := len(found.warnings) - _SHOWN) > 0:
         print_warnings([f"and {more} more, in problems.csv"])
     print(found.summary())
-    print(f"{args.out}: report.html, fleet.json, coefficients/, changes.csv, problems.csv")
+    print(f"{args.out}: report.html, fleet.json, coefficients/, changes.csv, problems.csv, joints/, sums/")
     return PROBLEMS if found.problems else 0

@@ -19,6 +19,7 @@ from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.questions import entries_of
 from eccentric.drafting.units import Reading, Shown, readings
+from eccentric.drafting.words import of_a_carriage
 from eccentric.errors import InputError, few
 from eccentric.logs import Log
 
@@ -262,6 +263,11 @@ def _channels(
         if column.name.quantity == what:
             said.insert(0, f"{what} by its name")
         doubts = [doubt] if doubt else []
+        if of_a_carriage(column.name.unit):
+            doubts.append(
+                f'{column.name.unit} is no unit of an angle: for a carriage write kind = "linear" by hand,'
+                " as on the page on linear axes"
+            )
         if sure < limits.SURE:
             others = _others(found, what, unit)
             turn = (

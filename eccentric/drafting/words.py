@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from eccentric.errors import InputError
 from eccentric.logs import parse_unit
 
-__all__ = ["Name", "dimension_of", "read_name"]
+__all__ = ["Name", "dimension_of", "of_a_carriage", "read_name"]
 
 _WORDS = {
     "time": "t time times timestamp stamp zeit clock tick ticks uptime elapsed millis micros sec seconds",
@@ -101,6 +101,17 @@ def _chosen(named: list[tuple[str, str]], unit: str) -> tuple[str, str]:
 
 
 _COMPATIBLE = {("supply", "voltage"), ("duty", "angle"), ("voltage", "angle"), ("torque", "ratio")}
+
+
+def of_a_carriage(unit: str) -> bool:
+    """Whether a unit is one of length or velocity."""
+    if unit in ("", "%", "1", "-"):
+        return False
+    try:
+        own = parse_unit(unit, "", 1.0).dimension
+    except InputError:
+        return False
+    return own in {parse_unit(known, "").dimension for known in ("m", "m/s")}
 
 
 def dimension_of(unit: str) -> str:

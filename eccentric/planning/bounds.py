@@ -13,7 +13,7 @@ from eccentric.errors import InputError
 from eccentric.logs import parse_value
 from eccentric.model import TURNING, AxisKind
 from eccentric.places import given_path
-from eccentric.planning.limits import LEAST_TIME_S
+from eccentric.planning.limits import LEAST_TIME_S, MOST_TIME_S
 from eccentric.rigs import plain_entries, read_pair
 
 __all__ = ["Bounds", "read_bounds"]
@@ -105,6 +105,8 @@ def read_bounds(
         attempt(partial(_ends, content[angle], angle, where, units), angle)
     if values.get("time_s", LEAST_TIME_S) < LEAST_TIME_S:
         complaints.append(f"time_s: at least {LEAST_TIME_S:g} s are required, received {values['time_s']:g}")
+    if values.get("time_s", LEAST_TIME_S) > MOST_TIME_S:
+        complaints.append(f"time_s: at most {MOST_TIME_S:g} s are required, received {values['time_s']:g}")
     if complaints:
         raise InputError(f"{where}: {'; '.join(complaints)}")
     return Bounds(

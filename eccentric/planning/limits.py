@@ -11,6 +11,7 @@ __all__ = [
     "DECIDES",
     "EVALUATIONS",
     "FIRMWARE_HZ",
+    "HARDLY",
     "HEAVIER",
     "INFORMATIVE_HZ",
     "INTEGRAL_PER_S",
@@ -21,6 +22,7 @@ __all__ = [
     "LOOPS_HZ",
     "LOOP_STEPS",
     "MARGIN",
+    "MOST_TIME_S",
     "NOISE_PEAK",
     "OFF",
     "PIECES",
@@ -77,6 +79,10 @@ NOISE_PEAK = 4.0
 """Standard deviations of the current's noise that count as its peak, in a minute of samples."""
 WHOLE_TURNS = 10.0 * np.pi
 """Reach of the largest reversals of a drive that turns without end [rad]: five turns of the motor."""
+HARDLY = 0.95
+"""Part of a standard error that remains: a motion that leaves more of all of them is not worth a run."""
+MOST_TIME_S = 3600.0
+"""Longest plan: its reference of 200 Hz and the signals of its pieces are held in memory."""
 LEAST_TIME_S, LEAST_PIECE_S = 10.0, 4.0
 """Shortest plan, and shortest piece of it: a stroke at constant speed, there and back."""
 PIECES = 6

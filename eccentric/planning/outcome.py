@@ -16,7 +16,7 @@ from eccentric.planning.bounds import FORCE, Bounds
 from eccentric.planning.chance import Pairs, expected
 from eccentric.planning.choice import chosen
 from eccentric.planning.heavier import Heavier, with_more_mass
-from eccentric.planning.limits import DECIDES, RATE_HZ, UNDECIDED, WORTH_A_RUN
+from eccentric.planning.limits import DECIDES, HARDLY, RATE_HZ, UNDECIDED, WORTH_A_RUN
 from eccentric.planning.motion import Reference, joined
 from eccentric.planning.question import Question, question_of
 from eccentric.planning.rivals import Rival
@@ -162,9 +162,11 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
             said.append(f"What would: {plan.otherwise}")
     else:
         said += [
-            f"  {name}: standard error {100 * part:.0f} % of what it is after the log"
+            f"  {name}: standard error falls to {100 * part:.0f} % of today's"
             for name, part in plan.narrower.items()
         ]
+        if min(plan.narrower.values(), default=0.0) > HARDLY:
+            said.append("Within the limits hardly any motion tells more than the log: wider ones are needed.")
     moved, bounds = plan.motion, plan.bounds
     said.append(f"Motion of {moved.seconds:.1f} s at {RATE_HZ:g} Hz, from rest at {moved.theta[0]:.4g} rad:")
     said += [f"  {len(tuple(same))} x {words}" for words, same in groupby(plan.parts)]

@@ -92,9 +92,10 @@ def simulated(balance: BalanceResiduals) -> Simulated | None:
     )
     run = balance.rows.run_names[int(balance.rows.run[index[0]])]
     where = f"{number(start, 5)} to {number(start + span, 5)} s of {run_name(run)}"
+    most = "it varies most" if balance.extended is None else "the models differ most"
     caption = (
         f"The {drive.label} that was measured, and what each model requires for the measured motion: the"
-        f" held-out stretch in which it varies most, {where}. Below: what the models miss of it, {told} RMS."
+        f" held-out stretch in which {most}, {where}. Below: what the models miss of it, {told} RMS."
         " Rows at standstill are left out."
     )
     legend = [("measured", "measured"), *((kind, MODELS[kind]) for kind in errors)]
@@ -103,7 +104,10 @@ def simulated(balance: BalanceResiduals) -> Simulated | None:
 
 
 def _stretch(balance: BalanceResiduals) -> Array:
-    """Rows of the held-out stretch, at most `STRETCH_S` long, in which the drive varies most."""
+    """Rows of the held-out stretch, at most `STRETCH_S` long, in which the models differ most.
+
+    With one model alone, that in which the drive varies most.
+    """
     rows, drive = balance.rows, balance.drive
     if drive is None:
         return np.zeros(0, dtype=int)
@@ -115,12 +119,13 @@ def _stretch(balance: BalanceResiduals) -> Array:
     t, run = rows.t[index], rows.run[index]
     # A pause of a held-out part is rows at standstill; another run or a jump back ends it.
     breaks = (np.diff(run) != 0) | (np.diff(t) <= 0.0) | (np.diff(t) > 1.0)
+    shown = drive.values if balance.extended is None else balance.extended - balance.paper
     best, size = index[:0], -1.0
     for part in np.split(index, np.flatnonzero(breaks) + 1):
         slots = np.floor((rows.t[part] - rows.t[part[0]]) / STRETCH_S)
         for slot in np.unique(slots):
             piece = part[slots == slot]
-            spread = float(np.std(drive.values[piece])) * float(np.ptp(rows.t[piece])) ** 0.5
+            spread = float(np.std(shown[piece])) * float(np.ptp(rows.t[piece])) ** 0.5
             if spread > size:
                 best, size = piece, spread
     return best
