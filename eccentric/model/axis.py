@@ -124,8 +124,11 @@ class AxisKind:
 
     @cached_property
     def _table(self) -> dict[str, str]:
+        # Not of a Greek letter: a capital omega is the unit of a resistance.
         capital = {
-            k[0].upper() + k[1:]: x[:1].upper() + x[1:] for k, x in self.words.items() if k[0].isalpha()
+            k[0].upper() + k[1:]: x[:1].upper() + x[1:]
+            for k, x in self.words.items()
+            if k[0].isascii() and k[0].isalpha()
         }
         return {**capital, **self.words, **self.letters}
 
