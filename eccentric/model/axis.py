@@ -211,6 +211,7 @@ LINEAR = AxisKind(
         ', mu, and the zero angle (theta_zero_rad = "estimate" estimates it)': "",
         "motor angle": "position",
         "motor angles": "positions",
+        ", link side": "",
         "motor velocity": "velocity",
         "motor acceleration": "acceleration",
         "motor speed": "speed",
