@@ -15,6 +15,8 @@ import pytest
 import eccentric
 from eccentric.api import DiagnosisResult
 from eccentric.cli import main
+from eccentric.effects import Effect, Setting, library
+from eccentric.emission import render
 from eccentric.model import LINEAR, TURNING, load_model, spoken
 from tests.carriage import RIG, SLIDE, logged
 from tests.compiled import FLAGS, REAL, run
@@ -29,6 +31,17 @@ FOREIGN = re.compile(
 def foreign(text: str) -> list[str]:
     """What a text has of them, with its surroundings."""
     return [text[max(m.start() - 40, 0) : m.end() + 20] for m in FOREIGN.finditer(text)]
+
+
+def effects_of_the_screw() -> dict[str, Effect]:
+    """The effects that may be offered for the slide, with every channel logged."""
+    base, shown = load_model("screw_axis"), frozenset({"current", "voltage", "temperature"})
+    rig = Setting(base, 628.3, {}, 1e-3, 0.3, 10.0, 20.0, 5.0, temperature_mid=30.0, channels=shown)
+    return {
+        effect.id: effect
+        for effect in library(rig)
+        if not LINEAR.absent & set(effect.evidence.depends_on) and effect.family not in LINEAR.foreign
+    }
 
 
 FEW = ("cogging", "stribeck", "quadratic_drag")
@@ -140,6 +153,26 @@ def test_a_fit_is_emitted_under_its_names(tmp_path: Path, capsys: pytest.Capture
     assert f"fitted: {mass:.4g} kg" in header
 
 
+@pytest.mark.parametrize("name", ["linear_axis", "screw_axis"])
+def test_the_files_of_a_plain_axis_have_no_foreign_word(name: str) -> None:
+    """Header, sources and modules of NumPy and JAX, and what they say of each value that is not given."""
+    texts = {
+        **{f"jax/{file}": text for file, text in render(load_model(name), backends=("jax",)).items()},
+        **render(load_model(name)),
+    }
+    module = texts[f"{name}.py"]
+    own = {file: text for file, text in texts.items() if "runtime" not in file}
+
+    assert {file: foreign(text) for file, text in own.items() if foreign(text)} == {}
+    for said in (
+        "armature resistance [Ohm], needed for friction_force",
+        "force constant [N/A], needed for friction_force",
+        "moving mass [kg], needed with acceleration",
+    ):
+        assert said in module
+    assert "screw [1/m], needed" not in module
+
+
 def test_the_derivation_prints_its_own_letters() -> None:
     """What `python derivations/linear_axis.py` prints is in letters of a carriage, and checks itself."""
     for name in ("linear_axis", "screw_axis"):
@@ -162,6 +195,22 @@ def test_a_spoken_model_has_the_same_equations() -> None:
 
     for was, now in zip(model.balances, heard.balances, strict=True):
         assert [term.value.xreplace(back) for term in now.terms] == [term.value for term in was.terms]
+
+
+def test_an_angle_of_the_screw_is_no_length() -> None:
+    """Where a tight spot is, how wide, and what a cable adds are by the angle of the screw, kappa x."""
+    found = effects_of_the_screw()
+    units = {}
+    for name in ("local_defect", "cable_spring"):
+        heard = spoken(found[name].extend(load_model("screw_axis"), {}))
+        units |= {q.name: q.unit for q in heard.parameters}
+
+    assert (units["defect_A"], units["cable_0"], units["kappa"]) == ("N", "N", "1/m")
+    assert (units["defect_angle"], units["defect_width"], units["cable_k"]) == (
+        "radian",
+        "radian",
+        "N/radian",
+    )
 
 
 @pytest.mark.parametrize(
