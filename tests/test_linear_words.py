@@ -18,7 +18,7 @@ from eccentric.cli import main
 from eccentric.effects import Effect, Setting, library
 from eccentric.emission import render
 from eccentric.model import LINEAR, TURNING, load_model, spoken
-from tests.carriage import RIG, SLIDE, logged
+from tests.carriage import RIG, SLIDE, Carriage, logged
 from tests.compiled import FLAGS, REAL, run
 
 FOREIGN = re.compile(
@@ -36,7 +36,8 @@ def foreign(text: str) -> list[str]:
 def effects_of_the_screw() -> dict[str, Effect]:
     """The effects that may be offered for the slide, with every channel logged."""
     base, shown = load_model("screw_axis"), frozenset({"current", "voltage", "temperature"})
-    rig = Setting(base, 628.3, {}, 1e-3, 0.3, 10.0, 20.0, 5.0, temperature_mid=30.0, channels=shown)
+    # A pitch of which 2 pi over it is an integer, too: no order of a motor is at 628 per radian.
+    rig = Setting(base, 628.0, {}, 1e-3, 0.3, 10.0, 20.0, 5.0, temperature_mid=30.0, channels=shown)
     return {
         effect.id: effect
         for effect in library(rig)
@@ -195,6 +196,50 @@ def test_a_spoken_model_has_the_same_equations() -> None:
 
     for was, now in zip(model.balances, heard.balances, strict=True):
         assert [term.value.xreplace(back) for term in now.terms] == [term.value for term in was.terms]
+
+
+NONSENSE = re.compile(
+    r"twist|horizontal|[Tt]urn the (?:carriage|motor|link)|with the carriage removed"
+    r"|(?:bending|travelled) position"
+    r"|position (?:over which|travelled)"
+    r"|(?:cos|sin)\([^)]*position|of the axis (?:position|velocity)|axis's flux"
+)
+"""What translating word by word makes of instructions for a drive that turns."""
+
+
+@pytest.mark.parametrize("effect", effects_of_the_screw().values(), ids=lambda effect: effect.id)
+def test_what_is_said_of_an_effect_can_be_done_with_a_carriage(effect: Effect) -> None:
+    """Formula, headline, meaning, hint and the measurements that tell it apart; no letter for two things."""
+    words = effect.words
+    own = (*effect.parameters, *(state.quantity for state in effect.change.states))
+    kin = words.kin.tell_apart.values() if words.kin else ()
+    said = [
+        effect.formula, words.headline, words.title, words.meaning, words.hint,
+        *words.tell_apart.values(), *kin, *(q.meaning for q in own),
+    ]  # fmt: skip
+
+    assert [text for text in map(LINEAR.said, said) if NONSENSE.search(text) or foreign(text)] == []
+    assert [q.letter for q in own if f"{q.letter}_m" in effect.formula] == []
+
+
+def test_a_harmonic_of_the_screw_has_no_alias_of_a_motor() -> None:
+    """No effect may be another as well that a carriage is never offered."""
+    found = effects_of_the_screw()
+    families = {effect.family for effect in found.values()}
+    aliases = {alias.partition("[")[0] for effect in found.values() for alias in effect.evidence.aliases}
+
+    assert "link_harmonic_friction[n=1]" in found
+    assert aliases <= families
+
+
+def test_the_turns_of_a_motor_are_none_of_a_carriage() -> None:
+    """Metres are not counted in turns: no harmonic of a short log claims to be friction of another order."""
+    log = logged(2, Carriage(ripple=6.0), seconds=8.0, runs=1)
+    rig = RIG | {"known": {"pitch": "10 mm"}}
+    found = eccentric.diagnose(log, rig, only=("link_harmonic_friction",)).data.search.candidates
+
+    assert {row.family for row in found} == {"link_harmonic_friction"}
+    assert {row.aliases for row in found} == {()}
 
 
 def test_an_angle_of_the_screw_is_no_length() -> None:
