@@ -292,6 +292,25 @@ def test_what_a_person_has_named_is_left_alone() -> None:
         eccentric.fit({k: x for k, x in log.items() if k != "torque"}, RIG | {"columns": columns})
 
 
+@pytest.mark.parametrize("name", ["torque", "angle", "Torque"])
+def test_a_column_with_a_word_of_ours_for_a_name_changes_no_sentence(name: str) -> None:
+    """It stays where it is quoted; everywhere else the word is ours, and the axis has another for it."""
+    log = logged(8, seconds=8.0, runs=1)
+    log = {"t_s": log["t_s"], "q_m": log["q_m"], name: log["u_V"]}
+    columns = {"time": "t_s", "position": "q_m", "force": {"column": name, "gain": "35 N/V"}}
+    found = eccentric.fit(log, RIG | {"name": name, "columns": columns})
+    said = f"\"{name} * 2\" is no torque, nor is {name!r} or `{name}`: the rig's torque and the log's angle"
+
+    assert foreign(found.summary()) == []
+    assert foreign(json.dumps({k: x for k, x in found.document.items() if k != "rig"})) == []
+    assert (found.document["rig"], found.document["drive"]) == (name, "force")
+    assert LINEAR.said(said, [name]) == (
+        f"\"{name} * 2\" is no force, nor is {name!r} or `{name}`: the rig's force and the log's position"
+    )
+    with pytest.raises(eccentric.InputError, match=f"'{name}'"):
+        eccentric.fit({k: x for k, x in log.items() if k != name}, RIG | {"columns": columns})
+
+
 def test_the_kind_of_an_axis_survives_a_copy() -> None:
     """A result that another process has made, by the same protocol, is of the same kind."""
     assert copy.deepcopy(LINEAR) is LINEAR
