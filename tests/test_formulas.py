@@ -177,7 +177,7 @@ def test_a_root_too_long_for_a_line_is_shown_squared() -> None:
     ("typed", "shown"),
     [
         ("eta |T| sgn w driving, T = G", "η|T|sgnω driving, T=G"),
-        ("A exp((cos(theta_l - angle) - 1)/width^2)", "Aexp((cos(θl−angle)−1)/width2)"),
+        ("A exp((cos(theta_l - theta_0) - 1)/sigma^2)", "Aexp((cos(θl−θ0)−1)/σ2)"),
         ("friction times 1 + rate t", "friction times 1+ratet"),
         ("D sqrt(|w|/w_ref) for w > 0 only", "D√(|ω|/ωref) for ω>0 only"),
         ("R (1 + r rise) for R, d(rise)/dt < 1", "R(1+rrise) for R, d(rise)/dt<1"),

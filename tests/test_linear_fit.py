@@ -109,14 +109,19 @@ def test_a_vertical_axis_carries_its_weight() -> None:
 
 
 def test_the_log_of_the_example_can_be_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """examples/slide/make_log.py writes the log that is there."""
+    """examples/slide/make_log.py writes the log that is there, beside itself from wherever it is run."""
     import runpy
 
-    monkeypatch.chdir(tmp_path)
-    runpy.run_path(str(SLIDE / "make_log.py"), run_name="__main__")
-    again, there = (path / "slide.csv.gz" for path in (tmp_path, SLIDE))
+    script, elsewhere = tmp_path / "slide" / "make_log.py", tmp_path / "elsewhere"
+    for folder in (script.parent, elsewhere):
+        folder.mkdir()
+    script.write_bytes((SLIDE / "make_log.py").read_bytes())
+    monkeypatch.chdir(elsewhere)
+    runpy.run_path(str(script), run_name="__main__")
+    again, there = (path / "slide.csv.gz" for path in (script.parent, SLIDE))
 
     assert gzip.decompress(there.read_bytes()) == gzip.decompress(again.read_bytes())
+    assert list(elsewhere.iterdir()) == []
 
 
 def test_parameters_follow_the_names_of_the_axis(found: FitResult) -> None:

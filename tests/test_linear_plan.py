@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +13,7 @@ import pytest
 import eccentric
 from eccentric import InputError
 from eccentric.model import LINEAR, load_model
-from eccentric.planning import read_bounds
+from eccentric.planning import choice, read_bounds
 from tests.carriage import RIG, logged
 
 LIMITS = {
@@ -57,6 +60,30 @@ def test_what_knows_turns_only_refuses_a_carriage(tmp_path: Path) -> None:
         eccentric.emit(
             load_model("linear_axis"), tmp_path / "c", parameters=tmp_path / "fit" / "fit.json", adapt=True
         )
+
+
+def test_a_force_that_is_too_small_is_told_in_newtons() -> None:
+    """It is named by its key, in its unit: no ampere where none was given. Dry friction and load are 23 N."""
+    message = r"limits: force_N: enough for load and friction .*, ([\d.]+) N with .*, received 2 N$"
+    with pytest.raises(InputError, match=message) as refused:
+        eccentric.plan(logged(2, seconds=6.0, runs=1), RIG, {**LIMITS, "force_N": 2})
+    said = str(refused.value)
+    found = re.search(message, said)
+
+    assert found is not None
+    assert 23.0 < float(found[1]) < 69.0
+    assert not re.search(r"\bA\b|current", said)
+
+
+def test_limits_without_room_are_told_in_newtons() -> None:
+    """Where no drive can be computed at all, each limit is named in its unit."""
+    nothing: Any = SimpleNamespace(ground=lambda _: SimpleNamespace(met=None))
+    said = LINEAR.said(choice._too_tight(nothing, read_bounds(LIMITS, LINEAR)))
+
+    assert said == (
+        "limits: speed, acceleration, force and position that leave room for one motion are required,"
+        " received 0.4 m/s, 3 m/s^2, 500 N, 0 to 0.3 m"
+    )
 
 
 @pytest.mark.slow

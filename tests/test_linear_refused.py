@@ -10,7 +10,7 @@ import pytest
 
 import eccentric
 from eccentric import InputError
-from eccentric.rigs import read_rig
+from eccentric.rigs import read_rig, rig_complaints
 from tests.carriage import RIG, logged
 
 MM: dict[str, Any] = {"column": "q_m", "unit": "mm"}
@@ -87,6 +87,39 @@ def test_keys_of_a_linear_axis_are_none_of_a_turning_one() -> None:
     """Without its kind, a rig of a carriage is not understood."""
     with pytest.raises(InputError, match=r"\[columns\]: unknown key 'position'"):
         read_rig({"known": {"case": "C1"}, "columns": RIG["columns"]})
+
+
+def test_keys_of_another_table_are_sent_where_they_belong() -> None:
+    """The check knows the tables of a carriage: what a turning drive has is unknown here, not misplaced."""
+    found, _ = rig_complaints(RIG | {"mass": "95 kg", "position": "q_m", "case": "C1", "k_i": "1 Nm/A"})
+    columns = {**RIG["columns"], "kind": "linear", "pitch_m": 0.01}
+    more, _ = rig_complaints(RIG | {"columns": columns})
+
+    assert found[:2] == [
+        "rig: mass: this key belongs under [known]",
+        "rig: position: this key belongs under [columns]",
+    ]
+    assert [said.partition(";")[0] for said in found[2:]] == [
+        "rig: unknown key 'case'",
+        "rig: unknown key 'k_i'",
+    ]
+    assert more == [
+        "rig: [columns] kind: this key belongs at the top, above all tables",
+        "rig: [columns] pitch_m: this key belongs under [known]",
+    ]
+
+
+def test_a_wrong_unit_is_one_complaint() -> None:
+    """A force constant in Nm/A is there, if wrong: it is not said to be missing as well."""
+    log = logged(0, seconds=6.0, runs=1)
+    columns = {"time": "t_s", "position": "q_m", "current": "u_V"}
+    rig = {"kind": "linear", "known": {"k_f": "35 Nm/A"}, "columns": columns}
+    (found,) = eccentric.check_rig(log, rig).complaints
+    del rig["known"]
+    (missing,) = eccentric.check_rig(log, rig).complaints
+
+    assert "[known] k_f: a unit like N/A" in found
+    assert missing.startswith('rig: [known] k_f is required, as in k_f = "0.05 N/A"')
 
 
 def test_messages_of_a_fit_have_the_words_of_the_axis() -> None:

@@ -15,8 +15,10 @@ import pytest
 import eccentric
 from eccentric.api import DiagnosisResult
 from eccentric.cli import main
+from eccentric.effects import Effect, Setting, library
+from eccentric.emission import render
 from eccentric.model import LINEAR, TURNING, load_model, spoken
-from tests.carriage import RIG, SLIDE, logged
+from tests.carriage import RIG, SLIDE, Carriage, logged
 from tests.compiled import FLAGS, REAL, run
 
 FOREIGN = re.compile(
@@ -29,6 +31,18 @@ FOREIGN = re.compile(
 def foreign(text: str) -> list[str]:
     """What a text has of them, with its surroundings."""
     return [text[max(m.start() - 40, 0) : m.end() + 20] for m in FOREIGN.finditer(text)]
+
+
+def effects_of_the_screw() -> dict[str, Effect]:
+    """The effects that may be offered for the slide, with every channel logged."""
+    base, shown = load_model("screw_axis"), frozenset({"current", "voltage", "temperature"})
+    # A pitch of which 2 pi over it is an integer, too: no order of a motor is at 628 per radian.
+    rig = Setting(base, 628.0, {}, 1e-3, 0.3, 10.0, 20.0, 5.0, temperature_mid=30.0, channels=shown)
+    return {
+        effect.id: effect
+        for effect in library(rig)
+        if not LINEAR.absent & set(effect.evidence.depends_on) and effect.family not in LINEAR.foreign
+    }
 
 
 FEW = ("cogging", "stribeck", "quadratic_drag")
@@ -85,6 +99,7 @@ def test_the_report_has_no_foreign_word(diagnosed: tuple[DiagnosisResult, Path])
     assert foreign(unescape(re.sub(r"<[^>]+>", " ", re.sub(script, "", html, flags=re.DOTALL)))) == []
     assert foreign(labels) == []
     assert ("screw position" in html, "paper's model" in html, "sgn \\u03c9" in html) == (False,) * 3
+    assert ("Ω" in html, "Ẋ" in html) == (True, False)
 
 
 def test_the_emitted_files_have_no_foreign_word(diagnosed: tuple[DiagnosisResult, Path]) -> None:
@@ -139,6 +154,26 @@ def test_a_fit_is_emitted_under_its_names(tmp_path: Path, capsys: pytest.Capture
     assert f"fitted: {mass:.4g} kg" in header
 
 
+@pytest.mark.parametrize("name", ["linear_axis", "screw_axis"])
+def test_the_files_of_a_plain_axis_have_no_foreign_word(name: str) -> None:
+    """Header, sources and modules of NumPy and JAX, and what they say of each value that is not given."""
+    texts = {
+        **{f"jax/{file}": text for file, text in render(load_model(name), backends=("jax",)).items()},
+        **render(load_model(name)),
+    }
+    module = texts[f"{name}.py"]
+    own = {file: text for file, text in texts.items() if "runtime" not in file}
+
+    assert {file: foreign(text) for file, text in own.items() if foreign(text)} == {}
+    for said in (
+        "armature resistance [Ohm], needed for friction_force",
+        "force constant [N/A], needed for friction_force",
+        "moving mass [kg], needed with acceleration",
+    ):
+        assert said in module
+    assert "screw [1/m], needed" not in module
+
+
 def test_the_derivation_prints_its_own_letters() -> None:
     """What `python derivations/linear_axis.py` prints is in letters of a carriage, and checks itself."""
     for name in ("linear_axis", "screw_axis"):
@@ -161,6 +196,66 @@ def test_a_spoken_model_has_the_same_equations() -> None:
 
     for was, now in zip(model.balances, heard.balances, strict=True):
         assert [term.value.xreplace(back) for term in now.terms] == [term.value for term in was.terms]
+
+
+NONSENSE = re.compile(
+    r"twist|horizontal|[Tt]urn the (?:carriage|motor|link)|with the carriage removed"
+    r"|(?:bending|travelled) position"
+    r"|position (?:over which|travelled)"
+    r"|(?:cos|sin)\([^)]*position|of the axis (?:position|velocity)|axis's flux"
+)
+"""What translating word by word makes of instructions for a drive that turns."""
+
+
+@pytest.mark.parametrize("effect", effects_of_the_screw().values(), ids=lambda effect: effect.id)
+def test_what_is_said_of_an_effect_can_be_done_with_a_carriage(effect: Effect) -> None:
+    """Formula, headline, meaning, hint and the measurements that tell it apart; no letter for two things."""
+    words = effect.words
+    own = (*effect.parameters, *(state.quantity for state in effect.change.states))
+    kin = words.kin.tell_apart.values() if words.kin else ()
+    said = [
+        effect.formula, words.headline, words.title, words.meaning, words.hint,
+        *words.tell_apart.values(), *kin, *(q.meaning for q in own),
+    ]  # fmt: skip
+
+    assert [text for text in map(LINEAR.said, said) if NONSENSE.search(text) or foreign(text)] == []
+    assert [q.letter for q in own if f"{q.letter}_m" in effect.formula] == []
+
+
+def test_a_harmonic_of_the_screw_has_no_alias_of_a_motor() -> None:
+    """No effect may be another as well that a carriage is never offered."""
+    found = effects_of_the_screw()
+    families = {effect.family for effect in found.values()}
+    aliases = {alias.partition("[")[0] for effect in found.values() for alias in effect.evidence.aliases}
+
+    assert "link_harmonic_friction[n=1]" in found
+    assert aliases <= families
+
+
+def test_the_turns_of_a_motor_are_none_of_a_carriage() -> None:
+    """Metres are not counted in turns: no harmonic of a short log claims to be friction of another order."""
+    log = logged(2, Carriage(ripple=6.0), seconds=8.0, runs=1)
+    rig = RIG | {"known": {"pitch": "10 mm"}}
+    found = eccentric.diagnose(log, rig, only=("link_harmonic_friction",)).data.search.candidates
+
+    assert {row.family for row in found} == {"link_harmonic_friction"}
+    assert {row.aliases for row in found} == {()}
+
+
+def test_an_angle_of_the_screw_is_no_length() -> None:
+    """Where a tight spot is, how wide, and what a cable adds are by the angle of the screw, kappa x."""
+    found = effects_of_the_screw()
+    units = {}
+    for name in ("local_defect", "cable_spring"):
+        heard = spoken(found[name].extend(load_model("screw_axis"), {}))
+        units |= {q.name: q.unit for q in heard.parameters}
+
+    assert (units["defect_A"], units["cable_0"], units["kappa"]) == ("N", "N", "1/m")
+    assert (units["defect_angle"], units["defect_width"], units["cable_k"]) == (
+        "radian",
+        "radian",
+        "N/radian",
+    )
 
 
 @pytest.mark.parametrize(
@@ -195,6 +290,25 @@ def test_what_a_person_has_named_is_left_alone() -> None:
     assert found.document["rig"] == "torque rig"
     with pytest.raises(eccentric.InputError, match=r"no column 'torque'|'torque'"):
         eccentric.fit({k: x for k, x in log.items() if k != "torque"}, RIG | {"columns": columns})
+
+
+@pytest.mark.parametrize("name", ["torque", "angle", "Torque"])
+def test_a_column_with_a_word_of_ours_for_a_name_changes_no_sentence(name: str) -> None:
+    """It stays where it is quoted; everywhere else the word is ours, and the axis has another for it."""
+    log = logged(8, seconds=8.0, runs=1)
+    log = {"t_s": log["t_s"], "q_m": log["q_m"], name: log["u_V"]}
+    columns = {"time": "t_s", "position": "q_m", "force": {"column": name, "gain": "35 N/V"}}
+    found = eccentric.fit(log, RIG | {"name": name, "columns": columns})
+    said = f"\"{name} * 2\" is no torque, nor is {name!r} or `{name}`: the rig's torque and the log's angle"
+
+    assert foreign(found.summary()) == []
+    assert foreign(json.dumps({k: x for k, x in found.document.items() if k != "rig"})) == []
+    assert (found.document["rig"], found.document["drive"]) == (name, "force")
+    assert LINEAR.said(said, [name]) == (
+        f"\"{name} * 2\" is no force, nor is {name!r} or `{name}`: the rig's force and the log's position"
+    )
+    with pytest.raises(eccentric.InputError, match=f"'{name}'"):
+        eccentric.fit({k: x for k, x in log.items() if k != name}, RIG | {"columns": columns})
 
 
 def test_the_kind_of_an_axis_survives_a_copy() -> None:

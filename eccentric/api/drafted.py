@@ -201,15 +201,16 @@ def _tried(
             letter = next(
                 (x for x in _TYPICAL if f"[known] {x} is required" in said or f"[known] {x}:" in said), None
             )
+            here = tried.axis.said
             if letter is None or letter in tried.known:
                 # What follows from a complaint that is already made would only be noise.
                 return [*missing, *([] if complaints else [said])], (), ()
-            if not any(f"[known] {letter}:" in line for line in complaints):
+            if not any(f"[known] {here(letter)}:" in line for line in complaints):
                 missing.append(
                     f"{rig.path}: [known] {letter} is required, as in"
                     f' {letter} = "{_TYPICAL[letter]}", received none'
                 )
-            filled, here = True, tried.axis.said
+            filled = True
             given = {**given, "known": {**given.get("known", {}), here(letter): here(_TYPICAL[letter])}}
             continue
         # A value that was filled in, and a column that is read wrongly, contradict the log by themselves.

@@ -9,13 +9,13 @@ from eccentric.effects.words import Words
 from eccentric.model import Backward, Forward, Role, quantity
 
 C = quantity(
-    "coulomb_asym", "N m", "half the difference in Coulomb friction between the directions", letter="C"
+    "coulomb_asym", "N m", "half the difference in Coulomb friction between the directions", letter="c"
 )
 B = quantity(
     "viscous_asym",
     "N m s/rad",
     "half the difference in viscous friction between the directions",
-    letter="B",
+    letter="b",
 )
 REFERENCE = "B. Armstrong-Hélouvry, P. Dupont and C. Canudas de Wit, Automatica 30(7), 1994; eq (14)"
 HINT = (
@@ -46,7 +46,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         [(C, forward + backward)],
         role=Role.COULOMB,
         depends_on=("direction",),
-        formula="C while moving, whichever way: Coulomb friction C_m + C forwards, C_m - C backwards",
+        formula="c while moving, whichever way: Coulomb friction C_m + c forwards, C_m - c backwards",
         reference=REFERENCE,
         aliases=() if setting.has("voltage") else ("current_bias",),
         special_of=("cable_spring",),
@@ -57,7 +57,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         [(B, omega_m * (forward - backward))],
         role=Role.VISCOUS,
         depends_on=("direction", "velocity"),
-        formula="B |w|: viscous friction B_m + B forwards, B_m - B backwards",
+        formula="b |w|: viscous friction B_m + b forwards, B_m - b backwards",
         reference=REFERENCE,
         words=VISCOUS,
     )

@@ -11,14 +11,6 @@ from eccentric.effects.words import GRAVITY, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
-k = quantity(
-    "cable_k",
-    "N m/rad",
-    "stiffness of the cable, torque on the motor per link angle",
-    "",
-    "nonnegative",
-    letter="k",
-)
 zero = quantity("cable_0", "N m", "torque of the cable at link angle 0, motor side", letter="T_0")
 WORDS = Words(
     headline="a cable that twists with the link",
@@ -28,8 +20,16 @@ WORDS = Words(
 )
 
 
-def effects(_: Setting) -> tuple[Effect, ...]:
+def effects(setting: Setting) -> tuple[Effect, ...]:
     """The one effect of the family; its rest angle is -cable_0/cable_k."""
+    k = quantity(
+        "cable_k",
+        f"N m/{setting.link_radian}",
+        "stiffness of the cable, torque on the motor per link angle",
+        "",
+        "nonnegative",
+        letter="k",
+    )
     effect = addition(
         "cable_spring",
         [(k, v.mu.symbol * theta_m), (zero, sp.Integer(1))],

@@ -32,15 +32,16 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 def _order(n: int, turns: bool) -> Effect:
     cosine, sine = harmonic(n if turns else n * v.mu.symbol)
-    C = quantity(f"cogging_c{n}", "N m", f"cogging torque by cos({n} theta_m)", letter=f"c_{n}")
-    S = quantity(f"cogging_s{n}", "N m", f"cogging torque by sin({n} theta_m)", letter=f"s_{n}")
+    angle = f"{n} theta_{'m' if turns else 'l'}"
+    C = quantity(f"cogging_c{n}", "N m", f"cogging torque by cos({angle})", letter=f"c_{n}")
+    S = quantity(f"cogging_s{n}", "N m", f"cogging torque by sin({angle})", letter=f"s_{n}")
     return addition(
         "cogging",
         [(C, cosine), (S, sine)],
         variant=f"n={n}",
         kind="conservative",
         depends_on=("motor_angle" if turns else "link_angle",),
-        formula=f"c cos({n} theta_{'m' if turns else 'l'}) + s sin({n} theta_{'m' if turns else 'l'})",
+        formula=f"c cos({angle}) + s sin({angle})",
         reference="T. M. Jahns and W. L. Soong, IEEE Trans. Industrial Electronics 43(2), 1996",
         inputs=(v.theta_m,),
         repeats=True,

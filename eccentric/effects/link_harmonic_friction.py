@@ -24,12 +24,12 @@ WORDS = Words(
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """One effect for each order n; every 1/mu turns of the motor are one of the link."""
-    return tuple(_order(n, setting.mu) for n in ORDERS)
+    return tuple(_order(n, setting.mu, setting.base.axis.wraps) for n in ORDERS)
 
 
-def _order(n: int, mu: float) -> Effect:
+def _order(n: int, mu: float, turns: bool) -> Effect:
     of_motor = round(n * mu)
-    same = of_motor > 0 and abs(n * mu - of_motor) < 1e-3 * n * mu
+    same = turns and of_motor > 0 and abs(n * mu - of_motor) < 1e-3 * n * mu
     cosine, sine = harmonic(n * v.mu.symbol)
     C = quantity(f"link_harmonic_c{n}", "N m", f"friction torque by cos({n} theta_l)", letter=f"c_{n}")
     S = quantity(f"link_harmonic_s{n}", "N m", f"friction torque by sin({n} theta_l)", letter=f"s_{n}")

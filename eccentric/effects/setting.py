@@ -70,6 +70,11 @@ class Setting:
         """The case of the base model: "C1" if gravity does not drive it, else "C2"."""
         return "C1" if self.base.balance("mechanical").sum_of("gravity") == 0 else "C2"
 
+    @property
+    def link_radian(self) -> str:
+        """The unit of an angle of the link, or of the screw of a carriage, which is never one of length."""
+        return "rad" if self.base.axis.wraps else "radian"
+
     def has(self, *channels: str) -> bool:
         """Whether all of these channels are logged."""
         return set(channels) <= self.channels

@@ -9,7 +9,7 @@ and texts are put into its words where they leave the toolkit.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Protocol, TypeVar
@@ -67,12 +67,21 @@ class AxisKind:
 
         Args:
             text: names, units, sentences.
-            keep: parts that are a person's own, such as names of files: they stay as they are.
+            keep: parts that are a person's own, such as names of files: they stay as they are. A column
+                called "torque" has a word of ours for a name, which stays in quotes only.
         """
         if self._pattern is None:
             return text
-        own = "|".join(re.escape(part) for part in sorted(filter(None, keep), key=len, reverse=True))
-        parts = re.split(rf"(?<!\w)({own})(?!\w)", text) if own else [text]
+        ours = _any_of(name for name in keep if name in self._table)
+        own = _any_of(name for name in keep if name not in self._table)
+        spans = _QUOTED.split(text) if ours else [text]
+        return "".join(
+            span if k % 2 and ours and ours.search(span) else self._beside(span, own)
+            for k, span in enumerate(spans)
+        )
+
+    def _beside(self, text: str, own: re.Pattern[str] | None) -> str:
+        parts = own.split(text) if own else [text]
         return "".join(part if k % 2 else self._put(part) for k, part in enumerate(parts))
 
     def told(self, value: T, keep: Collection[str] = ()) -> T:
@@ -85,7 +94,10 @@ class AxisKind:
         if isinstance(value, str):
             return self.said(value, keep)
         if isinstance(value, Mapping):
-            return {self.said(k, keep): self._told(x, keep) for k, x in value.items()}
+            return {
+                self.said(k, keep): x if k in _NAMES and x in keep else self._told(x, keep)
+                for k, x in value.items()
+            }
         if isinstance(value, list | tuple):
             return type(value)(self._told(x, keep) for x in value)
         return value
@@ -124,8 +136,11 @@ class AxisKind:
 
     @cached_property
     def _table(self) -> dict[str, str]:
+        # Not of a Greek letter: a capital omega is the unit of a resistance.
         capital = {
-            k[0].upper() + k[1:]: x[:1].upper() + x[1:] for k, x in self.words.items() if k[0].isalpha()
+            k[0].upper() + k[1:]: x[:1].upper() + x[1:]
+            for k, x in self.words.items()
+            if k[0].isascii() and k[0].isalpha()
         }
         return {**capital, **self.words, **self.letters}
 
@@ -208,6 +223,7 @@ LINEAR = AxisKind(
         ', mu, and the zero angle (theta_zero_rad = "estimate" estimates it)': "",
         "motor angle": "position",
         "motor angles": "positions",
+        ", link side": "",
         "motor velocity": "velocity",
         "motor acceleration": "acceleration",
         "motor speed": "speed",
@@ -219,6 +235,16 @@ LINEAR = AxisKind(
         "angle": "position",
         "angles": "positions",
         "rotation": "motion",
+        # What is travelled is a distance, not a place.
+        "bending angle": "bending distance",
+        "travelled angle": "distance travelled",
+        "angle travelled": "distance travelled",
+        "motor angle travelled": "distance travelled",
+        "travelled motor angle": "distance travelled",
+        "motor angle over which": "distance over which",
+        "of the motor angle": "of the position",
+        "of the motor velocity": "of the velocity",
+        "of the motor's": "of the motor's",
         ", motor side": "",
         "motor side, ": "",
         "on the motor side": "",
@@ -233,6 +259,17 @@ LINEAR = AxisKind(
         "turn of the motor": "turn of the screw",
         "turns of the motor": "turns of the screw",
         "half the link angle": "half the screw angle",
+        # What is to be done with a carriage, which can neither be turned nor held at a slope.
+        "turn the link": "move the carriage",
+        "five whole turns": "five whole turns of the screw",
+        "over whole turns": "over whole turns of the screw",
+        "hold the link horizontal": "hold the carriage against a stop",
+        "turn the motor slowly with the link removed": "turn the screw slowly with the carriage uncoupled",
+        "turn the motor": "turn the screw",
+        "leave J_m and J_l out": "leave the mass out",
+        "cable that twists with the link": "cable that bends with the carriage",
+        "cable or hose that twists with the link": "cable or hose that bends with the carriage",
+        "torque on the motor per link angle": "force per screw angle",
         "f = f_m + mu f_l": "f",
         "the paper's model": "the model of the axis",
         "paper's model": "model of the axis",
@@ -258,6 +295,20 @@ LINEAR = AxisKind(
 
 AXES = {kind.name: kind for kind in (TURNING, LINEAR)}
 """Name in a rig file -> kind."""
+
+
+def _any_of(names: Iterable[str]) -> re.Pattern[str] | None:
+    """A pattern of names as words of their own, the longest first; None without any."""
+    found = "|".join(re.escape(name) for name in sorted(filter(None, names), key=len, reverse=True))
+    return re.compile(rf"(?<!\w)({found})(?!\w)") if found else None
+
+
+_QUOTED = re.compile(
+    r"""((?<!\w)'[^'\n]*'(?!\w)|(?<!\w)"[^"\n]*"(?!\w)|`[^`\n]*`|(?<!\w)&#34;.*?&#34;(?!\w))"""
+)
+"""Quotes as text and as a page has them; an apostrophe follows a letter."""
+_NAMES = frozenset({"rig"})
+"""Keys of documents whose value a person has named."""
 
 
 def _kind_of(name: str) -> AxisKind:

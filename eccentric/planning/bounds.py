@@ -16,7 +16,7 @@ from eccentric.places import given_path
 from eccentric.planning.limits import LEAST_TIME_S, MOST_TIME_S
 from eccentric.rigs import plain_entries, read_pair
 
-__all__ = ["Bounds", "read_bounds"]
+__all__ = ["FORCE", "Bounds", "read_bounds"]
 
 FORCE = "force_N"
 """Of a carriage whose log has a force: its limit takes the place of the current's."""

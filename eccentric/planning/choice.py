@@ -8,7 +8,7 @@ from itertools import permutations
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.planning.bounds import Bounds
+from eccentric.planning.bounds import FORCE, Bounds
 from eccentric.planning.chance import decided
 from eccentric.planning.followed import extremes
 from eccentric.planning.limits import (
@@ -113,15 +113,16 @@ def _too_tight(separation: Separation, bounds: Bounds) -> str:
     )
     noise = 0.0 if met is None else met.noise
     least = (1.0 + OFF) * needed + noise
+    key, name, unit = (FORCE, "force", "N") if bounds.by_force else ("current_A", "current", "A")
     if least > KEPT * bounds.current:
         return (
-            "limits: current_A: enough for load and friction of the slowest motion is required,"
-            f" {least / KEPT:.3g} A"
-            f" with mass and friction {100 * OFF:.0f} % higher, received {bounds.current:g} A"
+            f"limits: {key}: enough for load and friction of the slowest motion is required,"
+            f" {least / KEPT:.3g} {unit}"
+            f" with mass and friction {100 * OFF:.0f} % higher, received {bounds.current:g} {unit}"
         )
     return (
-        "limits: speed, acceleration, current and angle that leave room for one motion are required, received"
-        f" {bounds.speed:g} rad/s, {bounds.acceleration:g} rad/s^2, {bounds.current:g} A"
+        f"limits: speed, acceleration, {name} and angle that leave room for one motion are required, received"
+        f" {bounds.speed:g} rad/s, {bounds.acceleration:g} rad/s^2, {bounds.current:g} {unit}"
         + ("" if bounds.angle is None else f", {bounds.angle[0]:g} to {bounds.angle[1]:g} rad")
     )
 

@@ -11,13 +11,13 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from eccentric.errors import InputError
-from eccentric.model import AXES, TURNING
+from eccentric.model import AXES, TURNING, AxisKind
 from eccentric.places import given_path, shown
 from eccentric.rigs.entries import plain_entries
 from eccentric.rigs.file import read_file
-from eccentric.rigs.known import KNOWNS
-from eccentric.rigs.rig import KEYS, read_rig
-from eccentric.rigs.sources import CHANNELS
+from eccentric.rigs.known import knowns_of
+from eccentric.rigs.rig import keys_of, read_rig
+from eccentric.rigs.sources import channels_of
 
 __all__ = ["rig_complaints"]
 
@@ -40,6 +40,8 @@ def rig_complaints(
     else:
         content, where = dict(plain_entries(source, "rig")), "rig"
     found: list[str] = []
+    kind = content.get("kind")
+    axis = AXES.get(kind, TURNING) if isinstance(kind, str) else TURNING
 
     def complain(error: InputError) -> None:
         said = str(error)
@@ -50,7 +52,7 @@ def rig_complaints(
     entries = list(_entries(content))
     good: list[Place] = []
     for place in entries:
-        if home := _home(place):
+        if home := _home(place, axis):
             table = f"[{place[0]}] " if place[0] else ""
             found.append(f"{where}: {table}{place[1]}: this key belongs {home}")
             continue
@@ -88,14 +90,16 @@ def _entries(content: Mapping[str, Any]) -> Iterator[Place]:
             yield "", key
 
 
-def _home(place: Place) -> str:
-    """Where a key of another table belongs; empty where it is right, or known nowhere."""
+def _home(place: Place, axis: AxisKind) -> str:
+    """Where a key of another table belongs; empty where it is right, or known nowhere on this axis."""
     table, key = place
-    letters = {*_CASE, *(name for known in KNOWNS for name in (known.name, known.key))}
+    letters = {name for known in knowns_of(axis) for name in (known.letter or known.name, known.key)}
+    if axis is TURNING:
+        letters |= {*_CASE}
     homes = (
         ("under [known]", ("known", "unknown"), letters),
-        ("under [columns]", ("columns",), CHANNELS),
-        ("at the top, above all tables", ("",), KEYS),
+        ("under [columns]", ("columns",), {axis.said(channel) for channel in channels_of(axis)}),
+        ("at the top, above all tables", ("",), keys_of(axis)),
     )
     if any(table in tables and key in keys for _, tables, keys in homes):
         return ""

@@ -25,7 +25,7 @@ from eccentric.rigs.sources import read_columns
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["Rig", "alignment_of", "read_rig"]
+__all__ = ["Rig", "alignment_of", "keys_of", "read_rig"]
 
 DRIVES = ("current", "voltage", "torque")
 KEYS = (
@@ -44,7 +44,7 @@ def alignment_of(axis: AxisKind) -> tuple[str, ...]:
     return tuple(key for key in ALIGNMENT if axis is TURNING or key not in _OF_A_TURN)
 
 
-def _keys_of(axis: AxisKind) -> dict[str, str]:
+def keys_of(axis: AxisKind) -> dict[str, str]:
     """The keys of a rig file -> those of a turning drive, by which they are read."""
     if axis is TURNING:
         return {key: key for key in KEYS}
@@ -144,7 +144,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
             f'{where}: a rig file is required, received an arm file; a rig names it with arm = "..."'
         )
     axis = _axis(content, where)
-    keys = _keys_of(axis)
+    keys = keys_of(axis)
     refuse_unknown(content, keys, where)
     content = {keys[key]: value for key, value in content.items()}
     known, unknown, case = read_knowns(content, where, axis)

@@ -9,7 +9,7 @@ from eccentric.logs import Unit, parse_value, require_unit
 from eccentric.model import LINEAR, TURNING, AxisKind
 from eccentric.rigs.entries import read_names, read_table, refuse_unknown
 
-__all__ = ["CHANNELS", "ColumnSource", "channels_of", "read_columns"]
+__all__ = ["CHANNELS", "ColumnSource", "Gain", "channels_of", "read_columns"]
 
 CHANNELS = {
     "time": ("time_s", "s"),
@@ -48,11 +48,21 @@ def channels_of(axis: AxisKind) -> dict[str, tuple[str, str]]:
 
 
 @dataclass(frozen=True)
+class Gain:
+    """A gain [`unit`], and the unit of the column that it converts, None where the rig gives none."""
+
+    value: float
+    unit: str
+    column: str | None
+
+
+@dataclass(frozen=True)
 class ColumnSource:
-    """The source of a channel: a column name or arithmetic on columns, and its unit (None: SI)."""
+    """The source of a channel: a column name or arithmetic on columns, its unit (None: SI), its gain."""
 
     text: str
     unit: Unit | None = None
+    gain: Gain | None = None
 
 
 def read_columns(
@@ -81,19 +91,20 @@ def read_columns(
             raise InputError(f"{at}: a column name or arithmetic is required, received {text!r}")
         if unit is not None and (not isinstance(unit, str) or not required):
             raise InputError(f"{at}: no unit, or a unit as text, is required, received {unit!r}")
+        gain = None
         if "gain" in entry:
-            parsed = _gain(entry["gain"], unit, required, at)
+            parsed, gain = _gain(entry["gain"], unit, required, at)
         else:
             parsed = None if unit is None else require_unit(unit, required, at, counts)
-        columns[channel] = ColumnSource(text.strip(), parsed)
+        columns[channel] = ColumnSource(text.strip(), parsed, gain)
     for left, right in (("theta_m", "theta_l"), ("omega_m", "omega_l"), ("torque", "torque_l")):
         if left in columns and right in columns:
             raise InputError(f"{where}: only one of {left} and {right} is required, received both")
     return columns, []
 
 
-def _gain(gain: object, unit: str | None, required: str, where: str) -> Unit:
-    """The unit of a column that a gain converts: the unit of the column, V or A, times the gain."""
+def _gain(gain: object, unit: str | None, required: str, where: str) -> tuple[Unit, Gain]:
+    """The unit of a column that a gain converts: the unit of the column, V or A, times the gain; and that."""
     units = _GAINS[required]
     if not isinstance(gain, str):
         raise InputError(
@@ -104,8 +115,6 @@ def _gain(gain: object, unit: str | None, required: str, where: str) -> Unit:
     if factor == 0.0:
         raise InputError(f"{where}: a gain other than 0 is required, received {gain!r}")
     column = require_unit(unit or per.removeprefix(f"{required}/"), per.removeprefix(f"{required}/"), where)
-    return Unit(
-        f"{column.text} times {gain}",
-        column.factor * factor,
-        require_unit(required, required, where).dimension,
-    )
+    dimension = require_unit(required, required, where).dimension
+    converted = Unit(f"{column.text} times {gain}", column.factor * factor, dimension)
+    return converted, Gain(factor, per, unit)

@@ -143,7 +143,8 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
     present |= {"temperature"} if warm is not None else set()
     highest = float(np.quantile(speed, TOP_SPEED))
     turns, orders = 0.0, ()
-    if channels.phased:
+    # Orders are per turn of the motor: the position of a carriage has none.
+    if channels.phased and model.axis.wraps:
         left = data.drive.torque() - load_torque(model, signals) - base_columns(model, signals) @ friction
         angle, turning = channels.motion.theta_m, channels.motion.omega_m
         mu = signals.known["mu"]

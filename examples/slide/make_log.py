@@ -101,4 +101,5 @@ if __name__ == "__main__":
     rows = zip(*(columns[name][::2].tolist() for name in ("t_s", "q_m", "u_V", "run")), strict=True)
     text = "".join(f"{t:.4f},{1e3 * q:.3f},{u:.4f},{run:.0f}\n" for t, q, u, run in rows)
     # Without a time stamp: the same rows give the same file.
-    Path("slide.csv.gz").write_bytes(gzip.compress(f"t_s,q_mm,u_V,run\n{text}".encode(), mtime=0))
+    packed = gzip.compress(f"t_s,q_mm,u_V,run\n{text}".encode(), mtime=0)
+    Path(__file__).with_name("slide.csv.gz").write_bytes(packed)

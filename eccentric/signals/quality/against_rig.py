@@ -20,10 +20,10 @@ from eccentric.signals.quality.body import (
     is_clear,
     means_of,
 )
-from eccentric.signals.quality.causes import ANGLES, SPEEDS, Logged, common_cause, single_cause
+from eccentric.signals.quality.causes import ANGLES, SPEEDS, Logged, common_cause, mass_causes, single_cause
 from eccentric.signals.quality.declared import torque_per_unit, upright_gravity_of
 from eccentric.signals.quality.limits import BETTER, EXPLAINED, FACTOR, FACTOR_MOTOR, IDEAL, TURNED
-from eccentric.signals.quality.mends import of_letter, with_unit
+from eccentric.signals.quality.mends import of_letter, readings, with_unit
 from eccentric.signals.quality.ratios import Ratio, electrical, mechanical, motor_constant
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
     off = [ratio for ratio in ratios if ratio.off(limits.get(ratio.name, FACTOR))]
     if not off:
         return
-    logged = Logged(c.motor.measured_by, rig.known.get("mu"), c.motion.quantum_rad > 0.0)
+    logged = Logged(c.motor.measured_by, rig.known.get("mu"), c.motion.quantum_rad > 0.0, rig.axis)
     cause = common_cause(ratios, logged)
     if cause:
         said, mend = with_unit(cause, rig)
@@ -166,8 +166,13 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
         yield Finding(cause.kind, cause.channel, text, rows, "warning", mend)
         return
     for ratio in off:
+        if ratio.name == "J" and (causes := mass_causes(ratio, logged) if not rig.axis.wraps else []):
+            said, mend = readings(causes, ratio, rig)
+            text = f"{ratio.text} ({said}?); correct the one that is wrong"
+            yield Finding("contradiction", ratio.letter, text, rows, "warning", mend)
+            continue
         why, unit = single_cause(ratio, logged)
-        _, mend = with_unit(unit, rig) if unit else ("", of_letter(ratio))
+        _, mend = with_unit(unit, rig) if unit else ("", of_letter(ratio, rig))
         todo = "the rig's [columns]" if unit else "the rig, or give it in [unknown] to estimate it jointly"
         text = f"{ratio.text}{why}; correct {todo}"
         # Where the rig's k_e is that of the log, the log says nothing against its k_i but that they differ.

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from eccentric.model import TURNING, AxisKind
+from eccentric.rigs import channels_of
 from eccentric.signals.quality.limits import DIRECT, LEVEL_PLANE, NEAR, REDUCED
 
 if TYPE_CHECKING:
@@ -18,18 +20,24 @@ TURN = 2.0 * math.pi
 
 @dataclass(frozen=True)
 class Logged:
-    """What a cause depends on: the drive's signal, mu if it is known, whether an angle is logged."""
+    """What a cause depends on: the drive's signal, mu if known, whether an angle is logged, the axis."""
 
     drive: str
     mu: float | None
     angle: bool
+    axis: AxisKind = TURNING
+
+    @property
+    def motion(self) -> tuple[str, str]:
+        """The channel of the motion, and what it is called."""
+        return ("theta_m", "angle") if self.angle else ("omega_m", "speed")
 
 
 @dataclass(frozen=True)
 class Cause:
     """A wrong unit: kind and channel of its finding, its text, and the ratios that it causes (others: 1).
 
-    `factor` is that of a current, voltage or torque over what it should be in SI, 0 for any other cause; with
+    `factor` is that of the channel's values over what they should be in SI, 0 where that is not told; with
     `letter`, that quantity of the rig should be divided by `factor` instead.
     """
 
@@ -86,9 +94,12 @@ def _scale(ratios: Sequence[Ratio], drive: str) -> Cause | None:
 
 
 def _causes(logged: Logged) -> list[Cause]:
-    drive, mu, angle = logged.drive, logged.mu, logged.angle
-    channel, name, units = ("theta_m", "angle", ANGLES) if angle else ("omega_m", "speed", SPEEDS)
-    if mu is not None and not DIRECT[0] < mu < DIRECT[1]:
+    mu, angle = logged.mu, logged.angle
+    channel, name = logged.motion
+    units = ANGLES if angle else SPEEDS
+    if not logged.axis.wraps:
+        units = {}
+    elif mu is not None and not DIRECT[0] < mu < DIRECT[1]:
         sides = {"is the link's, mapped as the motor's": mu, "is the motor's, mapped as the link's": 1.0 / mu}
         units = units | sides
     causes = [
@@ -99,25 +110,27 @@ def _causes(logged: Logged) -> list[Cause]:
         Cause("wrong_unit", "time", f"the time is in {unit}", {"J": f * f, "k_e": f, "k_i": f})
         for unit, f in (("ms", 1e3), ("us", 1e6))
     ]
-    return [*causes, *(_prefixed(name, factor, drive) for factor in (1e3, 1e-3) for name in _SIGNALS)]
+    signals = _SIGNALS if logged.axis.wraps else (*_SIGNALS, channel)
+    return [*causes, *(_prefixed(name, factor, logged) for factor in (1e3, 1e-3) for name in signals)]
 
 
-_SIGNALS = {"current": "A", "voltage": "V", "torque": "N m"}
+_SIGNALS = ("current", "voltage", "torque")
 
 
-def _prefixed(signal: str, factor: float, drive: str) -> Cause:
-    """A current, voltage or torque whose values are this factor larger than in SI."""
+def _prefixed(signal: str, factor: float, logged: Logged) -> Cause:
+    """A current, voltage or torque, or a motion in metres, whose values are this factor larger than in SI."""
     made = {
         "current": {"R": 1.0 / factor},
         "voltage": {"R": factor, "k_e": factor, "k_i": factor},
         "torque": {},
-    }[signal]
+    }.get(signal, dict.fromkeys(("J", "k_e", "k_i"), 1.0 / factor))
     if signal in ("current", "voltage"):
         made["k_i by gravity"] = 1.0 / factor
-    if drive == signal:
+    if logged.drive == signal:
         made |= {"J": factor, "M g L": factor}
     prefix = "m" if factor > 1.0 else "k"
-    text = f"the {signal} is in {prefix}{_SIGNALS[signal]}"
+    name = logged.motion[1] if signal == logged.motion[0] else signal
+    text = f"the {name} is in {prefix}{channels_of(logged.axis)[signal][1]}"
     return Cause("wrong_unit", signal, text, made, factor)
 
 
@@ -134,10 +147,22 @@ _SINGLE = {
 }  # fmt: skip
 
 
+def mass_causes(ratio: Ratio, logged: Logged) -> list[Cause]:
+    """Return the wrong units that explain the mass of a carriage alone: none is likelier than another."""
+    motion = logged.motion[0]
+    causes = [_prefixed(name, factor, logged) for name in (motion, logged.drive) for factor in (1e3, 1e-3)]
+    if logged.drive == "current":
+        by = "k_i is off by a factor of {:g}"
+        causes += [Cause("", "k_i", by.format(f), {"J": f}, f, "k_i") for f in (1e3, 1e-3)]
+    return [cause for cause in causes if ratio.value > 0.0 and ratio.near(cause.ratios["J"])]
+
+
 def single_cause(ratio: Ratio, logged: Logged) -> tuple[str, Cause | None]:
     """Return the explanation of one ratio, in brackets, "" if there is none, and the unit to blame."""
     drive, mu = logged.drive, logged.mu
     causes = dict(_SINGLE.get(ratio.letter, {}))
+    if ratio.name == "J" and not logged.axis.wraps:
+        return "", None
     if ratio.name == "J" and mu is not None and mu < REDUCED:
         causes |= {mu**2: "the rig's J_m is at the link", 1.0 / mu**2: "the rig's J_l is at the motor"}
     level = ratio.name == "M g L" and ratio.high < LEVEL_PLANE
@@ -150,7 +175,7 @@ def single_cause(ratio: Ratio, logged: Logged) -> tuple[str, Cause | None]:
         # A resistance has two readings: that of the more usual winding is taken.
         if ratio.name == "R" and abs(math.log(ratio.found)) < abs(math.log(ratio.found / ratio.value)):
             continue
-        cause = _prefixed("current" if ratio.letter in ("R", "k_i") else drive, factor, drive)
+        cause = _prefixed("current" if ratio.letter in ("R", "k_i") else drive, factor, logged)
         if ratio.name in cause.ratios and ratio.value > 0.0 and ratio.near(cause.ratios[ratio.name]):
             return f" ({cause.text}?)", cause
     near = {math.inf: ""}

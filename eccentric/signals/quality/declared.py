@@ -13,17 +13,19 @@ from eccentric.model import vocabulary as v
 from eccentric.signals.quality.limits import LEVEL
 
 if TYPE_CHECKING:
+    from eccentric.model import Model
     from eccentric.rigs import Rig
 
 __all__ = ["gravity_of", "inertia_of", "torque_per_unit", "upright_gravity_of"]
 
-# It holds every case: the rig's tilt says which.
+# It holds every case: the tilt says which.
 MODEL = "rotating_link"
 
 
 def inertia_of(rig: Rig) -> float | None:
     """Return all of the inertia at the motor [kg m^2], None where the rig does not declare it."""
-    return _value(load_model(MODEL).inertia, rig.known)
+    model = load_model(rig.model)
+    return _value(model, model.inertia, rig.known)
 
 
 def gravity_of(rig: Rig) -> float | None:
@@ -44,11 +46,11 @@ def torque_per_unit(drive: str, rig: Rig) -> float | None:
     """Return newton metres per unit of the drive, None where the rig does not declare it."""
     if drive == "torque":
         return 1.0
-    model, unit = load_model(MODEL), {"i": 1.0, "u": 1.0, "omega_m": 0.0, "k_e": 0.0}
+    model, unit = load_model(rig.model), {"i": 1.0, "u": 1.0, "omega_m": 0.0, "k_e": 0.0}
     torque = model.balance("mechanical").sum_of("drive")
     if drive == "voltage":
         torque = torque.xreplace({v.i.symbol: model.balance("electrical").solved_for(v.i.symbol)})
-    return _value(torque, {**rig.known, **unit})
+    return _value(model, torque, {**rig.known, **unit})
 
 
 def _gravity(known: Mapping[str, float]) -> float | None:
@@ -56,11 +58,12 @@ def _gravity(known: Mapping[str, float]) -> float | None:
     if "mu" not in known:
         return None
     quarter = math.pi / 2.0 / known["mu"]
-    return _value(load_model(MODEL).balance("mechanical").sum_of("gravity"), {**known, "theta_m": quarter})
+    model = load_model(MODEL)
+    return _value(model, model.balance("mechanical").sum_of("gravity"), {**known, "theta_m": quarter})
 
 
-def _value(expression: sp.Expr, known: Mapping[str, float]) -> float | None:
+def _value(model: Model, expression: sp.Expr, known: Mapping[str, float]) -> float | None:
     try:
-        return load_model(MODEL).value(expression, known)
+        return model.value(expression, known)
     except KeyError:
         return None

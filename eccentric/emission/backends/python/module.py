@@ -29,6 +29,7 @@ def module(program: Program, dialect: Dialect) -> dict[str, Any]:
     return {
         "title": program.title,
         "said": program.axis.said,
+        "wraps": program.axis.wraps,
         "public": [
             *sorted([name for name, _ in program.constants] + ["STATES"] * bool(program.states)),
             "Parameters",
@@ -36,7 +37,7 @@ def module(program: Program, dialect: Dialect) -> dict[str, Any]:
         ],
         "constants": [(name, quoted(values, f"{name} = ")) for name, values in program.constants],
         "defaults": program.defaults,
-        "parameters": [_parameter(q) for q in program.parameters],
+        "parameters": [_parameter(q, program) for q in program.parameters],
         "inputs": _inputs(program.routines),
         "prepare": prepare(program, dialect),
         "states": quoted([q.name for q, _ in program.states]) if program.states else "",
@@ -45,10 +46,9 @@ def module(program: Program, dialect: Dialect) -> dict[str, Any]:
     }
 
 
-def _parameter(q: Quantity) -> dict[str, Any]:
+def _parameter(q: Quantity, program: Program) -> dict[str, Any]:
     symbolic = q.default is not None and q.default.free_symbols
-    needed = "for friction_torque" if _ARMATURE.fullmatch(q.name) else "with alpha_m"
-    note = f", {q.default} if None" if symbolic else f", needed {needed}" if q.default is None else ""
+    note = f", {q.default} if None" if symbolic else _needed(q, program) if q.default is None else ""
     equation = f", eq. {q.equation}" if q.equation else ""
     optional = q.default is None or symbolic
     return {
@@ -59,6 +59,15 @@ def _parameter(q: Quantity) -> dict[str, Any]:
         "unit": q.unit,
         "doc": f"{q.meaning} [{q.unit}]{equation}{note}",
     }
+
+
+def _needed(q: Quantity, program: Program) -> str:
+    """What a parameter without a value is needed for; "" where no function of the program takes it."""
+    said = program.axis.said
+    if _ARMATURE.fullmatch(program.axis.general(q.name)):
+        return said(", needed for friction_torque")
+    moving = any(q.name in routine.requires for routine in program.routines)
+    return said(", needed with alpha_m") if moving else ""
 
 
 def _inputs(routines: Sequence[Routine]) -> dict[str, str]:
