@@ -13,7 +13,7 @@ from eccentric.rigs.entries import plain_entries, read_pair
 from eccentric.rigs.known import KNOWNS, Known, knowns_of, mass_alone
 from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
 from eccentric.rigs.rig import KEYS, Rig, alignment_of, read_rig
-from eccentric.rigs.sources import CHANNELS, ColumnSource, Gain, channels_of
+from eccentric.rigs.sources import CHANNELS, ColumnSource, ForceGain, channels_of
 
 __all__ = [
     "ALIGNMENT",
@@ -24,7 +24,7 @@ __all__ = [
     "Alignment",
     "ArmRig",
     "ColumnSource",
-    "Gain",
+    "ForceGain",
     "Known",
     "LogMap",
     "NamedHoldout",

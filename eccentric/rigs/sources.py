@@ -9,7 +9,7 @@ from eccentric.logs import Unit, parse_value, require_unit
 from eccentric.model import LINEAR, TURNING, AxisKind
 from eccentric.rigs.entries import read_names, read_table, refuse_unknown
 
-__all__ = ["CHANNELS", "ColumnSource", "Gain", "channels_of", "read_columns"]
+__all__ = ["CHANNELS", "ColumnSource", "ForceGain", "channels_of", "read_columns"]
 
 CHANNELS = {
     "time": ("time_s", "s"),
@@ -48,7 +48,7 @@ def channels_of(axis: AxisKind) -> dict[str, tuple[str, str]]:
 
 
 @dataclass(frozen=True)
-class Gain:
+class ForceGain:
     """A gain [`unit`], and the unit of the column that it converts, None where the rig gives none."""
 
     value: float
@@ -62,7 +62,7 @@ class ColumnSource:
 
     text: str
     unit: Unit | None = None
-    gain: Gain | None = None
+    gain: ForceGain | None = None
 
 
 def read_columns(
@@ -103,7 +103,7 @@ def read_columns(
     return columns, []
 
 
-def _gain(gain: object, unit: str | None, required: str, where: str) -> tuple[Unit, Gain]:
+def _gain(gain: object, unit: str | None, required: str, where: str) -> tuple[Unit, ForceGain]:
     """The unit of a column that a gain converts: the unit of the column, V or A, times the gain; and that."""
     units = _GAINS[required]
     if not isinstance(gain, str):
@@ -117,4 +117,4 @@ def _gain(gain: object, unit: str | None, required: str, where: str) -> tuple[Un
     column = require_unit(unit or per.removeprefix(f"{required}/"), per.removeprefix(f"{required}/"), where)
     dimension = require_unit(required, required, where).dimension
     converted = Unit(f"{column.text} times {gain}", column.factor * factor, dimension)
-    return converted, Gain(factor, per, unit)
+    return converted, ForceGain(factor, per, unit)

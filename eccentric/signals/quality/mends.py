@@ -12,7 +12,7 @@ from eccentric.rigs import channels_of, knowns_of
 from eccentric.signals.quality.limits import NEAR
 
 if TYPE_CHECKING:
-    from eccentric.rigs import Gain, Rig
+    from eccentric.rigs import ForceGain, Rig
     from eccentric.signals.quality.causes import Cause
     from eccentric.signals.quality.ratios import Ratio
 
@@ -48,7 +48,7 @@ def with_unit(cause: Cause, rig: Rig) -> tuple[str, str]:
     return text, f'{cause.channel} = {{ column = {json.dumps(column, ensure_ascii=False)}, unit = "{unit}" }}'
 
 
-def _with_gain(cause: Cause, column: str, gain: Gain) -> tuple[str, str]:
+def _with_gain(cause: Cause, column: str, gain: ForceGain) -> tuple[str, str]:
     """The same for a column that a gain converts: its unit stays, the gain is what differs."""
     true = f"{gain.value / cause.factor:.6g} {gain.unit}"
     unit = "" if gain.column is None else f'unit = "{gain.column}", '
