@@ -14,6 +14,7 @@ def view(program: Program, _: str) -> dict[str, Any]:
     """All variables of the templates of the JAX module."""
     return {
         **module(differentiable(program), DIALECT),
+        "wraps": program.axis.wraps,
         "leading": LEADING_BITS,
         # Each is in the derivative of the other.
         "polynomials": [series(s.name) for s in (SINE_RATIO, COSINE)] if used_series(program) else [],

@@ -29,7 +29,6 @@ def module(program: Program, dialect: Dialect) -> dict[str, Any]:
     return {
         "title": program.title,
         "said": program.axis.said,
-        "wraps": program.axis.wraps,
         "public": [
             *sorted([name for name, _ in program.constants] + ["STATES"] * bool(program.states)),
             "Parameters",
