@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +18,7 @@ from benchmarks.record import Measured, Part, progress
 from benchmarks.ties import Tied, tied_logs
 from eccentric.diagnosis import diagnose
 from eccentric.planning import Bounds, planned
-from eccentric.virtual_bench import Scenario, simulate
-from eccentric.virtual_bench.course import Course
+from eccentric.virtual_bench import Scenario, on_reference, simulate
 
 FIRST_SEED = 330000
 LOGS = 40
@@ -27,19 +26,6 @@ SECONDS = 30.0
 """Of a motion: half of what is allowed, since most ties take less and each second is simulated seven times."""
 PEERS_KEEP = 0.75
 """Part of the limits that the peers use: nobody simulates the drive for them, so they keep a margin."""
-
-
-@dataclass(frozen=True)
-class Follows(Course):
-    """The course of a reference speed: time [s] and speed [rad/s], (n,)."""
-
-    course: tuple[np.ndarray, np.ndarray] | None = field(default=None, compare=False)
-
-    def reference(self, time: np.ndarray) -> np.ndarray:
-        """The motor speed [rad/s] at `time` [s], shape (n,)."""
-        if self.course is None:
-            raise ValueError("a reference is required")
-        return np.interp(time, *self.course)
 
 
 @dataclass(frozen=True)
@@ -92,14 +78,8 @@ def settled(tied: Tied) -> Settled:
 
 
 def _following(tied: Tied, t: np.ndarray, omega: np.ndarray) -> Scenario:
-    """The same rig on a motion, with other noise, and 20 % of it held out."""
-    seconds = round(float(t[-1]), 2)
-    starts = np.array([0.08, 0.28, 0.48, 0.68, 0.86]) * seconds
-    holdout = tuple((round(float(a), 2), round(float(a + 0.04 * seconds), 2)) for a in starts)
-    course = Follows("traj", seconds, holdout, (0.0,), course=(t, omega))
-    scenario = tied.run.scenario
-    # A reference begins at its own angle, here where the mass hangs lowest.
-    return replace(scenario, course=course, seed=scenario.seed + 1, start_angle=0.0)
+    """The same rig on a motion from where the mass hangs lowest, with other noise."""
+    return on_reference(tied.run.scenario, t, omega, 0.0)
 
 
 def _outcome(tied: Tied, following: Scenario) -> Outcome:
