@@ -89,6 +89,7 @@ def test_nothing_is_named_where_nothing_is_missing() -> None:
     assert np.all(np.std(missed, axis=0) < 0.02 * np.std(expected, axis=0))
 
 
+@pytest.mark.slow
 def test_a_log_that_does_not_fit_is_said_first(tmp_path: Path) -> None:
     """Gravity upside down in the arm file: the closing sentence names each joint with its R^2."""
     right = planar_arm()

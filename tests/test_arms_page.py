@@ -15,6 +15,8 @@ from eccentric.emission import executed
 from tests.compiled import FLAGS
 from tests.test_tutorial import first_difference
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = (ROOT / "docs" / "arms.md").read_text(encoding="utf-8")
 BENCH = "build/bench_arm"

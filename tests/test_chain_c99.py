@@ -35,7 +35,9 @@ def chosen(precision: str, text: str) -> list[str]:
 
 
 @pytest.mark.parametrize("precision", REAL)
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if "seven" in name else ()) for name in ARMS]
+)
 def test_c_has_the_bits_of_numpy(name: str, precision: str, tmp_path: Path) -> None:
     """Every result of every function, on motions over several turns."""
     chain, real = ARMS[name], REAL[precision]

@@ -21,7 +21,12 @@ SHARED = ROOT.parent / "shared" / "data" / "examples"
     [
         pytest.param(9001, "stribeck", {}, marks=pytest.mark.slow),
         (9002, "current_bias", {"case": "C1"}),
-        (9003, "viscosity_temperature", {"temperature": True, "seconds": 60.0}),
+        pytest.param(
+            9003,
+            "viscosity_temperature",
+            {"temperature": True, "seconds": 60.0},
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=["friction", "electrical", "temperature"],
 )
@@ -71,6 +76,7 @@ def own_friction(
     return [log], rig
 
 
+@pytest.mark.slow
 def test_leaves_the_unknown_unnamed(tmp_path: Path) -> None:
     """A friction that no library holds (a band of speed that resonates) gets no name, but its variable."""
     top = 6.2 / 0.2

@@ -170,6 +170,7 @@ def test_model_script_lists_its_channels_in_order(written: Path) -> None:
     assert ["current", "voltage"] == ast.literal_eval(channels)
 
 
+@pytest.mark.slow
 def test_hidden_state_is_emitted_as_a_step(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Unlogged heating is named; its state, stepped by the emitted code, gives the error after.
 

@@ -65,6 +65,7 @@ def test_zero_angle_to_be_found_does_not_hide_behind_an_effect(tmp_path: Path) -
     assert ["link_harmonic_friction"] == [effect.family for effect, _ in found.effects]
 
 
+@pytest.mark.slow
 def test_zero_angle_and_offset_are_told_once_as_they_were_planted(tmp_path: Path) -> None:
     """Both are in the result once, under the rig's names; their intervals hold what was added to the log.
 

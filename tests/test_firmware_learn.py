@@ -12,6 +12,8 @@ from benchmarks.asked import CODE
 from benchmarks.cortex_m4 import TOOLS, missing
 from tests.learning import FIRMWARE, SAMPLES, errors, learned
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def on_a_computer(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, np.ndarray, Any]:

@@ -13,6 +13,8 @@ import pytest
 
 from tests.test_tutorial import first_difference
 
+pytestmark = pytest.mark.slow
+
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "from-python.md"
 BLOCK = re.compile(r"^```(\S+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 MARK = "-- the next block --"

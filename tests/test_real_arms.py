@@ -25,6 +25,7 @@ def fitted(rig: str, folder: str) -> ArmFit:
     return fit_arm([log], read_arm_rig(ROOT / "examples" / "rigs" / f"{rig}.toml"), [folder])
 
 
+@pytest.mark.slow
 def test_friction_of_the_loaded_joints_follows_what_the_gear_passes_on() -> None:
     """UR10e: shoulder and elbow, by a third at least; the base without gravity and the wrist are controls."""
     found = fitted("ur10e_arm", "ur10e_arm")

@@ -13,6 +13,8 @@ from eccentric.cli import main
 from eccentric.cli.arguments import names_in
 from tests.virtual import log_of
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parent.parent
 LOG, RIG = (str(ROOT / "examples" / "bench" / name) for name in ("bench.csv.gz", "bench.json"))
 PLANTED = "link_harmonic_friction[n=2]"

@@ -14,6 +14,8 @@ from eccentric.report.gather import report_data
 from tests.identified import FILTERED, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Array, Friction, Swing, log_of, sines, write_rig, write_runs
 
+pytestmark = pytest.mark.slow
+
 DRAG = 2e-4
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +15,6 @@ from eccentric.api.inputs import (
     by_name,
     given_path,
     in_words_of,
-    read_logs,
     sources_of,
 )
 from eccentric.api.result import Printed, new_axes, paragraphs
@@ -23,6 +22,7 @@ from eccentric.api.tables import ResultTable
 from eccentric.diagnosis import BASELINE, Contest, contest, contest_document, contest_lines
 from eccentric.model import Model
 from eccentric.rigs import read_rig
+from eccentric.signals import read_long
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,6 +37,8 @@ def compare(
     rig: RigSource,
     models: ModelSource | Sequence[ModelSource],
     effects: str | os.PathLike[str] | None = None,
+    *,
+    reading: Callable[[float], None] | None = None,
 ) -> CompareResult:
     """Fit models to logs of a rig, on the same rows, and compare their errors on the held-out rows.
 
@@ -47,6 +49,7 @@ def compare(
             extended by effects, each a family or an id: "c2_parallel+stribeck[d=1]+cogging". A family stands
             for its member that suits the training part best.
         effects: the path of a Python file with effects of your own.
+        reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read.
 
     Raises:
         InputError: bad input; a model twice; one with a tilt in a level plane, hidden states of its own, or
@@ -56,9 +59,9 @@ def compare(
     several = [models] if isinstance(models, str | os.PathLike | Model) else models
     own = None if effects is None else given_path(effects, "effects")
     named = [name for model in several if (name := by_name(model)) is not None]
-    rig = read_rig(rig)
-    with in_words_of(rig, sources_of(logs)):
-        found = contest(read_logs(logs), rig, named, own)
+    sources, rig = sources_of(logs), read_rig(rig)
+    with in_words_of(rig, sources):
+        found = contest(read_long(sources, rig, tell=reading), rig, named, own)
     axis, names = rig.axis, (*rig.own_names, *found.logs)
     found = replace(found, unit=axis.said(found.unit), warnings=axis.told(found.warnings, names))
     return CompareResult(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from eccentric.api.diagnosed import DiagnosisResult, result_of
-from eccentric.api.inputs import LogSources, names_given, names_of, read_logs
+from eccentric.api.inputs import LogSources, names_given, names_of, sources_of
 from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable
 from eccentric.diagnosis import SearchRequest
@@ -32,6 +32,7 @@ from eccentric.output import whole_folder
 from eccentric.places import given_path
 from eccentric.report import arm_page
 from eccentric.rigs import ArmRig, read_arm_rig
+from eccentric.signals import FIT_POINTS, read_long_joints
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,7 +44,11 @@ _BEFORE, _AFTER = "#8a8a8a", "#0072b2"
 
 
 def fit_arm(
-    logs: LogSources, rig: ArmRigSource, progress: Callable[[str], None] | None = None
+    logs: LogSources,
+    rig: ArmRigSource,
+    progress: Callable[[str], None] | None = None,
+    *,
+    reading: Callable[[float], None] | None = None,
 ) -> ArmFitResult:
     """Fit the friction of every joint of an arm: Coulomb and viscous alone, and by the loads that it follows.
 
@@ -52,12 +57,14 @@ def fit_arm(
         rig: the rig of an arm: the path of a rig file with the key `arm`, its content as a mapping, where
             `arm` may be a Chain, or what `read_arm_rig` returned.
         progress: called with one line for each stage.
+        reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read.
 
     Raises:
         InputError: a log, the rig or the arm cannot be read, they do not match, or a joint has too few rows.
     """
-    read = read_logs(logs)
-    found = fit_logs(read, read_arm_rig(rig), names_of(read), progress or (lambda _: None))
+    sources, rig = sources_of(logs), read_arm_rig(rig)
+    read = read_long_joints(sources, rig, FIT_POINTS, reading)
+    found = fit_logs(read, rig, names_of(read), progress or (lambda _: None))
     return ArmFitResult(
         fit=found,
         lines=tuple(arm_fit_lines(found)),
@@ -74,22 +81,24 @@ def diagnose_arm(
     *,
     without: str | Sequence[str] = (),
     only: str | Sequence[str] = (),
+    reading: Callable[[float], None] | None = None,
 ) -> ArmDiagnosisResult:
     """Find what the friction of each joint of an arm lacks.
 
     Args:
-        logs, rig, progress: as `fit_arm` takes them.
+        logs, rig, progress, reading: as `fit_arm` takes them.
         effects: the path of a Python file with effects of your own.
         without, only: effects that the search may not offer, or the only ones that it may.
 
     Raises:
         InputError: bad input, as in `fit_arm`; an effect that is unknown.
     """
-    read = read_logs(logs)
+    sources, rig = sources_of(logs), read_arm_rig(rig)
+    read = read_long_joints(sources, rig, tell=reading)
     offered = None if effects is None else given_path(effects, "effects")
     request = SearchRequest((), names_given(without), names_given(only))
     told = progress or (lambda _: None)
-    found = diagnose_logs(read, read_arm_rig(rig), names_of(read), offered, request, told)
+    found = diagnose_logs(read, rig, names_of(read), offered, request, told)
     return ArmDiagnosisResult(
         diagnosis=found,
         own={} if offered is None else {offered.name: offered.read_text(encoding="utf-8")},

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import LOGS, print_warnings
+from eccentric.cli.arguments import LOGS, bar, print_warnings
 from eccentric.output import own_folder
 
 NAME = "compare"
@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     """Compare, print the table or JSON, write the folder if there is one; return 0."""
     if args.out is not None:
         own_folder(args.out)
-    found = eccentric.compare(args.log, args.rig, args.models, args.effects)
+    found = eccentric.compare(args.log, args.rig, args.models, args.effects, reading=bar())
     names = [] if args.out is None else [path.name for path in found.write(args.out)]
     print_warnings(found.warnings)
     print(found.to_json() if args.json else found.summary(), end="" if args.json else "\n")

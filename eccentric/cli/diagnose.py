@@ -80,6 +80,7 @@ def _of_an_arm(args: argparse.Namespace) -> int:
             progress(),
             without=names_in(args.without),
             only=names_in(args.only),
+            reading=bar(),
         )
     names = [path.relative_to(args.out).as_posix() for path in found.write(args.out)]
     folders = dict.fromkeys(f"{name.partition('/')[0]}/" for name in names if "/" in name)

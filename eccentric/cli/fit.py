@@ -24,7 +24,7 @@ def run(args: argparse.Namespace) -> int:
 
     own_folder(args.out)
     if arm_of(args.rig, {"--model": args.model}):
-        found = eccentric.fit_arm(args.logs, args.rig, progress())
+        found = eccentric.fit_arm(args.logs, args.rig, progress(), reading=bar())
     else:
         found = eccentric.fit(args.logs, args.rig, args.model, reading=bar())
     first, *figures = (path.name for path in found.write(args.out))

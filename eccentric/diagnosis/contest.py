@@ -51,7 +51,10 @@ class Entry:
 
 @dataclass(frozen=True)
 class Contest:
-    """Entries, best first; `rows` held-out rows; `noise_floor` of the sensors; errors are in `unit`."""
+    """Entries, best first; `rows` held-out rows; `noise_floor` of the sensors; errors are in `unit`.
+
+    `excerpt` says which windows of a long log these are, "" for one that was read whole.
+    """
 
     logs: tuple[str, ...]
     rig: str
@@ -61,6 +64,7 @@ class Contest:
     noise_floor: float
     entries: tuple[Entry, ...]
     warnings: tuple[str, ...]
+    excerpt: str = ""
 
 
 @dataclass
@@ -128,6 +132,7 @@ def contest(
         float(_in_drive_unit(linear, np.array([drive_noise(own.data)]))[0]),
         tuple(sorted(entries, key=lambda entry: entry.rmse)),
         (*channels.intake.warnings, *drive.warnings),
+        channels.excerpt,
     )
 
 
@@ -176,6 +181,7 @@ def contest_document(found: Contest) -> dict[str, Any]:
         "logs": list(found.logs),
         "rig": found.rig,
         "baseline": BASELINE,
+        **({"excerpt": found.excerpt} if found.excerpt else {}),
         "holdout": {"rule": found.holdout, "rows": found.rows},
         f"noise_floor_{unit}": found.noise_floor,
         "models": [
@@ -206,7 +212,8 @@ def contest_lines(found: Contest) -> list[str]:
         "  ".join([row[0].ljust(widths[0]), *(x.rjust(w) for x, w in zip(row[1:], widths[1:], strict=True))])
         for row in rows
     ]
-    return [head, *table, f"noise of the sensors: {found.noise_floor:.3g} {found.unit}"]
+    above = [head, *([found.excerpt] if found.excerpt else [])]
+    return [*above, *table, f"noise of the sensors: {found.noise_floor:.3g} {found.unit}"]
 
 
 def _called(entry: Entry) -> str:

@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from eccentric.errors import InputError
-from eccentric.fleet.limits import AHEAD, ALIVE_S, CONNECT, DEATHS, WORKER_BYTES, WORKERLESS_S
+from eccentric.fleet.limits import AHEAD, ALIVE_S, CONNECT, DEATHS, KEPT_BYTES, WORKER_BYTES, WORKERLESS_S
 
 __all__ = ["Failed", "SchedulerLost", "connected", "spread"]
 
@@ -46,6 +46,9 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
         "distributed.comm.timeouts.connect": CONNECT,
         "distributed.admin.tick.limit": "1h",
         "distributed.scheduler.allowed-failures": DEATHS,
+        # Dask's own, 64 kB, hands every array back to the system: each is then cleared and mapped anew.
+        "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": KEPT_BYTES,
+        "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": KEPT_BYTES,
     }
     with dask.config.set(settings):
         if scheduler is None:

@@ -82,7 +82,7 @@ EFFECT_PERCENT = 15.0
 
 # How the work is spread.
 
-TASK_BYTES = 2**26
+TASK_BYTES = 2**24
 """Files of one task: more than a scheduler's millisecond of work, and less than one is sorry to repeat."""
 TASK_FILES = 64
 """Files of one task at most."""
@@ -99,3 +99,5 @@ DEATHS = 1
 memory does so everywhere."""
 WORKER_BYTES = 10**9
 """Memory of a local worker: what is asked of a fleet."""
+KEPT_BYTES = 2**25
+"""Memory that a local worker keeps for its next array: more than one of a batch takes, little in all."""

@@ -117,6 +117,7 @@ def _record(log: ArmLog, names: tuple[str, ...], bodies: IdentifiedBodies | None
         "arm": log.rig.chain.name,
         "logs": list(names),
         "rows": {"read": channels.intake.read, "rejected": channels.intake.rejected},
+        **({"excerpt": channels.excerpt} if channels.excerpt else {}),
         "low_pass_hz": log.cut_hz,
         "holdout": {
             "rule": holdout.rule,

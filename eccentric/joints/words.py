@@ -9,6 +9,7 @@ from eccentric.diagnosis import diagnosis_lines
 from eccentric.errors import counted, few
 from eccentric.estimation import Estimate
 from eccentric.fitting import estimate_table
+from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.bodies import IdentifiedBodies
 from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis
 from eccentric.joints.extended_arm import arm_name, why_not_emitted
@@ -50,6 +51,7 @@ def arm_fit_lines(found: ArmFit) -> list[str]:
     arm = f"{found.log.rig.chain.name}, {counted(len(found.joints), 'joint')}"
     return [
         f"{few(found.names)}: {arm}; on the motor side, errors held out ({held})",
+        *_excerpt(found.log),
         *_table(rows),
         *estimate_table(_estimates(found)),
         *_drives(found),
@@ -82,6 +84,7 @@ def arm_diagnosis_lines(found: ArmDiagnosis) -> list[str]:
     joints = counted(len(found.joints), "joint")
     lines = [
         f"{few(found.names)}: {found.log.rig.chain.name}, verdict {_plain(found.verdict)}",
+        *_excerpt(found.log),
         *_table(rows),
         f"in an arm of {joints} an effect must gain {0.5 * found.required:.1f} in log-likelihood",
     ]
@@ -92,6 +95,12 @@ def arm_diagnosis_lines(found: ArmDiagnosis) -> list[str]:
                 *(f"  {x}" for x in _of_joint(joint)),
             ]
     return [*lines, *_bodies(found.bodies), *_emitted(found), found.sentence]
+
+
+def _excerpt(log: ArmLog) -> list[str]:
+    """Which windows of a long log were read; nothing of a log that was read whole."""
+    said = log.channels[0].excerpt
+    return [said] if said else []
 
 
 def _emitted(found: ArmDiagnosis) -> list[str]:

@@ -59,8 +59,9 @@ def _opened(path: Path) -> Iterator[Any]:
             f'{path}: pyarrow is required for .parquet: pip install "eccentric[parquet]"'
         ) from None
     try:
-        # Not `read_table`, which makes columns of parent folders with names like run=3.
-        with parquet.ParquetFile(path) as file:
+        # Not `read_table`, which makes columns of parent folders with names like run=3. Without a buffer
+        # ahead, which keeps what it has read: a file in batches would be in memory whole at its end.
+        with parquet.ParquetFile(path, pre_buffer=False) as file:
             yield file
     except (arrow.ArrowException, OSError) as error:
         if isinstance(error, PermissionError):

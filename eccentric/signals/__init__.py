@@ -14,7 +14,7 @@ from eccentric.signals.finding import Finding
 from eccentric.signals.hann import hann_windows
 from eccentric.signals.joints import read_joints
 from eccentric.signals.limits import LEAST_HELD_OUT, MANY_RUNS
-from eccentric.signals.long import FIT_POINTS, SEARCH_POINTS, read_long
+from eccentric.signals.long import FIT_POINTS, SEARCH_POINTS, read_long, read_long_joints
 from eccentric.signals.measured import Channels
 from eccentric.signals.motion import motion_of, of_the_motor
 from eccentric.signals.noise import white_noise
@@ -46,6 +46,7 @@ __all__ = [
     "read_channels",
     "read_joints",
     "read_long",
+    "read_long_joints",
     "read_table",
     "require_rows",
     "rows_of",

@@ -45,15 +45,11 @@ class Converted:
             [np.isfinite(x) for x in (*self.values.values(), self.use, self.motor_off)]
         )
 
-    def labels(self, name: str, alone: bool) -> NDArray[np.str_]:
-        """The run of each row (n,): by the log, the run column, or both if two logs name a run alike."""
-        if self.named is None:
-            return np.full(len(self.use), name)
-        texts = map(_text, self.named)
-        return np.array([text if alone else f"{name}/{text}" for text in texts])
-
     def runs(self, name: str, alone: bool) -> tuple[NDArray[np.int64], list[str]]:
-        """The same as the number of the run of each row (n,), from 0, and names."""
+        """The number of the run of each row (n,), from 0, and the name of each: one that returns has two.
+
+        A run is named by the log, the run column, or both if two logs name a run alike.
+        """
         if self.named is None:
             return np.zeros(len(self.use), dtype=np.int64), [name]
         again = self.named[1:] == self.named[:-1]
@@ -63,13 +59,17 @@ class Converted:
         texts = map(_text, self.named[begins])
         return np.cumsum(begins) - 1, [text if alone else f"{name}/{text}" for text in texts]
 
-    def repeated(self, kept: Mask, labels: NDArray[Any]) -> Mask:
+    def repeated(self, kept: Mask, run: NDArray[np.int64]) -> Mask:
         """Rows (n,) equal in every column to the kept row before them: the logger wrote them twice."""
         rows = np.flatnonzero(kept)
-        columns = (*self.values.values(), self.use, self.motor_off, labels)
-        same = np.logical_and.reduce([x[rows[1:]] == x[rows[:-1]] for x in columns])
+        t = self.values["time"][rows]
+        # Nearly all rows differ in time already.
+        later = np.flatnonzero(t[1:] == t[:-1]) + 1
+        row, before = rows[later], rows[later - 1]
+        columns = (*self.values.values(), self.use, self.motor_off, run)
+        same = np.logical_and.reduce([x[row] == x[before] for x in columns])
         again = np.zeros(len(kept), dtype=bool)
-        again[rows[1:][same]] = True
+        again[row[same]] = True
         return again
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
-from eccentric.logs import Log, LogSource, evaluate, read_log
+from eccentric.logs import Excerpt, Log, LogSource, evaluate, read_log
 from eccentric.signals.channels import read_channels
 from eccentric.signals.joint_columns import require_columns
 from eccentric.signals.limits import BELOW_COARSE, COARSE, MOST_REJECTED
@@ -96,7 +96,16 @@ def _complete(log: Log, rig: ArmRig) -> Log:
         rows=log.rows - lost,
         lines=None if log.lines is None else log.lines[good],
         notes=(*log.notes, f"{what}: such rows are dropped"),
+        numbered=None if log.numbered is None else log.numbered[good],
+        excerpt=None if log.excerpt is None else _of_rows(log.excerpt, good),
     )
+
+
+def _of_rows(excerpt: Excerpt, good: NDArray[np.bool_]) -> Excerpt:
+    """The excerpt whose windows have lost the other rows; one that has lost all is gone."""
+    kept = np.concatenate([[0], np.cumsum(good)])[excerpt.begins]
+    begins = np.unique(kept[kept < np.count_nonzero(good)])
+    return dataclasses.replace(excerpt, begins=begins[begins > 0])
 
 
 def _finite(log: Log, text: str, where: str) -> NDArray[np.bool_]:

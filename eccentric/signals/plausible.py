@@ -51,6 +51,8 @@ def unwrapped(
     it is continued at the speed before and after; each run starts at its logged angle.
     """
     periods = {"motor": TURN} | ({} if mu in (None, 1.0) else {"link": TURN / mu})
+    if _largest_step(theta, segment) <= WRAP_FULL * min(periods.values()):
+        return theta, ""
     found = [
         (_largest_step(smooth, segment), turns, smooth, count)
         for turns, period in periods.items()

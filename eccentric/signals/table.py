@@ -72,8 +72,14 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
             raise InputError(
                 f"{log.path}: the same channels are required in every log, {differ} is not in all of them"
             )
+    joined = tables[0] if len(tables) == 1 else _joined(tables)
+    return _chosen(joined, rig) if rig.log.runs else joined
+
+
+def _joined(tables: Sequence[Table]) -> Table:
+    """Tables of the same channels as one, their runs numbered on."""
     offsets = np.cumsum([0, *(len(table.run_names) for table in tables)])
-    joined = Table(
+    return Table(
         channels={
             name: np.concatenate([table.channels[name] for table in tables]) for name in tables[0].channels
         },
@@ -88,7 +94,6 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
         findings=tuple(finding for table in tables for finding in table.findings),
         is_excerpt=any(table.is_excerpt for table in tables),
     )
-    return _chosen(joined, rig) if rig.log.runs else joined
 
 
 def _chosen(table: Table, rig: Rig) -> Table:
@@ -112,7 +117,7 @@ def _chosen(table: Table, rig: Rig) -> Table:
 def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
     found = converted(log, rig)
     values, use, motor_off, kept = found.values, found.use, found.motor_off, found.numbers
-    labels = found.labels(name, alone)
+    run, run_names = found.runs(name, alone)
     rejected = int(np.count_nonzero(~kept))
     findings = [Finding("left_out", "", f"{log.path}: {note}", 0, "note") for note in log.notes]
     findings += _excerpt(log)
@@ -130,20 +135,22 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         findings.append(
             Finding("missing", worst, f"{log.path}: {what}: such rows are dropped", rejected, severity)
         )
-    again = found.repeated(kept, labels)
+    again = found.repeated(kept, run)
     if np.any(again):
         count, first = int(np.count_nonzero(again)), log.place(int(np.flatnonzero(again)[0]))
         repeat = f"{count} of {log.rows} rows {'repeats' if count == 1 else 'repeat'} the one before"
         text = f"{log.path}: {repeat} (first: {first}): such rows are dropped"
         findings.append(Finding("repeated", "time", text, count, "note"))
         kept &= ~again
-    run, run_names = _runs(log, labels, values["time"], kept)
+    # All of them are taken as they are: a mask would copy them.
+    own = slice(None) if np.all(kept) else kept
+    run, run_names = _runs(log, run, run_names, values["time"], kept)
     return Table(
-        {c: x[kept] for c, x in values.items()},
+        {c: x[own] for c, x in values.items()},
         run,
         run_names,
-        use[kept] != 0.0,
-        motor_off[kept] != 0.0,
+        use[own] != 0.0,
+        motor_off[own] != 0.0,
         np.concatenate([[False], ~kept[:-1]])[kept],
         _after_skipped(log, kept),
         log.rows if log.excerpt is None else log.excerpt.rows,
@@ -174,18 +181,23 @@ def _after_skipped(log: Log, kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _runs(
-    log: Log, labels: NDArray[np.str_], t: Array, kept: NDArray[np.bool_]
+    log: Log, run: NDArray[np.int64], names: Sequence[str], t: Array, kept: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+    """The number of the run of each kept row, from 0, and names; without a row between them, two are one."""
     rows = np.flatnonzero(kept)
-    labels, t = labels[rows], t[rows]
-    begins = np.concatenate([[True], labels[1:] != labels[:-1]])
-    names = [str(label) for label in labels[begins]]
-    again = next((k for k, name in enumerate(names) if name in names[:k]), None)
+    run, t = run[rows], t[rows]
+    starts = np.flatnonzero(np.diff(run, prepend=-1)).tolist()
+    called = [names[run[k]] for k in starts]
+    new = [k for k in range(len(starts)) if k == 0 or called[k] != called[k - 1]]
+    starts, called = [starts[k] for k in new], [called[k] for k in new]
+    again = next((k for k, name in enumerate(called) if name in called[:k]), None)
     if again is not None:
-        place = log.place(int(rows[np.flatnonzero(begins)[again]]))
+        place = log.place(int(rows[starts[again]]))
         raise InputError(
-            f"{log.path}: {place}: contiguous runs are required, received {names[again]!r} again"
+            f"{log.path}: {place}: contiguous runs are required, received {called[again]!r} again"
         )
+    begins = np.zeros(len(rows), dtype=bool)
+    begins[starts] = True
     stuck = np.flatnonzero((np.diff(t) <= 0.0) & ~begins[1:])
     if len(stuck):
         k = int(stuck[0])
@@ -193,4 +205,4 @@ def _runs(
             f"{log.path}: {log.place(int(rows[k + 1]))}: time stamps must increase, "
             f"received {t[k + 1]:.9g} s after {t[k]:.9g} s"
         )
-    return np.cumsum(begins) - 1, tuple(names)
+    return np.cumsum(begins) - 1, tuple(called)

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
 from eccentric.errors import few
 from eccentric.logs import Excerpt, Log, LogSource, LogStream, stream_log
-from eccentric.rigs import Rig
+from eccentric.rigs import ArmRig, Rig
 from eccentric.signals.converted import named_apart, run_column
+from eccentric.signals.joint_columns import require_columns
 from eccentric.signals.long.choice import ChosenWindows, choose
 from eccentric.signals.long.limits import CELL_S, LONG_ROWS, POINT_RATE_HZ, SEARCH_POINTS, WINDOW_S
 from eccentric.signals.long.survey import LogSurvey, Window, survey
 
-__all__ = ["read_long"]
+__all__ = ["read_long", "read_long_joints"]
 
 
 def read_long(
@@ -35,6 +36,31 @@ def read_long(
     Raises:
         InputError: a log cannot be read, or does not fit the rig; one line with file and row.
     """
+    return _read_long(sources, [rig], points, tell)
+
+
+def read_long_joints(
+    sources: Sequence[LogSource],
+    rig: ArmRig,
+    points: int = SEARCH_POINTS,
+    tell: Callable[[float], None] | None = None,
+) -> list[Log]:
+    """Return the logs of an arm whole, or the windows of each that are chosen for any joint.
+
+    Each joint may have its part of the points, and one pass; what it needs is read for all of them.
+    Arguments and errors as those of `read_long`; columns of fewer or more joints than the arm has.
+    """
+    return _read_long(sources, rig.joints, points, tell, lambda log: require_columns(log, rig))
+
+
+def _read_long(
+    sources: Sequence[LogSource],
+    rigs: Sequence[Rig],
+    points: int,
+    tell: Callable[[float], None] | None,
+    require: Callable[[Log], None] = lambda _: None,
+) -> list[Log]:
+    """The logs of one drive, or of several that move together."""
     if all(isinstance(source, Log) and source.excerpt is not None for source in sources):
         return [source for source in sources if isinstance(source, Log)]
     names = [f"table {k}" for k in range(1, len(sources) + 1)] if len(sources) > 1 else ["table"]
@@ -42,67 +68,117 @@ def read_long(
     total = sum(stream.rows for stream in streams)
     if total <= LONG_ROWS:
         return [stream.whole() for stream in streams]
+    for stream in streams:
+        require(_without_rows(stream))
     gone = 0
 
     def went(rows: int) -> None:
         nonlocal gone
         gone += rows
         if tell is not None:
-            tell(min(1.0, gone / total))
+            tell(min(1.0, gone / (total * len(rigs))))
 
-    alone = len(streams) == 1 or named_apart((_of_runs(stream, rig) for stream in streams), rig)
-    surveys = [survey(stream, rig, alone, went) for stream in streams]
+    chosen = [_chosen(streams, rig, points // len(rigs), went) for rig in rigs]
     if tell is not None:
         tell(1.0)
-    every = [window for found in surveys for window in found.windows]
-    step = float(np.median([found.step_s for found in surveys if found.step_s] or [1.0 / POINT_RATE_HZ]))
-    seconds = points * max(step, 1.0 / POINT_RATE_HZ)
-    choice = choose(every, rig, max(1, int(seconds / WINDOW_S)))
-    note, missed = _said(choice, surveys)
+    note, missed = _said(chosen)
     logs: list[Log] = []
-    first = 0
-    for found in surveys:
-        own = [k - first for k in choice.places if first <= k < first + len(found.windows)]
-        first += len(found.windows)
-        if own:
-            logs.append(_read(found, own, note, missed))
+    for k in range(len(streams)):
+        spans = _together(span for one in chosen for span in one.spans(k))
+        if spans:
+            logs.append(_read([one.surveys[k] for one in chosen], spans, note, missed))
             note = missed = ""
     return logs
 
 
-def _read(found: LogSurvey, places: Sequence[int], note: str, missed: str) -> Log:
-    """The windows of one log."""
-    spans: list[tuple[int, int]] = []
-    for k in places:
-        window = found.windows[k]
-        if spans and spans[-1][1] == window.first:
-            spans[-1] = spans[-1][0], window.end
+@dataclasses.dataclass(frozen=True)
+class _Chosen:
+    """The surveys of all logs for one drive, and its windows, counted over all of them."""
+
+    surveys: Sequence[LogSurvey]
+    choice: ChosenWindows
+
+    @property
+    def windows(self) -> list[Window]:
+        """Those of all logs, in order."""
+        return [window for found in self.surveys for window in found.windows]
+
+    def stretches(self, places: Iterable[int]) -> set[tuple[int, float, float]]:
+        """Log, begin and end [s] of the windows at these places, the same for all drives of a log."""
+        of = [k for k, found in enumerate(self.surveys) for _ in found.windows]
+        windows = self.windows
+        return {(of[p], windows[p].begin, windows[p].finish) for p in places}
+
+    def spans(self, k: int) -> list[tuple[int, int]]:
+        """Rows [first, end) of the chosen windows of a log."""
+        before = sum(len(found.windows) for found in self.surveys[:k])
+        own = range(before, before + len(self.surveys[k].windows))
+        windows = self.windows
+        return [(windows[p].first, windows[p].end) for p in self.choice.places if p in own]
+
+
+def _chosen(streams: Sequence[LogStream], rig: Rig, points: int, went: Callable[[int], None]) -> _Chosen:
+    alone = len(streams) == 1 or named_apart((_of_runs(stream, rig) for stream in streams), rig)
+    surveys = [survey(stream, rig, alone, went) for stream in streams]
+    every = [window for found in surveys for window in found.windows]
+    step = float(np.median([found.step_s for found in surveys if found.step_s] or [1.0 / POINT_RATE_HZ]))
+    seconds = points * max(step, 1.0 / POINT_RATE_HZ)
+    return _Chosen(surveys, choose(every, rig, max(1, int(seconds / WINDOW_S))))
+
+
+def _together(spans: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
+    """The spans in order, those that touch or overlap as one."""
+    found: list[tuple[int, int]] = []
+    for first, end in sorted(spans):
+        if found and first <= found[-1][1]:
+            found[-1] = found[-1][0], max(found[-1][1], end)
         else:
-            spans.append((window.first, window.end))
-    log = found.stream.read(found.columns, spans)
+            found.append((first, end))
+    return found
+
+
+def _read(surveys: Sequence[LogSurvey], spans: Sequence[tuple[int, int]], note: str, missed: str) -> Log:
+    """Rows of one log, with the columns of all drives."""
+    columns = list(dict.fromkeys(name for found in surveys for name in found.columns))
+    log = surveys[0].stream.read(columns, spans)
     lengths = [end - first for first, end in spans]
     begins = np.cumsum(lengths[:-1], dtype=np.int64)
-    return dataclasses.replace(log, excerpt=Excerpt(found.rows, found.rejected, begins, note, missed))
+    rows, rejected = surveys[0].rows, max(found.rejected for found in surveys)
+    return dataclasses.replace(log, excerpt=Excerpt(rows, rejected, begins, note, missed))
 
 
-def _said(choice: ChosenWindows, surveys: Sequence[LogSurvey]) -> tuple[str, str]:
-    """How much of the logs was chosen and why, and what is not in it."""
-    windows = [window for found in surveys for window in found.windows]
-    used = sum(windows[k].finish - windows[k].begin for k in choice.places)
-    whole = sum(window.finish - window.begin for window in windows)
-    size = f"{len(choice.places)} of {len(windows)} windows of {WINDOW_S:g} s are used,"
-    size += f" {used:.4g} of {whole:.5g} s"
-    left = f"{max(choice.worse, 0.0):.1%} in the square of what is left"
-    if choice.enough:
+def _said(chosen: Sequence[_Chosen]) -> tuple[str, str]:
+    """How much of the logs was chosen and why, and what is not in it; for several drives, of each."""
+    every = {w for one in chosen for w in one.stretches(range(len(one.windows)))}
+    windows = {w for one in chosen for w in one.stretches(one.choice.places)}
+    used, whole = (sum(finish - begin for _, begin, finish in some) for some in (windows, every))
+    size = f"{len(windows)} of {len(every)} windows of {WINDOW_S:g} s are used, {used:.4g} of {whole:.5g} s"
+    left = f"{max(0.0, *(one.choice.worse for one in chosen)):.1%} in the square of what is left"
+    of = "" if len(chosen) == 1 else " of every joint"
+    if all(one.choice.enough for one in chosen):
         why = (
-            "more of them say nothing new: coefficients of the base model from these windows predict the"
+            f"more of them say nothing new: coefficients of the base model{of} from these windows predict the"
             f" whole log as well as those from all of it, to {left}"
         )
     else:
+        some = "" if len(chosen) == 1 else " of some joint"
         why = (
-            "these are the most that are read: coefficients of the base model from all of the log predict it"
-            f" better, by {left}"
+            f"these are the most that are read: coefficients of the base model{some} from all of the log"
+            f" predict it better, by {left}"
         )
+    states = sum(one.choice.states for one in chosen)
+    missing = sum(one.choice.missing for one in chosen)
+    seen = f"{states - missing} of the {states} states that the drive{'' if not of else 's'}"
+    seen += f" {'was' if not of else 'were'} in are in them"
+    told = [_missed(one) for one in chosen]
+    if of:
+        told = [f"joint {j}: {text}" for j, text in enumerate(told, start=1) if text]
+    return f"{size}: {why}; {seen}", "; ".join(filter(None, told))
+
+
+def _missed(chosen: _Chosen) -> str:
+    """What is not in the windows of a drive; "" for nothing."""
+    choice, windows = chosen.choice, chosen.windows
     missed = []
     if choice.unseen:
         kinds = ", ".join(f"{cells * CELL_S:.3g} s of {kind}" for kind, cells in choice.unseen.most_common())
@@ -119,10 +195,7 @@ def _said(choice: ChosenWindows, surveys: Sequence[LogSurvey]) -> tuple[str, str
             " too uneven in time, or the angle jumps: whether the windows that are used speak for them is"
             " not known"
         )
-    states = (
-        f"{choice.states - choice.missing} of the {choice.states} states that the drive was in are in them"
-    )
-    return f"{size}: {why}; {states}", "; ".join(said)
+    return "; ".join(said)
 
 
 def _shown(windows: Sequence[Window]) -> str:
@@ -130,9 +203,14 @@ def _shown(windows: Sequence[Window]) -> str:
     return few([f"{w.begin:.5g} to {w.finish:.5g} s" for w in windows], 3)
 
 
+def _without_rows(stream: LogStream) -> Log:
+    """The names of a log's columns."""
+    return Log(stream.path, dict.fromkeys(stream.names, np.empty(0)), 0)
+
+
 def _of_runs(stream: LogStream, rig: Rig) -> Iterator[Log]:
     """The batches of the column that names the runs; none without one."""
-    empty = Log(stream.path, dict.fromkeys(stream.names, np.empty(0)), 0)
+    empty = _without_rows(stream)
     columns = run_column(empty, rig)
     # A channel needs its own column as well; it has no rows here.
     for batch in stream.batches(columns) if columns else ():
