@@ -157,13 +157,18 @@ class Search:
         return found
 
     def swapped(self, fitted: Fitted) -> Fitted:
-        """Each variant against all others in its place, in two passes."""
-        if len(fitted.variants) == 1:
+        """Each variant against all others in its place, in two passes, or until a pass changes nothing."""
+        count = len(fitted.variants)
+        if count == 1:
             return fitted
-        for place in [*range(len(fitted.variants))] * 2:
+        kept = 0
+        for place in [*range(count)] * 2:
             found = self.screen.rank(_without(fitted, place), leaders=limits.LEADERS_OF_A_SWAP)
+            kept += 1
             if found and found[0].score < limits.SWAPPED * fitted.score:
-                fitted = self.screen.refine(found[0])
+                fitted, kept = self.screen.refine(found[0]), 0
+            if kept == count:
+                break
         return fitted
 
     def pruned(self, fitted: Fitted) -> Fitted:
