@@ -38,21 +38,25 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
     except InputError:
         raise
     except (ValueError, RecursionError) as error:
-        if comma := _decimal_comma(text, str(error)):
-            raise InputError(f"{path}: a decimal point is required, received {comma}") from None
+        line, place = _stopped_at(text, str(error))
+        if re.search(r"[=:]\s*[-+]?\d+,\d+\s*(?:#.*)?$", line):
+            raise InputError(f"{path}: a decimal point is required, received {line!r} in {place}") from None
+        if unquoted := re.match(r"(\S+)\s*=\s*([-+.\deE]+\s*[^\W\d_][^#]*?)\s*(?:#.*)?$", line):
+            key, value = unquoted.groups()
+            wanted = f'a value with its unit in quotes is required, {key} = "{value}"'
+            raise InputError(f"{path}: {wanted}, received {line!r} in {place}") from None
         # ValueError: for example a number with thousands of digits
         raise InputError(f"{path}: not valid {path.suffix[1:].upper()}: {error}") from None
     return read_table(content, str(path))
 
 
-def _decimal_comma(text: str, error: str) -> str:
-    """The line that a parser stopped at, if a number in it has a decimal comma; else empty."""
+def _stopped_at(text: str, error: str) -> tuple[str, str]:
+    """The line that a parser stopped at, and its place, "line 3"; both empty if its message names none."""
     place = re.search(r"\bline (\d+)", error)
     lines = text.splitlines()
     if place is None or not 0 < int(place[1]) <= len(lines):
-        return ""
-    line = lines[int(place[1]) - 1].strip()
-    return f"{line!r} in line {place[1]}" if re.search(r"[=:]\s*[-+]?\d+,\d+\s*(?:#.*)?$", line) else ""
+        return "", ""
+    return lines[int(place[1]) - 1].strip(), place[0]
 
 
 def read_utf8(path: Path) -> str:
