@@ -44,7 +44,7 @@ def add_logs(parser: argparse.ArgumentParser) -> None:
         metavar="LOG",
         nargs="+",
         help=f"logs of one rig: {LOGS}; of more than 100,000 rows together, windows are used,"
-        " except for an arm, see docs/long-logs.md",
+        " see docs/long-logs.md",
     )
     add(
         "--rig",
