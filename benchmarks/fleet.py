@@ -31,7 +31,7 @@ COLUMNS = ["time_s", "theta_m_rad", "current_A", "temperature_C"]
 JOINTS = 1000
 MONTHS = 12
 SECONDS = 450.0
-"""A log's length [s] where it is counted what is found: the fleet as arrays is then 26 GB."""
+"""A log's length [s] where findings are counted: the fleet as arrays is then 26 GB."""
 TIMED_S = 500.0
 """Where times are taken: files of a few megabytes, as a fleet has that is larger than memory."""
 RATE_HZ = 200.0

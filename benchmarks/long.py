@@ -3,8 +3,8 @@
 The log is one hour of the virtual bench at 1 kHz with Stribeck friction; the longer one is that hour again and
 again, with new noise. Each engine runs in a process of its own, which reports its peak memory.
 
-    the scan     PyArrow reads the used columns and does nothing else; without its buffer ahead, which keeps all
-                 that was read in memory and takes longer
+    the scan     PyArrow reads the used columns and does nothing else; without its pre-buffer, which keeps what
+                 was read in memory and takes longer
     the sums     DuckDB and Polars make the sums of four columns and the drive, pandas with NumPy fits them;
                  nothing is filtered, checked or compared
     the fit      `eccentric.fit`: the pass over all rows, the windows, and the fit

@@ -64,6 +64,23 @@ def test_a_fit_of_windows_finds_what_was_planted(long_log: Path) -> None:
     assert found.document["excerpt"] in found.summary()
 
 
+def test_runs_that_restart_their_time_are_counted_one_by_one() -> None:
+    """Forty runs of 12 s, each from 0 s: a window of each, and as many seconds as were logged."""
+    one = columns(12.0)
+    log = {name: np.tile(x, 40) for name, x in one.items()}
+    log["run"] = np.repeat([f"run {k}" for k in range(40)], len(one["time_s"]))
+    named = {name: name for name in ("time_s", "theta_m_rad", "torque_Nm")}
+    channels = {"time": named["time_s"], "theta_m": named["theta_m_rad"], "torque": named["torque_Nm"]}
+
+    (read,) = read_long([log], rig_of(columns=channels | {"run": "run"}))
+
+    assert read.excerpt is not None
+    used, left = divmod(read.rows, len(one["time_s"]))
+    assert 0 == left
+    size = f"{used} of 40 windows of 10 s are used, {used * 11.999:.4g} of {40 * 11.999:.5g} s"
+    assert read.excerpt.note.startswith(size)
+
+
 def test_a_log_of_fifty_thousand_rows_is_read_whole() -> None:
     """The same columns as `read_log` gives, and no word of windows."""
     log = columns(50.0)

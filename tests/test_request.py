@@ -13,8 +13,6 @@ from eccentric.cli import main
 from eccentric.cli.arguments import names_in
 from tests.virtual import log_of
 
-pytestmark = pytest.mark.slow
-
 ROOT = Path(__file__).resolve().parent.parent
 LOG, RIG = (str(ROOT / "examples" / "bench" / name) for name in ("bench.csv.gz", "bench.json"))
 PLANTED = "link_harmonic_friction[n=2]"
@@ -40,12 +38,14 @@ def including(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str,
     )
 
 
+@pytest.mark.slow
 def test_an_effect_left_out_is_not_offered(without: eccentric.DiagnosisResult) -> None:
     """No candidate is of that family, and what it would explain stays unexplained."""
     assert "link_harmonic_friction" not in {c["family"] for c in without.document["candidates"]}
     assert ("unexplained", "link_angle") == (without.verdict, without.depends_on[0])
 
 
+@pytest.mark.slow
 def test_the_best_effect_is_shown_with_its_gain_where_none_is_named(
     without: eccentric.DiagnosisResult,
 ) -> None:
@@ -63,6 +63,7 @@ def test_the_best_effect_is_shown_with_its_gain_where_none_is_named(
     assert line == without.data.conclusion.closest
 
 
+@pytest.mark.slow
 def test_with_the_effect_from_the_start_nothing_is_missing(
     including: tuple[Path, dict[str, Any], str],
 ) -> None:
@@ -76,6 +77,7 @@ def test_with_the_effect_from_the_start_nothing_is_missing(
     assert f"with {PLANTED}; without cogging, backlash" in page
 
 
+@pytest.mark.slow
 def test_the_script_of_a_model_with_an_effect_from_the_start_runs(
     including: tuple[Path, dict[str, Any], str],
 ) -> None:

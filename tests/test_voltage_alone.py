@@ -14,8 +14,6 @@ from eccentric.report.gather import report_data
 from tests.identified import FILTERED, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Array, Friction, Swing, log_of, sines, write_rig, write_runs
 
-pytestmark = pytest.mark.slow
-
 DRAG = 2e-4
 
 
@@ -107,6 +105,7 @@ def test_stribeck_friction_is_not_named_presliding(tmp_path: Path) -> None:
     assert "presliding" not in {effect.family for effect, _ in found.effects}
 
 
+@pytest.mark.slow
 def test_a_fit_that_is_stopped_too_early_says_so(
     with_load: Diagnosis, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -181,6 +180,7 @@ def test_each_run_is_predicted_better_from_the_others(with_drag: Diagnosis) -> N
     assert 0.0 < low < percent < high
 
 
+@pytest.mark.slow
 def test_control_by_voltage_alone_lacks_nothing(control: Diagnosis) -> None:
     """No effect explains the drive by itself: on a log of the paper's model none is adopted."""
     over = control.score.over_runs

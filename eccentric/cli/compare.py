@@ -16,7 +16,11 @@ eccentric compare LOG --rig RIG c2_parallel my_derivation.py --out build/compare
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `compare` to `parser`."""
     add = parser.add_argument
-    add("log", metavar="LOG", help=f"a log of the rig: {LOGS}")
+    add(
+        "log",
+        metavar="LOG",
+        help=f"a log of the rig: {LOGS}; of more than 100,000 rows, windows are used, see docs/long-logs.md",
+    )
     add(
         "models",
         metavar="MODEL[+EFFECT...]",

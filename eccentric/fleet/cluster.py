@@ -46,7 +46,7 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
         "distributed.comm.timeouts.connect": CONNECT,
         "distributed.admin.tick.limit": "1h",
         "distributed.scheduler.allowed-failures": DEATHS,
-        # Dask's own, 64 kB, hands every array back to the system: each is then cleared and mapped anew.
+        # With Dask's own, 64 kB, each array goes back to the system, and the next is mapped and zeroed.
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": KEPT_BYTES,
         "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": KEPT_BYTES,
     }

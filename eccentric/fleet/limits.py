@@ -83,7 +83,8 @@ EFFECT_PERCENT = 15.0
 # How the work is spread.
 
 TASK_BYTES = 2**24
-"""Files of one task: more than a scheduler's millisecond of work, and less than one is sorry to repeat."""
+"""Files of one task: ten times the work that the scheduler has with it, and short enough that two workers end
+together."""
 TASK_FILES = 64
 """Files of one task at most."""
 AHEAD = 4
@@ -100,4 +101,5 @@ memory does so everywhere."""
 WORKER_BYTES = 10**9
 """Memory of a local worker: what is asked of a fleet."""
 KEPT_BYTES = 2**25
-"""Memory that a local worker keeps for its next array: more than one of a batch takes, little in all."""
+"""Freed memory that a local worker keeps for its next arrays: more than one of a batch, little beside
+WORKER_BYTES."""

@@ -59,8 +59,8 @@ def _opened(path: Path) -> Iterator[Any]:
             f'{path}: pyarrow is required for .parquet: pip install "eccentric[parquet]"'
         ) from None
     try:
-        # Not `read_table`, which makes columns of parent folders with names like run=3. Without a buffer
-        # ahead, which keeps what it has read: a file in batches would be in memory whole at its end.
+        # Not `read_table`, which makes columns of parent folders with names like run=3. No
+        # pre-buffer: it keeps what it has read, so that a file read in batches ends up in memory whole.
         with parquet.ParquetFile(path, pre_buffer=False) as file:
             yield file
     except (arrow.ArrowException, OSError) as error:

@@ -46,7 +46,7 @@ class Converted:
         )
 
     def runs(self, name: str, alone: bool) -> tuple[NDArray[np.int64], list[str]]:
-        """The number of the run of each row (n,), from 0, and the name of each: one that returns has two.
+        """The number of the run of each row (n,), from 0, and names: a run that returns has two numbers.
 
         A run is named by the log, the run column, or both if two logs name a run alike.
         """
@@ -59,14 +59,17 @@ class Converted:
         texts = map(_text, self.named[begins])
         return np.cumsum(begins) - 1, [text if alone else f"{name}/{text}" for text in texts]
 
-    def repeated(self, kept: Mask, run: NDArray[np.int64]) -> Mask:
-        """Rows (n,) equal in every column to the kept row before them: the logger wrote them twice."""
+    def repeated(self, kept: Mask, labels: NDArray[np.int64]) -> Mask:
+        """Rows (n,) equal in every column to the kept row before them: the logger wrote them twice.
+
+        `labels` (n,) are the same for rows of one run.
+        """
         rows = np.flatnonzero(kept)
         t = self.values["time"][rows]
         # Nearly all rows differ in time already.
         later = np.flatnonzero(t[1:] == t[:-1]) + 1
         row, before = rows[later], rows[later - 1]
-        columns = (*self.values.values(), self.use, self.motor_off, run)
+        columns = (*self.values.values(), self.use, self.motor_off, labels)
         same = np.logical_and.reduce([x[row] == x[before] for x in columns])
         again = np.zeros(len(kept), dtype=bool)
         again[row[same]] = True

@@ -87,7 +87,8 @@ def _complete(log: Log, rig: ArmRig) -> Log:
     lost = int(np.count_nonzero(~good))
     if not lost:
         return log
-    what = f"no number for some joint in {lost} of {log.rows} rows"
+    of = "rows" if log.excerpt is None else "rows of the windows that are used"
+    what = f"no number for some joint in {lost} of {log.rows} {of}"
     if lost > MOST_REJECTED * log.rows:
         raise InputError(f"{log.path}: {what}; at most {MOST_REJECTED:.0%} may be missing")
     return dataclasses.replace(

@@ -117,7 +117,10 @@ def _chosen(table: Table, rig: Rig) -> Table:
 def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
     found = converted(log, rig)
     values, use, motor_off, kept = found.values, found.use, found.motor_off, found.numbers
-    run, run_names = found.runs(name, alone)
+    number, names = found.runs(name, alone)
+    # By name: rows of another run that are dropped leave no mark between two parts of one.
+    place = {text: k for k, text in enumerate(dict.fromkeys(names))}
+    labels = np.array([place[text] for text in names])[number]
     rejected = int(np.count_nonzero(~kept))
     findings = [Finding("left_out", "", f"{log.path}: {note}", 0, "note") for note in log.notes]
     findings += _excerpt(log)
@@ -135,16 +138,16 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         findings.append(
             Finding("missing", worst, f"{log.path}: {what}: such rows are dropped", rejected, severity)
         )
-    again = found.repeated(kept, run)
+    again = found.repeated(kept, labels)
     if np.any(again):
         count, first = int(np.count_nonzero(again)), log.place(int(np.flatnonzero(again)[0]))
         repeat = f"{count} of {log.rows} rows {'repeats' if count == 1 else 'repeat'} the one before"
         text = f"{log.path}: {repeat} (first: {first}): such rows are dropped"
         findings.append(Finding("repeated", "time", text, count, "note"))
         kept &= ~again
-    # All of them are taken as they are: a mask would copy them.
+    # Where every row is kept, a slice avoids the copy that a mask makes.
     own = slice(None) if np.all(kept) else kept
-    run, run_names = _runs(log, run, run_names, values["time"], kept)
+    run, run_names = _runs(log, labels, list(place), values["time"], kept)
     return Table(
         {c: x[own] for c, x in values.items()},
         run,
@@ -181,15 +184,13 @@ def _after_skipped(log: Log, kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _runs(
-    log: Log, run: NDArray[np.int64], names: Sequence[str], t: Array, kept: NDArray[np.bool_]
+    log: Log, labels: NDArray[np.int64], names: Sequence[str], t: Array, kept: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], tuple[str, ...]]:
-    """The number of the run of each kept row, from 0, and names; without a row between them, two are one."""
+    """The number of the run of each kept row, from 0, and names; `labels` (n,) are places in `names`."""
     rows = np.flatnonzero(kept)
-    run, t = run[rows], t[rows]
-    starts = np.flatnonzero(np.diff(run, prepend=-1)).tolist()
-    called = [names[run[k]] for k in starts]
-    new = [k for k in range(len(starts)) if k == 0 or called[k] != called[k - 1]]
-    starts, called = [starts[k] for k in new], [called[k] for k in new]
+    labels, t = labels[rows], t[rows]
+    starts = np.flatnonzero(np.diff(labels, prepend=-1)).tolist()
+    called = [names[labels[k]] for k in starts]
     again = next((k for k, name in enumerate(called) if name in called[:k]), None)
     if again is not None:
         place = log.place(int(rows[starts[again]]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -47,8 +48,11 @@ def read_long_joints(
 ) -> list[Log]:
     """Return the logs of an arm whole, or the windows of each that are chosen for any joint.
 
-    Each joint may have its part of the points, and one pass; what it needs is read for all of them.
-    Arguments and errors as those of `read_long`; columns of fewer or more joints than the arm has.
+    Each joint gets an equal share of the points, twelve windows at least, and a pass of its own; windows
+    that any joint chooses are read for all. Arguments as those of `read_long`.
+
+    Raises:
+        InputError: as `read_long` does; columns of fewer or more joints than the arm has.
     """
     return _read_long(sources, rig.joints, points, tell, lambda log: require_columns(log, rig))
 
@@ -78,15 +82,19 @@ def _read_long(
         if tell is not None:
             tell(min(1.0, gone / (total * len(rigs))))
 
-    chosen = [_chosen(streams, rig, points // len(rigs), went) for rig in rigs]
+    alone = len(streams) == 1 or named_apart((_of_runs(stream, rigs[0]) for stream in streams), rigs[0])
+    chosen = [_chosen(streams, rig, points // len(rigs), alone, went) for rig in rigs]
     if tell is not None:
         tell(1.0)
+    spans = [_together(span for one in chosen for span in one.spans(k)) for k in range(len(streams))]
+    unread = [Path(stream.path).name for stream, own in zip(streams, spans, strict=True) if not own]
     note, missed = _said(chosen)
+    if unread:
+        note += f"; no window of {few(unread)} is among them"
     logs: list[Log] = []
-    for k in range(len(streams)):
-        spans = _together(span for one in chosen for span in one.spans(k))
-        if spans:
-            logs.append(_read([one.surveys[k] for one in chosen], spans, note, missed))
+    for k, own in enumerate(spans):
+        if own:
+            logs.append(_read([one.surveys[k] for one in chosen], own, note, missed))
             note = missed = ""
     return logs
 
@@ -103,11 +111,13 @@ class _Chosen:
         """Those of all logs, in order."""
         return [window for found in self.surveys for window in found.windows]
 
-    def stretches(self, places: Iterable[int]) -> set[tuple[int, float, float]]:
-        """Log, begin and end [s] of the windows at these places, the same for all drives of a log."""
+    def at(self, places: Iterable[int]) -> dict[tuple[int, str, int], float]:
+        """The lengths [s] of the windows at these places, by log, run and number, which all drives share."""
         of = [k for k, found in enumerate(self.surveys) for _ in found.windows]
         windows = self.windows
-        return {(of[p], windows[p].begin, windows[p].finish) for p in places}
+        return {
+            (of[p], windows[p].run, windows[p].number): windows[p].finish - windows[p].begin for p in places
+        }
 
     def spans(self, k: int) -> list[tuple[int, int]]:
         """Rows [first, end) of the chosen windows of a log."""
@@ -117,8 +127,9 @@ class _Chosen:
         return [(windows[p].first, windows[p].end) for p in self.choice.places if p in own]
 
 
-def _chosen(streams: Sequence[LogStream], rig: Rig, points: int, went: Callable[[int], None]) -> _Chosen:
-    alone = len(streams) == 1 or named_apart((_of_runs(stream, rig) for stream in streams), rig)
+def _chosen(
+    streams: Sequence[LogStream], rig: Rig, points: int, alone: bool, went: Callable[[int], None]
+) -> _Chosen:
     surveys = [survey(stream, rig, alone, went) for stream in streams]
     every = [window for found in surveys for window in found.windows]
     step = float(np.median([found.step_s for found in surveys if found.step_s] or [1.0 / POINT_RATE_HZ]))
@@ -149,9 +160,11 @@ def _read(surveys: Sequence[LogSurvey], spans: Sequence[tuple[int, int]], note: 
 
 def _said(chosen: Sequence[_Chosen]) -> tuple[str, str]:
     """How much of the logs was chosen and why, and what is not in it; for several drives, of each."""
-    every = {w for one in chosen for w in one.stretches(range(len(one.windows)))}
-    windows = {w for one in chosen for w in one.stretches(one.choice.places)}
-    used, whole = (sum(finish - begin for _, begin, finish in some) for some in (windows, every))
+    every, windows = dict[tuple[int, str, int], float](), dict[tuple[int, str, int], float]()
+    for one in chosen:
+        every |= one.at(range(len(one.windows)))
+        windows |= one.at(one.choice.places)
+    used, whole = sum(windows.values()), sum(every.values())
     size = f"{len(windows)} of {len(every)} windows of {WINDOW_S:g} s are used, {used:.4g} of {whole:.5g} s"
     left = f"{max(0.0, *(one.choice.worse for one in chosen)):.1%} in the square of what is left"
     of = "" if len(chosen) == 1 else " of every joint"
