@@ -190,7 +190,7 @@ def _runs(
     rows = np.flatnonzero(kept)
     labels, t = labels[rows], t[rows]
     starts = np.flatnonzero(np.diff(labels, prepend=-1)).tolist()
-    called = [names[labels[k]] for k in starts]
+    called = [names[int(labels[k])] for k in starts]
     again = next((k for k, name in enumerate(called) if name in called[:k]), None)
     if again is not None:
         place = log.place(int(rows[starts[again]]))
