@@ -82,8 +82,8 @@ EFFECT_PERCENT = 15.0
 
 # How the work is spread.
 
-TASK_BYTES = 2**24
-"""Files of one task: ten times the work that the scheduler has with it, and short enough that two workers end
+TASK_BYTES = 2**25
+"""Files of one task: tens of times the work that the scheduler has with it, and short enough that workers end
 together."""
 TASK_FILES = 64
 """Files of one task at most."""
