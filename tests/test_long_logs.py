@@ -81,6 +81,18 @@ def test_runs_that_restart_their_time_are_counted_one_by_one() -> None:
     assert read.excerpt.note.startswith(size)
 
 
+def test_held_out_intervals_shorter_than_a_window_are_in_the_windows() -> None:
+    """Three seconds of each minute: their rows are read, so that there is an error to report."""
+    log = columns(600.0)
+    intervals = [(60.0 * k + 33.0, 60.0 * k + 36.0) for k in range(10)]
+    (read,) = read_long([log], rig_of(holdout_intervals_s=intervals))
+    t = read.columns["time_s"]
+
+    held = [np.count_nonzero((t >= a) & (t <= b)) for a, b in intervals]
+    assert sum(3000 <= rows <= 3001 for rows in held) >= 5
+    assert eccentric.fit(log, RIG | {"holdout_intervals_s": intervals}).document["rows"]["held_out"] > 1000
+
+
 def test_a_log_of_fifty_thousand_rows_is_read_whole() -> None:
     """The same columns as `read_log` gives, and no word of windows."""
     log = columns(50.0)

@@ -27,11 +27,13 @@ from eccentric.signals.long.limits import (
     HELD_OUT_PART,
     LEAST_CELLS,
     LEAST_WINDOWS,
+    MOST_HELD,
     ODD,
     ODD_PART,
     ROUNDS,
     RUNS_PART,
     VISITED_S,
+    WINDOW_S,
 )
 from eccentric.signals.long.survey import Window
 
@@ -150,13 +152,25 @@ def _must(windows: Sequence[Window], candidates: Sequence[int], rig: Rig, most: 
 
 
 def _held(windows: Sequence[Window], candidates: Sequence[int], rig: Rig, budget: int) -> set[int]:
-    """Windows in the held-out intervals of the rig."""
-    inside = [
-        k
-        for k in candidates
-        if any(a <= windows[k].begin and windows[k].finish <= b for a, b in rig.holdout.intervals_s)
-    ]
-    return set(_spread(inside, round(HELD_OUT_PART * budget))) if inside else set()
+    """Windows in the held-out intervals of the rig; where these are shorter, those with most of them."""
+    wanted = HELD_OUT_PART * budget
+    shared = {k: _shared(windows[k], rig) for k in candidates}
+    inside = [k for k in candidates if shared[k] >= windows[k].finish - windows[k].begin > 0.0]
+    if inside:
+        return set(_spread(inside, round(wanted)))
+    found: set[int] = set()
+    seconds = 0.0
+    for k in sorted(candidates, key=lambda k: -shared[k]):
+        if not shared[k] or seconds >= wanted * WINDOW_S or (found and len(found) >= MOST_HELD * budget):
+            break
+        found.add(k)
+        seconds += shared[k]
+    return found
+
+
+def _shared(window: Window, rig: Rig) -> float:
+    """How long a window is in held-out intervals of the rig [s]."""
+    return sum(max(0.0, min(b, window.finish) - max(a, window.begin)) for a, b in rig.holdout.intervals_s)
 
 
 def _spread(places: Sequence[int], count: int) -> list[int]:

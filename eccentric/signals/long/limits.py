@@ -51,6 +51,9 @@ fraction of the square of what both leave: half a percent of the error, less tha
 HELD_OUT_PART = 0.2
 """Part of the windows that lie in the held-out intervals of the rig, where there are as many: a fifth, as
 without them."""
+MOST_HELD = 0.5
+"""Part of the windows that may be spent on held-out intervals shorter than a window: the rest of each is
+fitted, and other windows shall be seen too."""
 ODD = 4.0
 """A window whose mean square residual is this many times the median one is unlike others: twice in RMS."""
 ODD_PART = 0.15
