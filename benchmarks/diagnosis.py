@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from benchmarks import diagnosis_table, sparse
+from benchmarks import diagnosis_table, sparse_columns
 from benchmarks.asked import DIAGNOSIS
 from benchmarks.diagnosis_jobs import Job, Result
 from benchmarks.oracle import oracle
@@ -121,7 +121,7 @@ def run(job: Job, folder: Path) -> Result:
     if job.kind in {"single", "faint", "pair"}:
         result.oracle = oracle(found, result.truth)
     if job.kind in {"single", "control", "pair"}:
-        sparse.write(found, folder / f"{job.seed}.npz")
+        sparse_columns.write(found, folder / f"{job.seed}.npz")
     return result
 
 
@@ -138,7 +138,7 @@ def measured(quick: bool, first: int = FIRST_SEED) -> Part:
             slow = list(pool.map(partial(run, folder=Path(folder)), long))
         progress("diagnosis: PySINDy")
         try:
-            said = sparse.answers(Path(folder))
+            said = sparse_columns.answers(Path(folder))
             results = [replace(r, peer=said.get(str(r.job.seed))) for r in results]
         except RuntimeError as error:
             left_out = ["", f"PySINDy: {error}."]
@@ -156,7 +156,7 @@ _HEAD = [
     f"An effect whose torque lies within {100 * diagnosis_table.ALIAS:g} % of the friction of what the paper's own columns can take is"
     " an exact alias (w\\|w\\| and w^3 in C1): a log with one is not counted among the singles and pairs.",
     "The oracle knows the true families and fits them on the same rows; PySINDy gets the same residuals and, as far"
-    " as it can have them, the same effects as columns (`benchmarks/sparse.py`), and has no way to abstain but to find"
+    " as it can have them, the same effects as columns (`benchmarks/sparse_columns.py`), and has no way to abstain but to find"
     " nothing.",
 ]
 

@@ -4,7 +4,8 @@ Run: python benchmarks/page.py fleet cost
 
 The peers read the same columns and form the same normal equations of four friction terms by joint and month
 from angle and current as logged, with np.gradient for the rates: without low pass, mask, intervals or QR, they
-do less than what they are compared with. DuckDB and Polars are timed where they are installed.
+do less than what they are compared with. tsfresh extracts features in their place. All but NumPy are timed where
+they are installed.
 """
 
 from __future__ import annotations
@@ -206,6 +207,22 @@ def _pandas(files: Sequence[Path]) -> None:
         np.linalg.lstsq(_design(t, theta), current, rcond=None)
 
 
+def _tsfresh(files: Sequence[Path]) -> None:
+    """Its minimal set of features, ten numbers of a channel such as mean and variance, in place of sums."""
+    pandas, tsfresh = importlib.import_module("pandas"), importlib.import_module("tsfresh")
+    chosen = importlib.import_module("tsfresh.feature_extraction").MinimalFCParameters()
+    for path in files:
+        rows = pandas.read_parquet(path, columns=COLUMNS).assign(file=0)
+        tsfresh.extract_features(
+            rows,
+            column_id="file",
+            column_sort="time_s",
+            default_fc_parameters=chosen,
+            n_jobs=0,
+            disable_progressbar=True,
+        )
+
+
 _TERMS = ("w * f", "s * f", "w", "s")
 
 
@@ -248,4 +265,5 @@ PEERS: dict[str, tuple[str, Callable[[Sequence[Path]], None]]] = {
     "pandas groupby, lstsq": ("pandas", _pandas),
     "DuckDB": ("duckdb", _duckdb),
     "Polars": ("polars", _polars),
+    "tsfresh, minimal features": ("tsfresh", _tsfresh),
 }

@@ -1,6 +1,6 @@
 """Sparse regression of residuals by PySINDy, in the environment of the peers.
 
-Run by benchmarks/sparse.py: python benchmarks/sparse_peer.py FOLDER     (with the .npz files that it wrote)
+Run by benchmarks/sparse_columns.py: python benchmarks/sparse_peer.py FOLDER     (with the .npz files that it wrote)
 Sequentially thresholded least squares. Of the thresholds that predict every fifth of the blocks nearly best after
 a fit on the others, the largest; leaving all out is one of them. Families rank by what the error grows without them.
 """
