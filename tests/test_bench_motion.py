@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import exp, log, sin
+from math import cos, exp, log, sin
 
 import numpy as np
 import pytest
@@ -185,3 +185,16 @@ def test_warmth_changes_the_friction_of_other_effects(warm: str, other: str, rea
 
     assert added != 0.0
     assert (falls * added if reached else 0.0) == pytest.approx(more, rel=1e-6, abs=1e-15)
+
+
+def test_an_effect_acts_on_the_rig_that_moves() -> None:
+    """Drawn on one rig and carried to one of twice the mass, a tilt A leaves M g cos A of its gravity."""
+    scenario = drawn_scenario(effects=[("gravity_tilt", 0.1)])
+    effect, heavy = scenario.effects[0], replace(scenario.plant, M=2.0 * scenario.plant.M)
+    motion = Motion(heavy, theta=0.5 / heavy.mu)
+    motion.gravity = heavy.mu * heavy.M * heavy.g * heavy.L * sin(0.5)
+
+    change = effect.start()["torque"](motion, effect.amplitude)
+
+    total = heavy.mu * heavy.M * heavy.g * heavy.L * sin(0.5) * cos(effect.amplitude)
+    assert motion.gravity + change == pytest.approx(total, rel=1e-12)

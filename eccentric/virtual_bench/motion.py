@@ -16,6 +16,7 @@ class Motion:
         "link_dry",
         "link_viscous",
         "normal",
+        "plant",
         "t",
         "temperature",
         "theta",
@@ -29,6 +30,7 @@ class Motion:
     )
 
     def __init__(self, plant: Plant, theta: float = 0.0, w: float = 0.0, effects: int = 0) -> None:
+        self.plant = plant  # the rig that moves: it need not be the one for which an effect was drawn
         self.t = 0.0  # time [s]
         self.theta = theta  # motor angle at the end of the step
         self.w = w  # motor speed at the end of the step [rad/s]

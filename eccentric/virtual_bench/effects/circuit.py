@@ -44,17 +44,16 @@ def inverter_deadtime(request: Request) -> PlantedEffect:
 
     It is linear within i0 about zero current, where drop and current are solved for simultaneously.
     """
-    plant = request.plant
     i0 = request.draw(0.02, 0.06) * request.setting.current
 
     def drop(s: Motion, a: float) -> float:
-        share = s.v / (a + plant.R * i0)
+        share = s.v / (a + s.plant.R * i0)
         return a * min(1.0, max(-1.0, share))
 
     return PlantedEffect(
         "inverter_deadtime",
         "A sat(i/i0)",
-        request.torque() * plant.R / plant.k_i,
+        request.torque() * request.plant.R / request.plant.k_i,
         simply(drop=drop),
         ("current", "voltage"),
         (i0,),
@@ -108,7 +107,7 @@ def ke_mismatch(request: Request) -> PlantedEffect:
         "ke_mismatch",
         "k_e -> k_e (1 + A)",
         size,
-        simply(drop=lambda s, a: a * plant.k_e * s.w_mid),
+        simply(drop=lambda s, a: a * s.plant.k_e * s.w_mid),
         ("velocity",),
         bound=0.8,
         channel="electrical",

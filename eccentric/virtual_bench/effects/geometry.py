@@ -121,14 +121,15 @@ def cable_spring(request: Request) -> PlantedEffect:
     )
 
 
-def _other_gravity(plant: Plant, gravity: Law, turn: Law) -> dict[str, Law]:
+def _other_gravity(gravity: Law, turn: Law) -> dict[str, Law]:
     """Return the changes due to `gravity` [m/s^2] in the plane, with the vertical turned by `turn` [rad]."""
 
     def friction(s: Motion, a: float) -> tuple[float, float]:
-        return plant.link_friction(plant.normal_force(s.link + turn(s, a), s.w_link, gravity(s, a)))
+        force = s.plant.normal_force(s.link + turn(s, a), s.w_link, gravity(s, a))
+        return s.plant.link_friction(force)
 
     return {
-        "torque": lambda s, a: plant.gravity_torque(s.link + turn(s, a), gravity(s, a)) - s.gravity,
+        "torque": lambda s, a: s.plant.gravity_torque(s.link + turn(s, a), gravity(s, a)) - s.gravity,
         "dry": lambda s, a: friction(s, a)[0] - s.link_dry,
         "viscous": lambda s, a: friction(s, a)[1] - s.link_viscous,
     }
@@ -139,14 +140,14 @@ def gravity_tilt(request: Request) -> PlantedEffect:
     g, load = request.plant.g, _gravity_size(request.plant)
     if request.plant.case == "C1":
         shift = request.phase()
-        start = simply(**_other_gravity(request.plant, lambda s, a: g * sin(a), lambda s, a: shift))
+        start = simply(**_other_gravity(lambda s, a: g * sin(a), lambda s, a: shift))
         form, size, shape = (
             "tilt A: g' = g sin A, down at thl = -phi",
             request.torque(1.4) / load,
             (shift,),
         )
     else:
-        start = simply(**_other_gravity(request.plant, lambda s, a: g * cos(a), lambda s, a: 0.0))
+        start = simply(**_other_gravity(lambda s, a: g * cos(a), lambda s, a: 0.0))
         form, size, shape = "tilt A: g' = g cos A", (request.torque(2.8) / load) ** 0.5, ()
     return PlantedEffect("gravity_tilt", form, size, start, ("link_angle", "gravity_load"), shape, bound=0.7)
 
@@ -159,7 +160,7 @@ def angle_offset(request: Request) -> PlantedEffect:
         "angle_offset",
         "G(thl + A) - G(thl), and F_N likewise",
         request.torque(1.4) / _gravity_size(request.plant),
-        simply(**_other_gravity(request.plant, lambda s, a: g, lambda s, a: a)),
+        simply(**_other_gravity(lambda s, a: g, lambda s, a: a)),
         ("link_angle", "gravity_load"),
         bound=0.7,
     )
@@ -170,9 +171,9 @@ def mass_mismatch(request: Request) -> PlantedEffect:
     request.require_case(
         "C2", "mass_mismatch", "without gravity in the plane it is an alias of B_lN and C_lN"
     )
-    plant = request.plant
 
     def friction(s: Motion, a: float) -> tuple[float, float]:
+        plant = s.plant
         ratio = (plant.M * (1.0 + a) + plant.M_l) / (plant.M + plant.M_l)
         force = plant.normal_force(s.link, s.w_link * ((1.0 + a) / ratio) ** 0.5) * ratio
         return plant.link_friction(force)
@@ -223,12 +224,11 @@ def kinematic_error(request: Request) -> PlantedEffect:
 
 def inertia_mismatch(request: Request) -> PlantedEffect:
     """Inertia on the motor side larger than declared by the fraction A."""
-    inertia = request.plant.inertia
     return PlantedEffect(
         "inertia_mismatch",
         "A J dw/dt",
         request.strength,
-        simply(inertia=lambda s, a: a * inertia),
+        simply(inertia=lambda s, a: a * s.plant.inertia),
         ("acceleration",),
         bound=3.0,
     )

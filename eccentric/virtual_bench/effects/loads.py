@@ -4,7 +4,6 @@ from collections.abc import Callable
 from math import exp, hypot
 
 from eccentric.virtual_bench.motion import Motion
-from eccentric.virtual_bench.plant import Plant
 
 from .record import Builder, Law, PlantedEffect, Request, sign, simply
 
@@ -12,13 +11,13 @@ from .record import Builder, Law, PlantedEffect, Request, sign, simply
 _SETTLING_S = 0.002
 
 
-def _transmitted(plant: Plant) -> Callable[[Motion], float]:
+def _transmitted() -> Callable[[Motion], float]:
     """Return the law of mu tau_l, eq. (3): torque through the gear, with the lag `_SETTLING_S` [N m]."""
-    inertia = plant.mu**2 * plant.J_l
     load, before = 0.0, 0.0
 
     def law(s: Motion) -> float:
         nonlocal load, before
+        inertia = s.plant.mu**2 * s.plant.J_l
         now = inertia * s.alpha + s.gravity + s.link_dry * sign(s.w_mid) + s.link_viscous * s.w_mid
         load += (now - load) * (1.0 - exp(-(s.t - before) / _SETTLING_S))
         before = s.t
@@ -43,7 +42,7 @@ def load_dependent(request: Request) -> PlantedEffect:
         )
 
     def start() -> dict[str, Law]:
-        load = _transmitted(request.plant)
+        load = _transmitted()
         return {"dry": lambda s, a: a * abs(load(s))}
 
     return PlantedEffect(
@@ -83,7 +82,7 @@ def stribeck_load(request: Request) -> PlantedEffect:
     gravity = request.variant == "gravity" and request.plant.case == "C2"
 
     def start() -> dict[str, Law]:
-        load = (lambda s: s.gravity) if gravity else _transmitted(request.plant)
+        load = (lambda s: s.gravity) if gravity else _transmitted()
         return {"rise": lambda s, a: a * abs(load(s)) * exp(-((s.w_mid / vs) ** 2))}
 
     return PlantedEffect(
@@ -152,7 +151,7 @@ def gear_efficiency(request: Request) -> PlantedEffect:
         )
 
         def start() -> dict[str, Law]:
-            load = _transmitted(request.plant)
+            load = _transmitted()
 
             def dry(s: Motion, a: float) -> float:
                 torque = load(s)
