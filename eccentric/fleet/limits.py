@@ -82,11 +82,18 @@ EFFECT_PERCENT = 15.0
 
 # How the work is spread.
 
-TASK_BYTES = 2**25
-"""Files of one task: tens of times the work that the scheduler has with it, and short enough that workers end
-together."""
+TASK_BYTES = 2**26
+"""Files of one task: tens of times the work that the scheduler has with it."""
+TASK_PART = 1 / 4
+"""Part of what is left that is one task, where that is less: two workers then end together ..."""
+LAST_BYTES = 2**22
+"""... to within the time that so much takes; smaller tasks cost more than is waited for."""
 TASK_FILES = 64
 """Files of one task at most."""
+PART_FILES = 64
+"""Logs of a joint whose sums are written together at most: what a run that is killed has to do again."""
+MOST_PARTS = 32
+"""Files of sums of a joint, before one is made of them: each costs a reader some 0.1 ms."""
 AHEAD = 4
 """Tasks per thread handed to the scheduler ahead of time."""
 ALIVE_S = 3.0

@@ -1,8 +1,8 @@
-"""Sums on disk: one Parquet file for each joint and period, a row for each log file that went into it.
+"""Sums on disk: a folder for each joint, in it Parquet files in the order in which they were written.
 
-A row holds what tells its log file again (name, size, time of the last change) and a digest of how its sums
-were made: the rig's values, the rows' filters, this module's version. Where all of it agrees, the file is not
-read again.
+A row holds the sums of one log file, what tells that file again (period, name, size, last change), and a
+digest of how its sums were made: the rig's values, the rows' filters, this module's version. Where all of it
+agrees, the log is not read again. A later row for a log replaces an earlier one.
 """
 
 from __future__ import annotations
@@ -10,29 +10,32 @@ from __future__ import annotations
 import hashlib
 import importlib
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from urllib.parse import quote
 
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.fleet.limits import BLOCKS, SLOW, WINDOW_PERIODS
+from eccentric.fleet.limits import BLOCKS, MOST_PARTS, SLOW, WINDOW_PERIODS
 from eccentric.fleet.sums import Coverage, FileSums, Heading
 from eccentric.rigs import Rig
 
-__all__ = ["Key", "Stored", "arrow_of", "keys", "place_of", "read", "recipe_of", "write"]
+__all__ = ["Key", "Stored", "arrow_of", "keys", "read", "recipe_of", "write"]
 
-_VERSION = 2
+_VERSION = 3
 _HEADINGS = b"eccentric.columns"
+_Row = TypeVar("_Row", bound="Key")
 
 
 @dataclass(frozen=True)
 class Key:
-    """What tells whether sums are those of a log as it is now: its name, size, last change; the recipe."""
+    """What tells whether sums are those of a log as it is now; `recipe` is a digest of how they are made."""
 
+    period: str
     name: str
     size: int
     changed: int
@@ -56,18 +59,48 @@ def recipe_of(rig: Rig) -> str:
     return hashlib.sha256(repr(made).encode()).hexdigest()[:16]
 
 
-def place_of(out: Path, joint: str, period: str) -> Path:
-    """The file of a joint and period below the folder of a fleet."""
-    return out / "sums" / f"joint={quote(joint, safe=' ')}" / f"period={quote(period, safe=' ')}.parquet"
+def write(out: Path, joint: str, rows: Sequence[Stored], place: Path) -> None:
+    """Add the sums of log files of one joint, all of one rig; what is there stays until they are complete.
 
-
-def write(path: Path, rows: Sequence[Stored], place: Path) -> None:
-    """Write the sums of the files of one joint and period, all of one rig; the old file stays until then.
-
-    The new one is made in the folder `place` on the same file system, and moved.
+    They are made in the folder `place` on the same file system, and moved. Where rows are replaced or are of
+    another rig, and where the joint has many files, one file is made of all.
     """
+    folder = _folder(out, joint)
+    parts = list(_parts(folder))
+    new = {(row.period, row.name): row for row in rows}
+    recipe = rows[0].recipe
+    stale = [key.recipe != recipe or (key.period, key.name) in new for key in keys(out, joint)]
+    whole = any(stale) or len(parts) >= MOST_PARTS
+    if whole:
+        kept = {(row.period, row.name): row for row in read(out, joint) if row.recipe == recipe}
+        new = kept | new
+    last = max(map(_number, parts), default=0)
+    made = place / f"{quote(joint, safe='')}-{last + 1}.parquet"
+    made.write_bytes(_encoded(sorted(new.values(), key=lambda row: (row.period, row.name))))
+    folder.mkdir(parents=True, exist_ok=True)
+    made.replace(folder / f"part-{last + 1:06d}.parquet")
+    for part in parts if whole else []:
+        part.unlink()
+
+
+def _folder(out: Path, joint: str) -> Path:
+    return out / "sums" / f"joint={quote(joint, safe=' ')}"
+
+
+def _parts(folder: Path) -> Iterator[Path]:
+    """The files of a joint in the order in which they were written."""
+    return iter(sorted(folder.glob("part-*.parquet"), key=_number))
+
+
+def _number(part: Path) -> int:
+    return int(part.stem.removeprefix("part-"))
+
+
+def _encoded(rows: Sequence[Stored]) -> Any:
+    """The rows as a Parquet file."""
     arrow, parquet = arrow_of()
     table: dict[str, list[Any]] = {
+        "period": [row.period for row in rows],
         "name": [row.name for row in rows],
         "size": [row.size for row in rows],
         "changed": [row.changed for row in rows],
@@ -77,35 +110,52 @@ def write(path: Path, rows: Sequence[Stored], place: Path) -> None:
     }
     for field in fields(Coverage):
         table[field.name] = [getattr(row.sums.coverage, field.name) for row in rows]
-    headings = json.dumps([asdict(heading) for heading in rows[0].headings]).encode()
-    made = arrow.table(table).replace_schema_metadata({_HEADINGS: headings})
-    new = place / path.name
-    parquet.write_table(made, new, compression="none", use_dictionary=False, write_statistics=False)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    new.replace(path)
+    made = arrow.table(table).replace_schema_metadata({_HEADINGS: _written(rows[0].headings)})
+    # In memory: for some kilobytes, what Arrow asks of the file system costs more than the rest.
+    with arrow.BufferOutputStream() as stream:
+        parquet.write_table(made, stream, compression="none", use_dictionary=False, write_statistics=False)
+        return stream.getvalue()
 
 
-def read(path: Path) -> list[Stored]:
-    """The rows of a file in the order of their names, none if there is no such file or it cannot be read.
+@cache
+def _written(headings: tuple[Heading, ...]) -> bytes:
+    return json.dumps([asdict(heading) for heading in headings]).encode()
 
-    What cannot be read is made again: the logs are what counts.
+
+def read(out: Path, joint: str) -> list[Stored]:
+    """The rows of a joint in the order of periods and names.
+
+    A file that cannot be read counts as absent, and its logs are read again: they are what counts.
     """
+    return _latest(row for part in _parts(_folder(out, joint)) for row in _read(part))
+
+
+def keys(out: Path, joint: str) -> list[Key]:
+    """The keys of the rows of a joint, as for `read`."""
+    return _latest(key for part in _parts(_folder(out, joint)) for key in _keys(part))
+
+
+def _latest(rows: Iterable[_Row]) -> list[_Row]:
+    found = {(row.period, row.name): row for row in rows}
+    return [found[place] for place in sorted(found)]
+
+
+def _read(part: Path) -> list[Stored]:
     arrow, parquet = arrow_of()
     try:
-        with parquet.ParquetFile(path) as file:
+        with parquet.ParquetFile(part) as file:
             table = file.read(use_threads=False)
         headings = tuple(Heading(**entry) for entry in json.loads(table.schema.metadata[_HEADINGS]))
-        return sorted((_stored(row, headings) for row in _rows(table)), key=lambda row: row.name)
+        return [_stored(row, headings) for row in _rows(table)]
     except (arrow.ArrowException, OSError, KeyError, TypeError, ValueError):
         return []
 
 
-def keys(path: Path) -> list[Key]:
-    """The keys of the rows of a file, none as for `read`."""
+def _keys(part: Path) -> list[Key]:
     arrow, parquet = arrow_of()
     names = [field.name for field in fields(Key)]
     try:
-        with parquet.ParquetFile(path) as file:
+        with parquet.ParquetFile(part) as file:
             return [Key(**row) for row in file.read(names, use_threads=False).to_pylist()]
     except (arrow.ArrowException, OSError, TypeError):
         return []
@@ -125,7 +175,8 @@ def _stored(row: dict[str, Any], headings: tuple[Heading, ...]) -> Stored:
         np.array(row["windows"]),
         Coverage(**{field.name: row[field.name] for field in fields(Coverage)}),
     )
-    return Stored(row["name"], row["size"], row["changed"], row["recipe"], headings, sums)
+    key = {field.name: row[field.name] for field in fields(Key)}
+    return Stored(**key, headings=headings, sums=sums)
 
 
 def arrow_of() -> tuple[Any, Any]:

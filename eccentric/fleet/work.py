@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from eccentric.errors import InputError
-from eccentric.fleet.limits import TASK_BYTES, TASK_FILES
+from eccentric.fleet.limits import LAST_BYTES, TASK_BYTES, TASK_FILES, TASK_PART
 from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.sources import LogFile
 from eccentric.fleet.store import Stored
@@ -25,18 +25,25 @@ class Job:
     recipe: str
 
 
-def tasks_of(jobs: Iterable[Job]) -> Iterator[list[Job]]:
-    """Jobs in their order, as many together as make a task."""
+def tasks_of(jobs: Sequence[Job]) -> Iterator[list[Job]]:
+    """Jobs in their order, as many together as make a task; the last tasks are smaller, to end together."""
     task: list[Job] = []
-    size = 0
+    size, left = 0, sum(job.log.size for job in jobs)
+    most = _most(left)
     for job in jobs:
-        if task and (size + job.log.size > TASK_BYTES or len(task) == TASK_FILES):
+        if task and (size + job.log.size > most or len(task) == TASK_FILES):
             yield task
-            task, size = [], 0
+            task, left = [], left - size
+            size, most = 0, _most(left)
         task.append(job)
         size += job.log.size
     if task:
         yield task
+
+
+def _most(left: int) -> float:
+    """The size of a task where so much is left."""
+    return min(TASK_BYTES, max(left * TASK_PART, LAST_BYTES))
 
 
 def work(jobs: Sequence[Job]) -> list[Stored | FleetProblem]:
@@ -57,7 +64,7 @@ def _one(job: Job) -> Stored | FleetProblem:
         columns = _columns_of(job)
         sums = sums_of(job.log.path, columns)
         log = job.log
-        return Stored(log.name, log.size, log.changed, job.recipe, columns.headings, sums)
+        return Stored(log.period, log.name, log.size, log.changed, job.recipe, columns.headings, sums)
     except InputError as error:
         return problem_of(job, "cannot be used", str(error))
     except Exception as error:  # noqa: BLE001 - one file of thousands must not end the run
