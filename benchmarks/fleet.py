@@ -40,7 +40,7 @@ ROW_BYTES = 24
 SEED = 23
 TIMED_JOINTS = 24
 """Of whose logs times are taken: enough that it does not matter which worker has the last ones."""
-ROUNDS = 3
+ROUNDS = 5
 SCAN = "bare scan by PyArrow"
 WORKERS = ("sums, one worker", "sums, two workers")
 
@@ -124,31 +124,35 @@ def _times(root: Path, seconds: float) -> tuple[dict[str, Measured], list[str]]:
             peers[name] = lambda run=run: run(files)
     rigs, logs = Assigned(str(some / "rigs.csv")), find_logs(str(some / "logs"))[0]
     times: dict[str, list[float]] = {name: [] for name in (*peers, *WORKERS)}
-    memory = 0.0
     for run in peers.values():
         run()
-    for workers, name in enumerate(WORKERS, start=1):
-        with connected(None, workers) as client:
-            for k in range(ROUNDS + 1):
-                progress(f"sums, {name}, round {k}")
-                out = root / f"sums{workers}_{k}"
+    with connected(None, 1) as one, connected(None, 2) as two:
+        for k in range(ROUNDS + 1):
+            for client, name in zip((one, two), WORKERS, strict=True):
+                progress(f"{name}, round {k}")
+                out = root / name.replace(" ", "_") / str(k)
                 plan = plan_of(logs, rigs, out)
                 scan = _timed(peers[SCAN])
-                took = _timed(lambda plan=plan, out=out: gather(plan, client, out, lambda part, what: None))
+                took = _timed(
+                    lambda plan=plan, client=client, out=out: gather(
+                        plan, client, out, lambda part, what: None
+                    )
+                )
                 if k:  # The first round starts the workers' imports.
                     times[SCAN].append(scan)
                     times[name].append(took)
-            memory = max(memory, *client.run(_peak).values())
+        memory = max(peak for client in (one, two) for peak in client.run(_peak).values())
     for name in list(peers)[1:]:
         times[name] = [_timed(peers[name]) for _ in range(ROUNDS)]
     took = {name: statistics.median(some) for name, some in times.items() if some}
     over = {name: seconds / took[SCAN] for name, seconds in took.items()}
-    one, two = WORKERS
     others = "; ".join(f"{name} {over[name]:.1f}" for name in peers if name != SCAN)
     figures = {
-        "fleet cost": Measured(over[one], f"{over[one]:.1f} ({took[one]:.2f} s)", others),
+        "fleet cost": Measured(
+            over[WORKERS[0]], f"{over[WORKERS[0]]:.1f} ({took[WORKERS[0]]:.2f} s)", others
+        ),
         "fleet memory": Measured(memory / 1e9),
-        "fleet two": Measured(took[one] / took[two]),
+        "fleet two": Measured(took[WORKERS[0]] / took[WORKERS[1]]),
     }
     table = [
         f"Sums of {len(files)} files of {seconds * RATE_HZ:.0f} rows, with their QR, written to a store;"

@@ -44,7 +44,9 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
         raise InputError('fleet: dask and distributed are required: pip install "eccentric[fleet]"') from None
     settings = {
         "distributed.comm.timeouts.connect": CONNECT,
+        # Ticks tell how long a loop was busy, which nobody asks here: fifty a second are work.
         "distributed.admin.tick.limit": "1h",
+        "distributed.admin.tick.interval": "10s",
         "distributed.scheduler.allowed-failures": DEATHS,
         # With Dask's own, 64 kB, each array goes back to the system, and the next is mapped and zeroed.
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": KEPT_BYTES,
