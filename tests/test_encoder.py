@@ -139,8 +139,18 @@ def test_it_is_offered_once_where_motor_and_link_turn_alike_and_not_for_an_open_
         ({6: 3.0}, {}, {"electrical": [], "mechanical": []}),
         ({6: 3.0}, {3: 300.0}, {"electrical": ["other"], "mechanical": []}),
         ({6: 3.0, 5: 4.0}, {2: 5.0, 3: 2.0}, {"electrical": ["ripple", "other"], "mechanical": ["angle"]}),
+        ({6: 3.0, 7: 30.0}, {2: 3.0}, {"electrical": [], "mechanical": ["load", "angle"]}),
+        ({5: 6.0, 7: 30.0}, {2: 3.0}, {"electrical": ["ripple"], "mechanical": ["load"]}),
     ],
-    ids=["angle", "ripple", "another torque", "another torque beside a large effect", "both"],
+    ids=[
+        "angle",
+        "ripple",
+        "another torque",
+        "another torque beside a large effect",
+        "both",
+        "angle beside a large load",
+        "ripple beside a large load",
+    ],
 )
 def test_the_mechanical_balance_decides_what_a_voltage_is(
     torque: dict[int, float], circuit: dict[int, float], expected: dict[str, list[str]]
@@ -155,7 +165,7 @@ def test_the_mechanical_balance_decides_what_a_voltage_is(
 
     found = search_all(
         [design(torque), replace(design(circuit), name="electrical")],
-        [ripple, other, angle],
+        [ripple, other, angle, candidate("load", {7: 1.0})],
         Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True),
         {},
         lambda _: None,

@@ -45,6 +45,18 @@ def test_covariance_is_newey_and_wests_sum() -> None:
     np.testing.assert_allclose(covariance(x, e), expected, rtol=1e-10)
 
 
+def test_coefficients_of_columns_that_are_one_have_no_finite_variance() -> None:
+    """Of a, b and a + b no coefficient is determined; that of a column beside them is as without the sum."""
+    rng = np.random.default_rng(4)
+    x, e = rng.standard_normal((60, 3)), rng.standard_normal(60)
+    e -= x @ np.linalg.lstsq(x, e, rcond=None)[0]
+    found = covariance(np.column_stack([x, x[:, 0] + 2.0 * x[:, 1]]), e)
+    without = covariance(x, e)[2, 2] * (60 - 3) / (60 - 4)
+
+    assert [math.inf, math.inf, math.inf] == [found[k, k] for k in (0, 1, 3)]
+    assert found[2, 2] == pytest.approx(without, rel=1e-9)
+
+
 def test_standard_error_of_a_mean_under_ar1_noise_has_the_closed_form() -> None:
     """AR(1) noise inflates the variance of a mean (1 + r)/(1 - r)-fold, and 95 % of the intervals hold it.
 

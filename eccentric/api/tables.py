@@ -87,7 +87,7 @@ class Correlation:
     def of(cls, names: Sequence[str], covariance: NDArray[np.float64]) -> Correlation:
         """The correlation of estimates with this covariance (n, n)."""
         error = np.sqrt(np.diag(covariance))
-        error = np.where(error > 0.0, error, np.nan)
+        error = np.where((error > 0.0) & (error < np.inf), error, np.nan)
         return cls(tuple(names), covariance / np.outer(error, error))
 
     def __getitem__(self, pair: tuple[str, str]) -> float:

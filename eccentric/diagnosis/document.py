@@ -10,6 +10,7 @@ import sympy as sp
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.words import diagnosis_sentence, tied_families
 from eccentric.effects import Effect
+from eccentric.estimation import Estimate
 from eccentric.model import TURNING
 
 __all__ = ["diagnosis_document"]
@@ -152,10 +153,16 @@ def _identified(found: Diagnosis) -> dict[str, Any]:
     said: dict[str, Any] = {name: getattr(aligned, name) for name in sorted(found.rig.estimate)}
     for name, e in fitted.estimates.items():
         if name not in of_the_model:
-            interval = list(e.interval)
-            error = e.std_error if math.isfinite(e.std_error) else None
-            said[name] = {"value": e.value, "std_error": error, "interval_95": interval, "unit": e.unit}
+            said[name] = {"value": e.value, **_uncertainty(e), "unit": e.unit}
     return said
+
+
+def _uncertainty(estimate: Estimate | None) -> dict[str, Any]:
+    """Standard error and interval; null where there is none, or no end to it."""
+    if estimate is None:
+        return {"std_error": None, "interval_95": None}
+    error, *ends = (x if math.isfinite(x) else None for x in (estimate.std_error, *estimate.interval))
+    return {"std_error": error, "interval_95": ends}
 
 
 def _stability(found: Diagnosis, effect: Effect) -> dict[str, Any] | None:
@@ -171,12 +178,7 @@ def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
     parameters = {}
     for q in effect.parameters:
         estimate = found.models.extended.estimates.get(q.name)
-        parameters[q.name] = {
-            "value": values[q.name],
-            "std_error": None if estimate is None else estimate.std_error,
-            "interval_95": None if estimate is None else list(estimate.interval),
-            "unit": q.unit,
-        }
+        parameters[q.name] = {"value": values[q.name], **_uncertainty(estimate), "unit": q.unit}
     equation = effect.equation()
     return {
         "id": effect.id,

@@ -5,6 +5,7 @@ The description of an effect comes first, its id second; both come from the effe
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 from eccentric.diagnosis.limits import PROVABLE, ROUNDING
@@ -252,7 +253,10 @@ def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
     shown = []
     for q in effect.parameters:
         estimate = found.models.extended.estimates.get(q.name)
-        error = "" if estimate is None else f" (std error {estimate.std_error:.2g})"
+        error = ""
+        if estimate is not None:
+            endless = math.isinf(estimate.std_error)
+            error = " (not determined)" if endless else f" (std error {estimate.std_error:.2g})"
         shown.append(f"{q.name} = {own[q.name]:.4g}{'' if q.unit == '1' else ' ' + q.unit}{error}")
     share = 100 * found.models.extended.shares.get(effect.id, 0.0)
     variants = stability_words(found, effect)

@@ -39,3 +39,8 @@ FRACTION = 0.1
 """Longest lag of the correlated noise over the number of rows; `uncertainty` says why."""
 BLOCKS, DRAWS = 20, 2000
 """Blocks of a bootstrap, and draws: the ends of a 95 % interval have 50 of these beyond each."""
+DEPENDENT = 1e-8
+"""A singular value of columns of unit length below this part of the largest is zero: slopes are
+differences, right to eight digits."""
+PART_OF_IT = 1e-3
+"""A coefficient with this part of such a direction is not determined: smaller parts are rounding."""

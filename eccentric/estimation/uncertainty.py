@@ -26,11 +26,13 @@ from scipy.special import log_ndtr, ndtri, ndtri_exp, stdtrit
 
 from eccentric.estimation.limits import (
     BLOCKS,
+    DEPENDENT,
     DRAWS,
     FRACTION,
     LITTLE,
     LITTLE_STEP,
     NO_INFLUENCE,
+    PART_OF_IT,
     REPLACED,
 )
 
@@ -87,8 +89,8 @@ class Spread:
         """
         held = {-1: bounds[0], 0: math.nan, 1: bounds[1]}[active]
         value = held if math.isfinite(held) else min(max(float(value), bounds[0]), bounds[1])
-        variance = float(slope @ self.matrix @ slope)
         counts = slope != 0.0  # What has no end may not meet a slope of 0.
+        variance = float(slope[counts] @ self.matrix[np.ix_(counts, counts)] @ slope[counts])
         alone = float(np.sum((slope[counts] * self.alone[counts]) ** 2)) if active else 0.0
         error = math.sqrt(max(variance, 0.0) + alone)
         moved = self.moves[:, counts] @ slope[counts]
@@ -156,8 +158,9 @@ def _one_sided(free: float, error: float) -> float:
 def covariance(design: Array, residual: Array) -> Array:
     """Return the covariance (k, k) of least-squares coefficients; design (m, k), residual (m,) in row order.
 
-    Both contain the square root of the weights. Rows are in order of time; what separates two of them (a
-    held-out stretch, the end of a run) is short compared with S.
+    Columns of which one is a combination of the others have coefficients that may be anything: their variance
+    is infinite. Both contain the square root of the weights. Rows are in order of time; what separates two of
+    them (a held-out stretch, the end of a run) is short compared with S.
     """
     rows, count = design.shape
     size = np.linalg.norm(design, axis=0)
@@ -169,8 +172,14 @@ def covariance(design: Array, residual: Array) -> Array:
     totals = np.cumsum(np.concatenate([padding, scores, padding]), axis=0)
     sums = totals[span:] - totals[:-span]
     omega = sums.T @ sums / span * rows / (rows - count)
-    bread = np.linalg.inv(scaled.T @ scaled)
-    return bread @ omega @ bread / np.outer(size, size)
+    _, singular, axes = np.linalg.svd(scaled, full_matrices=False)
+    weak = singular < DEPENDENT * singular[0] if count else np.zeros(0, bool)
+    bread = axes[~weak].T @ (axes[~weak] / singular[~weak, None] ** 2)
+    found = bread @ omega @ bread / np.outer(size, size)
+    lost = np.any(np.abs(axes[weak]) > PART_OF_IT, axis=0)
+    found[lost], found[:, lost] = 0.0, 0.0
+    found[lost, lost] = math.inf
+    return found
 
 
 def rms(x: Array) -> float:

@@ -118,7 +118,7 @@ def _correlation(fit: Fit) -> dict[str, Any]:
     """Correlation of the errors of coefficients and searched values."""
     covariance = fit.spread.matrix
     error = np.sqrt(np.diag(covariance))
-    error = np.where(error > 0.0, error, np.nan)
+    error = np.where((error > 0.0) & (error < np.inf), error, np.nan)
     matrix = covariance / np.outer(error, error)
     return {
         "names": [*fit.coefficients, *fit.searched],

@@ -97,8 +97,11 @@ def _of_balance(
         ends = (shape.low, shape.high)
         found[name] = error.estimate(point.values[name], unit[k], units[name], ends)
         slopes.append(unit[k])
-    gradient = np.array(slopes)
-    return found, gradient @ error.matrix @ gradient.T
+    gradient, endless = np.array(slopes), np.isinf(np.diag(error.matrix))
+    covariance = gradient[:, ~endless] @ error.matrix[np.ix_(~endless, ~endless)] @ gradient[:, ~endless].T
+    lost = np.any(gradient[:, endless] != 0.0, axis=1)
+    covariance[lost, lost] = np.inf
+    return found, covariance
 
 
 def _tilt(cosine: Estimate, ends: tuple[float, float]) -> Estimate:

@@ -186,9 +186,8 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
         )
         if e := estimates.get(q.name):
             error = e.std_error if math.isfinite(e.std_error) else None
-            row = replace(
-                row, std_error=error, interval=e.interval, bound=e.bound_active or "", widened=e.widened
-            )
+            ends = e.interval if all(map(math.isfinite, e.interval)) else None
+            row = replace(row, std_error=error, interval=ends, bound=e.bound_active or "", widened=e.widened)
         rows.append(row)
     return sorted(rows, key=lambda row: _ORIGINS.index(row.origin))
 
