@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -43,8 +43,13 @@ class RigDraft:
     @property
     def needed(self) -> tuple[str, ...]:
         """The letters that have to be typed for a fit."""
-        needed = ("case", "M", "M_l", "L", "k_i")
-        return tuple(e.key for e in self.questions if e.table == "known" and e.key in needed)
+        needed = ("case", "M", "M_l", "L", "k_i", "k_f")
+        shown = {p.channel for p in self.proposals}
+        return tuple(
+            e.key
+            for e in self.questions
+            if e.table == "known" and e.key in needed and (e.key != "k_f" or "current" in shown)
+        )
 
     def summary(self) -> str:
         """The channels with unit and confidence, the doubts and the questions, for a terminal."""
@@ -119,7 +124,8 @@ def draft_rig(
         place = Path(os.path.relpath(arm, beside)).as_posix()
         draft = draft_of_arm(_same_columns(read), chain, place, reading or (lambda _: None))
     title = name or names_of([_longest(read)])[0].split(".")[0]
-    return RigDraft(toml_of(draft, title), draft.proposals, draft.left_out, draft.doubts, draft.questions)
+    proposals = tuple(replace(p, channel=draft.axis.said(p.channel)) for p in draft.proposals)
+    return RigDraft(toml_of(draft, title), proposals, draft.left_out, draft.doubts, draft.questions)
 
 
 def _longest(logs: Sequence[Log]) -> Log:

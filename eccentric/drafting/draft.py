@@ -11,17 +11,23 @@ from numpy.typing import NDArray
 
 from eccentric.drafting import limits
 from eccentric.drafting.balance import Explained, Moved, balance_of, motion_from
+from eccentric.drafting.carriage import (
+    carriage_channels,
+    carriage_entries,
+    driven,
+    is_carriage,
+)
 from eccentric.drafting.clock import SECONDS, Clock, find_clock, find_runs
 from eccentric.drafting.columns import LoggedColumn, columns_of, step_of, wrap_of
 from eccentric.drafting.drives import find_drives
 from eccentric.drafting.motion import Grid, Pair, grid_of, pairs_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
-from eccentric.drafting.questions import entries_of
+from eccentric.drafting.questions import entries_of, facts_of
 from eccentric.drafting.units import Reading, Shown, readings
-from eccentric.drafting.words import of_a_carriage
 from eccentric.errors import InputError, few
 from eccentric.logs import Log
+from eccentric.model import LINEAR, TURNING, AxisKind
 
 __all__ = ["Draft", "draft_of"]
 
@@ -39,6 +45,7 @@ class Draft:
         entries: the other lines of the rig file.
         left_out: column -> why it is no channel.
         facts: what else the log shows, one line each.
+        axis: a drive that turns, or a carriage.
     """
 
     path: str
@@ -46,11 +53,14 @@ class Draft:
     entries: tuple[RigLine, ...]
     left_out: Mapping[str, str]
     facts: tuple[str, ...]
+    axis: AxisKind = TURNING
 
     @property
     def doubts(self) -> tuple[str, ...]:
         """What is not sure, one line each."""
-        by_channel = [f"{p.channel} = {p.column}: {p.doubt}" for p in self.proposals if p.doubt]
+        by_channel = [
+            f"{self.axis.said(p.channel)} = {p.column}: {p.doubt}" for p in self.proposals if p.doubt
+        ]
         return (*by_channel, *(f"{e.key}: {e.doubt}" for e in self.entries if e.doubt))
 
     @property
@@ -109,15 +119,32 @@ def draft_of(log: Log) -> Draft:
         turns=gravity.turns if gravity else 0.0,
         fastest=float(np.quantile(np.abs(motion.w), 0.95)),
     )
-    found = readings(evidence)
-    proposals = _channels(clock, run, found, evidence, pair, doubt)
+    carried = is_carriage(evidence)
+    drives, no_drives = driven(drives, {c.text: c.name.unit for c in rest}, carried)
+    left_out |= no_drives
+    found = [] if carried else readings(evidence)
+    if carried:
+        moving = carriage_channels(evidence, _said(pair))
+        proposals = [*([run] if run else []), clock.proposal, *moving]
+    else:
+        moving = []
+        proposals = _channels(clock, run, found, evidence, pair, doubt)
     drive = next((c for c in rest if drives and c.text == drives[0].column.strip("-`")), None)
     named, unclear = find_flags(flags, grid, motion, drive)
     left_out |= unclear
     left_out |= {n: "supply voltage" for n in ratio if not any(n in p.column for p in drives)}
     proposals += [*drives, *([temperature] if temperature else []), *named]
-    entries, facts = entries_of(found[0], evidence, gravity, drives, grid, motion)
-    return Draft(log.path, tuple(proposals), tuple(entries), left_out, tuple(facts))
+    if carried:
+        largest = float(np.quantile(np.abs(drive.values), 0.999)) if drive else 0.0
+        entries = carriage_entries(evidence, moving, drives, largest)
+    else:
+        entries = entries_of(found[0], evidence, gravity, drives)
+    facts, axis = facts_of(grid, motion), LINEAR if carried else TURNING
+    return Draft(log.path, tuple(proposals), tuple(entries), left_out, tuple(facts), axis)
+
+
+def _said(pair: Pair | None) -> list[str]:
+    return [f"correlates {pair.r:.3f} with the slope of {pair.angle}"] if pair else []
 
 
 def _moving(
@@ -258,16 +285,11 @@ def _channels(
             continue
         sure = sum(r.weight for r in found if getattr(r, what) == unit and _alike(r, best, unit))
         said = list(best.why[what])
-        if what == "speed" and pair is not None:
-            said.insert(0, f"correlates {pair.r:.3f} with the slope of {pair.angle}")
+        if what == "speed":
+            said = [*_said(pair), *said]
         if column.name.quantity == what:
             said.insert(0, f"{what} by its name")
         doubts = [doubt] if doubt else []
-        if of_a_carriage(column.name.unit):
-            doubts.append(
-                f'{column.name.unit} is no unit of an angle: for a carriage write kind = "linear" by hand,'
-                " as on the page on linear axes"
-            )
         if sure < limits.SURE:
             others = _others(found, what, unit)
             turn = (

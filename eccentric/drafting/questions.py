@@ -15,7 +15,7 @@ from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.units import Reading, Shown
 from eccentric.errors import counted
 
-__all__ = ["entries_of"]
+__all__ = ["entries_of", "facts_of"]
 
 TURN = 2.0 * math.pi
 
@@ -25,14 +25,10 @@ def entries_of(
     given: Shown,
     balance: Explained | None,
     drives: Sequence[Proposal],
-    grid: Grid,
-    motion: Moved,
-) -> tuple[list[RigLine], list[str]]:
-    """The lines of the rig file, and other facts in words."""
+) -> list[RigLine]:
+    """The lines of the rig file."""
     kinds = {p.channel for p in drives}
-    entries = [*_encoder(best, given), *_alignment(balance, kinds)]
-    entries += _known(best, given, balance, kinds)
-    return entries, _facts(grid, motion)
+    return [*_encoder(best, given), *_alignment(balance, kinds), *_known(best, given, balance, kinds)]
 
 
 def _encoder(best: Reading, given: Shown) -> list[RigLine]:
@@ -187,7 +183,8 @@ def _gear(best: Reading) -> RigLine:
     return RigLine("known", "mu", "1", why, "without gravity the log does not show the gear")
 
 
-def _facts(grid: Grid, motion: Moved) -> list[str]:
+def facts_of(grid: Grid, motion: Moved) -> list[str]:
+    """What else the log shows, one line each."""
     inner = grid.inner()
     still = 1.0 - float(np.mean(motion.moving[inner])) if np.any(inner) else 0.0
     both = float(np.mean(motion.w[motion.moving] > 0.0)) if np.any(motion.moving) else 0.0

@@ -8,7 +8,8 @@ from collections.abc import Iterable, Iterator
 
 from eccentric.drafting.draft import Draft
 from eccentric.drafting.proposal import Proposal, RigLine
-from eccentric.rigs import CHANNELS
+from eccentric.model import AxisKind
+from eccentric.rigs import channels_of
 
 __all__ = ["toml_of"]
 
@@ -34,11 +35,11 @@ def toml_of(draft: Draft, name: str) -> str:
         "",
     )
     if drive:
-        lines.append(f'drive = "{drive}"')
+        lines.append(f'drive = "{draft.axis.said(drive)}"')
     lines += [line for entry in draft.entries if entry.table == "" for line in _entry(entry)]
     lines += ["", "[columns]"]
     for proposal in draft.proposals:
-        lines += _channel(proposal)
+        lines += _channel(proposal, draft.axis)
     lines += [
         f"# {_line(f'{column} is no channel: {why}')}" for column, why in sorted(draft.left_out.items())
     ]
@@ -49,14 +50,14 @@ def toml_of(draft: Draft, name: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _channel(proposal: Proposal) -> Iterator[str]:
-    standard = CHANNELS[proposal.channel][1]
+def _channel(proposal: Proposal, axis: AxisKind) -> Iterator[str]:
+    standard = channels_of(axis)[proposal.channel][1]
     column = _quoted(proposal.column)
     value = column
     if proposal.unit and proposal.unit not in (standard, standard.replace(" ", "")):
         value = f"{{ column = {column}, unit = {_quoted(proposal.unit)} }}"
     yield from _comments("", proposal.evidence, proposal.doubt)
-    yield f"{proposal.channel} = {value}"
+    yield f"{axis.said(proposal.channel)} = {value}"
 
 
 def _entry(entry: RigLine) -> Iterator[str]:

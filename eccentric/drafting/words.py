@@ -16,12 +16,12 @@ __all__ = ["Name", "dimension_of", "of_a_carriage", "read_name"]
 
 _WORDS = {
     "time": "t time times timestamp stamp zeit clock tick ticks uptime elapsed millis micros sec seconds",
-    "angle": "theta angle ang pos position q winkel lage enc encoder rotation drehwinkel phi th",
+    "angle": "theta angle ang pos position q winkel lage enc encoder rotation drehwinkel phi th stroke weg",
     "speed": "omega w speed vel velocity drehzahl dq qd thetadot dtheta rpm geschwindigkeit n om",
     "acceleration": "acc accel acceleration qdd ddq ddtheta beschleunigung",
     "current": "i iq current cur strom amps ampere amp isense imot motorstrom",
     "voltage": "u uq vq voltage volt volts spannung umot vmot v klemmenspannung",
-    "torque": "tau torque moment trq drehmoment tq mot_torque",
+    "torque": "tau torque moment trq drehmoment tq mot_torque force kraft thrust",
     "temperature": "temp temperature temperatur celsius tmot",
     "supply": "supply bus vbus vdc battery vbat batt dclink vin ubat zwischenkreis",
     "duty": "pwm duty dutycycle",
@@ -39,6 +39,7 @@ _LINK = frozenset({"link", "load", "output", "out", "joint", "arm", "l", "last",
 _MOTOR = frozenset({"motor", "mot", "m", "rotor", "input", "in", "antrieb"})
 
 _SPELLINGS = {
+    "m_s": "m/s", "mm_s": "mm/s", "um_s": "um/s", "cm_s": "cm/s",
     "rad_s": "rad/s", "rads": "rad/s", "rad/sec": "rad/s", "rad_sec": "rad/s", "rad s^-1": "rad/s",
     "rad_per_s": "rad/s", "deg_s": "deg/s", "°/s": "deg/s", "dps": "deg/s", "deg/sec": "deg/s",
     "deg_per_s": "deg/s", "1/min": "rpm", "min^-1": "rpm", "min-1": "rpm", "u/min": "rpm", "r/min": "rpm",
@@ -55,8 +56,8 @@ _BRACKETS = re.compile(r"\s*(?:\[([^\]]*)\]|\(([^)]*)\)|\bin\s+(\S+)$|\s/\s*(\S+
 _TOKENS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[°µ%]\w*")
 
 _KINDS = {
-    "time": ("s",), "angle": ("rad",), "speed": ("rad/s",), "current": ("A",), "voltage": ("V",),
-    "torque": ("N m",), "temperature": ("degC",), "acceleration": ("rad/s^2",),
+    "time": ("s",), "angle": ("rad", "m"), "speed": ("rad/s", "m/s"), "current": ("A",), "voltage": ("V",),
+    "torque": ("N m", "N"), "temperature": ("degC",), "acceleration": ("rad/s^2", "m/s^2"),
 }  # fmt: skip
 
 
@@ -118,13 +119,11 @@ def dimension_of(unit: str) -> str:
     """The quantity that a unit belongs to, empty if it says nothing: % and 1 do not."""
     if unit in ("", "%", "1", "-"):
         return ""
-    for quantity, (required,) in _KINDS.items():
-        try:
-            if parse_unit(unit, "", 1.0).dimension == parse_unit(required, "").dimension:
-                return quantity
-        except InputError:
-            return ""
-    return ""
+    try:
+        own = parse_unit(unit, "", 1.0).dimension
+    except InputError:
+        return ""
+    return next((q for q, units in _KINDS.items() if own in [parse_unit(u, "").dimension for u in units]), "")
 
 
 def spelled(text: str) -> str:
@@ -152,7 +151,7 @@ def _suffix(text: str) -> tuple[str, str]:
             continue
         said = tail[1]
         # A single letter is a unit only in its own case, and two words only where they are known as one.
-        if (len(said) == 1 and said not in {"s", "A", "V", "C", "K"}) or (
+        if (len(said) == 1 and said not in {"s", "A", "V", "C", "K", "N"}) or (
             "_" in said and said.lower() not in _SPELLINGS
         ):
             continue

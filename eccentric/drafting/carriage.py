@@ -1,0 +1,144 @@
+"""A drive that moves a carriage: the units of its position and velocity, and the lines of its rig."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from eccentric.drafting import limits
+from eccentric.drafting.proposal import Proposal, RigLine
+from eccentric.drafting.units import Shown
+from eccentric.drafting.words import of_a_carriage
+from eccentric.errors import InputError
+from eccentric.logs import parse_unit
+
+__all__ = ["carriage_channels", "carriage_entries", "driven", "is_carriage"]
+
+_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
+_TORQUE = "a torque: behind a screw the force is 2 pi times it over the pitch, as arithmetic on this column"
+_FORCE = "a force: a shaft is driven by a torque"
+_REFERENCE = 'of an amplifier\'s reference put the force instead, as in { column = "u", gain = "35 N/V" }'
+_VELOCITIES = {f"{unit}/s": size for unit, size in _LENGTHS.items()}
+
+
+def is_carriage(given: Shown) -> bool:
+    """Whether a name or the log itself gives position or velocity a unit of length: values alone never do."""
+    return any(c is not None and of_a_carriage(c.name.unit) for c in (given.angle, given.speed))
+
+
+def carriage_channels(given: Shown, said_of_speed: Sequence[str]) -> list[Proposal]:
+    """Position and velocity: units by name, else by the velocity as the slope of the position.
+
+    Args:
+        given: what the values show.
+        said_of_speed: evidence that the velocity is one.
+    """
+    proposals = []
+    position, velocity = (_size(c.name.unit) if c else 0.0 for c in (given.angle, given.speed))
+    for column, known, size, units, channel in (
+        # The velocity as logged is `factor` times the slope of the position as logged.
+        (given.angle, position, velocity * abs(given.factor), _LENGTHS, "theta_m"),
+        (given.speed, velocity, _ratio(position, abs(given.factor)), _VELOCITIES, "omega_m"),
+    ):
+        if column is None:
+            continue
+        said = list(said_of_speed) if channel == "omega_m" else []
+        unit, sure, doubt = column.name.unit, 0.99, ""
+        if known:
+            said.append(f"{unit} by its name")
+        elif size:
+            off = {name: abs(math.log(one / size)) for name, one in units.items()}
+            unit = min(off, key=lambda name: off[name])
+            said.append("as the slope of the position asks for")
+            sure, doubt = (0.95, "") if off[unit] < 4.0 * limits.FACTOR else (0.3, "no unit fits")
+        else:
+            unit, sure, doubt = next(iter(units)), 0.3, "its unit is not to be seen"
+        proposals.append(Proposal(channel, column.text, unit, tuple(said), sure, doubt))
+    return proposals
+
+
+def _ratio(above: float, below: float) -> float:
+    return above / below if below else 0.0
+
+
+def _size(unit: str) -> float:
+    """A unit of length or velocity in SI; 0 for others."""
+    return parse_unit(unit, "").factor if of_a_carriage(unit) else 0.0
+
+
+def driven(
+    drives: Sequence[Proposal], stated: Mapping[str, str], carriage: bool
+) -> tuple[list[Proposal], dict[str, str]]:
+    """The drives of a carriage or a shaft, and why a column is none: one has a force, the other a torque.
+
+    Args:
+        drives: as they were found.
+        stated: column -> unit that the header gives it, "" for none.
+        carriage: whether it is one.
+    """
+    kept: list[Proposal] = []
+    left_out: dict[str, str] = {}
+    channels = {drive.channel for drive in drives}
+    for drive in drives:
+        if carriage and drive.channel == "torque" and not stated.get(drive.column.strip("-`")):
+            kept.append(replace(drive, unit="N", doubt="no unit in its name: N, if it is a force"))
+        elif drive.channel == "torque" and _is_force(drive.unit) != carriage:
+            left_out[drive.column] = _TORQUE if carriage else _FORCE
+        elif drive.channel == "torque" and carriage:
+            said = tuple(one.replace("torque by its name", "force by its name") for one in drive.evidence)
+            kept.append(replace(drive, evidence=said))
+        elif carriage and channels == {"voltage"}:
+            kept.append(replace(drive, doubt="; ".join(filter(None, (drive.doubt, _REFERENCE)))))
+        else:
+            kept.append(drive)
+    return kept, left_out
+
+
+def _is_force(unit: str) -> bool:
+    try:
+        return parse_unit(unit, "").dimension == parse_unit("N", "").dimension
+    except InputError:
+        return False
+
+
+def carriage_entries(
+    given: Shown, channels: Sequence[Proposal], drives: Sequence[Proposal], largest: float
+) -> list[RigLine]:
+    """The lines of the rig file.
+
+    Args:
+        given: what the values show.
+        channels: position and velocity.
+        drives: what moves the carriage.
+        largest: value of the first of these, in its unit.
+    """
+    kinds = {p.channel for p in drives}
+    length = next(c.unit for c in channels)
+    entries = [RigLine("", "kind", '"linear"', f"{length} is a unit of a carriage, not of a shaft")]
+    position = next((c for c in channels if c.channel == "theta_m"), None)
+    if given.step and position is not None:
+        step = given.step * _size(position.unit)
+        why = f"the smallest step of the position, {given.step:.6g} {position.unit}"
+        entries.append(RigLine("", "encoder_step_m", f"{step:.6g}", why))
+    why = "travel per turn of the screw; with it, effects over a turn are tried"
+    entries.append(RigLine("known", "pitch", '"10 mm"', why, asked=True))
+    entries.append(RigLine("known", "mass", '"95 kg"', "moving mass; estimated unless given", asked=True))
+    if "current" in kinds:
+        why = "the force constant (data sheet): the log cannot show it"
+        entries.append(RigLine("known", "k_f", '"50 N/A"', why, asked=True))
+    if "voltage" in kinds:
+        why = "resistance of the armature (data sheet), with k_e and k_f for a voltage at the motor"
+        entries += [
+            RigLine("known", "R", '"1 ohm"', why, asked=True),
+            RigLine("known", "k_e", '"50 V s/m"', "back-EMF constant (data sheet)", asked=True),
+        ]
+        if "current" not in kinds:
+            entries.append(RigLine("known", "k_f", '"50 N/A"', "force constant (data sheet)", asked=True))
+    force = next((p for p in drives if p.channel == "torque"), None)
+    end = f"{float(f'{largest:.1g}'):g} {force.unit}" if force and largest else "1000 N"
+    why = "a constant force against positive motion: a part of the weight; an amplifier's offset looks alike"
+    ends = json.dumps([f"-{end}", end])
+    entries.append(RigLine("unknown", "F_load", ends, why, asked=kinds == {"voltage"}))
+    return entries
