@@ -85,7 +85,8 @@ def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[FleetPr
     with workshop(out) as new_files:
         try:
             every = [job for jobs in plan.jobs.values() for job in jobs]
-            for job, result in spread(client, work, tasks_of(every)):
+            threads = sum(client.nthreads().values()) or 1
+            for job, result in spread(client, work, tasks_of(every, threads)):
                 joint = job.log.joint
                 if isinstance(result, Failed):
                     problems.append(problem_of(job, "worker", str(result)))

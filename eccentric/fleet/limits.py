@@ -84,8 +84,8 @@ EFFECT_PERCENT = 15.0
 
 TASK_BYTES = 2**26
 """Files of one task: tens of times the work that the scheduler has with it."""
-TASK_PART = 1 / 4
-"""Part of what is left that is one task, where that is less: two workers then end together ..."""
+TASK_PART = 0.5
+"""Part of a thread's share of what is left that is one task, where that is less: all then end together ..."""
 LAST_BYTES = 2**22
 """... to within the time that so much takes; smaller tasks cost more than is waited for."""
 TASK_FILES = 64

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import importlib
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cache
 from pathlib import Path
@@ -66,7 +66,7 @@ def write(out: Path, joint: str, rows: Sequence[Stored], place: Path) -> None:
     another rig, and where the joint has many files, one file is made of all.
     """
     folder = _folder(out, joint)
-    parts = list(_parts(folder))
+    parts = _parts(folder)
     new = {(row.period, row.name): row for row in rows}
     recipe = rows[0].recipe
     stale = [key.recipe != recipe or (key.period, key.name) in new for key in keys(out, joint)]
@@ -87,9 +87,10 @@ def _folder(out: Path, joint: str) -> Path:
     return out / "sums" / f"joint={quote(joint, safe=' ')}"
 
 
-def _parts(folder: Path) -> Iterator[Path]:
-    """The files of a joint in the order in which they were written."""
-    return iter(sorted(folder.glob("part-*.parquet"), key=_number))
+def _parts(folder: Path) -> list[Path]:
+    """The files of a joint in the order in which they were written; a copy that somebody made is none."""
+    found = folder.glob("part-*.parquet")
+    return sorted((p for p in found if p.stem.removeprefix("part-").isdecimal()), key=_number)
 
 
 def _number(part: Path) -> int:

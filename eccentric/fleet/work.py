@@ -25,25 +25,25 @@ class Job:
     recipe: str
 
 
-def tasks_of(jobs: Sequence[Job]) -> Iterator[list[Job]]:
-    """Jobs in their order, as many together as make a task; the last tasks are smaller, to end together."""
+def tasks_of(jobs: Sequence[Job], threads: int) -> Iterator[list[Job]]:
+    """Jobs in their order, as many together as make a task: fewer at the end, for threads to end together."""
     task: list[Job] = []
     size, left = 0, sum(job.log.size for job in jobs)
-    most = _most(left)
+    most = _most(left, threads)
     for job in jobs:
         if task and (size + job.log.size > most or len(task) == TASK_FILES):
             yield task
             task, left = [], left - size
-            size, most = 0, _most(left)
+            size, most = 0, _most(left, threads)
         task.append(job)
         size += job.log.size
     if task:
         yield task
 
 
-def _most(left: int) -> float:
+def _most(left: int, threads: int) -> float:
     """The size of a task where so much is left."""
-    return min(TASK_BYTES, max(left * TASK_PART, LAST_BYTES))
+    return min(TASK_BYTES, max(left * TASK_PART / threads, LAST_BYTES))
 
 
 def work(jobs: Sequence[Job]) -> list[Stored | FleetProblem]:
