@@ -9,6 +9,7 @@ import pytest
 from eccentric.api.inputs import model_of
 from eccentric.emission.adapt.prior import inputs_of
 from tests.adapted import Estimator, current, emitted, module, motion, python_bits
+from tests.hosts import lacking
 
 MODELS = ("c1_perpendicular", "c2_parallel", "c2_asymmetric", "rotating_link")
 
@@ -36,6 +37,8 @@ def log(python: Any, count: int, seed: int, dtype: Any) -> list[np.ndarray]:
 @pytest.mark.parametrize("name", MODELS)
 def test_same_bits(tmp_path: Path, name: str, dtype: Any, compiler: str) -> None:
     """Flags and every number of the state agree, over rests, reversals, outliers, NaN and infinities."""
+    if why := lacking(compiler):
+        pytest.skip(why)
     folder = emitted(tmp_path, name)
     python, c = module(folder, name), Estimator(folder, name, dtype, compiler)
     state = python.init(dtype)

@@ -165,9 +165,10 @@ def test_a_good_rig_is_checked_in_its_own_units() -> None:
     assert np.all(["rad" not in line.split() for line in found.estimated])
 
 
-def test_a_draft_says_that_a_length_is_no_angle() -> None:
-    """Drafts are of drives that turn: the columns of a carriage are doubted, with what to write."""
+def test_a_draft_says_what_an_amplifiers_reference_is_to_be() -> None:
+    """A voltage alone drives a carriage as that of its motor; a reference is a force, by a gain."""
     drafted = eccentric.draft_rig(Path("examples/slide/slide.csv.gz"))
-    said = [doubt for doubt in drafted.doubts if 'kind = "linear"' in doubt]
 
-    assert ["theta_m = q_mm: mm is no unit of an angle"] == [doubt.split(": for")[0] for doubt in said]
+    (said,) = drafted.doubts
+    assert said.startswith("voltage = u_V: of an amplifier's reference put the force")
+    assert 'gain = "35 N/V"' in said
