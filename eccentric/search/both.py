@@ -2,9 +2,8 @@
 
 The electrical balance comes first, so that what a current sensor's bias or delay adds to the mechanical
 balance can be subtracted there. An angle that is read wrongly shows in both: its velocity is wrong, and the
-back-EMF varies over a turn as with a ripple of the flux, whose torque would then be subtracted in vain. Where
-such an angle fits the mechanical balance as it is better than what was found, both are searched again with
-the angle first, and that stands if neither is worse for it.
+back-EMF varies over a turn as with a ripple of the flux. In the electrical balance both have the same
+columns, so the mechanical balance decides; the search then begins again without what the misread angle adds.
 """
 
 from __future__ import annotations
@@ -18,7 +17,8 @@ from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant
 from eccentric.search.joint import BothBalances
 from eccentric.search.limits import CONFIRMED, LEAST_DEVIANCE, TINY_COLUMN
-from eccentric.search.screen import Screen
+from eccentric.search.nulltest import correlated
+from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
 from eccentric.signals import BalanceDesign
 
@@ -54,27 +54,26 @@ def search_all(
     if circuit is None:
         return {"mechanical": searched(mechanical)}
     electrical = searched(circuit)
-    found = searched(_corrected(mechanical, electrical), also=_of_the_flux(electrical))
-    misread = _in_the_circuit(found, circuit)
-    as_found = {"electrical": electrical, "mechanical": found}
-    if misread is None and not _rather_misread(found, mechanical):
-        return as_found
-    # Nothing is taken out, since all of it may be due to the angle.
-    first = _in_the_circuit(searched(mechanical), circuit) or misread
-    if first is None:
-        return as_found
-    clean = searched(replace(circuit, target=circuit.target - first.columns @ first.coefficients))
-    # Beside what else was found there: a large effect would hide the difference.
-    screen = electrical.screen
-    others = [v for v in electrical.best.variants if not _spans(first.columns, screen.columns(v))]
-    if electrical.deviance(clean.screen.fit(others), screen.fit(others)) < CONFIRMED:
-        with_it = searched(_corrected(mechanical, clean), also=_of_the_flux(clean))
-        # What has the angle already may lose by it: a ripple of the flux that is none.
-        no_worse = misread is not None or found.deviance(with_it.best, found.best) < CONFIRMED
-        if no_worse and _in_the_circuit(with_it, circuit) is not None:
-            return {"electrical": clean, "mechanical": with_it}
+    misread = _misread(electrical.screen, electrical.best, mechanical, candidates)
     if misread is None:
-        return as_found
+        found = searched(_corrected(mechanical, electrical), also=_of_the_flux(electrical))
+        misread = _in_the_circuit(found, circuit)
+        if misread is None:
+            return {"electrical": electrical, "mechanical": found}
+    # Beside what else the mechanical balance shows, and without the torque of the ripple for which the
+    # circuit took it: alone, it would take on a part of a larger effect.
+    without = _others(electrical, misread)
+    if len(without) < len(electrical.best.variants):
+        alone = replace(electrical, best=electrical.screen.fit(without))
+        found = searched(_corrected(mechanical, alone), also=_of_the_flux(alone))
+        misread = _in_the_circuit(found, circuit) or misread
+    clean = searched(replace(circuit, target=circuit.target - misread.columns @ misread.coefficients))
+    # Beside what else was found there: a large effect would hide the difference.
+    screen, others = electrical.screen, _others(electrical, misread)
+    if electrical.deviance(clean.screen.fit(others), screen.fit(others)) < CONFIRMED:
+        found = searched(_corrected(mechanical, clean), also=_of_the_flux(clean))
+        if _in_the_circuit(found, circuit) is not None:
+            return {"electrical": clean, "mechanical": found}
     # The voltage does not have what such an angle would add.
     found = searched(_corrected(mechanical, electrical), misread.family, _of_the_flux(electrical))
     return {"electrical": electrical, "mechanical": found}
@@ -119,16 +118,41 @@ def _in_the_circuit(mechanical: Search, circuit: BalanceDesign) -> _Misread | No
     return None
 
 
-def _rather_misread(found: Search, mechanical: BalanceDesign) -> bool:
-    """Whether an angle read wrongly fits the balance as it is better than what was found, the corrected one.
+def _misread(
+    electrical: Screen, best: Fitted, mechanical: BalanceDesign, candidates: Sequence[Candidate]
+) -> _Misread | None:
+    """A mechanical effect in whose place an electrical one was found.
 
-    It takes the place of every ripple of the flux, and of one other effect or of none.
+    None if nothing adopted there shows as a mechanical candidate does, or the mechanical balance does not
+    prefer that.
+
+    Args:
+        electrical, best: the electrical balance, and what was found there.
+        mechanical: the other balance.
+        candidates: of both balances.
     """
-    screen, best = Screen(mechanical, ()), found.best
-    angles = [Variant(c, {}) for c in found.screen.candidates if c.also is not None and not c.shapes]
-    others = [v for v in best.variants if not v.candidate.joint]
-    options = [[v for v in others if v is not out] for out in (None, *others)]
-    return any(screen.fit([*kept, angle]).score < best.score for angle in angles for kept in options)
+    screen, rows = Screen(mechanical, ()), electrical.balance.rows
+    linear = [c for c in candidates if c.balance == mechanical.name and not c.shapes]
+    for variant in best.variants:
+        torque = variant.candidate.also
+        for candidate in linear:
+            if torque is None or candidate.also is None:
+                continue
+            added = rows.mean(candidate.also({}))
+            if not _spans(added, electrical.columns(variant)):
+                continue
+            other = screen.fit([Variant(replace(variant.candidate, columns=torque), variant.values)])
+            own = screen.fit([Variant(candidate, {})])
+            effective = screen.rows / correlated(screen, screen.residual(own))
+            if effective * np.log(other.score / own.score) > CONFIRMED:
+                return _Misread(candidate.family, added, screen.own(own)[0])
+    return None
+
+
+def _others(electrical: Search, misread: _Misread) -> list[Variant]:
+    """What was found in the electrical balance but has other columns there than the misread angle."""
+    screen = electrical.screen
+    return [v for v in electrical.best.variants if not _spans(misread.columns, screen.columns(v))]
 
 
 def _spans(columns: Array, others: Array) -> bool:
