@@ -146,13 +146,12 @@ def _times(root: Path, seconds: float) -> tuple[dict[str, Measured], list[str]]:
         times[name] = [_timed(peers[name]) for _ in range(ROUNDS)]
     took = {name: statistics.median(some) for name, some in times.items() if some}
     over = {name: seconds / took[SCAN] for name, seconds in took.items()}
+    alone, together = (took[name] for name in WORKERS)
     others = "; ".join(f"{name} {over[name]:.1f}" for name in peers if name != SCAN)
     figures = {
-        "fleet cost": Measured(
-            over[WORKERS[0]], f"{over[WORKERS[0]]:.1f} ({took[WORKERS[0]]:.2f} s)", others
-        ),
+        "fleet cost": Measured(alone / took[SCAN], f"{alone / took[SCAN]:.1f} ({alone:.2f} s)", others),
         "fleet memory": Measured(memory / 1e9),
-        "fleet two": Measured(took[WORKERS[0]] / took[WORKERS[1]]),
+        "fleet two": Measured(alone / together),
     }
     table = [
         f"Sums of {len(files)} files of {seconds * RATE_HZ:.0f} rows, with their QR, written to a store;"

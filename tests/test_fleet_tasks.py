@@ -27,7 +27,7 @@ def test_every_job_is_in_one_task_and_the_last_ones_are_short(threads: int) -> N
     assert [job for task in tasks for job in task] == jobs
     assert max(sizes) <= TASK_BYTES
     assert sizes[:-1] == sorted(sizes[:-1], reverse=True)
-    assert max(sizes[-threads:]) <= max(LAST_BYTES, sum(sizes[-2 * threads :]) / threads)
+    assert max(sizes[-threads:]) <= LAST_BYTES
 
 
 def test_a_file_larger_than_a_task_is_one_and_small_files_are_not_too_many() -> None:

@@ -43,13 +43,7 @@ class RigDraft:
     @property
     def needed(self) -> tuple[str, ...]:
         """The letters that have to be typed for a fit."""
-        needed = ("case", "M", "M_l", "L", "k_i", "k_f")
-        shown = {p.channel for p in self.proposals}
-        return tuple(
-            e.key
-            for e in self.questions
-            if e.table == "known" and e.key in needed and (e.key != "k_f" or "current" in shown)
-        )
+        return tuple(e.key for e in self.questions if e.needed)
 
     def summary(self) -> str:
         """The channels with unit and confidence, the doubts and the questions, for a terminal."""

@@ -11,6 +11,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.estimation import correlation
 from eccentric.logs import Log
 
 __all__ = ["Correlation", "ResultTable", "ranges_of"]
@@ -86,9 +87,7 @@ class Correlation:
     @classmethod
     def of(cls, names: Sequence[str], covariance: NDArray[np.float64]) -> Correlation:
         """The correlation of estimates with this covariance (n, n)."""
-        error = np.sqrt(np.diag(covariance))
-        error = np.where((error > 0.0) & (error < np.inf), error, np.nan)
-        return cls(tuple(names), covariance / np.outer(error, error))
+        return cls(tuple(names), correlation(covariance))
 
     def __getitem__(self, pair: tuple[str, str]) -> float:
         for name in pair:

@@ -16,11 +16,11 @@ from eccentric.logs import parse_unit
 
 __all__ = ["carriage_channels", "carriage_entries", "driven", "is_carriage"]
 
-_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
+_LENGTHS = ("m", "cm", "mm", "um")
 _TORQUE = "a torque: behind a screw the force is 2 pi times it over the pitch, as arithmetic on this column"
 _FORCE = "a force: a shaft is driven by a torque"
 _REFERENCE = 'of an amplifier\'s reference put the force instead, as in { column = "u", gain = "35 N/V" }'
-_VELOCITIES = {f"{unit}/s": size for unit, size in _LENGTHS.items()}
+_VELOCITIES = tuple(f"{unit}/s" for unit in _LENGTHS)
 
 
 def is_carriage(given: Shown) -> bool:
@@ -49,12 +49,12 @@ def carriage_channels(given: Shown, said_of_speed: Sequence[str]) -> list[Propos
         if known:
             said.append(f"{unit} by its name")
         elif size:
-            off = {name: abs(math.log(one / size)) for name, one in units.items()}
+            off = {name: abs(math.log(_size(name) / size)) for name in units}
             unit = min(off, key=lambda name: off[name])
             said.append("as the slope of the position asks for")
             sure, doubt = (0.95, "") if off[unit] < 4.0 * limits.FACTOR else (0.3, "no unit fits")
         else:
-            unit, sure, doubt = next(iter(units)), 0.3, "its unit is not to be seen"
+            unit, sure, doubt = units[0], 0.3, "its unit is not to be seen"
         proposals.append(Proposal(channel, column.text, unit, tuple(said), sure, doubt))
     return proposals
 
@@ -127,7 +127,7 @@ def carriage_entries(
     entries.append(RigLine("known", "mass", '"95 kg"', "moving mass; estimated unless given", asked=True))
     if "current" in kinds:
         why = "the force constant (data sheet): the log cannot show it"
-        entries.append(RigLine("known", "k_f", '"50 N/A"', why, asked=True))
+        entries.append(RigLine("known", "k_f", '"50 N/A"', why, asked=True, needed=True))
     if "voltage" in kinds:
         why = "resistance of the armature (data sheet), with k_e and k_f for a voltage at the motor"
         entries += [

@@ -33,6 +33,7 @@ class RigLine:
     """Another line of the rig: a table ("" for the top), key and value as TOML.
 
     With `asked` it is a question that the log cannot answer: written as a comment, with a typical value.
+    A fit cannot do without those that are `needed`.
     """
 
     table: str
@@ -41,3 +42,4 @@ class RigLine:
     evidence: str
     doubt: str = ""
     asked: bool = False
+    needed: bool = False

@@ -116,21 +116,40 @@ def _known(best: Reading, given: Shown, balance: Explained | None, kinds: set[st
     else:
         entries.append(
             RigLine(
-                "known", "case", '"C2"', "gravity in the plane of motion; C1: perpendicular to it", asked=True
+                "known",
+                "case",
+                '"C2"',
+                "gravity in the plane of motion; C1: perpendicular to it",
+                asked=True,
+                needed=True,
             )
         )
     entries.append(_gear(best))
     entries += [
-        RigLine("known", "M", '"0.5 kg"', "the unbalanced mass: weigh it", asked=True),
-        RigLine("known", "L", '"0.3 m"', "from the axis to the centre of that mass: measure it", asked=True),
+        RigLine("known", "M", '"0.5 kg"', "the unbalanced mass: weigh it", asked=True, needed=True),
+        RigLine(
+            "known",
+            "L",
+            '"0.3 m"',
+            "from the axis to the centre of that mass: measure it",
+            asked=True,
+            needed=True,
+        ),
     ]
     if gravity or balance is None:
         entries.append(
-            RigLine("known", "M_l", '"0.2 kg"', "the link without the unbalanced mass: weigh it", asked=True)
+            RigLine(
+                "known",
+                "M_l",
+                '"0.2 kg"',
+                "the link without the unbalanced mass: weigh it",
+                asked=True,
+                needed=True,
+            )
         )
     if "current" in kinds and not gravity:
         why = "the torque constant (data sheet): without gravity the log cannot show it"
-        entries.append(RigLine("known", "k_i", '"0.05 N m/A"', why, asked=True))
+        entries.append(RigLine("known", "k_i", '"0.05 N m/A"', why, asked=True, needed=True))
     elif "current" in kinds:
         why = "the torque constant: the data sheet's under [known] if you have it, else gravity identifies it"
         entries.append(RigLine("unknown", "k_i", '["0.001 N m/A", "20 N m/A"]', why))

@@ -182,6 +182,13 @@ def covariance(design: Array, residual: Array) -> Array:
     return found
 
 
+def correlation(covariance: Array) -> Array:
+    """The correlation (k, k) of values with this covariance; NaN where an error is zero or not finite."""
+    error = np.sqrt(np.diag(covariance))
+    error = np.where((error > 0.0) & np.isfinite(error), error, np.nan)
+    return covariance / np.outer(error, error)
+
+
 def rms(x: Array) -> float:
     """The root of the mean square."""
     return float(np.sqrt(np.mean(x**2)))

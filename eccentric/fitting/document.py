@@ -34,6 +34,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eccentric.estimation import correlation
 from eccentric.fitting.columns import k_e
 from eccentric.fitting.letters import following_letters, own_letters
 from eccentric.model import TURNING
@@ -116,10 +117,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
 
 def _correlation(fit: Fit) -> dict[str, Any]:
     """Correlation of the errors of coefficients and searched values."""
-    covariance = fit.spread.matrix
-    error = np.sqrt(np.diag(covariance))
-    error = np.where((error > 0.0) & (error < np.inf), error, np.nan)
-    matrix = covariance / np.outer(error, error)
+    matrix = correlation(fit.spread.matrix)
     return {
         "names": [*fit.coefficients, *fit.searched],
         "matrix": [[float(x) if math.isfinite(x) else None for x in row] for row in matrix],

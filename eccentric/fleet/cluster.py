@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 from eccentric.errors import InputError
 from eccentric.fleet.limits import AHEAD, ALIVE_S, CONNECT, DEATHS, KEPT_BYTES, WORKER_BYTES, WORKERLESS_S
 
-__all__ = ["Failed", "SchedulerLost", "connected", "spread"]
+__all__ = ["Failed", "SchedulerLost", "connected", "spread", "threads_of"]
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -82,6 +82,18 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
             client.close(timeout=2)
 
 
+def threads_of(client: Any) -> int:
+    """The threads of all workers, at least 1: some schedulers start workers on demand.
+
+    Raises:
+        SchedulerLost: the scheduler does not answer.
+    """
+    try:
+        return sum(client.nthreads().values()) or 1
+    except (OSError, TimeoutError) as error:
+        raise SchedulerLost(str(error).splitlines()[0] if str(error) else type(error).__name__) from None
+
+
 def spread(
     client: Any, work: Callable[[Sequence[Item]], Sequence[Result]], tasks: Iterable[Sequence[Item]]
 ) -> Iterator[tuple[Item, Result | Failed]]:
@@ -98,8 +110,8 @@ def spread(
     try:
         while waiting or running or blamed:
             alone = not waiting and not running
-            threads = sum(client.nthreads().values()) or 1
-            while waiting and len(running) < AHEAD * threads:
+            most = AHEAD * threads_of(client)
+            while waiting and len(running) < most:
                 task = waiting.popleft()
                 running[client.submit(work, task, pure=False)] = task
             if alone:

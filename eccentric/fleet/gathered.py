@@ -9,7 +9,7 @@ from typing import Any
 
 from eccentric.errors import InputError
 from eccentric.fleet.assigned import Assigned
-from eccentric.fleet.cluster import Failed, SchedulerLost, spread
+from eccentric.fleet.cluster import Failed, SchedulerLost, spread, threads_of
 from eccentric.fleet.limits import PART_FILES
 from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.sources import LogFile, in_order
@@ -85,8 +85,7 @@ def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[FleetPr
     with workshop(out) as new_files:
         try:
             every = [job for jobs in plan.jobs.values() for job in jobs]
-            threads = sum(client.nthreads().values()) or 1
-            for job, result in spread(client, work, tasks_of(every, threads)):
+            for job, result in spread(client, work, tasks_of(every, threads_of(client))):
                 joint = job.log.joint
                 if isinstance(result, Failed):
                     problems.append(problem_of(job, "worker", str(result)))
