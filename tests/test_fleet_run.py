@@ -179,6 +179,56 @@ def test_a_run_that_was_ended_goes_on_where_it_was(
         np.testing.assert_array_equal(mine.sums.triangles, theirs.sums.triangles)
 
 
+def test_sums_outlive_their_logs_but_not_a_change_of_them(fleet: Path, address: str, tmp_path: Path) -> None:
+    """A log in an archive still counts, and is told; the sums of one that has become unreadable do not."""
+    logs, out = tmp_path / "logs", tmp_path / "out"
+    for joint in ("J01", "J02"):
+        shutil.copytree(fleet / "logs" / f"joint={joint}", logs / f"joint={joint}")
+    first = eccentric.diagnose_fleet(logs, fleet / "rigs.csv", out, scheduler=address)
+    shutil.rmtree(logs / "joint=J01" / "month=2025-06")
+    broken = logs / "joint=J02" / "month=2025-06" / "log.parquet"
+    broken.write_bytes(broken.read_bytes()[:3000])
+
+    again = eccentric.diagnose_fleet(logs, fleet / "rigs.csv", out, scheduler=address)
+
+    assert (first.gone, first.reused, len(first.problems)) == ((), 0, 0)
+    assert again.gone == ("joint=J01/month=2025-06/log.parquet",)
+    assert (again.files, again.reused) == (1, 10)
+    assert [(p.joint, p.period) for p in again.problems] == [("J02", "2025-06")]
+    told = again.summary().splitlines()[0]
+    assert told.startswith(
+        "2 joints; 0 logs read, the sums of 10 were there; 1 could not be used; those of 1 log"
+    )
+    assert _periods(out) == {("J01", "2025-06")}
+
+
+def _periods(out: Path) -> set[tuple[str, str]]:
+    """The joints with coefficients in the last month."""
+    from pyarrow import parquet
+
+    rows = parquet.ParquetFile(out / "coefficients" / "period=2025-06.parquet").read().to_pylist()
+    return {(row["joint"], "2025-06") for row in rows}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a terminal's Ctrl-C goes to a process group only here")
+@pytest.mark.parametrize("seconds", [0.2, 1.5, 4.0])
+def test_ctrl_c_is_one_line(fleet: Path, tmp_path: Path, seconds: float) -> None:
+    """A terminal sends it to workers as well: none of them complains, and none keeps the output open."""
+    words = [sys.executable, "-m", "eccentric", "fleet", str(fleet / "logs")]
+    words += ["--rigs", str(fleet / "rigs.csv"), "--out", str(tmp_path / "out"), "--workers", "2"]
+    run = subprocess.Popen(words, stderr=subprocess.PIPE, start_new_session=True, text=True)
+    while not (tmp_path / "out").exists():  # before that, Python reads its modules
+        time.sleep(0.05)
+    time.sleep(seconds)
+    os.killpg(run.pid, signal.SIGINT)
+    _, error = run.communicate(timeout=60)
+
+    assert run.returncode == 130
+    assert error.splitlines() == [
+        "eccentric: interrupted: what is done is kept, and the same command goes on from there"
+    ]
+
+
 def test_files_joints_and_periods_that_fail_are_named(fleet: Path, address: str, tmp_path: Path) -> None:
     """A corrupt file, one of another schema, a joint without rig, one at rest: each named, all else done."""
     import pyarrow as pa

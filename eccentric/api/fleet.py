@@ -13,9 +13,10 @@ from urllib.parse import quote
 from eccentric.api.diagnosed import DiagnosisResult, diagnose
 from eccentric.api.result import Printed
 from eccentric.api.tables import ResultTable
-from eccentric.errors import InputError, counted
+from eccentric.errors import InputError, counted, few
 from eccentric.fleet import (
     RATE,
+    UNREAD,
     Drifting,
     Examined,
     FleetFound,
@@ -107,6 +108,7 @@ def diagnose_fleet(
         problems=found.problems,
         files=found.files,
         reused=found.reused,
+        gone=found.gone,
     )
 
 
@@ -117,7 +119,8 @@ class FleetResult(Printed):
     Attributes:
         drifting: joints that changed, the most urgent first: what, since when, errors before and after.
         problems: what could not be done, as in problems.csv; all else was.
-        files: logs that were read in this run; `reused`: those whose sums were there.
+        files: logs of this run, read or named in problems; `reused`: those whose sums were there; `gone`:
+            names of logs that are no longer there, whose sums still count.
         lines, warnings, document: as in Printed; the document is the content of fleet.json.
     """
 
@@ -125,6 +128,7 @@ class FleetResult(Printed):
     problems: tuple[FleetProblem, ...]
     files: int
     reused: int
+    gone: tuple[str, ...]
 
     def table(self) -> ResultTable:
         """The joints that changed."""
@@ -134,10 +138,15 @@ class FleetResult(Printed):
 
 
 def _lines(found: FleetFound) -> list[str]:
-    read = f"{counted(found.files, 'log')} read, the sums of {found.reused} were there"
+    failed = sum(problem.kind in UNREAD for problem in found.problems)
+    read = f"{counted(found.files - failed, 'log')} read, the sums of {found.reused} were there"
+    if failed:
+        read += f"; {failed} could not be used"
+    if found.gone:
+        gone = f"{counted(len(found.gone), 'log')} no longer there still count ({few(found.gone, 3)})"
+        read += f"; those of {gone}: delete a joint's folder in sums/ for it to be made again"
     lines = [
-        f"{d.joint}: {d.what}, since {d.since}; {100 * d.part:+.0f} % of the friction;"
-        f" error {d.before:.3g} -> {d.after:.3g} {d.unit}"
+        f"{d.joint}: {d.what}, since {d.since}; {d.size}; error {d.before:.3g} -> {d.after:.3g} {d.unit}"
         for d in found.drifting
     ]
     return [f"{counted(len(found.histories), 'joint')}; {read}", *lines, fleet_sentence(found)]

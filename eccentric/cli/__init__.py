@@ -72,8 +72,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _complain(str(error), 2)
     except Ended as ended:
         return _complain(f"ended by {ended}", 128 + ended.number)
-    except KeyboardInterrupt:
-        return _complain("interrupted", 130)
+    except KeyboardInterrupt as interrupt:
+        return _complain(": ".join(["interrupted", *map(str, interrupt.args)]), 130)
     except BrokenPipeError:
         nobody_reads()
         return UNREAD

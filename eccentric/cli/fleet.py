@@ -1,6 +1,8 @@
 """`eccentric fleet`: the logs of many joints over many periods: what drifts, and what changed."""
 
 import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import eccentric
@@ -52,10 +54,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.description = f"{parser.description}\n\n{_STATUS}"
 
 
+@contextmanager
+def _interrupted() -> Iterator[None]:
+    """Add to Ctrl-C how to go on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt("what is done is kept, and the same command goes on from there") from None
+
+
 def run(args: argparse.Namespace) -> int:
     """Run the fleet, print what changed; return 1 if there are problems."""
     own_folder(args.out)
-    with options(_OPTIONS):
+    with options(_OPTIONS), _interrupted():
         found = eccentric.diagnose_fleet(
             args.logs,
             args.rigs,

@@ -22,7 +22,7 @@ from eccentric.fleet.found import Drifting, Examined, FleetFound, Suspect
 from eccentric.fleet.gathered import gather, plan_of
 from eccentric.fleet.limits import RATE
 from eccentric.fleet.page import fleet_page, fleet_sentence
-from eccentric.fleet.problems import FleetProblem, as_csv
+from eccentric.fleet.problems import UNREAD, FleetProblem, as_csv
 from eccentric.fleet.run import FleetRequest, run_fleet
 from eccentric.fleet.sample import Sample
 from eccentric.fleet.sources import find
@@ -30,6 +30,7 @@ from eccentric.fleet.tables import changes_csv, document_of, write_coefficients
 
 __all__ = [
     "RATE",
+    "UNREAD",
     "Assigned",
     "Drifting",
     "Examined",

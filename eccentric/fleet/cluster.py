@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import importlib
 import logging
+import signal
 import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
 from eccentric.errors import InputError
@@ -54,17 +56,16 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
     }
     with dask.config.set(settings):
         if scheduler is None:
-            with (
-                distributed.LocalCluster(
+            with _without_interrupts():
+                local = distributed.LocalCluster(
                     n_workers=workers,
                     threads_per_worker=1,
                     processes=True,
                     memory_limit=WORKER_BYTES,
                     dashboard_address="127.0.0.1:0",
                     silence_logs=logging.CRITICAL,
-                ) as cluster,
-                distributed.Client(cluster) as client,
-            ):
+                )
+            with local as cluster, distributed.Client(cluster) as client:
                 yield client
             return
         for name in ("distributed.client", "distributed.core"):
@@ -80,6 +81,25 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
             yield client
         finally:
             client.close(timeout=2)
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """What is started here never receives Ctrl-C, which a terminal sends to all processes of a command.
+
+    This process stops its workers itself. Blocked signals are inherited by threads and processes; one that
+    comes meanwhile arrives at the end.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # as on Windows
+        yield
+        return
+    # Python starts its tracker with the first process, and then lets Ctrl-C through to that one.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def threads_of(client: Any) -> int:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from eccentric.fleet.changed import Changed
-from eccentric.fleet.drift import FRICTION, FleetChange
+from eccentric.fleet.drift import FRICTION, RESIDUAL, FleetChange
 from eccentric.fleet.limits import EFFECT_PERCENT
 from eccentric.fleet.periods import History
 from eccentric.fleet.problems import FleetProblem
@@ -74,7 +75,8 @@ class Drifting:
     """A joint that drifts: what changed in words and by name, since when, the errors before and after.
 
     `names` are coefficients or families of effects, empty where nothing explains the change; `sensor` says
-    that they are none of friction. `part` is the change as a part of the friction torque.
+    that they are none of friction. `part` is the change as a part of the friction torque; with
+    `of_residual`, that of the logarithm of what the model leaves.
     """
 
     joint: str
@@ -89,6 +91,14 @@ class Drifting:
     unit: str
     report: str
     changes: tuple[FleetChange, ...] = field(repr=False, default=())
+    of_residual: bool = False
+
+    @property
+    def size(self) -> str:
+        """The change in a word or two: percent of the friction, or by what the residual is multiplied."""
+        if self.of_residual:
+            return f"residual × {math.exp(self.part):.3g}"
+        return f"{100.0 * self.part:+.0f} % of the friction"
 
     @property
     def urgency(self) -> float:
@@ -100,8 +110,9 @@ class Drifting:
 class FleetFound:
     """What a run found: the histories of all joints, tests, joints that drift (most urgent first), problems.
 
-    `temperatures` are those by joint and period that the tests took out; `files` were read in this run,
-    `reused` were there.
+    `temperatures` are those by joint and period that the tests took out. This run read `files` logs, of which
+    `problems` names those without sums; the sums of `reused` others were there, and those of `gone` count
+    though these logs are no longer there.
     """
 
     histories: tuple[History, ...]
@@ -111,6 +122,7 @@ class FleetFound:
     problems: tuple[FleetProblem, ...]
     files: int
     reused: int
+    gone: tuple[str, ...]
     rate: float
 
 
@@ -135,8 +147,9 @@ def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
         what = f"what the model leaves has grown: {tied}, which its log does not distinguish"
     else:
         what = "what the model leaves has grown, and no effect of the library explains it"
-    part = next((own[name] for name in (*names, FRICTION) if name in own), strongest.part)
+    shown = next((name for name in (*names, FRICTION) if name in own), strongest.series.name)
     return Drifting(
-        *(suspect.joint, what, tuple(names), sensor, strongest.since, part, strongest.p),
+        *(suspect.joint, what, tuple(names), sensor, strongest.since, own[shown], strongest.p),
         *(before, after, unit, examined.report, suspect.changes),
+        of_residual=shown == RESIDUAL,
     )

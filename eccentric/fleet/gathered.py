@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from eccentric.fleet.work import Job, problem_of, tasks_of, work
 from eccentric.output import workshop
 from eccentric.rigs import Rig
 
-__all__ = ["Plan", "gather", "plan_of", "stored_of"]
+__all__ = ["Plan", "gather", "gone_of", "plan_of", "stored_of"]
 
 Told = Callable[[float, str], None]
 
@@ -107,13 +107,21 @@ def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[FleetPr
     return problems, done
 
 
-def stored_of(out: Path, joint: str, recipe: str) -> dict[str, list[Stored]]:
+def stored_of(out: Path, joint: str, recipe: str, logs: Iterable[LogFile]) -> dict[str, list[Stored]]:
     """The sums of a joint by period, of logs that are there and of logs that are no longer; in order of time.
 
-    Sums of another rig than it has now do not count.
+    Sums of another rig than it has now do not count, nor those of a log that has changed since.
     """
+    there = {(log.period, log.name): (log.size, log.changed) for log in logs}
     found: dict[str, list[Stored]] = {}
     for row in read(out, joint):
-        if row.recipe == recipe:
+        same = (row.size, row.changed)
+        if row.recipe == recipe and there.get((row.period, row.name), same) == same:
             found.setdefault(row.period, []).append(row)
     return {period: found[period] for period in in_order(found)}
+
+
+def gone_of(stored: Mapping[str, Sequence[Stored]], logs: Iterable[LogFile]) -> list[str]:
+    """The names of the logs whose sums count and which are no longer there."""
+    there = {(log.period, log.name) for log in logs}
+    return [row.name for rows in stored.values() for row in rows if (row.period, row.name) not in there]

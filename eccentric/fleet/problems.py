@@ -7,7 +7,10 @@ import io
 from collections.abc import Iterable
 from dataclasses import astuple, dataclass, fields
 
-__all__ = ["FleetProblem", "as_csv"]
+__all__ = ["UNREAD", "FleetProblem", "as_csv"]
+
+UNREAD = frozenset({"worker", "cannot be used"})
+"""Kinds of problems of a file that has no sums."""
 
 
 @dataclass(frozen=True, order=True)

@@ -14,7 +14,7 @@ from eccentric.fleet.changed import against_the_past, recent_of
 from eccentric.fleet.cluster import Failed, SchedulerLost, connected, spread
 from eccentric.fleet.drift import FleetChange, changes, series_of
 from eccentric.fleet.found import Examined, FleetFound, Suspect, drifting_of
-from eccentric.fleet.gathered import Told, gather, plan_of, stored_of
+from eccentric.fleet.gathered import Told, gather, gone_of, plan_of, stored_of
 from eccentric.fleet.periods import History, history_of
 from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.sample import Sample, sample_of
@@ -69,8 +69,11 @@ def run_fleet(
             said, files = gather(plan, cluster.client, out, told)
             problems += said
         histories: list[History] = []
+        gone: list[str] = []
         for done, joint in enumerate(sorted(plan.rigs)):
-            history, said = history_of(joint, stored_of(out, joint, plan.recipes[joint]))
+            stored = stored_of(out, joint, plan.recipes[joint], by_joint[joint])
+            gone += gone_of(stored, by_joint[joint])
+            history, said = history_of(joint, stored)
             histories.append(history)
             problems += said
             told((done + 1) / len(plan.rigs), "coefficients")
@@ -85,7 +88,7 @@ def run_fleet(
         suspects = [
             suspect
             for joint, own in called.items()
-            for samples in [_samples(out, joint, plan.recipes[joint], by_joint)]
+            for samples in [_samples(out, joint, plan.recipes[joint], by_joint[joint])]
             for suspect in [_suspect(by_name[joint], own, heat[joint], plan.rigs[joint], samples)]
             if suspect.changed.matters
         ]
@@ -104,6 +107,7 @@ def run_fleet(
         tuple(sorted(set(problems))),
         files,
         plan.reused,
+        tuple(gone),
         request.rate,
     )
 
@@ -165,12 +169,12 @@ def _suspect(
 _Samples = Callable[[Sequence[str]], Sample | None]
 
 
-def _samples(out: Path, joint: str, recipe: str, logs: Mapping[str, Sequence[LogFile]]) -> _Samples:
+def _samples(out: Path, joint: str, recipe: str, logs: Sequence[LogFile]) -> _Samples:
     """A function that takes periods to a sample of the first of them that has logs."""
-    stored = stored_of(out, joint, recipe)
+    stored = stored_of(out, joint, recipe, logs)
 
     def first(periods: Sequence[str]) -> Sample | None:
-        found = (sample_of(stored[period], logs[joint]) for period in periods)
+        found = (sample_of(stored[period], logs) for period in periods)
         return next((sample for sample in found if sample is not None), None)
 
     return first

@@ -53,14 +53,20 @@ def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[Fle
         name = path.relative_to(root).as_posix()
         at = _of_folders(path.relative_to(root).parts[:-1]) if match is None else match(path.name)
         if "joint" not in at or "period" not in at:
-            where = "folders joint=... and month=..." if match is None else f"a name like {pattern}"
             problems.append(
-                FleetProblem("", "", name, "not grouped", f"{where} are required, received {name}")
+                FleetProblem("", "", name, "not grouped", f"{_required(pattern)}, received {name}")
             )
             continue
         held = path.stat()
         found.append(LogFile(at["joint"], at["period"], name, path, held.st_size, held.st_mtime_ns))
     return sorted(found), problems
+
+
+def _required(pattern: str | None) -> str:
+    if pattern is not None:
+        return f"a name like {pattern} is required"
+    names = "a --pattern of names such as '{joint}_{period}.csv'"
+    return f"folders joint=... and month=..., or {names}, are required"
 
 
 def in_order(periods: Iterable[str]) -> list[str]:

@@ -179,5 +179,5 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
         alone = ratio.name == "k_i" and any(r.name == "k_e" and r.near(1.0) for r in ratios)
         yield Finding("contradiction", ratio.letter, text, rows, "note" if alone else "warning", mend)
     if {"J", "M g L"} <= {ratio.name for ratio in off}:
-        text = "neither inertia nor gravity of the rig agrees with the log: is the log from another rig?"
+        text = "neither inertia nor gravity of the rig agrees with the log, which may be of another rig"
         yield Finding("another_rig", c.motor.measured_by, text, rows, "warning")
