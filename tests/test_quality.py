@@ -179,7 +179,7 @@ DAMAGE: dict[str, Damage] = {
         C2,
         same,
         {"M_kg": 2.0, "J_l_kgm2": 0.4, "J_m_kgm2": 9e-4},
-        *("another_rig", "current", "is the log from another rig?"),
+        *("another_rig", "current", "which may be of another rig"),
     ),
     "no gravity in the log": (C1, same, {"case": "C2"}, "contradiction", "M g L", "horizontal, case C1?"),
     "no gravity in the rig": (C2, same, {"case": "C1"}, "contradiction", "case", "vertical, case C2"),
