@@ -23,7 +23,7 @@ from tests.fleets import one_joint, rig_of
 
 def _suspect(rig: Rig) -> Suspect:
     """A joint whose change no coefficient explains, without logs."""
-    return Suspect("J", rig, (), Changed((), (), 0.1, 0.05, 0.02, 0.05, 0.2, 0.5), None, None)
+    return Suspect("J", rig, None, (), Changed((), (), 0.1, 0.05, 0.02, 0.05, 0.2, 0.5), None, None)
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -131,6 +133,24 @@ def test_the_page_opens_offline(found: tuple[Path, Any]) -> None:
     assert "http" not in page.replace("http-equiv", "")
     for one in result.drifting:
         assert f'<a href="{one.report}">{one.joint}</a>' in page
+
+
+def test_the_report_of_a_joint_can_be_repeated(
+    fleet: Path, found: tuple[Path, Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Its command, with the rig beside it and the log of the last period, says the same."""
+    out, _ = found
+    document = json.loads((out / "joints" / "J03" / "diagnosis.json").read_text(encoding="utf-8"))
+    page = (out / "joints" / "J03" / "report.html").read_text(encoding="utf-8")
+    words = shlex.split(re.findall(r"eccentric (diagnose [^<]*) --out DIR", page)[0])
+    shutil.copy(out / "joints" / "J03.rig.json", tmp_path)
+    shutil.copy(fleet / "logs" / "joint=J03" / "month=2025-06" / "log.parquet", tmp_path)
+    monkeypatch.chdir(tmp_path)
+
+    assert main([*words, "--out", "again"]) == 0
+    again = json.loads((tmp_path / "again" / "diagnosis.json").read_text(encoding="utf-8"))
+    assert again["verdict"] == document["verdict"]
+    assert again["rows"]["used"] == document["rows"]["used"]
 
 
 def test_only_what_is_new_or_changed_is_read(fleet: Path, found: tuple[Path, Any], tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 import os
@@ -33,7 +34,6 @@ from eccentric.fleet import (
     write_coefficients,
 )
 from eccentric.output import own_folder, whole_file, whole_folder
-from eccentric.rigs import Rig
 from eccentric.version import __version__
 
 __all__ = ["FleetResult", "diagnose_fleet"]
@@ -169,7 +169,7 @@ def _examined(suspects: Sequence[Suspect]) -> list[tuple[DiagnosisResult | None,
         try:
             past: tuple[str, ...] = ()
             if not suspect.changed.names:
-                past = _families(_diagnosed(suspect.rig, suspect.past, "past"))
+                past = _families(_diagnosed(suspect, suspect.past, "past"))
             found.append((_beyond(suspect, past), past, ""))
         except InputError as error:
             found.append((None, (), str(error)))
@@ -180,16 +180,25 @@ def _beyond(suspect: Suspect, past: Sequence[str]) -> DiagnosisResult:
     """The diagnosis of the recent log beyond effects of the past, where the model can have these."""
     if past:
         try:
-            return _diagnosed(suspect.rig, suspect.recent, "recent", past)
+            return _diagnosed(suspect, suspect.recent, "recent", past)
         except InputError:
             pass  # one of them has hidden states, or the log is wrong, which is said below
-    return _diagnosed(suspect.rig, suspect.recent, "recent")
+    return _diagnosed(suspect, suspect.recent, "recent")
 
 
-def _diagnosed(rig: Rig, sample: Sample | None, when: str, including: Sequence[str] = ()) -> DiagnosisResult:
+def _diagnosed(
+    suspect: Suspect, sample: Sample | None, when: str, including: Sequence[str] = ()
+) -> DiagnosisResult:
     if sample is None:
         raise InputError(f"a log of the {when} periods is required for a diagnosis, none is there any longer")
+    rig = suspect.rig
+    if suspect.content is not None:  # as the report names it, for its command to be one that can be run
+        rig = dataclasses.replace(rig, path=_rig_file(suspect))
     return diagnose(sample.log(rig), rig, including=including)
+
+
+def _rig_file(suspect: Suspect) -> str:
+    return f"{quote(suspect.joint, safe=' ')}.rig.json"
 
 
 def _families(found: DiagnosisResult) -> tuple[str, ...]:
@@ -205,6 +214,9 @@ def _kept(
         return Examined(said=said)
     place = _place(out, suspect)
     found.write(place)
+    if suspect.content is not None:
+        with whole_file(place.with_name(_rig_file(suspect))) as new:
+            new.write_text(json.dumps(suspect.content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     balance = found.document["improvement"]["balance"]
     rmse = found.rmse[balance]
     every = found.document["effects"]

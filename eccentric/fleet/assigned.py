@@ -42,8 +42,19 @@ class Assigned:
 
     def rig(self, joint: str) -> Rig:
         """The rig of a joint. InputError for one that the table lacks, or whose rig cannot be read."""
-        if self._table is None:
+        content = self.content(joint)
+        if content is None:
             return read_rig(self._path)
+        where = f"{self._path} (joint {joint})"
+        try:
+            return dataclasses.replace(read_rig(content), path=where)
+        except InputError as error:
+            raise InputError(f"{where}: {str(error).removeprefix('rig: ')}") from None
+
+    def content(self, joint: str) -> Mapping[str, Any] | None:
+        """The rig file of a joint with its own values; None where one file holds for all. Raises as `rig`."""
+        if self._table is None:
+            return None
         if joint not in self._table:
             raise InputError(f"{self._path}: a rig of joint {joint} is required, received none")
         name, own = self._table[joint]
@@ -53,11 +64,7 @@ class Assigned:
         content = dict(self._files[path])
         content["known"] = _with_own(read_table(content.get("known", {}), f"{path}: known"), own)
         content["name"] = joint
-        where = f"{self._path} (joint {joint})"
-        try:
-            return dataclasses.replace(read_rig(content), path=where)
-        except InputError as error:
-            raise InputError(f"{where}: {str(error).removeprefix('rig: ')}") from None
+        return content
 
 
 def _with_own(known: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from eccentric.fleet.changed import Changed
 from eccentric.fleet.drift import FRICTION, RESIDUAL, FleetChange
@@ -33,11 +34,13 @@ NOT_FRICTION = frozenset({"scale", "offset", "inertia"})
 class Suspect:
     """A joint that drifts, before its diagnosis: its significant changes, strongest first; what sums say.
 
-    `past` and `recent` are the logs that a diagnosis compares, None where no log of the time is there.
+    `content` is that of its rig as a file, None where one file holds for all joints. `past` and `recent` are
+    the logs that a diagnosis compares, None where no log of the time is there.
     """
 
     joint: str
     rig: Rig
+    content: Mapping[str, Any] | None
     changes: tuple[FleetChange, ...]
     changed: Changed
     past: Sample | None

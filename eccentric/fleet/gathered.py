@@ -25,13 +25,14 @@ Told = Callable[[float, str], None]
 
 @dataclass
 class Plan:
-    """What has to be done: jobs by joint, the rigs and digests of the joints, problems so far.
+    """What has to be done: jobs by joint, the joints' rigs with their content and digests, problems so far.
 
     `reused` counts the files whose sums are there.
     """
 
     jobs: dict[str, list[Job]] = field(default_factory=dict)
     rigs: dict[str, Rig] = field(default_factory=dict)
+    contents: dict[str, Mapping[str, Any] | None] = field(default_factory=dict)
     recipes: dict[str, str] = field(default_factory=dict)
     problems: list[FleetProblem] = field(default_factory=list)
     reused: int = 0
@@ -51,7 +52,7 @@ def plan_of(logs: Iterable[LogFile], rigs: Assigned, out: Path) -> Plan:
         joint = log.joint
         if joint not in plan.rigs and joint not in refused:
             try:
-                plan.rigs[joint] = rigs.rig(joint)
+                plan.rigs[joint], plan.contents[joint] = rigs.rig(joint), rigs.content(joint)
                 plan.recipes[joint] = recipe_of(plan.rigs[joint])
             except InputError as error:
                 refused[joint] = str(error)

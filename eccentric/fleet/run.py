@@ -14,14 +14,13 @@ from eccentric.fleet.changed import against_the_past, recent_of
 from eccentric.fleet.cluster import Failed, SchedulerLost, connected, spread
 from eccentric.fleet.drift import FleetChange, changes, series_of
 from eccentric.fleet.found import Examined, FleetFound, Suspect, drifting_of
-from eccentric.fleet.gathered import Told, gather, gone_of, plan_of, stored_of
+from eccentric.fleet.gathered import Plan, Told, gather, gone_of, plan_of, stored_of
 from eccentric.fleet.periods import History, history_of
 from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.sample import Sample, sample_of
 from eccentric.fleet.sources import LogFile, find
 from eccentric.fleet.store import arrow_of
 from eccentric.fleet.temperatures import temperatures_of
-from eccentric.rigs import Rig
 
 __all__ = ["FleetRequest", "run_fleet"]
 
@@ -89,7 +88,7 @@ def run_fleet(
             suspect
             for joint, own in called.items()
             for samples in [_samples(out, joint, plan.recipes[joint], by_joint[joint])]
-            for suspect in [_suspect(by_name[joint], own, heat[joint], plan.rigs[joint], samples)]
+            for suspect in [_suspect(by_name[joint], own, heat[joint], plan, samples)]
             if suspect.changed.matters
         ]
         examined = {s.joint: word for s in suspects if (word := known(s)) is not None}
@@ -151,14 +150,19 @@ def _examined(
 
 
 def _suspect(
-    history: History, called: Sequence[FleetChange], heat: Mapping[str, float], rig: Rig, samples: _Samples
+    history: History,
+    called: Sequence[FleetChange],
+    heat: Mapping[str, float],
+    plan: Plan,
+    samples: _Samples,
 ) -> Suspect:
-    """What is known of a joint that drifts, and the logs of its past and of now."""
+    """What is known of a joint that drifts, its rig with its content, and the logs of its past and of now."""
     own = sorted(called, key=lambda change: (change.p, -abs(change.part)))
     past, recent = recent_of(history, own[0])
     return Suspect(
         history.joint,
-        rig,
+        plan.rigs[history.joint],
+        plan.contents[history.joint],
         tuple(own),
         against_the_past(history, own[0], heat),
         samples([p.period for p in reversed(past)]),
