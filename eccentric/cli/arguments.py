@@ -114,12 +114,11 @@ def bar() -> Callable[..., None] | None:
     """
     if sys.stderr is None or not sys.stderr.isatty():
         return None if _silent() else _in_lines()
-    begun, widest = {"": time.monotonic()}, 0
+    left_of, widest = _time_left(), 0
 
     def show(part: float, what: str = "") -> None:
         nonlocal widest
-        start = begun.setdefault(what, time.monotonic())
-        filled, left = round(30 * part), (time.monotonic() - start) * max(1.0 / max(part, 1e-9) - 1.0, 0.0)
+        filled, left = round(30 * part), left_of(part, what)
         name = what and f"{what:12} "
         shown = f"  {name}[{'#' * filled}{'.' * (30 - filled)}] {part:.0%}, {left:.0f} s left"
         widest = max(widest, len(shown))
@@ -131,15 +130,28 @@ def bar() -> Callable[..., None] | None:
 
 def _in_lines() -> Callable[..., None]:
     """The bar's numbers in words."""
-    say, begun = _now_and_then(), {"": time.monotonic()}
+    say, left_of = _now_and_then(), _time_left()
 
     def show(part: float, what: str = "") -> None:
-        passed = time.monotonic() - begun.setdefault(what, time.monotonic())
-        left = passed * max(1.0 / max(part, 1e-9) - 1.0, 0.0)
+        left = left_of(part, what)
         if part < 1.0:
             say(f"{what + ' ' if what else ''}{part:.0%}, {left:.0f} s left")
 
     return show
+
+
+def _time_left() -> Callable[[float, str], float]:
+    """Takes the part of a stage that is done to the seconds left; a stage begins with what was told last."""
+    begun: dict[str, float] = {}
+    last = time.monotonic()
+
+    def left(part: float, what: str) -> float:
+        nonlocal last
+        start = begun.setdefault(what, last)
+        last = time.monotonic()
+        return (last - start) * max(1.0 / max(part, 1e-9) - 1.0, 0.0)
+
+    return left
 
 
 def names_in(given: Iterable[str]) -> list[str]:
