@@ -132,8 +132,8 @@ def test_there_is_a_bar_on_a_terminal_only(
 def test_a_bar_tells_stages_apart(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The second stage has a name and a time of its own: after 2 of 8 s, 6 s are left of it."""
-    clock = iter([0.0, 100.0, 100.0, 200.0, 200.0, 202.0, 202.0])
+    """Each stage has a name and a time of its own: after 2 of 8 s, 6 s are left; the third told no begin."""
+    clock = iter([0.0, 100.0, 200.0, 202.0, 208.0, 218.0])
     monkeypatch.setattr("eccentric.cli.arguments.time.monotonic", lambda: next(clock))
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     show = bar()
@@ -145,6 +145,9 @@ def test_a_bar_tells_stages_apart(
     shown = capsys.readouterr().err.split("\r")[-1]
     assert shown.startswith("  diagnoses    [")
     assert "25%, 6 s left" in shown
+    show(1.0, "diagnoses")
+    show(0.5, "reports")
+    assert "50%, 10 s left" in capsys.readouterr().err.split("\r")[-1]
 
 
 def test_a_diagnosis_of_windows_names_what_was_planted(tmp_path: Path) -> None:

@@ -141,14 +141,17 @@ def _in_lines() -> Callable[..., None]:
 
 
 def _time_left() -> Callable[[float, str], float]:
-    """Takes the part of a stage that is done to the seconds left; a stage begins with what was told last."""
+    """Takes the part of a stage that is done to the seconds left.
+
+    A stage begins where it tells that nothing is done, else where the one before has ended.
+    """
     begun: dict[str, float] = {}
     last = time.monotonic()
 
     def left(part: float, what: str) -> float:
         nonlocal last
-        start = begun.setdefault(what, last)
-        last = time.monotonic()
+        before, last = last, time.monotonic()
+        start = begun.setdefault(what, before if part > 0.0 else last)
         return (last - start) * max(1.0 / max(part, 1e-9) - 1.0, 0.0)
 
     return left
