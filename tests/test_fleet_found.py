@@ -58,8 +58,15 @@ class _Diagnosed(NamedTuple):
         folder.mkdir(parents=True)
 
 
-def _as_found(families: Sequence[str], before: float, after: float, tied: Sequence[str] = ()) -> Any:
-    effects = [{"family": name, "id": f"{name}[d=1]"} for name in families]
+def _as_found(
+    families: Sequence[str],
+    before: float,
+    after: float,
+    tied: Sequence[str] = (),
+    corrects: str | None = None,
+) -> Any:
+    given = {"headline": "", "balance": "mechanical", "corrects": corrects}
+    effects = [{"family": name, "id": f"{name}[d=1]", **given} for name in families]
     errors = {"mechanical": {"paper": before, "extended": after}}
     document = {"effects": effects, "tied": list(tied), "improvement": {"balance": "mechanical"}}
     return _Diagnosed(document, errors)
@@ -118,6 +125,22 @@ def test_a_new_effect_with_a_gain_of_its_own_is_named(
     said = drifting_of(suspect, word)
     assert (said.what, said.before, said.after) == ("new: cogging[d=1]", 0.1, 0.05)
     assert api._known(tmp_path, suspect) == word
+
+
+def test_a_wrong_declaration_is_not_friction(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another load, or another torque constant, is found like friction, and counted apart."""
+    _, joint = one_joint()
+    suspect = _drifting(_suspect(rig_of(joint)))
+    for family, corrects in (("cogging", None), ("inertia_mismatch", "J")):
+        made = {
+            "past": _as_found([], 0.05, 0.05),
+            "recent": _as_found([family], 0.1, 0.05, corrects=corrects),
+        }
+        monkeypatch.setattr(api, "_diagnosed", lambda rig, sample, when, including=(), made=made: made[when])
+        (found,) = api._examined([suspect])
+        said = drifting_of(suspect, api._kept(tmp_path / family, suspect, found))
+        assert said.sensor == (corrects is not None)
+        assert said.size == "residual × 1.35"
 
 
 def test_effects_that_the_log_does_not_distinguish_are_told(

@@ -223,13 +223,14 @@ def _kept(
     effects = [e for e in every if e["family"] not in past]
     word = Examined(
         tuple(dict.fromkeys(e["family"] for e in effects)),
-        tuple(e["id"] for e in effects),
+        tuple(f"{e['headline']} ({e['id']})" if e["headline"] else e["id"] for e in effects),
         rmse["paper"],
         rmse["extended"],
         found.unit,
         f"joints/{quote(place.name)}/report.html",
         again=tuple(dict.fromkeys(e["family"] for e in every if e["family"] in past)),
         tied=tuple(found.document["tied"]),
+        friction=not effects or any(e["balance"] == "mechanical" and not e["corrects"] for e in effects),
     )
     with whole_file(place.with_name(f"{place.name}.json")) as new:
         new.write_text(json.dumps({"of": _digest(suspect), **asdict(word)}), encoding="utf-8")

@@ -183,7 +183,9 @@ def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
     return {
         "id": effect.id,
         "family": effect.family,
+        "headline": effect.words.headline,
         "balance": effect.balance,
+        "corrects": None if effect.corrects is None else effect.corrects.quantity.name,
         "equation": f"{equation.left} = {sp.sstr(equation.right)}",
         "formula": effect.formula,
         "reference": effect.reference,

@@ -49,8 +49,9 @@ class Suspect:
 
 @dataclass(frozen=True)
 class Examined:
-    """What a diagnosis of the recent log says that one of the past does not: new effects by family.
+    """What a diagnosis of the recent log says that one of the past does not: new effects by family and in words.
 
+    `friction` is false where each of them is a declared value that is wrong, or is found from the circuit.
     `before` and `after` are held-out errors of the recent log, without and with all effects found in it, in
     `unit`; `again` are families of the past among these: the errors are then theirs as well, and say nothing
     of the new ones alone. `tied` are families that the recent log does not distinguish, if so. `report` is
@@ -66,6 +67,7 @@ class Examined:
     said: str = ""
     again: tuple[str, ...] = ()
     tied: tuple[str, ...] = ()
+    friction: bool = True
 
     @property
     def gain_percent(self) -> float:
@@ -141,6 +143,7 @@ def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
         what = " and ".join(parts)
     elif examined.gain_percent >= EFFECT_PERCENT:
         names, what = examined.families, "new: " + ", ".join(examined.effects)
+        sensor = not examined.friction
         before, after, unit = examined.before, examined.after, examined.unit
     elif examined.families and examined.again:
         new, past = ", ".join(examined.effects), ", ".join(examined.again)
