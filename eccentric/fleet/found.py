@@ -49,7 +49,7 @@ class Suspect:
 
 @dataclass(frozen=True)
 class Examined:
-    """What a diagnosis of the recent log says that one of the past does not: new effects by family and in words.
+    """What a diagnosis of recent logs says that one of the past does not: new effects, family and words.
 
     `friction` is false where each of them is a declared value that is wrong, or is found from the circuit.
     `before` and `after` are held-out errors of the recent log, without and with all effects found in it, in
