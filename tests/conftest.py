@@ -1,4 +1,4 @@
-"""What all tests share: a Hypothesis profile, the longest files first, and the bundled log's diagnosis."""
+"""What all tests share: a Hypothesis profile, the longest files first, the bundled log's diagnosis, a fleet."""
 
 from __future__ import annotations
 
@@ -66,3 +66,13 @@ def bundled(tmp_path_factory: pytest.TempPathFactory) -> tuple[Diagnosis, Path]:
         log, rig = (str(BENCH / name) for name in ("bench.csv.gz", "bench.json"))
         assert 0 == main(["diagnose", log, "--rig", rig, "--out", str(out)])
     return found[0], out
+
+
+@pytest.fixture(scope="session")
+def fleet(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Twelve joints over six months, of which two degrade and one has a bad sensor; to be read only."""
+    from eccentric.cli import main
+
+    out = tmp_path_factory.mktemp("fleet") / "fleet"
+    assert main(["bench", "--fleet", "--out", str(out)]) == 0
+    return out

@@ -155,29 +155,31 @@ def followed(module: ModuleType, given: dict[str, Any]) -> dict[str, Any]:
     return given | dict(zip(module.STATES, states.T, strict=True))
 
 
-def agree(name: str) -> None:
-    """Friction of the elbow and the torque of its motor are those of the elbow alone."""
+def torques(name: str) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Friction of the elbow and the torque of its motor, in the arm and of the elbow alone."""
     found = emitted(name)
     arm, elbow = followed(found.arm, of_arm()), followed(found.joint, of_elbow())
-    for function in ("mechanical_friction_torque", "friction_torque"):
-        expected = called(found.joint, function, elbow)
-        actual = called(found.arm, function, arm)[:, 1]
-        np.testing.assert_allclose(actual, expected, 1e-9, 1e-11, err_msg=f"{name}: {function}")
-    expected = VALUES["k_i"] * called(found.joint, "current", elbow)
-    np.testing.assert_allclose(called(found.arm, "motor_torque", arm)[:, 1], expected, 1e-9, 1e-11)
+    pairs = {
+        function: (called(found.arm, function, arm)[:, 1], called(found.joint, function, elbow))
+        for function in ("mechanical_friction_torque", "friction_torque")
+    }
+    alone = VALUES["k_i"] * called(found.joint, "current", elbow)
+    return pairs | {"motor_torque": (called(found.arm, "motor_torque", arm)[:, 1], alone)}
 
 
 @pytest.mark.parametrize("name", FEW)
 def test_the_elbow_is_that_of_its_own_model(name: str) -> None:
     """With the loads and torques of the textbook."""
-    agree(name)
+    for function, (in_arm, alone) in torques(name).items():
+        np.testing.assert_allclose(in_arm, alone, 1e-9, 1e-11, err_msg=function)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(set(effects()) - set(FEW)))
 def test_every_effect_is_that_of_its_own_model(name: str) -> None:
     """The whole library."""
-    agree(name)
+    for function, (in_arm, alone) in torques(name).items():
+        np.testing.assert_allclose(in_arm, alone, 1e-9, 1e-11, err_msg=function)
 
 
 @pytest.mark.parametrize("name", ["stribeck[d=2]", "cogging[n=3]"])

@@ -1,4 +1,4 @@
-"""A small fleet from end to end, and what goes wrong on the way: workers, files, rigs, schedulers."""
+"""A small fleet from end to end, and what goes wrong on the way: workers, files, rigs."""
 
 from __future__ import annotations
 
@@ -9,9 +9,6 @@ import re
 import shlex
 import shutil
 import signal
-import subprocess
-import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -21,7 +18,6 @@ import pytest
 
 import eccentric
 from eccentric.cli import main
-from eccentric.fleet import cluster as cluster_of_fleet
 from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.cluster import Failed, connected, spread
 from eccentric.fleet.gathered import gather, plan_of
@@ -50,14 +46,6 @@ def cluster() -> Iterator[Any]:
 def address(cluster: Any) -> str:
     """The address of their scheduler, as `--scheduler` takes it."""
     return cluster.scheduler.address
-
-
-@pytest.fixture(scope="module")
-def fleet(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Twelve joints over six months, of which two degrade and one has a bad sensor; to be read only."""
-    out = tmp_path_factory.mktemp("fleet") / "fleet"
-    assert main(["bench", "--fleet", "--out", str(out)]) == 0
-    return out
 
 
 @pytest.fixture(scope="module")
@@ -219,34 +207,15 @@ def test_sums_outlive_their_logs_but_not_a_change_of_them(fleet: Path, address: 
     assert told.startswith(
         "2 joints; 0 logs read, the sums of 10 were there; 1 could not be used; those of 1 log"
     )
-    assert _periods(out) == {("J01", "2025-06")}
+    assert _joints(out, "2025-06") == {"J01"}
 
 
-def _periods(out: Path) -> set[tuple[str, str]]:
-    """The joints with coefficients in the last month."""
+def _joints(out: Path, period: str) -> set[str]:
+    """The joints with coefficients in a period."""
     from pyarrow import parquet
 
-    rows = parquet.ParquetFile(out / "coefficients" / "period=2025-06.parquet").read().to_pylist()
-    return {(row["joint"], "2025-06") for row in rows}
-
-
-@pytest.mark.skipif(os.name != "posix", reason="a terminal's Ctrl-C goes to a process group only here")
-@pytest.mark.parametrize("seconds", [0.2, 1.5, 4.0])
-def test_ctrl_c_is_one_line(fleet: Path, tmp_path: Path, seconds: float) -> None:
-    """A terminal sends it to workers as well: none of them complains, and none keeps the output open."""
-    words = [sys.executable, "-m", "eccentric", "fleet", str(fleet / "logs")]
-    words += ["--rigs", str(fleet / "rigs.csv"), "--out", str(tmp_path / "out"), "--workers", "2"]
-    run = subprocess.Popen(words, stderr=subprocess.PIPE, start_new_session=True, text=True)
-    while not (tmp_path / "out").exists():  # before that, Python reads its modules
-        time.sleep(0.05)
-    time.sleep(seconds)
-    os.killpg(run.pid, signal.SIGINT)
-    _, error = run.communicate(timeout=60)
-
-    assert run.returncode == 130
-    assert error.splitlines() == [
-        "eccentric: interrupted: what is done is kept, and the same command goes on from there"
-    ]
+    rows = parquet.ParquetFile(out / "coefficients" / f"period={period}.parquet").read()
+    return set(rows["joint"].to_pylist())
 
 
 def test_files_joints_and_periods_that_fail_are_named(fleet: Path, address: str, tmp_path: Path) -> None:
@@ -333,73 +302,3 @@ def test_a_worker_killed_from_outside_in_the_middle_costs_nothing(
     for log in logs:
         mine, theirs = (_sums(out, log) for out in (tmp_path, found[0]))
         np.testing.assert_array_equal(mine.sums.windows, theirs.sums.windows)
-
-
-@pytest.mark.slow
-def test_a_scheduler_that_goes_away_ends_in_one_line(fleet: Path, tmp_path: Path) -> None:
-    """What was done until then is kept and named, and started again the rest is done."""
-    place, out = tmp_path / "scheduler.json", tmp_path / "out"
-    dask = Path(sys.executable).with_name("dask")
-    arguments = ["--scheduler-file", str(place), "--dashboard-address", "127.0.0.1:0"]
-    started = [subprocess.Popen([dask, "scheduler", "--host", "127.0.0.1", "--port", "0", *arguments])]
-    try:
-        while not place.exists() or not place.read_text():
-            time.sleep(0.1)
-        started.append(subprocess.Popen([dask, "worker", "--nthreads", "1", "--no-nanny", *arguments]))
-        address = json.loads(place.read_text())["address"]
-        rigs, logs = Assigned(str(fleet / "rigs.csv")), find(str(fleet / "logs"))[0]
-        plan = plan_of(logs, rigs, out)
-        with connected(address, 1) as client:
-
-            def told(part: float, _: str) -> None:
-                if part > 0.0:
-                    started[0].kill()
-
-            problems, done = gather(plan, client, out, told)
-    finally:
-        for process in started:
-            process.kill()
-            process.wait()
-
-    assert ["scheduler"] == [p.kind for p in problems]
-    assert 0 < done < 72
-    assert f"{72 - done} of 72 files to do" in problems[0].text
-    assert plan_of(logs, rigs, out).files == 72 - done
-
-
-def test_a_scheduler_without_workers_ends_in_one_line(
-    fleet: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """After a time it is no longer waited for: one problem, that says how many files are to be done."""
-    distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(cluster_of_fleet, "ALIVE_S", 0.1)
-    monkeypatch.setattr(cluster_of_fleet, "WORKERLESS_S", 0.3)
-    plan = plan_of(find(str(fleet / "logs"))[0], Assigned(str(fleet / "rigs.csv")), tmp_path)
-
-    with (
-        distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as idle,
-        connected(idle.scheduler_address, 1) as client,
-    ):
-        problems, done = gather(plan, client, tmp_path, lambda part, what: None)
-
-    assert (done, [p.kind for p in problems]) == (0, ["scheduler"])
-    assert "72 of 72 files to do (no worker for 0.3 s)" in problems[0].text
-
-
-def test_a_scheduler_that_is_not_there_is_one_line(
-    fleet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Exit status 2, and the address."""
-    arguments = [
-        "fleet",
-        str(fleet / "logs"),
-        "--rigs",
-        str(fleet / "rigs.csv"),
-        "--out",
-        str(tmp_path / "o"),
-    ]
-
-    status = main([*arguments, "--scheduler", "tcp://127.0.0.1:9"])
-
-    assert status == 2
-    assert "--scheduler tcp://127.0.0.1:9: a Dask scheduler is required there" in capsys.readouterr().err

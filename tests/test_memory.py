@@ -143,7 +143,7 @@ def test_a_table_that_only_pyarrow_reads_names_it(monkeypatch: pytest.MonkeyPatc
     without_pyarrow(monkeypatch)
 
     said = 'table: pyarrow is required for a table of type Arrow: pip install "eccentric[parquet]"'
-    refused(table, said)
+    assert said == refused(table)
 
 
 def without_pyarrow(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -234,7 +234,7 @@ def test_a_log_is_its_own_log() -> None:
 )
 def test_what_is_no_log_is_refused_in_one_line(table: Any, line: str) -> None:
     """The line names the table, the column, what is required and what was received."""
-    refused(table, line)
+    assert line == refused(table)
 
 
 def test_the_name_of_a_table_begins_its_messages() -> None:
@@ -245,8 +245,8 @@ def test_the_name_of_a_table_begins_its_messages() -> None:
     assert str(error.value).startswith("monday: ")
 
 
-def refused(table: Any, line: str) -> None:
-    """Check that reading ends with this line."""
+def refused(table: Any) -> str:
+    """The line that reading ends with."""
     with pytest.raises(InputError) as error:
         read_log(table)
-    assert line == str(error.value)
+    return str(error.value)

@@ -132,8 +132,12 @@ class FleetResult(Printed):
 
     def table(self) -> ResultTable:
         """The joints that changed."""
-        names = ("joint", "what", "since", "part_of_friction", "p", "rmse_before", "rmse_after", "unit")
-        rows = ((d.joint, d.what, d.since, d.part, d.p, d.before, d.after, d.unit) for d in self.drifting)
+        sizes = ("part_of_friction", "residual_factor")
+        names = ("joint", "what", "since", *sizes, "p", "rmse_before", "rmse_after", "unit")
+        rows = (
+            (d.joint, d.what, d.since, *(getattr(d, s) for s in sizes), d.p, d.before, d.after, d.unit)
+            for d in self.drifting
+        )
         return ResultTable(names, tuple(rows))
 
 

@@ -81,7 +81,8 @@ class Drifting:
 
     `names` are coefficients or families of effects, empty where nothing explains the change; `sensor` says
     that they are none of friction. `part` is the change as a part of the friction torque; with
-    `of_residual`, that of the logarithm of what the model leaves.
+    `of_residual`, that of the logarithm of what the model leaves: `part_of_friction` and `residual_factor`
+    are the one that it is, and NaN.
     """
 
     joint: str
@@ -99,11 +100,21 @@ class Drifting:
     of_residual: bool = False
 
     @property
+    def part_of_friction(self) -> float:
+        """The change as a part of the friction torque."""
+        return math.nan if self.of_residual else self.part
+
+    @property
+    def residual_factor(self) -> float:
+        """What the model leaves, over what it left before."""
+        return math.exp(self.part) if self.of_residual else math.nan
+
+    @property
     def size(self) -> str:
-        """The change in a word or two: percent of the friction, or by what the residual is multiplied."""
+        """The change in a word or two."""
         if self.of_residual:
-            return f"residual × {math.exp(self.part):.3g}"
-        return f"{100.0 * self.part:+.0f} % of the friction"
+            return f"residual × {self.residual_factor:.3g}"
+        return f"{100.0 * self.part_of_friction:+.0f} % of the friction"
 
     @property
     def urgency(self) -> float:

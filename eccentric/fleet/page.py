@@ -85,7 +85,7 @@ class _Row:
 
 
 def _row(rank: int, one: Drifting) -> _Row:
-    relative = one.size.replace(" of the friction", "").replace("-", "−")
+    relative = one.size.replace("-", "−")
     return _Row(
         *(rank, one.joint, one.report, one.what, one.since, relative, abs(one.part)),
         *(

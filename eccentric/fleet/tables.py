@@ -92,6 +92,11 @@ def document_of(found: FleetFound) -> dict[str, Any]:
     }
 
 
+def _finite(x: float) -> float | None:
+    """JSON has no NaN."""
+    return x if math.isfinite(x) else None
+
+
 def _entry(one: Drifting) -> dict[str, Any]:
     return {
         "joint": one.joint,
@@ -99,7 +104,8 @@ def _entry(one: Drifting) -> dict[str, Any]:
         "names": list(one.names),
         "sensor_or_load": one.sensor,
         "since": one.since,
-        "part_of_friction": one.part if math.isfinite(one.part) else None,
+        "part_of_friction": _finite(one.part_of_friction),
+        "residual_factor": _finite(one.residual_factor),
         "p": one.p,
         "rmse_before": one.before,
         "rmse_after": one.after,

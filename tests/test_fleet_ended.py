@@ -1,0 +1,116 @@
+"""A run of a fleet whose scheduler goes away or is not there, or that a person ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from eccentric.cli import main
+from eccentric.fleet import cluster as cluster_of_fleet
+from eccentric.fleet.assigned import Assigned
+from eccentric.fleet.cluster import connected
+from eccentric.fleet.gathered import gather, plan_of
+from eccentric.fleet.sources import find
+
+pytest.importorskip("pyarrow")
+pytest.importorskip("distributed")
+
+pytestmark = pytest.mark.filterwarnings(
+    "ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"
+)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a terminal's Ctrl-C goes to a process group only here")
+@pytest.mark.parametrize("seconds", [0.2, 1.5, 4.0])
+def test_ctrl_c_is_one_line(fleet: Path, tmp_path: Path, seconds: float) -> None:
+    """A terminal sends it to workers as well: none of them complains, and none keeps the output open."""
+    words = [sys.executable, "-m", "eccentric", "fleet", str(fleet / "logs")]
+    words += ["--rigs", str(fleet / "rigs.csv"), "--out", str(tmp_path / "out"), "--workers", "2"]
+    run = subprocess.Popen(words, stderr=subprocess.PIPE, start_new_session=True, text=True)
+    while not (tmp_path / "out").exists():  # before that, Python reads its modules
+        time.sleep(0.05)
+    time.sleep(seconds)
+    os.killpg(run.pid, signal.SIGINT)
+    _, error = run.communicate(timeout=60)
+
+    assert run.returncode == 130
+    assert error.splitlines() == [
+        "eccentric: interrupted: what is done is kept, and the same command goes on from there"
+    ]
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_goes_away_ends_in_one_line(fleet: Path, tmp_path: Path) -> None:
+    """What was done until then is kept and named, and started again the rest is done."""
+    place, out = tmp_path / "scheduler.json", tmp_path / "out"
+    dask = Path(sys.executable).with_name("dask")
+    arguments = ["--scheduler-file", str(place), "--dashboard-address", "127.0.0.1:0"]
+    started = [subprocess.Popen([dask, "scheduler", "--host", "127.0.0.1", "--port", "0", *arguments])]
+    try:
+        while not place.exists() or not place.read_text():
+            time.sleep(0.1)
+        started.append(subprocess.Popen([dask, "worker", "--nthreads", "1", "--no-nanny", *arguments]))
+        address = json.loads(place.read_text())["address"]
+        rigs, logs = Assigned(str(fleet / "rigs.csv")), find(str(fleet / "logs"))[0]
+        plan = plan_of(logs, rigs, out)
+        with connected(address, 1) as client:
+
+            def told(part: float, _: str) -> None:
+                if part > 0.0:
+                    started[0].kill()
+
+            problems, done = gather(plan, client, out, told)
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+
+    assert ["scheduler"] == [p.kind for p in problems]
+    assert 0 < done < 72
+    assert f"{72 - done} of 72 files to do" in problems[0].text
+    assert plan_of(logs, rigs, out).files == 72 - done
+
+
+def test_a_scheduler_without_workers_ends_in_one_line(
+    fleet: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After a time it is no longer waited for: one problem, that says how many files are to be done."""
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster_of_fleet, "ALIVE_S", 0.1)
+    monkeypatch.setattr(cluster_of_fleet, "WORKERLESS_S", 0.3)
+    plan = plan_of(find(str(fleet / "logs"))[0], Assigned(str(fleet / "rigs.csv")), tmp_path)
+
+    with (
+        distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as idle,
+        connected(idle.scheduler_address, 1) as client,
+    ):
+        problems, done = gather(plan, client, tmp_path, lambda part, what: None)
+
+    assert (done, [p.kind for p in problems]) == (0, ["scheduler"])
+    assert "72 of 72 files to do (no worker for 0.3 s)" in problems[0].text
+
+
+def test_a_scheduler_that_is_not_there_is_one_line(
+    fleet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Exit status 2, and the address."""
+    arguments = [
+        "fleet",
+        str(fleet / "logs"),
+        "--rigs",
+        str(fleet / "rigs.csv"),
+        "--out",
+        str(tmp_path / "o"),
+    ]
+
+    status = main([*arguments, "--scheduler", "tcp://127.0.0.1:9"])
+
+    assert status == 2
+    assert "--scheduler tcp://127.0.0.1:9: a Dask scheduler is required there" in capsys.readouterr().err
