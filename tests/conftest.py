@@ -1,4 +1,4 @@
-"""What all tests share: a Hypothesis profile, the longest files first, the bundled log's diagnosis, a fleet."""
+"""What all tests share: a Hypothesis profile, the longest files first, a diagnosis and a fleet."""
 
 from __future__ import annotations
 
