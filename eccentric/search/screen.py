@@ -127,7 +127,11 @@ class Screen:
                 if variant.candidate.scales is not None:
                     samples = samples * variant.candidate.scales(variant.values).base
             mean = self.balance.rows.mean
-            self._changed[key] = (mean(known) if replacing else 0.0, mean(samples))
+            # Columns that stay as they are have passed the low pass, some of them before they were averaged.
+            changed = np.any(samples != self.balance.samples, axis=0)
+            base = self.balance.columns.copy()
+            base[:, changed] = mean(samples[:, changed])
+            self._changed[key] = (mean(known) if replacing else 0.0, base)
         return self._changed[key]
 
     def _replaced(self, replacing: Sequence[Variant]) -> tuple[Array, Array]:
