@@ -13,7 +13,6 @@ from eccentric.planning.chance import decided
 from eccentric.planning.followed import extremes
 from eccentric.planning.limits import (
     BEYOND,
-    EVALUATIONS,
     KEPT,
     LEAST_PIECE_S,
     LEAST_SCALE,
@@ -24,6 +23,7 @@ from eccentric.planning.limits import (
     REST_S,
     SLOWER,
     SLOWEST_OF,
+    STEPS,
     SURPLUS,
 )
 from eccentric.planning.motion import Segment, joined, pieces
@@ -70,7 +70,7 @@ def chosen(
         raise InputError(_too_tight(separation, bounds))
     parts, ground = max(found, key=lambda one: _worth(separation, [separation.log, one[1]]))
     tell("judging the motion")
-    return parts, ground, pairs(separation, [separation.log, ground], EVALUATIONS)
+    return parts, ground, pairs(separation, [separation.log, ground], STEPS)
 
 
 def kept(
@@ -131,12 +131,10 @@ def _length(parts: Sequence[Segment]) -> float:
     return sum(len(part.omega) for part in parts) / RATE_HZ
 
 
-def pairs(
-    separation: Separation, grounds: Sequence[Ground], evaluations: int = 0
-) -> dict[tuple[str, str], float]:
-    """(true family, other family) -> how far apart they are on these grounds; refined with `evaluations`."""
+def pairs(separation: Separation, grounds: Sequence[Ground], steps: int = 0) -> dict[tuple[str, str], float]:
+    """(true family, other family) -> how far apart they are on these grounds; refined in `steps`."""
     return {
-        (truth.family, other.family): separation.apart(truth, other, grounds, evaluations)
+        (truth.family, other.family): separation.apart(truth, other, grounds, steps)
         for truth, other in permutations(separation.rivals, 2)
     }
 

@@ -12,7 +12,7 @@ from eccentric.model import vocabulary as v
 from eccentric.planning.bounds import Bounds
 from eccentric.planning.chance import expected
 from eccentric.planning.choice import kept, pairs
-from eccentric.planning.limits import EVALUATIONS, HEAVIER
+from eccentric.planning.limits import HEAVIER, STEPS
 from eccentric.planning.motion import Segment
 from eccentric.planning.separation import Separation
 
@@ -49,6 +49,6 @@ def with_more_mass(
     offer = kept(separation, parts, bounds, known=more)
     if offer is None:
         return None
-    found = pairs(separation, [offer[1]], EVALUATIONS)
+    found = pairs(separation, [offer[1]], STEPS)
     chances = {rival.family: rival.chance for rival in separation.rivals}
     return Heavier(added, expected({pair: d * worth[pair] for pair, d in found.items()}, chances))

@@ -9,7 +9,6 @@ __all__ = [
     "BEYOND",
     "COARSE",
     "DECIDES",
-    "EVALUATIONS",
     "FIRMWARE_HZ",
     "HARDLY",
     "HEAVIER",
@@ -32,6 +31,7 @@ __all__ = [
     "SLOWER",
     "SLOWEST_OF",
     "SPEED_FILTER_HZ",
+    "STEPS",
     "SURE",
     "SURPLUS",
     "TRAINED",
@@ -89,8 +89,8 @@ PIECES = 6
 """Pieces of a plan: more of them repeat what the first ones show."""
 COARSE = (0.5, 0.75, 1.0, 1.4, 2.0)
 """Factors on the shapes of a rival while pieces are chosen: between them its fit changes little."""
-EVALUATIONS = 60
-"""Fits of the refinement that the chosen motion is judged with."""
+STEPS = 15
+"""Steps of the refinement that the chosen motion is judged with."""
 SURPLUS, BEYOND = 5.0, 0.02
 """A motion is chosen to leave rivals this many times as far apart as its probability would require, and a
 little farther still: the fitted rivals are not quite the true drive."""

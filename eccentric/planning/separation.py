@@ -18,7 +18,7 @@ from eccentric.effects import Effect
 from eccentric.estimation import Coefficient, ColumnRole
 from eccentric.fitting import Signals, base_coefficients, base_columns, load_torque
 from eccentric.planning.followed import Met
-from eccentric.planning.limits import COARSE, EVALUATIONS, INFORMATIVE_HZ, NOISE_PEAK, RATE_HZ, TRAINED
+from eccentric.planning.limits import COARSE, INFORMATIVE_HZ, NOISE_PEAK, RATE_HZ, STEPS, TRAINED
 from eccentric.planning.motion import Reference
 from eccentric.planning.question import Question
 from eccentric.planning.rivals import Rival
@@ -72,6 +72,12 @@ class Ground:
         design = design[self.seen]
         weight = self.per_row
         return Sums(weight * design.T @ design, weight * design.T @ y, weight * float(y @ y), lower)
+
+    def left(self, truth: Array, variants: Sequence[Variant], coefficients: Array) -> Array:
+        """What these coefficients leave of a true target (rows,), in units of its noise."""
+        target, design, _ = self.screen.design(self.on(variants))
+        error = truth - (self.screen.balance.target - target) - design @ coefficients
+        return np.sqrt(self.per_row) * error[self.seen]
 
 
 class Separation:
@@ -140,33 +146,41 @@ class Separation:
         noise = white_noise(drive.torque(), drive.channels.time.segment) * abs(one)
         return Met(inertia, load - inertia * motion.alpha, friction, 1.0 / one, NOISE_PEAK * noise)
 
-    def apart(self, truth: Rival, other: Rival, grounds: Sequence[Ground], evaluations: int = 0) -> float:
+    def apart(self, truth: Rival, other: Rival, grounds: Sequence[Ground], steps: int = 0) -> float:
         """Twice the expected log-likelihood ratio of a true rival over another on these grounds.
 
-        evaluations: of a refinement of the other's shapes; without any, the factors `COARSE`.
+        steps: of a refinement of the other's shapes; without any, the factors `COARSE`.
         """
 
-        def left(variants: Sequence[Variant]) -> float:
+        def fit(variants: Sequence[Variant]) -> tuple[float, Array]:
+            """Loss and coefficients."""
             every = [self._sums(ground, truth, variants) for ground in grounds]
             matrix = np.sum([s.matrix for s in every], axis=0)
             matrix = matrix + np.diag(self._prior(len(matrix)))
             vector, total = np.sum([s.vector for s in every], axis=0), sum(s.square for s in every)
             c = bounded_solve(matrix, vector, every[0].lower)
-            return max(total + float(c @ matrix @ c - 2.0 * c @ vector), 0.0)
+            return max(total + float(c @ matrix @ c - 2.0 * c @ vector), 0.0), c
+
+        def left(variants: Sequence[Variant]) -> Array:
+            _, c = fit(variants)
+            rows = [
+                ground.left(ground.predicted(truth), self._with_declared(variants), c) for ground in grounds
+            ]
+            return np.concatenate([*rows, np.sqrt(self._prior(len(c))) * c])
 
         options = [(*other.variants[:-1], last) for last in _near(other.variants[-1])]
-        losses = [left(variants) for variants in options]
+        losses = [fit(variants)[0] for variants in options]
         best = int(np.argmin(losses))
-        if not evaluations or not other.variants[-1].candidate.shapes:
+        if not steps or not other.variants[-1].candidate.shapes:
             return losses[best]
         others = options[best][:-1]
-        (last,) = refined([options[best][-1]], lambda v: left((*others, *v)), evaluations)
-        return min(left((*others, last)), losses[best])
+        (last,) = refined([options[best][-1]], lambda v: left((*others, *v)), steps)
+        return min(fit((*others, last))[0], losses[best])
 
     def by_names(self, truth: str, other: str, grounds: Sequence[Ground]) -> float:
         """`apart` of two rivals by their families, refined."""
         own = {rival.family: rival for rival in self.rivals}
-        return self.apart(own[truth], own[other], grounds, EVALUATIONS)
+        return self.apart(own[truth], own[other], grounds, STEPS)
 
     def information(self, rival: Rival, grounds: Sequence[Ground]) -> Array:
         """The information on the coefficients of a rival (k, k), base first, in 1/(their unit)^2."""
@@ -182,9 +196,12 @@ class Separation:
         """The sums of a fit to what a rival predicts, computed once."""
         key = (id(ground), truth.family, *(v.key for v in variants))
         if key not in self._kept:
-            free = [Variant(candidate, {}) for candidate in self.declared]
-            self._kept[key] = ground.sums(ground.predicted(truth), [*variants, *free])
+            self._kept[key] = ground.sums(ground.predicted(truth), self._with_declared(variants))
         return self._kept[key]
+
+    def _with_declared(self, variants: Sequence[Variant]) -> list[Variant]:
+        """The variants, and what the declared values may be off by."""
+        return [*variants, *(Variant(candidate, {}) for candidate in self.declared)]
 
     def _signals(
         self, motion: Reference, changed: Mapping[str, float]

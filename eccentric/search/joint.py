@@ -8,7 +8,7 @@ import numpy as np
 
 from eccentric.search.candidate import Variant
 from eccentric.search.crossval import bounded_solve
-from eccentric.search.limits import EVALUATIONS
+from eccentric.search.limits import STEPS
 from eccentric.search.refinement import refined
 from eccentric.search.screen import Fitted, Screen
 from eccentric.signals import BalanceDesign
@@ -42,19 +42,19 @@ class BothBalances:
 
         if shown:
             own = [self.variants[k] for k in shown]
-            self.variants = placed(refined(own, lambda v: self._solved(placed(v))[0], EVALUATIONS))
+            self.variants = placed(refined(own, lambda v: self._solved(placed(v))[0], STEPS))
         ends = np.cumsum([self._screen.columns(variant).shape[1] for variant in self.variants])
         return np.split(self._solved(self.variants)[1], ends)[:-1]
 
-    def _solved(self, variants: Sequence[Variant]) -> tuple[float, Array]:
-        """Weighted loss and coefficients: of the variants, then of the mechanical base."""
+    def _solved(self, variants: Sequence[Variant]) -> tuple[Array, Array]:
+        """Weighted residual and coefficients: of the variants, then of the mechanical base."""
         target, own, lower = self._screen.design(variants)
         here = np.hstack([own, np.zeros((len(target), self._mechanical.columns.shape[1]))])
         there = np.hstack([self._also(variants), self._mechanical.columns])
         one, other = np.sqrt(self._weights)
         x, y = np.vstack([one * here, other * there]), np.r_[one * target, other * self._mechanical.target]
         c = bounded_solve(x.T @ x, x.T @ y, np.r_[lower, self._mechanical.lower])
-        return float(np.sum((y - x @ c) ** 2)), c
+        return y - x @ c, c
 
     def _also(self, variants: Sequence[Variant]) -> Array:
         """What the variants add to the mechanical target, (rows, k)."""

@@ -21,13 +21,13 @@ __all__ = [
     "CLOSE",
     "CONFIRMED",
     "CONFIRMED_PART",
+    "DERIVATIVE_STEP",
     "DRAWS",
-    "EVALUATIONS",
     "EXTRAPOLATED",
-    "FIRST_EVALUATIONS",
-    "FIRST_STEP",
+    "FIRST_STEPS",
     "FOLDS",
     "FORMS_OF_A_PATCH",
+    "INSIDE",
     "IN_A_DRAW",
     "IN_PLACE",
     "KEPT_BY_INSTRUMENTS",
@@ -56,6 +56,7 @@ __all__ = [
     "MOST_TURNS",
     "MOTOR_ORDERS",
     "NEAR",
+    "NEIGHBOUR",
     "NOTHING",
     "NO_RANGE",
     "ORDER_OF_FOLDS",
@@ -73,6 +74,7 @@ __all__ = [
     "SPEED_RANGE",
     "STABLE",
     "STANDS_OUT",
+    "STEPS",
     "SURE",
     "SWAPPED",
     "TAIL",
@@ -253,10 +255,12 @@ KNOTS = 0.002, 0.998
 
 # How it is computed.
 
-FIRST_STEP = 0.6
-"""Of the simplex, in spacings of the grid: it stays within the cell of the best point."""
-SHAPE_TOLERANCE, LOSS_TOLERANCE = 1e-3, 1e-12
-"""A thousandth of the range of a shape: no log resolves it better; the loss is no stopping criterion."""
+NEIGHBOUR = 0.6
+"""Distance of the points that are tried beside the best of the grid, in its spacings: within its cell."""
+DERIVATIVE_STEP, SHAPE_TOLERANCE, LOSS_TOLERANCE = 1e-3, 2e-4, 1e-6
+"""Of a refinement, in ranges of a shape and parts of the loss: no log resolves a thousandth of a range."""
+INSIDE = 1e-6
+"""A search that begins at the end of a range could not leave it."""
 RIDGE = 1e-2
 """Penalty of smooth terms: a piece of a spline without rows stays at zero."""
 ALIASED = 1e-10
@@ -274,9 +278,9 @@ FOLDS = 8
 """Folds of the cross-validation: one eighth of the blocks is predicted from the other seven."""
 LEADERS = 8
 """Candidates whose shapes are refined; four times as many are cross-validated at their grid point."""
-EVALUATIONS = 30
-"""Evaluations of a simplex search per shape: enough for a hundredth of the range."""
-FIRST_EVALUATIONS = 10
+STEPS = 15
+"""Steps of a refinement, most of which end after five."""
+FIRST_STEPS = 4
 """The same before the comparison, for what changes the base: its grid is coarse."""
 TOGETHER = 3
 """Leaders beside other effects whose shapes are refined with those of the others."""
@@ -297,4 +301,4 @@ CHANGES = 3
 TINY_COLUMN = 1e-4
 """A column is linearly dependent if base and variants leave less than this fraction of its length."""
 MOST_KEPT = 400
-"""Columns and changed bases kept in memory: a simplex search returns to a few."""
+"""Columns and changed bases kept in memory: refinements return to a few."""

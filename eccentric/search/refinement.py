@@ -1,15 +1,19 @@
-"""Shapes between the points of their grid: simplex search of the bounded fit."""
+"""Shapes between the points of their grid: nonlinear least squares on the residual of the bounded fit.
+
+The coefficients are eliminated, as in the variable projection of G. H. Golub and V. Pereyra (SIAM Journal on
+Numerical Analysis 10(2), 1973), so that only the shapes are searched.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import least_squares
 
 from eccentric.effects import Shape
 from eccentric.search.candidate import Values, Variant
-from eccentric.search.limits import FIRST_STEP, LOSS_TOLERANCE, SHAPE_TOLERANCE
+from eccentric.search.limits import DERIVATIVE_STEP, INSIDE, LOSS_TOLERANCE, NEIGHBOUR, SHAPE_TOLERANCE
 
 __all__ = ["refined"]
 
@@ -17,39 +21,49 @@ Array = np.ndarray
 
 
 def refined(
-    variants: Sequence[Variant], loss: Callable[[Sequence[Variant]], float], evaluations: int
+    variants: Sequence[Variant], residual: Callable[[Sequence[Variant]], Array], steps: int
 ) -> list[Variant]:
-    """The variants of least loss near these, all shapes at once; `evaluations` at most for each shape.
+    """The variants of least sum of squares near these, all shapes at once.
 
     One after another they would zigzag: what one shape leaves, another takes.
+
+    Args:
+        variants: where the search begins; some of them may have no shapes.
+        residual: variants -> what the fit of all coefficients leaves (rows,).
+        steps: of the search, at most; each costs one fit, and one more for each shape.
     """
     shapes = [(k, shape) for k, variant in enumerate(variants) for shape in variant.candidate.shapes]
 
-    def at(point: Array) -> list[Variant]:
+    def at(place: Array) -> list[Variant]:
         values: list[dict[str, float]] = [{} for _ in variants]
-        for (k, shape), x in zip(shapes, np.clip(point, 0.0, 1.0), strict=True):
+        for (k, shape), x in zip(shapes, place, strict=True):
             values[k][shape.quantity.name] = _value(shape, float(x))
         return [Variant(old.candidate, new) for old, new in zip(variants, values, strict=True)]
 
+    def left(place: Array) -> Array:
+        return residual(at(place))
+
     start = np.array([_place(shape, variants[k].values) for k, shape in shapes])
-    steps = np.array([FIRST_STEP / max(shape.points - 1, 2) for _, shape in shapes])
-    simplex = np.vstack([start, start + np.diag(np.where(start + steps <= 1.0, steps, -steps))])
-    found = minimize(
-        lambda point: loss(at(point)),
-        start,
-        method="Nelder-Mead",
-        options={
-            "initial_simplex": simplex,
-            "maxfev": evaluations * len(steps),
-            "xatol": SHAPE_TOLERANCE,
-            "fatol": LOSS_TOLERANCE,
-        },
+    beside = np.diag([NEIGHBOUR / max(shape.points - 1, 2) for _, shape in shapes])
+    # The slope at the first point may lead out of a cell that is better further inside.
+    places = np.clip([start, *(start + beside), *(start - beside)], 1.0 + INSIDE, 2.0 - INSIDE)
+    losses = [float(np.sum(left(place) ** 2)) for place in places]
+    found = least_squares(
+        left,
+        places[int(np.argmin(losses))],
+        bounds=(1.0, 2.0),
+        diff_step=DERIVATIVE_STEP,
+        x_scale=np.diag(beside),
+        xtol=SHAPE_TOLERANCE,
+        ftol=LOSS_TOLERANCE,
+        max_nfev=steps,
     )
     return at(found.x)
 
 
 def _value(shape: Shape, x: float) -> float:
-    """The value at a position in the range, 0 to 1."""
+    """The value at a place in the range, which is counted from 1 to 2: SciPy's steps are relative to it."""
+    x = min(max(x - 1.0, 0.0), 1.0)
     if shape.scale == "log":
         return float(shape.low * (shape.high / shape.low) ** x)
     return float(shape.low + (shape.high - shape.low) * x)
@@ -58,5 +72,5 @@ def _value(shape: Shape, x: float) -> float:
 def _place(shape: Shape, values: Values) -> float:
     value = values[shape.quantity.name]
     if shape.scale == "log":
-        return float(np.log(value / shape.low) / np.log(shape.high / shape.low))
-    return (value - shape.low) / (shape.high - shape.low)
+        return 1.0 + float(np.log(value / shape.low) / np.log(shape.high / shape.low))
+    return 1.0 + (value - shape.low) / (shape.high - shape.low)

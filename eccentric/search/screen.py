@@ -13,13 +13,13 @@ from eccentric.search.crossval import Gram, bounded_solve, cross_validate, fold_
 from eccentric.search.exogeneity import exogenous
 from eccentric.search.limits import (
     BELOW_NOISE,
-    EVALUATIONS,
     EXTRAPOLATED,
-    FIRST_EVALUATIONS,
+    FIRST_STEPS,
     FOLDS,
     LEADERS,
     MOST_KEPT,
     NOTHING,
+    STEPS,
     TOGETHER,
 )
 from eccentric.search.refinement import refined
@@ -196,7 +196,7 @@ class Screen:
             loss = total + float(c @ matrix @ c - 2.0 * c @ vector)
             if candidate.changes is not None:
                 slope[candidate.id] = min(loss, slope.get(candidate.id, np.inf))
-                loss = self._loss([*variants, variant])
+                loss = float(np.sum(self._left([*variants, variant]) ** 2))
             if candidate.id not in best or loss < best[candidate.id][0]:
                 best[candidate.id] = (loss, number)
         return sorted((min(loss, slope.get(name, loss)), number) for name, (loss, number) in best.items())
@@ -209,7 +209,7 @@ class Screen:
         """
         look = self.first_look(variants)[: 4 * leaders]
         fitted = [self.fit([*variants, self.points[number]]) for _, number in look]
-        fitted = [f if f.last.changes is None else self.refine(f, True, FIRST_EVALUATIONS) for f in fitted]
+        fitted = [f if f.last.changes is None else self.refine(f, True, FIRST_STEPS) for f in fitted]
         fitted.sort(key=lambda f: f.score)
         head = sorted((self.refine(f, only_last=True) for f in fitted[:leaders]), key=lambda f: f.score)
         if any(variant.candidate.shapes for variant in variants):
@@ -246,18 +246,17 @@ class Screen:
             return True
         return bool(own[0] > 0.0)
 
-    def refine(self, fitted: Fitted, only_last: bool = False, evaluations: int = EVALUATIONS) -> Fitted:
-        """Shapes improved by simplex search of the bounded fit: of all variants together, or of the last."""
+    def refine(self, fitted: Fitted, only_last: bool = False, steps: int = STEPS) -> Fitted:
+        """Shapes improved by nonlinear least squares: of all variants together, or of the last."""
         first = len(fitted.variants) - 1 if only_last else 0
         kept, turning = fitted.variants[:first], fitted.variants[first:]
         if not any(variant.candidate.shapes for variant in turning):
             return fitted
-        found = refined(turning, lambda variants: self._loss([*kept, *variants]), evaluations)
+        found = refined(turning, lambda variants: self._left([*kept, *variants]), steps)
         better = self.fit([*kept, *found])
         return better if better.loss.sum() <= fitted.loss.sum() else fitted
 
-    def _loss(self, variants: Sequence[Variant]) -> float:
+    def _left(self, variants: Sequence[Variant]) -> Array:
+        """What the bounded fit of base and variants leaves (rows,)."""
         target, design, lower = self.design(variants)
-        matrix, vector = design.T @ design, design.T @ target
-        c = bounded_solve(matrix, vector, lower)
-        return float(target @ target + c @ matrix @ c - 2.0 * c @ vector)
+        return target - design @ bounded_solve(design.T @ design, design.T @ target, lower)
