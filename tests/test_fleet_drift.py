@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +12,16 @@ from numpy.random import Generator
 from scipy.stats import false_discovery_control
 
 from eccentric.fleet.changed import against_the_past
-from eccentric.fleet.drift import Series, changes, discovered, series_of, shrunk
+from eccentric.fleet.drift import (
+    FleetChange,
+    Series,
+    changes,
+    course_of,
+    discovered,
+    level_of,
+    series_of,
+    shrunk,
+)
 from eccentric.fleet.periods import History, Period
 from eccentric.fleet.sums import Coverage
 from eccentric.fleet.sums.columns import Heading
@@ -181,6 +190,52 @@ def test_the_coefficient_that_changed_is_named(change: dict[str, float], expecte
     assert found.after < 1.3 * found.usual
 
 
+def test_a_trend_is_not_taken_for_its_season() -> None:
+    """Coulomb friction that wears from the first month on: warm months against one cold one are no change."""
+    random = np.random.default_rng(5)
+    season, names = SEASON[:9], PERIODS[:9]
+    histories = []
+    for k in range(20):
+        worn = 0.05 * np.arange(9) / 8.0 * (k == 0)
+        periods = [
+            _period(name, np.array([0.02 * math.exp(-0.02 * (t - 22.0)), 0.1 + c, 0.0]), float(t), random)
+            for name, t, c in zip(names, season, worn, strict=True)
+        ]
+        histories.append(History(f"J{k}", HEADINGS, tuple(periods)))
+    heat, _ = temperatures_of(histories)
+    series = next(s for s in series_of(histories[0], heat["J0"]) if s.name == "C")
+    trend = FleetChange(series, "trend", names[1], 0.05, 0.1, 1e-6, True)
+    healthy = replace(trend, series=next(s for s in series_of(histories[1], heat["J1"]) if s.name == "C"))
+
+    found = against_the_past(histories[0], trend, heat["J0"])
+    none = against_the_past(histories[1], healthy, heat["J1"])
+
+    assert found.kinds == ("coulomb",)
+    assert found.matters
+    assert found.explained > 0.9
+    assert not none.matters
+
+
+@pytest.mark.parametrize(
+    ("shape", "expected"),
+    [("trend", [0.0, 0.25, 0.5, 0.75, 1.0]), ("step", [0, 0, 1, 1, 1]), ("ramp", [0, 0, 1 / 3, 2 / 3, 1])],
+)
+def test_the_course_of_a_change_is_its_shape(shape: str, expected: Sequence[float]) -> None:
+    """0 before, 1 at the end."""
+    since = PERIODS[1] if shape == "trend" else PERIODS[2]
+    change = FleetChange(_series(np.zeros(5), np.zeros(5)), shape, since, 1.0, 0.0, 0.0)
+    np.testing.assert_allclose(course_of(change), expected, atol=1e-12)
+
+
+def test_friction_that_is_not_positive_is_not_tested() -> None:
+    """A drive signal of the wrong sign turns friction round: no change is a part of that."""
+    history = _histories({})[0]
+    turned = tuple(replace(p, friction=(-p.friction[0], p.friction[1])) for p in history.periods)
+
+    assert level_of(history) > 0.0
+    assert list(series_of(replace(history, periods=turned), {})) == []
+
+
 def test_what_no_coefficient_explains_is_not_named() -> None:
     """A ripple that the columns do not have is seen in what they leave, and left to a diagnosis."""
     histories = _histories({}, ripple=0.06)
@@ -209,3 +264,18 @@ def test_a_stuck_temperature_is_replaced_and_named() -> None:
 
     assert [("J3", "2025-05", "temperature sensor")] == [(p.joint, p.period, p.kind) for p in problems]
     np.testing.assert_allclose([heat["J3"][p] for p in PERIODS], SEASON, atol=1e-9)
+
+
+def test_a_stuck_temperature_that_nothing_replaces_is_named_as_well() -> None:
+    """No other joint logs one: the problem says that the season stays in the coefficients."""
+    lone = _histories({})[3]
+    frozen = tuple(
+        replace(p, coverage=replace(p.coverage, temperature=14.0, coldest=14.0, warmest=14.0))
+        for p in lone.periods
+    )
+
+    heat, (problem,) = temperatures_of([replace(lone, periods=frozen)])
+
+    assert heat == {"J3": {}}
+    assert problem.kind == "temperature sensor"
+    assert problem.text.endswith("it is not taken out")

@@ -98,7 +98,7 @@ def test_the_gain_of_old_effects_is_not_that_of_a_new_one(
     word = api._kept(tmp_path / "a", suspect, found)
     assert (word.before, word.after) == (0.05, 0.049)
     assert drifting_of(suspect, word).names == ()
-    assert "no effect of the library explains it" in drifting_of(suspect, word).what
+    assert drifting_of(suspect, word).what.endswith("nor any effect of the library")
 
     can_be_in_the_model = False
     (found,) = api._examined([suspect])
@@ -158,8 +158,28 @@ def test_effects_that_the_log_does_not_distinguish_are_told(
 
     said = drifting_of(suspect, word)
     assert said.names == ()
-    assert said.what.endswith("grown: stribeck or presliding, which its log does not distinguish")
+    assert said.what.endswith("explains: stribeck or presliding, which its log does not distinguish")
     assert api._known(tmp_path, suspect) == word
+
+
+def test_a_joint_that_was_not_diagnosed_is_not_called_unexplained(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A diagnosis that fails, in whatever way, is told in its place, and the other joints are diagnosed."""
+    _, joint = one_joint()
+    suspect = _drifting(_suspect(rig_of(joint)))
+    fails = [OSError("disk full"), InputError("no log")]
+
+    def diagnosed(*_: object) -> Any:
+        raise fails.pop(0)
+
+    monkeypatch.setattr(api, "_diagnosed", diagnosed)
+    words = [api._kept(tmp_path, suspect, found) for found in api._examined([suspect, suspect])]
+
+    assert [drifting_of(suspect, word).what for word in words] == [
+        "a change that no coefficient explains, and that was not diagnosed: OSError: disk full",
+        "a change that no coefficient explains, and that was not diagnosed: no log",
+    ]
 
 
 def test_a_fleet_without_a_judged_joint_is_not_called_unchanged() -> None:

@@ -205,9 +205,19 @@ def test_sums_outlive_their_logs_but_not_a_change_of_them(fleet: Path, address: 
     assert [(p.joint, p.period) for p in again.problems] == [("J02", "2025-06")]
     told = again.summary().splitlines()[0]
     assert told.startswith(
-        "2 joints; 0 logs read, the sums of 10 were there; 1 could not be used; those of 1 log"
+        "2 joints; 0 logs read, 10 unchanged; 1 could not be used; the sums of 1 log no longer there"
     )
     assert _joints(out, "2025-06") == {"J01"}
+
+    shutil.rmtree(logs / "joint=J01")
+    moved = logs / "joint=J02" / "month=2025-05" / "log.parquet"
+    moved.rename(moved.with_name("moved.parquet"))
+    last = eccentric.diagnose_fleet(logs, fleet / "rigs.csv", out, scheduler=address)
+
+    assert [name.split("/")[0] for name in last.gone] == ["joint=J01"] * 6
+    assert (last.files, last.reused) == (2, 4)
+    assert _joints(out, "2025-06") == {"J01"}
+    assert _joints(out, "2025-05") == {"J01", "J02"}
 
 
 def _joints(out: Path, period: str) -> set[str]:

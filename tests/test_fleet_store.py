@@ -8,13 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from eccentric.fleet.gathered import gone_of, outdated_of, stored_of
 from eccentric.fleet.limits import BLOCKS, MOST_PARTS
-from eccentric.fleet.store import Stored, keys, read, write
+from eccentric.fleet.sources import LogFile
+from eccentric.fleet.store import Stored, joints_of, keys, read, write
 from eccentric.fleet.sums import Coverage, FileSums, Heading
 
 pytest.importorskip("pyarrow")
 
 HEADINGS = (Heading("C_m", "N m", "coulomb"), Heading("B_m", "N m s/rad", "viscous"))
+OTHER_HEADINGS = (Heading("C_m", "N m", "coulomb"), Heading("offset", "N m", "offset"))
 JOINT = "J 1/left"
 
 
@@ -60,9 +63,22 @@ def test_a_log_of_the_same_name_in_another_period_is_another_log(tmp_path: Path)
     assert [(row.period, row.changed) for row in read(tmp_path, JOINT)] == [("2025-01", 1), ("2025-02", 2)]
 
 
-@pytest.mark.parametrize("later", [_row("2025-01", 5.0), _row("2025-02", 5.0, recipe="other")])
+def test_sums_of_another_rig_stay_until_they_are_made_anew(tmp_path: Path) -> None:
+    """A mistyped value in the rig does not cost the history of logs in an archive, whatever their columns."""
+    _write(tmp_path, _row("2025-01", 1.0), _row("2025-02", 2.0))
+    other = replace(_row("2025-02", 5.0, recipe="other"), headings=OTHER_HEADINGS)
+    _write(tmp_path, other)
+
+    assert [(row.period, row.recipe, row.headings, row.changed) for row in read(tmp_path, JOINT)] == [
+        ("2025-01", "r", _row("2025-01", 1.0).headings, 1),
+        ("2025-02", "other", OTHER_HEADINGS, 5),
+    ]
+    assert joints_of(tmp_path) == [JOINT]
+
+
+@pytest.mark.parametrize("later", [_row("2025-01", 5.0), _row("2025-01", 5.0, recipe="other")])
 def test_what_is_replaced_does_not_stay(tmp_path: Path, later: Stored) -> None:
-    """A log that changed, or another rig: one file is left, without the old rows."""
+    """A log that changed, or a rig: one file is left, without the old row."""
     _write(tmp_path, _row("2025-01", 1.0))
     _write(tmp_path, later)
 
@@ -102,3 +118,32 @@ def test_a_damaged_file_counts_as_absent(tmp_path: Path) -> None:
 
     assert [row.period for row in read(tmp_path, JOINT)] == ["2025-02"]
     assert [key.period for key in keys(tmp_path, JOINT)] == ["2025-02"]
+
+
+def test_the_sums_of_a_gone_log_do_not_outlive_its_rig(tmp_path: Path) -> None:
+    """Logs in an archive cannot be read with the new rig: named; with the old one back, they count again."""
+    _write(tmp_path, _row("2025-01", 1.0, "old"))
+    _write(tmp_path, _row("2025-02", 1.0, "new", "other.parquet"))
+
+    assert list(stored_of(tmp_path, JOINT, "old", [])) == ["2025-01"]
+    assert [(p.period, p.kind) for p in outdated_of(tmp_path, JOINT, "old", [])] == [("2025-02", "no log")]
+    assert gone_of(stored_of(tmp_path, JOINT, "new", []), []) == ["other.parquet"]
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "counts"),
+    [
+        ("2025-01/log.csv", 10, 1),
+        ("2025-01/log.csv", 11, 0),
+        ("2025-01/log.parquet", 7, 0),
+        ("archive/2025-01/log.csv", 10, 0),
+        ("2025-01/other.csv", 11, 1),
+    ],
+    ids=["as it was", "changed", "converted", "moved", "another"],
+)
+def test_a_log_counts_once(name: str, size: int, counts: int, tmp_path: Path) -> None:
+    """A log that is there under another name, or in another format, is not gone."""
+    _write(tmp_path, _row("2025-01", 5.0, name="2025-01/log.csv"))
+    there = LogFile(JOINT, "2025-01", name, Path(name), size, 5)
+
+    assert sum(map(len, stored_of(tmp_path, JOINT, "r", [there]).values())) == counts

@@ -143,12 +143,12 @@ class FleetResult(Printed):
 
 def _lines(found: FleetFound) -> list[str]:
     failed = sum(problem.kind in UNREAD for problem in found.problems)
-    read = f"{counted(found.files - failed, 'log')} read, the sums of {found.reused} were there"
+    read = f"{counted(found.files - failed, 'log')} read, {found.reused} unchanged"
     if failed:
         read += f"; {failed} could not be used"
     if found.gone:
         gone = f"{counted(len(found.gone), 'log')} no longer there still count ({few(found.gone, 3)})"
-        read += f"; those of {gone}: delete a joint's folder in sums/ for it to be made again"
+        read += f"; the sums of {gone}: to drop them, delete the joint's folder in sums/"
     lines = [
         f"{d.joint}: {d.what}, since {d.since}; {d.size}; error {d.before:.3g} -> {d.after:.3g} {d.unit}"
         for d in found.drifting
@@ -177,6 +177,8 @@ def _examined(suspects: Sequence[Suspect]) -> list[tuple[DiagnosisResult | None,
             found.append((_beyond(suspect, past), past, ""))
         except InputError as error:
             found.append((None, (), str(error)))
+        except Exception as error:  # noqa: BLE001 - one joint must not end the run
+            found.append((None, (), f"{type(error).__name__}: {error}"))
     return found
 
 

@@ -3,6 +3,9 @@
 The past fixes coefficients and what temperature does to them. The recent periods are then predicted, and one
 coefficient after another is allowed to change: the one that leaves the smallest error is named, with the
 error before and after. What no coefficient explains is left to a diagnosis.
+
+A trend has no past to speak of: where it is short, all periods fix coefficients and temperature, beside the
+course of the change in every coefficient.
 """
 
 from __future__ import annotations
@@ -14,8 +17,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.fleet.drift import FleetChange
-from eccentric.fleet.limits import EXPLAINED, LEAST_CHANGE, LEAST_RANGE_K, LEAST_SIDE, SECOND
+from eccentric.fleet.drift import FleetChange, course_of
+from eccentric.fleet.limits import (
+    EXPLAINED,
+    LEAST_CHANGE,
+    LEAST_PAST,
+    LEAST_RANGE_K,
+    LEAST_SIDE,
+    SECOND,
+)
 from eccentric.fleet.periods import History, Period
 
 __all__ = ["Changed", "against_the_past", "recent_of"]
@@ -65,13 +75,21 @@ def against_the_past(history: History, change: FleetChange, heat: Mapping[str, f
     headings = history.headings
     k = len(headings)
     friction = np.array([h.is_friction for h in headings])
-    warmth = _warmth(past, recent, heat)
+    short = len(past) < LEAST_PAST
+    known = history.periods if short else past
+    warmth = _warmth(known, [] if short else recent, heat)
+    course = dict(zip(change.series.periods, course_of(change), strict=True))
 
     def rows(p: Period) -> tuple[Array, Array]:
         x, y = p.triangle[:, :k], p.triangle[:, k]
         return np.column_stack([x, x[:, friction] * warmth[p.period]]), y
 
-    base, usual = _least(list(map(rows, past)), past)
+    def with_change(p: Period) -> tuple[Array, Array]:
+        x, y = rows(p)
+        return np.column_stack([x, x[:, :k] * course[p.period]]), y
+
+    base, usual = _least([(with_change if short else rows)(p) for p in known], known)
+    base = base[: k + np.count_nonzero(friction)]
     left = [(rows(p)[0][:, :k], rows(p)[1] - rows(p)[0] @ base) for p in recent]
     windows = sum(p.windows for p in recent)
 
@@ -111,7 +129,7 @@ def _warmth(past: Sequence[Period], recent: Sequence[Period], heat: Mapping[str,
     """Temperatures over their range in the past, from its mean; all 0 where the past has too little range."""
     known = [heat.get(p.period, math.nan) for p in (*past, *recent)]
     range_of_past = np.ptp(known[: len(past)]) if past else 0.0
-    if not np.all(np.isfinite(known)) or range_of_past < LEAST_RANGE_K or len(past) < 3:
+    if not np.all(np.isfinite(known)) or range_of_past < LEAST_RANGE_K or len(past) < LEAST_PAST:
         return {p.period: 0.0 for p in (*past, *recent)}
     middle = float(np.mean(known[: len(past)]))
     return {

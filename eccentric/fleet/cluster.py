@@ -180,6 +180,7 @@ def _done(client: Any, running: list[Any]) -> Collection[Any]:
 
 def _results(future: Any) -> Sequence[Any]:
     """The results of a task that has ended. Raises Failed, _LostError, SchedulerLost."""
+    distributed = importlib.import_module("distributed")
     if future.status not in {"finished", "error"}:
         if future.client.status == "running":
             raise _LostError
@@ -188,11 +189,11 @@ def _results(future: Any) -> Sequence[Any]:
         return future.result()
     except Exception as error:  # noqa: BLE001 - whatever a task raises is its result
         name = type(error).__name__
-        if "Cancelled" in name and future.client.status == "running":
+        cancelled = isinstance(error, distributed.CancelledError)
+        if cancelled and future.client.status == "running":
             raise _LostError from None
-        if "Cancelled" in name or isinstance(error, OSError):
+        if cancelled or isinstance(error, OSError):
             raise SchedulerLost(name) from None
-        said = (
-            "every worker that took it died: out of memory?" if name == "KilledWorker" else f"{name}: {error}"
-        )
+        died = isinstance(error, distributed.KilledWorker)
+        said = "every worker that took it died: out of memory?" if died else f"{name}: {error}"
         raise Failed(said.splitlines()[0]) from None

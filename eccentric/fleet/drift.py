@@ -33,7 +33,18 @@ from eccentric.fleet.limits import (
 )
 from eccentric.fleet.periods import History
 
-__all__ = ["FRICTION", "RESIDUAL", "FleetChange", "Series", "changes", "discovered", "series_of", "shrunk"]
+__all__ = [
+    "FRICTION",
+    "RESIDUAL",
+    "FleetChange",
+    "Series",
+    "changes",
+    "course_of",
+    "discovered",
+    "level_of",
+    "series_of",
+    "shrunk",
+]
 
 Array = NDArray[np.float64]
 
@@ -65,8 +76,8 @@ class FleetChange:
     """The best change of a series: its shape, the period that it begins with, its size and part of friction.
 
     `before` and `after` are the values that the changed part starts from and has at the end, at one
-    temperature; `p` is the probability of such a change by chance, `counts` whether it is a discovery that
-    matters.
+    temperature; `p` is the probability of a change at least as large where nothing changed, `counts` whether
+    it is a discovery that matters.
     """
 
     series: Series
@@ -88,20 +99,22 @@ class FleetChange:
         return self.size * self.series.torque
 
 
+def level_of(history: History) -> float:
+    """The mean friction torque of a joint, the usual one of its periods [N m]; NaN without any."""
+    return float(np.median([p.friction[0] for p in history.periods])) if history.periods else math.nan
+
+
 def series_of(history: History, temperatures: Mapping[str, float]) -> Iterator[Series]:
     """The series of a joint that are tested; `temperatures` [deg C] by period, NaN where none is known.
 
-    None where there are too few periods.
+    None where there are too few periods, or `level_of` is not positive.
     """
-    periods = history.periods
-    if len(periods) < LEAST_PERIODS:
+    periods, level = history.periods, level_of(history)
+    if len(periods) < LEAST_PERIODS or not level > 0.0:
         return
     names = tuple(p.period for p in periods)
     heat = np.array([temperatures.get(name, math.nan) for name in names])
     friction = np.array([p.friction for p in periods])
-    level = float(np.median(friction[:, 0]))
-    if not level > 0.0:
-        level = float(np.median([p.residual[0] for p in periods]))
 
     def one(name: str, unit: str, values: Array, errors: Array, torque: float, least: float) -> Series:
         return Series(history.joint, name, unit, names, values, errors, heat, torque, least)
@@ -202,6 +215,13 @@ def _always(series: Series) -> Array:
         if len(heat) >= PERIODS_FOR_CURVATURE:
             columns.append(off**2)
     return np.stack(columns, axis=1)
+
+
+def course_of(change: FleetChange) -> Array:
+    """A change over the periods of its series (p,): 0 before, 1 at the end."""
+    first = change.series.periods.index(change.since)
+    every = _shapes(len(change.series.periods))
+    return next(values for shape, at, values in every if (shape, at) == (change.shape, first))
 
 
 def _shapes(count: int) -> Iterator[tuple[str, int, Array]]:

@@ -26,6 +26,7 @@ _KINDS = {
     "scale": "gain of the drive signal, or the load carried",
     "offset": "offset of the drive signal, or a constant load",
 }
+_NO_COEFFICIENT = "a change that no coefficient explains"
 NOT_FRICTION = frozenset({"scale", "offset", "inertia"})
 """Kinds of columns that are not friction: of these a sensor or a load is the cause."""
 
@@ -82,7 +83,8 @@ class Drifting:
     `names` are coefficients or families of effects, empty where nothing explains the change; `sensor` says
     that they are none of friction. `part` is the change as a part of the friction torque; with
     `of_residual`, that of the logarithm of what the model leaves: `part_of_friction` and `residual_factor`
-    are the one that it is, and NaN.
+    are the one that it is, and NaN. All of this is of the change that is `shown`: of the quantity that is
+    named, else of friction, else of the strongest.
     """
 
     joint: str
@@ -96,8 +98,13 @@ class Drifting:
     after: float
     unit: str
     report: str
+    shown: FleetChange = field(repr=False)
     changes: tuple[FleetChange, ...] = field(repr=False, default=())
-    of_residual: bool = False
+
+    @property
+    def of_residual(self) -> bool:
+        """Whether the change is one of what the model leaves."""
+        return self.shown.series.name == RESIDUAL
 
     @property
     def part_of_friction(self) -> float:
@@ -145,7 +152,7 @@ class FleetFound:
 def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
     """The word on a joint: the coefficients that explain the change, else the new effect, else none."""
     changed, strongest = suspect.changed, suspect.changes[0]
-    own = {change.series.name: change.part for change in suspect.changes}
+    own = {change.series.name: change for change in suspect.changes}
     names, sensor = changed.names, False
     before, after, unit = changed.before, changed.after, "N m"
     if names:
@@ -158,15 +165,16 @@ def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
         before, after, unit = examined.before, examined.after, examined.unit
     elif examined.families and examined.again:
         new, past = ", ".join(examined.effects), ", ".join(examined.again)
-        what = f"what the model leaves has grown; new beside {past}: {new}, whose own gain is not known"
+        what = f"{_NO_COEFFICIENT}; new beside {past}: {new}, whose own gain is not known"
     elif examined.tied:
         tied = " or ".join(examined.tied)
-        what = f"what the model leaves has grown: {tied}, which its log does not distinguish"
+        what = f"{_NO_COEFFICIENT}: {tied}, which its log does not distinguish"
+    elif examined.said:
+        what = f"{_NO_COEFFICIENT}, and that was not diagnosed: {examined.said}"
     else:
-        what = "what the model leaves has grown, and no effect of the library explains it"
-    shown = next((name for name in (*names, FRICTION) if name in own), strongest.series.name)
+        what = f"{_NO_COEFFICIENT}, nor any effect of the library"
+    shown = next((own[name] for name in (*names, FRICTION) if name in own), strongest)
     return Drifting(
-        *(suspect.joint, what, tuple(names), sensor, strongest.since, own[shown], strongest.p),
-        *(before, after, unit, examined.report, suspect.changes),
-        of_residual=shown == RESIDUAL,
+        *(suspect.joint, what, tuple(names), sensor, shown.since, shown.part, shown.p),
+        *(before, after, unit, examined.report, shown, suspect.changes),
     )

@@ -12,13 +12,13 @@ from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.cluster import Failed, SchedulerLost, spread, threads_of
 from eccentric.fleet.limits import PART_FILES
 from eccentric.fleet.problems import FleetProblem
-from eccentric.fleet.sources import LogFile, in_order
-from eccentric.fleet.store import Key, Stored, keys, read, recipe_of, write
+from eccentric.fleet.sources import LogFile, in_order, without_suffix
+from eccentric.fleet.store import Key, Stored, joints_of, keys, read, recipe_of, write
 from eccentric.fleet.work import Job, problem_of, tasks_of, work
 from eccentric.output import workshop
 from eccentric.rigs import Rig
 
-__all__ = ["Plan", "gather", "gone_of", "plan_of", "stored_of"]
+__all__ = ["Plan", "gather", "gone_of", "outdated_of", "plan_of", "stored_of"]
 
 Told = Callable[[float, str], None]
 
@@ -44,23 +44,25 @@ class Plan:
 
 
 def plan_of(logs: Iterable[LogFile], rigs: Assigned, out: Path) -> Plan:
-    """What is left to be done for the logs of a fleet; joints without a rig are problems."""
+    """What is left to be done for the logs of a fleet; joints without a rig are problems.
+
+    Joints that have sums and no log any longer are joints of the fleet as well.
+    """
     plan = Plan()
-    refused: dict[str, str] = {}
+    logs = list(logs)
     there: dict[str, set[Key]] = {}
+    for joint in sorted({*(log.joint for log in logs), *joints_of(out)}):
+        try:
+            plan.rigs[joint], plan.contents[joint] = rigs.rig(joint), rigs.content(joint)
+        except InputError as error:
+            plan.problems.append(FleetProblem(joint, "", "", "no rig", str(error)))
+            continue
+        plan.recipes[joint] = recipe_of(plan.rigs[joint])
+        there[joint] = set(keys(out, joint))
     for log in logs:
         joint = log.joint
-        if joint not in plan.rigs and joint not in refused:
-            try:
-                plan.rigs[joint], plan.contents[joint] = rigs.rig(joint), rigs.content(joint)
-                plan.recipes[joint] = recipe_of(plan.rigs[joint])
-            except InputError as error:
-                refused[joint] = str(error)
-                plan.problems.append(FleetProblem(joint, "", "", "no rig", str(error)))
-        if joint in refused:
-            continue
         if joint not in there:
-            there[joint] = set(keys(out, joint))
+            continue
         if Key(log.period, log.name, log.size, log.changed, plan.recipes[joint]) in there[joint]:
             plan.reused += 1
         else:
@@ -111,18 +113,54 @@ def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[FleetPr
 def stored_of(out: Path, joint: str, recipe: str, logs: Iterable[LogFile]) -> dict[str, list[Stored]]:
     """The sums of a joint by period, of logs that are there and of logs that are no longer; in order of time.
 
-    Sums of another rig than it has now do not count, nor those of a log that has changed since.
+    Sums of another rig than it has now do not count, nor those of a log that has changed since, or that is
+    there under another name.
     """
-    there = {(log.period, log.name): (log.size, log.changed) for log in logs}
+    there = _There(logs)
     found: dict[str, list[Stored]] = {}
     for row in read(out, joint):
-        same = (row.size, row.changed)
-        if row.recipe == recipe and there.get((row.period, row.name), same) == same:
+        if row.recipe == recipe and (there.unchanged(row) or there.gone(row)):
             found.setdefault(row.period, []).append(row)
     return {period: found[period] for period in in_order(found)}
 
 
 def gone_of(stored: Mapping[str, Sequence[Stored]], logs: Iterable[LogFile]) -> list[str]:
     """The names of the logs whose sums count and which are no longer there."""
-    there = {(log.period, log.name) for log in logs}
-    return [row.name for rows in stored.values() for row in rows if (row.period, row.name) not in there]
+    there = _There(logs)
+    return [row.name for rows in stored.values() for row in rows if there.gone(row)]
+
+
+def outdated_of(out: Path, joint: str, recipe: str, logs: Iterable[LogFile]) -> list[FleetProblem]:
+    """Sums that cannot be made anew: the rig has changed, and the log is gone."""
+    there = _There(logs)
+    text = "a log is required, since its sums were made with other values of the rig, and it is gone"
+    return [
+        FleetProblem(joint, row.period, row.name, "no log", text)
+        for row in keys(out, joint)
+        if row.recipe != recipe and there.gone(row)
+    ]
+
+
+class _There:
+    """The logs of a joint that are there, by what tells them again."""
+
+    def __init__(self, logs: Iterable[LogFile]) -> None:
+        self._as_it_is: dict[tuple[str, str], tuple[int, int]] = {}
+        self._moved: set[tuple[str, int, int]] = set()
+        self._converted: set[tuple[str, str]] = set()
+        for log in logs:
+            self._as_it_is[log.period, log.name] = log.size, log.changed
+            self._moved.add((log.period, log.size, log.changed))
+            self._converted.add((log.period, without_suffix(log.name)))
+
+    def unchanged(self, row: Key) -> bool:
+        """Whether the log of some sums is as it was."""
+        return self._as_it_is.get((row.period, row.name)) == (row.size, row.changed)
+
+    def gone(self, row: Key) -> bool:
+        """Whether it is gone: not changed, nor at another place, nor in another format."""
+        return (
+            (row.period, row.name) not in self._as_it_is
+            and (row.period, row.size, row.changed) not in self._moved
+            and (row.period, without_suffix(row.name)) not in self._converted
+        )

@@ -22,9 +22,18 @@ QUANTA = 10.0
 by one or two."""
 SPEED_BIN = 1.01
 """Ratio of the bins of speeds: the threshold is then that of the file to 1 %, whatever its length."""
+STUCK_PART = 0.5
+"""A drive that repeats its value in this part of the moving rows is not measured: a sensor of few bits, or a
+zero of a loop, repeats less."""
 BLOCKS = 32
 """Parts of a file with sums of their own: intervals come from how these differ, and to know a variance to a
 fourth takes some 32."""
+
+MADE_WITH = (
+    *(WINDOW_PERIODS, SHARES, LEAST_SHARE, LEAST_STEPS, SLOW, FAST_PART, QUANTA, SPEED_BIN, STUCK_PART),
+    *(BLOCKS,),
+)
+"""Sums that were made with other values are made anew."""
 
 # Which sums have an answer.
 
@@ -38,10 +47,6 @@ MEMBER_PART = 0.3
 """A column belongs to a dependency with this part of its direction: that of ten equal columns is 0.32."""
 LEAST_DIRECTION = 0.02
 """Part of the motion in the rarer direction, below which offset and Coulomb friction are one column."""
-STUCK_PART = 0.5
-"""A drive that repeats its value in this part of the moving rows is not measured: a sensor of few bits, or a
-zero of a loop, repeats less."""
-
 STUCK_PERIODS = 3
 """Periods on end in which a temperature sensor shows one value: a cold store may do so twice."""
 
@@ -64,10 +69,13 @@ LEAST_RESIDUAL = 0.15
 MOST_PRIOR = 60.0
 """Degrees of freedom of the fleet's scatter at most: joints are not copies of each other."""
 RATE = 0.01
-"""False discovery rate, unless another is asked for: of a hundred joints that are looked at, one in vain."""
+"""False discovery rate of the tests, unless another is asked for. A joint that changed has several, so the
+part of the joints that are looked at in vain may be larger."""
 
 # What changed.
 
+LEAST_PAST = 3
+"""Periods before a change that show what temperature does: where there are fewer, all periods are asked."""
 EXPLAINED = 0.8
 """Part of the new error (squared) that a change of coefficients has to explain: what is beyond is due to
 something that the model has no column for."""

@@ -40,9 +40,9 @@ def fleet_sentence(found: FleetFound) -> str:
     others = len(found.drifting) - len(worn)
     if not found.drifting:
         return f"None of {joints} changed."
-    said = [f"{len(worn)} of {joints} changed in friction" if worn else f"No friction of {joints} changed"]
+    said = [f"Friction changed in {len(worn) or 'none'} of {joints}"]
     if others:
-        said.append(f"{counted(others, 'joint')} in {'its' if others == 1 else 'their'} sensors or load")
+        said.append(f"a sensor or the load in {others}")
     first = found.drifting[0]
     return f"{', '.join(said)}; look first at {first.joint}: {first.what}, since {first.since}."
 
@@ -101,10 +101,8 @@ def _row(rank: int, one: Drifting) -> _Row:
 
 
 def _panel(one: Drifting) -> dict[str, Any]:
-    """The quantity of a joint that changed most, over its periods."""
-    named = [c for c in one.changes if c.series.name in one.names]
-    change = (named or list(one.changes))[0]
-    s = change.series
+    """The change of a joint over its periods."""
+    s = one.shown.series
     values = np.exp(s.values) if s.name == RESIDUAL else s.values
     errors = values * s.errors if s.name == RESIDUAL else s.errors
     words = {FRICTION: "mean friction torque [N m]", RESIDUAL: "what the model leaves, RMS [N m]"}
@@ -113,7 +111,7 @@ def _panel(one: Drifting) -> dict[str, Any]:
         "href": one.report,
         "what": one.what,
         "label": words.get(s.name, f"{s.name} [{s.unit}]"),
-        "svg": _small(values, 2.0 * errors, s.periods.index(change.since)),
+        "svg": _small(values, 2.0 * errors, s.periods.index(one.since)),
         "first": s.periods[0],
         "last": s.periods[-1],
         "low": number(float(values.min()), 3),

@@ -12,9 +12,9 @@ from typing import Any, Self
 from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.changed import against_the_past, recent_of
 from eccentric.fleet.cluster import Failed, SchedulerLost, connected, spread
-from eccentric.fleet.drift import FleetChange, changes, series_of
+from eccentric.fleet.drift import FleetChange, changes, level_of, series_of
 from eccentric.fleet.found import Examined, FleetFound, Suspect, drifting_of
-from eccentric.fleet.gathered import Plan, Told, gather, gone_of, plan_of, stored_of
+from eccentric.fleet.gathered import Plan, Told, gather, gone_of, outdated_of, plan_of, stored_of
 from eccentric.fleet.periods import History, history_of
 from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.sample import Sample, sample_of
@@ -70,11 +70,16 @@ def run_fleet(
         histories: list[History] = []
         gone: list[str] = []
         for done, joint in enumerate(sorted(plan.rigs)):
-            stored = stored_of(out, joint, plan.recipes[joint], by_joint[joint])
-            gone += gone_of(stored, by_joint[joint])
+            own = by_joint.get(joint, [])
+            stored = stored_of(out, joint, plan.recipes[joint], own)
+            gone += gone_of(stored, own)
+            problems += outdated_of(out, joint, plan.recipes[joint], own)
             history, said = history_of(joint, stored)
             histories.append(history)
             problems += said
+            if (level := level_of(history)) <= 0.0:
+                text = f"a positive mean friction torque is required, received {level:.3g} N m: a wrong sign?"
+                problems.append(FleetProblem(joint, "", "", "no friction", text))
             told((done + 1) / len(plan.rigs), "coefficients")
         heat, said = temperatures_of(histories)
         problems += said
@@ -87,7 +92,7 @@ def run_fleet(
         suspects = [
             suspect
             for joint, own in called.items()
-            for samples in [_samples(out, joint, plan.recipes[joint], by_joint[joint])]
+            for samples in [_samples(out, joint, plan.recipes[joint], by_joint.get(joint, []))]
             for suspect in [_suspect(by_name[joint], own, heat[joint], plan, samples)]
             if suspect.changed.matters
         ]
@@ -97,7 +102,8 @@ def run_fleet(
         if left and not lost:
             said = _examined(left, cluster.client, examine, keep, examined, told)
             problems += said
-    drifting = [drifting_of(suspect, examined.get(suspect.joint, Examined())) for suspect in suspects]
+    ended = Examined(said="the run ended before it")
+    drifting = [drifting_of(suspect, examined.get(suspect.joint, ended)) for suspect in suspects]
     return FleetFound(
         tuple(histories),
         heat,

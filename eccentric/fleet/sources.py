@@ -17,7 +17,7 @@ from eccentric.errors import InputError
 from eccentric.fleet.problems import FleetProblem
 from eccentric.places import given_path
 
-__all__ = ["LogFile", "find", "in_order"]
+__all__ = ["LogFile", "find", "in_order", "without_suffix"]
 
 SUFFIXES = (".parquet", ".csv", ".csv.gz", ".mat")
 """Formats of a fleet's logs: not JSON, since rigs and what a bench seals are often beside them."""
@@ -67,6 +67,11 @@ def _required(pattern: str | None) -> str:
         return f"a name like {pattern} is required"
     names = "a --pattern of names such as '{joint}_{period}.csv'"
     return f"folders joint=... and month=..., or {names}, are required"
+
+
+def without_suffix(name: str) -> str:
+    """A log's name without the suffix of its format."""
+    return next((name[: -len(end)] for end in SUFFIXES if name.lower().endswith(end)), name)
 
 
 def in_order(periods: Iterable[str]) -> list[str]:

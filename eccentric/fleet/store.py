@@ -2,7 +2,8 @@
 
 A row holds the sums of one log file, what tells that file again (period, name, size, last change), and a
 digest of how its sums were made: the rig's values, the rows' filters, this module's version. Where all of it
-agrees, the log is not read again. A later row for a log replaces an earlier one.
+agrees, the log is not read again. A later row for a log replaces an earlier one; one that was made otherwise
+stays until then, since its log may be in an archive, and the values that it was made with may come back.
 """
 
 from __future__ import annotations
@@ -15,18 +16,18 @@ from dataclasses import asdict, dataclass, fields
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.fleet.limits import BLOCKS, MOST_PARTS, SLOW, WINDOW_PERIODS
+from eccentric.fleet.limits import BLOCKS, MADE_WITH, MOST_PARTS
 from eccentric.fleet.sums import Coverage, FileSums, Heading
 from eccentric.rigs import Rig
 
-__all__ = ["Key", "Stored", "arrow_of", "keys", "read", "recipe_of", "write"]
+__all__ = ["Key", "Stored", "arrow_of", "joints_of", "keys", "read", "recipe_of", "write"]
 
-_VERSION = 3
+_VERSION = 4
 _HEADINGS = b"eccentric.columns"
 _Row = TypeVar("_Row", bound="Key")
 
@@ -53,7 +54,7 @@ class Stored(Key):
 def recipe_of(rig: Rig) -> str:
     """A digest of all that the sums depend on besides the log."""
     made = (
-        *(_VERSION, BLOCKS, SLOW, WINDOW_PERIODS, rig.model, rig.case, sorted(rig.known.items())),
+        *(_VERSION, MADE_WITH, rig.model, rig.case, sorted(rig.known.items())),
         *(sorted(rig.unknown.items()), rig.log, rig.sampling, rig.alignment),
     )
     return hashlib.sha256(repr(made).encode()).hexdigest()[:16]
@@ -62,25 +63,31 @@ def recipe_of(rig: Rig) -> str:
 def write(out: Path, joint: str, rows: Sequence[Stored], place: Path) -> None:
     """Add the sums of log files of one joint, all of one rig; what is there stays until they are complete.
 
-    They are made in the folder `place` on the same file system, and moved. Where rows are replaced or are of
-    another rig, and where the joint has many files, one file is made of all.
+    They are made in the folder `place` on the same file system, and moved. Where rows are replaced, and where
+    the joint has many files, one file is made of all that have the same columns.
     """
     folder = _folder(out, joint)
     parts = _parts(folder)
     new = {(row.period, row.name): row for row in rows}
-    recipe = rows[0].recipe
-    stale = [key.recipe != recipe or (key.period, key.name) in new for key in keys(out, joint)]
-    whole = any(stale) or len(parts) >= MOST_PARTS
-    if whole:
-        kept = {(row.period, row.name): row for row in read(out, joint) if row.recipe == recipe}
-        new = kept | new
-    last = max(map(_number, parts), default=0)
-    made = place / f"{quote(joint, safe='')}-{last + 1}.parquet"
-    made.write_bytes(_encoded(sorted(new.values(), key=lambda row: (row.period, row.name))))
+    whole = len(parts) >= MOST_PARTS or any((key.period, key.name) in new for key in keys(out, joint))
+    kept = [row for row in read(out, joint) if (row.period, row.name) not in new] if whole else []
+    together: dict[tuple[Heading, ...], list[Stored]] = {}
+    for row in [*kept, *rows]:
+        together.setdefault(row.headings, []).append(row)
     folder.mkdir(parents=True, exist_ok=True)
-    made.replace(folder / f"part-{last + 1:06d}.parquet")
+    last = max(map(_number, parts), default=0)
+    for number, group in enumerate(together.values(), start=last + 1):
+        made = place / f"{quote(joint, safe='')}-{number}.parquet"
+        made.write_bytes(_encoded(sorted(group, key=lambda row: (row.period, row.name))))
+        made.replace(folder / f"part-{number:06d}.parquet")
     for part in parts if whole else []:
         part.unlink()
+
+
+def joints_of(out: Path) -> list[str]:
+    """The joints that have sums."""
+    found = (folder.name.removeprefix("joint=") for folder in (out / "sums").glob("joint=*"))
+    return sorted(map(unquote, found))
 
 
 def _folder(out: Path, joint: str) -> Path:

@@ -38,8 +38,9 @@ def temperatures_of(histories: Sequence[History]) -> tuple[dict[str, dict[str, f
     problems: list[FleetProblem] = []
     for history in histories:
         joint, own = history.joint, logged[history.joint]
-        bad = [period for period in stuck[joint] if period in usual]
-        if bad and np.ptp([usual[period] for period in bad]) < LEAST_RANGE_K:
+        bad = stuck[joint]
+        known = [usual[period] for period in bad if period in usual]
+        if known and len(known) == len(bad) and np.ptp(known) < LEAST_RANGE_K:
             own |= {p.period: p.coverage.temperature for p in history.periods if p.period in bad}
             bad = []
         differences = [own[period] - usual[period] for period in own]
@@ -50,9 +51,14 @@ def temperatures_of(histories: Sequence[History]) -> tuple[dict[str, dict[str, f
             if p.period not in own and p.period in usual
         }
         if bad:
+            instead = (
+                "that of the other joints is taken"
+                if len(known) == len(bad)
+                else "no other joint has one in all of these periods, and it is not taken out"
+            )
             text = (
-                f"a temperature that varies is required, received one value from {bad[0]} to {bad[-1]}: that"
-                " of the other joints is taken"
+                f"a temperature that varies is required, received one value from {bad[0]} to {bad[-1]}:"
+                f" {instead}"
             )
             problems.append(FleetProblem(joint, bad[0], "", "temperature sensor", text))
     return found, problems
