@@ -12,6 +12,14 @@ class InputError(ValueError):
     """
 
 
+class MissingValueError(InputError):
+    """A value that the rig does not give and that is required; `letter` is the paper's."""
+
+    def __init__(self, message: str, letter: str = "") -> None:
+        super().__init__(message)
+        self.letter = letter
+
+
 def meant(name: object, known: Iterable[str]) -> str:
     """Return a hint at the known name closest to an unknown one; empty if none is close."""
     spelled = {_plain(one): one for one in reversed(list(known))}

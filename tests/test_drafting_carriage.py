@@ -109,3 +109,19 @@ def test_without_a_unit_of_length_a_shaft_is_drafted(tmp_path: Path) -> None:
 
     assert "kind" not in tomllib.loads(draft.text)
     assert "theta_m" in _channels(draft.text)
+
+
+def test_a_check_holds_a_carriage_against_its_log(tmp_path: Path) -> None:
+    """Millimetres that are read as metres are contradicted, in the words of a carriage."""
+    log = _log(tmp_path / "log.csv", t="t_s", x_mm="x [mm]", v="v [m/s]", F="F_N")
+    draft = eccentric.draft_rig(log)
+    right = draft.text
+    wrong = right.replace('unit = "mm"', 'unit = "m"')
+    assert wrong != right
+    for name, text in (("right", right), ("wrong", wrong)):
+        (tmp_path / f"{name}.toml").write_text(text, encoding="utf-8")
+
+    assert eccentric.check_rig(log, tmp_path / "right.toml").complaints == ()
+    (said,) = eccentric.check_rig(log, tmp_path / "wrong.toml").complaints
+    assert "[columns] position: 'x [mm]' is read in m, the log shows mm" in said
+    assert said.endswith('write position = { column = "x [mm]", unit = "mm" }')

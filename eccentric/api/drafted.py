@@ -11,11 +11,11 @@ from typing import Any
 from eccentric.api.inputs import LogSources, names_of, read_logs
 from eccentric.arms import read_arm
 from eccentric.drafting import Draft, Proposal, RigLine, draft_of, draft_of_arm, log_complaints, toml_of
-from eccentric.errors import InputError, few
+from eccentric.errors import InputError, MissingValueError, few
 from eccentric.fitting import fit as fit_channels
 from eccentric.fitting import fit_sentence
 from eccentric.logs import Log
-from eccentric.model import TURNING, load_model, with_numbers
+from eccentric.model import load_model, with_numbers
 from eccentric.output import whole_file
 from eccentric.rigs import Rig, knowns_of, read_rig, rig_complaints
 from eccentric.signals import Finding, read_channels
@@ -152,8 +152,9 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
     usable = read_rig(rest)
     usable = _named(usable, rig)
     try:
-        # A draft knows drives that turn.
-        draft = _draft(read) if usable.axis is TURNING else None
+        draft = _draft(read)
+        if draft.axis is not usable.axis:
+            draft = None  # no header says that this is a carriage
     except InputError:
         draft = None  # what could not be drafted can still be described by hand
     for log in read:
@@ -166,9 +167,7 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
 
 
 def _named(rig: Rig, source: object) -> Rig:
-    import dataclasses
-
-    return dataclasses.replace(rig, path=str(source)) if isinstance(source, str | os.PathLike) else rig
+    return replace(rig, path=str(source)) if isinstance(source, str | os.PathLike) else rig
 
 
 _TYPICAL = {
@@ -197,14 +196,11 @@ def _tried(
             channels = read_channels(logs, tried)
             fit = fit_channels(channels, channels.rig, load_model(channels.rig.model), few(names_of(logs)))
         except InputError as error:
-            said = str(error)
-            letter = next(
-                (x for x in _TYPICAL if f"[known] {x} is required" in said or f"[known] {x}:" in said), None
-            )
+            letter = error.letter if isinstance(error, MissingValueError) else ""
             here = tried.axis.said
-            if letter is None or letter in tried.known:
+            if letter not in _TYPICAL or letter in tried.known:
                 # What follows from a complaint that is already made would only be noise.
-                return [*missing, *([] if complaints else [said])], (), ()
+                return [*missing, *([] if complaints else [str(error)])], (), ()
             if not any(f"[known] {here(letter)}:" in line for line in complaints):
                 missing.append(
                     f"{rig.path}: [known] {letter} is required, as in"

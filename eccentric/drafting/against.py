@@ -71,17 +71,17 @@ def _missing(rig: Rig, log: Log) -> Iterator[str]:
 
 def _contradicted(rig: Rig, draft: Draft) -> Iterator[str]:
     """Channels and units that the log shows otherwise, where it leaves no doubt."""
-    sources = rig.log.columns or {}
-    by_column = {p.column.removeprefix("-").strip("`"): p for p in draft.proposals}
+    sources, here = rig.log.columns or {}, rig.axis.said
+    by_column = {p.source: p for p in draft.proposals}
     for channel, source in sources.items():
         proposal = by_column.get(source.text.strip("`"))
         if proposal is None or proposal.doubt:
             continue
         if not _same(channel, proposal.channel):
             yield (
-                f"{rig.path}: [columns] {channel} = {json.dumps(source.text)}:"
-                f" the log shows {proposal.channel} there"
-                f" ({'; '.join(proposal.evidence)}): write {_line(proposal)}"
+                f"{rig.path}: [columns] {here(channel)} = {json.dumps(source.text)}:"
+                f" the log shows {here(proposal.channel)} there"
+                f" ({'; '.join(proposal.evidence)}): write {_line(proposal, here(proposal.channel))}"
             )
             continue
         if not CHANNELS[channel][1]:
@@ -92,11 +92,11 @@ def _contradicted(rig: Rig, draft: Draft) -> Iterator[str]:
         if proposal.unit.startswith("counts") and counts is None:
             continue
         if not math.isclose(own, theirs.factor, rel_tol=0.01):
-            said = source.unit.text if source.unit is not None else CHANNELS[channel][1]
+            said = source.unit.text if source.unit is not None else here(CHANNELS[channel][1])
             yield (
-                f"{rig.path}: [columns] {channel}: {source.text!r} is read in {said},"
+                f"{rig.path}: [columns] {here(channel)}: {source.text!r} is read in {said},"
                 f" the log shows {proposal.unit}"
-                f" ({'; '.join(proposal.evidence)}): write {_line(proposal, channel)}"
+                f" ({'; '.join(proposal.evidence)}): write {_line(proposal, here(channel))}"
             )
 
 
@@ -104,10 +104,10 @@ def _same(channel: str, other: str) -> bool:
     return channel == other or any({channel, other} <= both for both in _SIDES)
 
 
-def _line(proposal: Proposal, channel: str = "") -> str:
+def _line(proposal: Proposal, channel: str) -> str:
     column = json.dumps(proposal.column, ensure_ascii=False)
     unit = f', unit = "{proposal.unit}"' if proposal.unit else ""
-    return f"{channel or proposal.channel} = {{ column = {column}{unit} }}"
+    return f"{channel} = {{ column = {column}{unit} }}"
 
 
 def _values(rig: Rig, draft: Draft) -> Iterator[str]:

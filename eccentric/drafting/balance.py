@@ -56,7 +56,6 @@ class Explained:
     turns: float
     zero: float
     offset: float
-    amplitude: float
 
 
 def motion_from(grid: Grid, angle: LoggedColumn | None, speed: LoggedColumn | None) -> Moved:
@@ -121,7 +120,6 @@ def balance_of(motion: Moved, y: Array, *, periodic: bool = True) -> Explained |
         turns=turns,
         zero=float(np.arctan2(-c[5], c[4]) / k) if k else 0.0,
         offset=float(c[0]) / spread,
-        amplitude=float(np.hypot(c[4], c[5])) if k else 0.0,
     )
 
 

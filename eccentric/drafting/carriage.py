@@ -82,10 +82,10 @@ def driven(
     left_out: dict[str, str] = {}
     channels = {drive.channel for drive in drives}
     for drive in drives:
-        if carriage and drive.channel == "torque" and not stated.get(drive.column.strip("-`")):
+        if carriage and drive.channel == "torque" and not stated.get(drive.source):
             kept.append(replace(drive, unit="N", doubt="no unit in its name: N, if it is a force"))
         elif drive.channel == "torque" and _is_force(drive.unit) != carriage:
-            left_out[drive.column] = _TORQUE if carriage else _FORCE
+            left_out[drive.source] = _TORQUE if carriage else _FORCE
         elif drive.channel == "torque" and carriage:
             said = tuple(one.replace("torque by its name", "force by its name") for one in drive.evidence)
             kept.append(replace(drive, evidence=said))

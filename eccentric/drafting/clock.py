@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from eccentric.drafting import limits
 from eccentric.drafting.columns import LoggedColumn
 from eccentric.drafting.proposal import Proposal
+from eccentric.drafting.words import read_name
 from eccentric.errors import InputError
 
 __all__ = ["Clock", "find_clock", "find_runs"]
@@ -58,8 +59,6 @@ def find_runs(
 
 
 def _named(name: str) -> float:
-    from eccentric.drafting.words import read_name
-
     return 1.0 if read_name(name).quantity == "run" else 0.0
 
 

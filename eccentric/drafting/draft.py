@@ -69,6 +69,9 @@ class Draft:
         return tuple(entry for entry in self.entries if entry.asked)
 
 
+_RATIO = {"duty": "a duty cycle: the voltage is logged", "supply": "supply voltage"}
+
+
 def draft_of(log: Log) -> Draft:
     """Draft the rig of a log.
 
@@ -91,8 +94,8 @@ def draft_of(log: Log) -> Draft:
     temperature, supply = find_slow(list(left.values()))
     voltage = find_voltage(list(left.values()), supply)
     flags = [c for c in left.values() if c.is_flag]
-    ratio = {c.text for c in left.values() if c.name.quantity in ("duty", "supply")}
-    taken = ratio | {c.text for c in flags} | ({temperature.column} if temperature else set())
+    ratio = {c.text: _RATIO[c.name.quantity] for c in left.values() if c.name.quantity in _RATIO}
+    taken = {*ratio} | {c.text for c in flags} | ({temperature.column} if temperature else set())
     left_out = {n: "it is constant" for n, c in left.items() if c.is_constant and n not in taken}
     free = [c for n, c in left.items() if n not in taken and n not in left_out]
     angle, speed, pair, doubt = _moving(grid, free, log.path)
@@ -129,10 +132,10 @@ def draft_of(log: Log) -> Draft:
     else:
         moving = []
         proposals = _channels(clock, run, found, evidence, pair, doubt)
-    drive = next((c for c in rest if drives and c.text == drives[0].column.strip("-`")), None)
+    drive = next((c for c in rest if drives and c.text == drives[0].source), None)
     named, unclear = find_flags(flags, grid, motion, drive)
     left_out |= unclear
-    left_out |= {n: "supply voltage" for n in ratio if not any(n in p.column for p in drives)}
+    left_out |= {n: why for n, why in ratio.items() if not any(n in p.reads for p in drives)}
     proposals += [*drives, *([temperature] if temperature else []), *named]
     if carried:
         largest = float(np.quantile(np.abs(drive.values), 0.999)) if drive else 0.0
@@ -254,7 +257,7 @@ def _with_duty(
         return drives, balances
     y = np.ones(1)
     for name, column in left.items():
-        if column.name.quantity in ("duty", "supply") and name in voltage.column:
+        if name in voltage.reads:
             y = y * grid.smooth(column)
     balance = balance_of(motion, y)
     if balance is None:

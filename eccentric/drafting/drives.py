@@ -192,13 +192,8 @@ def _proposal(one: Driven) -> Proposal:
     else:
         second = units[1][0] if len(units) > 1 else ""
         doubts.append(f"{unit} by its size alone, up to {largest:.3g}" + (f"; or {second}" if second else ""))
-    text = one.column.text
-    if one.balance.friction < 0.0 or (one.balance.friction == 0.0 and one.balance.inertia < 0.0):
-        text = f"-{quoted(text)}"
+    turned = one.balance.friction < 0.0 or (one.balance.friction == 0.0 and one.balance.inertia < 0.0)
+    if turned:
         evidence.append("its sign is turned: it falls where friction and inertia need it to rise")
-    return Proposal(one.kind, text, unit, tuple(evidence), min(one.sure, sure), "; ".join(doubts))
-
-
-def quoted(name: str) -> str:
-    """A column name as arithmetic takes it."""
-    return name if name.isidentifier() else f"`{name}`"
+    said = tuple(evidence), min(one.sure, sure), "; ".join(doubts)
+    return Proposal(one.kind, one.column.text, unit, *said, turned=turned)

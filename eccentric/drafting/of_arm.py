@@ -10,6 +10,7 @@ import json
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -57,9 +58,8 @@ def draft_of_arm(log: Log, chain: Chain, arm: str, tell: Callable[[float], None]
             silent.append(f"joint {first + j} shows no motion ({str(error).removeprefix(f'{log.path}: ')})")
         else:
             for proposal in found.proposals:
-                name = proposal.column.removeprefix("-").strip("`")
-                if name in own:
-                    votes.setdefault(own[name], []).append(proposal)
+                if proposal.source in own:
+                    votes.setdefault(own[proposal.source], []).append(proposal)
         tell((j + 1) / count)
     if len(silent) == count:
         raise InputError(f"{log.path}: joints that move are required; {silent[0]}")
@@ -121,9 +121,9 @@ def _part(log: Log, names: Sequence[str]) -> Log:
 
 def _agreed(pattern: str, given: Sequence[Proposal], heard: int) -> Proposal:
     """What most joints say of a pattern, and a doubt where some say otherwise."""
-    said = Counter((_kind(p.channel), p.unit, p.column.startswith("-")) for p in given)
+    said = Counter((_kind(p.channel), p.unit, p.turned) for p in given)
     (kind, unit, turned), most = said.most_common(1)[0]
-    of = [p for p in given if (_kind(p.channel), p.unit, p.column.startswith("-")) == (kind, unit, turned)]
+    of = [p for p in given if (_kind(p.channel), p.unit, p.turned) == (kind, unit, turned)]
     best = max(of, key=lambda p: (not p.doubt, p.confidence))
     doubts = [best.doubt] if best.doubt else []
     if most < heard:
@@ -134,8 +134,8 @@ def _agreed(pattern: str, given: Sequence[Proposal], heard: int) -> Proposal:
     # Where others move, what repeats with the angle of a joint is not only its own gravity.
     own = tuple(said for said in best.evidence if not said.startswith("gravity repeats"))
     evidence = (*own, f"so in {counted(most, 'joint')}") if most == heard else own
-    column = (f"-{pattern}" if pattern.isidentifier() else f"-`{pattern}`") if turned else pattern
-    return Proposal(best.channel, column, unit, evidence, best.confidence * most / heard, "; ".join(doubts))
+    sure, doubt = best.confidence * most / heard, "; ".join(doubts)
+    return Proposal(best.channel, pattern, unit, evidence, sure, doubt, turned)
 
 
 def _kind(channel: str) -> str:
@@ -152,7 +152,7 @@ def _sides(chosen: Sequence[Proposal], log: Log, chain: Chain, first: int) -> li
         if kind not in ("theta", "omega", "torque"):
             found.append(p)
             continue
-        side = read_name(p.column.replace(NUMBER, "1")).side
+        side = read_name(p.source.replace(NUMBER, "1")).side
         motor = side == "m" or (not side and far and kind != "torque")
         doubt = p.doubt
         if not side and not direct:
@@ -161,7 +161,7 @@ def _sides(chosen: Sequence[Proposal], log: Log, chain: Chain, first: int) -> li
         channel = {"theta": "theta_", "omega": "omega_"}.get(kind, "torque") + (
             ("" if motor else "_l") if kind == "torque" else ("m" if motor else "l")
         )
-        found.append(Proposal(channel, p.column, p.unit, p.evidence, p.confidence, doubt))
+        found.append(replace(p, channel=channel, doubt=doubt))
     return found
 
 
@@ -170,7 +170,7 @@ def _turns(p: Proposal, log: Log, first: int, count: int) -> float:
     turn = _TURN.get(p.unit)
     if turn is None:
         return 0.0
-    names = [p.column.strip("-`").replace(NUMBER, str(first + j)) for j in range(count)]
+    names = [p.source.replace(NUMBER, str(first + j)) for j in range(count)]
     return max(float(np.ptp(log.numbers(name))) for name in names) / turn
 
 
@@ -181,7 +181,7 @@ def _one_each(chosen: Sequence[Proposal]) -> tuple[list[Proposal], dict[str, str
     for p in sorted(chosen, key=lambda p: (bool(p.doubt), -p.confidence)):
         kind = _kind(p.channel)
         if kind in _OF_ALL or kind in best:
-            left_out[p.column.strip("-`")] = (
+            left_out[p.source] = (
                 f"another {kind}; {best[kind].column} is surer" if kind in best else f"a {kind} of each joint"
             )
         else:

@@ -9,9 +9,8 @@ import numpy as np
 from eccentric.drafting import limits
 from eccentric.drafting.balance import Moved, balance_of
 from eccentric.drafting.columns import LoggedColumn
-from eccentric.drafting.drives import quoted
 from eccentric.drafting.motion import Grid
-from eccentric.drafting.proposal import Proposal
+from eccentric.drafting.proposal import Proposal, quoted
 
 __all__ = ["find_flags", "find_slow", "find_voltage"]
 
@@ -70,13 +69,25 @@ def find_voltage(columns: Sequence[LoggedColumn], supply: LoggedColumn | None) -
     if supply is None:
         doubt = "; ".join(filter(None, (doubt, "times the supply voltage, which the log does not hold")))
         return Proposal(
-            "voltage", f"{quoted(duty.text)}{over}", "V", ("a duty cycle by its name",), 0.4, doubt
+            "voltage",
+            f"{quoted(duty.text)}{over}",
+            "V",
+            ("a duty cycle by its name",),
+            0.4,
+            doubt,
+            reads=(duty.text,),
         )
     text = f"{quoted(duty.text)}{over} * {quoted(supply.text)}"
     if supply.name.unit == "mV":
         text += " / 1000"
     return Proposal(
-        "voltage", text, "V", ("duty cycle times supply, by their names",), 0.9 if sure else 0.7, doubt
+        "voltage",
+        text,
+        "V",
+        ("duty cycle times supply, by their names",),
+        0.9 if sure else 0.7,
+        doubt,
+        reads=(duty.text, supply.text),
     )
 
 
@@ -104,7 +115,7 @@ def find_flags(
         )
         doubt = "" if channel == "motor_off" else "only its name says that the other rows are not to be used"
         proposals[channel] = Proposal(
-            channel, text, "", evidence, 0.9 if channel == "motor_off" else 0.8, doubt
+            channel, text, "", evidence, 0.9 if channel == "motor_off" else 0.8, doubt, reads=(column.text,)
         )
     return list(proposals.values()), left_out
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["Proposal", "RigLine"]
+__all__ = ["Proposal", "RigLine", "quoted"]
 
 
 @dataclass(frozen=True)
@@ -13,19 +13,33 @@ class Proposal:
 
     Attributes:
         channel: as in `eccentric.rigs.CHANNELS`.
-        column: a name, or arithmetic on columns.
+        source: the name of a column, or arithmetic on columns.
         unit: in the spelling of rig files; empty where the channel has none.
         evidence: what speaks for it.
         confidence: probability, 0 to 1.
         doubt: what else it could be, empty if nothing is close.
+        turned: whether its sign is.
+        reads: names of the columns in arithmetic; of a plain name, nothing.
     """
 
     channel: str
-    column: str
+    source: str
     unit: str
     evidence: tuple[str, ...]
     confidence: float
     doubt: str = ""
+    turned: bool = False
+    reads: tuple[str, ...] = ()
+
+    @property
+    def column(self) -> str:
+        """As a rig file names it."""
+        return f"-{quoted(self.source)}" if self.turned else self.source
+
+
+def quoted(name: str) -> str:
+    """A column name as arithmetic takes it."""
+    return name if name.isidentifier() else f"`{name}`"
 
 
 @dataclass(frozen=True)

@@ -56,23 +56,23 @@ def _channel(proposal: Proposal, axis: AxisKind) -> Iterator[str]:
     value = column
     if proposal.unit and proposal.unit not in (standard, standard.replace(" ", "")):
         value = f"{{ column = {column}, unit = {_quoted(proposal.unit)} }}"
-    yield from _comments("", proposal.evidence, proposal.doubt)
+    yield from _comments(proposal.evidence, proposal.doubt)
     yield f"{axis.said(proposal.channel)} = {value}"
 
 
 def _entry(entry: RigLine) -> Iterator[str]:
-    yield from _comments("", [entry.evidence], entry.doubt)
+    yield from _comments([entry.evidence], entry.doubt)
     yield f"{'#? ' if entry.asked else ''}{entry.key} = {entry.value}"
 
 
-def _comments(indent: str, evidence: Iterable[str], doubt: str) -> Iterator[str]:
+def _comments(evidence: Iterable[str], doubt: str) -> Iterator[str]:
     for mark, text in (("# ", "; ".join(evidence)), ("# ? ", doubt)):
         if text:
             yield from textwrap.wrap(
                 " ".join(_line(text).split()),
                 _WIDTH,
-                initial_indent=indent + mark,
-                subsequent_indent=indent + "#   ",
+                initial_indent=mark,
+                subsequent_indent="#   ",
             )
 
 

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import sympy as sp
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, MissingValueError
 from eccentric.estimation import Coefficient, Solution
 from eccentric.fitting.drive import LOAD, Drive
 from eccentric.fitting.expressions import evaluated
@@ -103,9 +103,10 @@ def _needed(channels: Channels, rig: Rig, base: Model, machine: Machine) -> dict
         if missing := sorted(motor - set(rig.known)):
             verb = "are" if len(missing) > 1 else "is"
             received = "a range" if set(missing) & set(rig.unknown) else "none"
-            raise InputError(
+            raise MissingValueError(
                 f"{rig.path}: [known] {' and '.join(missing)} {verb} required, since current and voltage"
-                f" are mapped, received {received}: add it, or remove the voltage from [columns]"
+                f" are mapped, received {received}: add it, or remove the voltage from [columns]",
+                missing[0],
             )
     known = {name: rig.value(name) for name in sorted(needed - given)}
     known |= {name: rig.known[name] for name in sorted(needed & given) if name in rig.known}

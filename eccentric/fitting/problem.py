@@ -22,7 +22,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, MissingValueError
 from eccentric.estimation import ColumnRole, Design, Nonlinear, Solution
 from eccentric.fitting.columns import (
     Combination,
@@ -168,9 +168,10 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     needed = load_letters(model)
     for letter in sorted(needed):
         if letter not in rig.known and letter not in rig.unknown:
-            raise InputError(
+            raise MissingValueError(
                 f"{rig.path}: [known] {letter} is required by {model.name}, or its range in [unknown], "
-                "received neither"
+                "received neither",
+                letter,
             )
     emitted = Emitted(model)
     used = {*emitted.inputs_of("regressor"), *emitted.inputs_of("gravity_torque")}

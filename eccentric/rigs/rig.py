@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eccentric.errors import InputError, few, meant
+from eccentric.errors import InputError, MissingValueError, few, meant
 from eccentric.logs import parse_value
 from eccentric.model import AXES, TURNING, AxisKind
 from eccentric.places import given_path, shown
@@ -93,8 +93,8 @@ class Rig:
     def value(self, name: str) -> float:
         """Return a known quantity by the paper's letter; InputError, naming the rig, if it is unknown."""
         if name not in self.known:
-            name = self.axis.said(name)
-            raise InputError(f"{self.path}: [known] {name} is required here, received none")
+            said = f"{self.path}: [known] {self.axis.said(name)} is required here, received none"
+            raise MissingValueError(said, name)
         return self.known[name]
 
     def require_turning(self, what: str) -> None:
