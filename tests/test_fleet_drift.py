@@ -133,7 +133,7 @@ def _period(name: str, values: np.ndarray, heat: float, random: Generator, rippl
         np.column_stack([x, y + 0.01 * random.standard_normal(2000)]), np.arange(2000) * 32 // 2000, 32
     )
     solved = solve(stack)
-    rms = math.sqrt(solved.left / 2000)
+    rms = abs(float(merged(stack)[3, 3])) / math.sqrt(2000)
     coverage = Coverage(2000, 40.0, 0.5, 0.1, 5.0, heat, heat - 1.0, heat + 1.0)
     level = float(np.mean(np.abs(x[:, :2] @ values[:2])))
     return Period(

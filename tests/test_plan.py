@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
+from scipy.stats import norm
 
 import eccentric
 from eccentric.cli import main
@@ -25,7 +26,7 @@ from eccentric.planning.motion import joined, pieces
 from eccentric.planning.rivals import Rival
 from eccentric.planning.separation import Ground, Separation
 from eccentric.rigs import read_rig
-from eccentric.search import Variant
+from eccentric.search import STABLE, SURE, Variant
 from eccentric.virtual_bench import random_scenario, simulate
 
 LIMITS = {"speed_rad_s": 190.0, "acceleration_rad_s2": 500.0, "current_A": 9.0, "time_s": 40.0}
@@ -88,7 +89,7 @@ def test_the_probability_to_decide_has_its_limits() -> None:
         shift = np.sqrt(apart / 400.0)
         noise = rng.standard_normal((4000, 400))
         ratio = 0.5 * (((noise + shift) ** 2).sum(axis=1) - (noise**2).sum(axis=1))
-        needed = max(np.log(9.0), 1.28 * np.sqrt(apart))
+        needed = max(np.log(SURE / (1.0 - SURE)), norm.ppf(STABLE) * np.sqrt(apart))
         assert decided(apart) == pytest.approx(np.mean(ratio > needed), abs=0.03)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.effects import Shape
+from eccentric.estimation import Coefficient
 from eccentric.model import Role, quantity
 from eccentric.search.candidate import Candidate, Scaling, Values, Variant, grid
 from eccentric.search.limits import BELOW_NOISE
@@ -194,6 +195,28 @@ def test_what_changes_the_base_brings_its_own() -> None:
     assert matrix == pytest.approx(mixed({0: 1.0, 3: 0.5})[:, None], abs=1e-12)
     assert [-np.inf] == lower.tolist()
     assert screen.fit([variant]).score == pytest.approx(N, rel=1e-9)
+
+
+def test_columns_that_no_change_touches_stay_as_the_balance_has_them() -> None:
+    """A column that was filtered before it was averaged is not filtered again beside a changed one."""
+    turns = replace(
+        changing("a", 2, 3), changes=lambda values: (np.zeros(N), mixed_pair(1.0 + values["a"], 1.0))
+    )
+    balance = replace(
+        design({0: 2.0, 1: 1.0}),
+        samples=mixed_pair(1.0, 1.0),
+        columns=np.column_stack([mixed({0: 1.0}), mixed({1: 0.7})]),
+        coefficients=(*design({}).coefficients, Coefficient("B", "friction", "N m")),
+    )
+
+    _, matrix, _ = Screen(balance, [turns]).design([Variant(turns, {"a": 0.5})])
+
+    assert matrix == pytest.approx(np.column_stack([mixed({0: 1.5}), mixed({1: 0.7})]), abs=1e-12)
+
+
+def mixed_pair(first: float, second: float) -> Array:
+    """Two columns of the base, each a multiple of one of the columns."""
+    return np.column_stack([mixed({0: first}), mixed({1: second})])
 
 
 def test_two_changes_of_the_base_are_the_same_in_either_order() -> None:

@@ -15,13 +15,21 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import minimize_scalar
 
 from eccentric.drafting.columns import LoggedColumn
-from eccentric.drafting.limits import GRAVITY, MOST_TURNS, STILL
+from eccentric.drafting.limits import (
+    BOTH_WAYS,
+    DRIFTS,
+    GRAVITY,
+    GRAVITY_OR_DRIFT,
+    MOST_TURNS,
+    SCANNED,
+    SIGN,
+    STILL,
+)
 from eccentric.drafting.motion import Grid
 
 __all__ = ["Explained", "Moved", "balance_of", "motion_from"]
 
 Array = NDArray[np.float64]
-SCANNED = 3000
 
 
 @dataclass(frozen=True)
@@ -97,9 +105,8 @@ def balance_of(motion: Moved, y: Array, *, periodic: bool = True) -> Explained |
         design = np.column_stack([plain, np.sin(k * x), np.cos(k * x)])
         gain = 1.0 - _left(design, y) / total - r2_plain
         signed = np.column_stack([plain, np.sign(w) * np.sin(k * x), np.sign(w) * np.cos(k * x)])
-        both = float(min(np.mean(w > 0.0), np.mean(w < 0.0))) > 0.05
-        # Within less than two periods a drift can be read as a swing: more has to be explained by it.
-        least = GRAVITY if turns > 2.0 else 5.0 * GRAVITY
+        both = float(min(np.mean(w > 0.0), np.mean(w < 0.0))) > BOTH_WAYS
+        least = GRAVITY if turns > DRIFTS else GRAVITY_OR_DRIFT
         if gain < least or (both and 1.0 - _left(signed, y) / total - r2_plain > gain):
             k, design, gain = 0.0, plain, 0.0
     c = np.linalg.lstsq(design, y, rcond=None)[0]
@@ -114,8 +121,8 @@ def balance_of(motion: Moved, y: Array, *, periodic: bool = True) -> Explained |
         r2=r2_plain + gain,
         r2_plain=r2_plain,
         shares=shares,
-        friction=float(np.sign(c[1])) if shares["friction"] > 0.05 else 0.0,
-        inertia=float(np.sign(c[3])) if shares["inertia"] > 0.05 else 0.0,
+        friction=float(np.sign(c[1])) if shares["friction"] > SIGN else 0.0,
+        inertia=float(np.sign(c[3])) if shares["inertia"] > SIGN else 0.0,
         period=2.0 * np.pi / k if k else 0.0,
         turns=turns,
         zero=float(np.arctan2(-c[5], c[4]) / k) if k else 0.0,

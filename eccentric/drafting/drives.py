@@ -96,7 +96,7 @@ def _kind(column: LoggedColumn, balance: Explained) -> Driven:
             ("inertia", "the acceleration"),
             ("gravity", "the angle under gravity"),
         )
-        if shares[term] > 0.1
+        if shares[term] > limits.TOLD
     ]
     evidence = (
         f"motion explains {balance.r2:.0%} of it",
@@ -107,8 +107,8 @@ def _kind(column: LoggedColumn, balance: Explained) -> Driven:
         said = (f"{named} by its name", *evidence)
         if (
             named != "voltage"
-            and shares["speed"] > 0.9
-            and shares["speed"] > 3.0 * (shares["friction"] + shares["inertia"])
+            and shares["speed"] > limits.LIKE_VOLTAGE
+            and shares["speed"] > limits.OVER_THE_REST * (shares["friction"] + shares["inertia"])
         ):
             return Driven(column, named, balance, said, "it follows the speed as a voltage does", 0.8)
         return Driven(column, named, balance, said, "", 0.98)
@@ -158,7 +158,7 @@ def _together(grid: Grid, motion: Moved, kept: list[Driven]) -> list[Driven]:
             c = np.linalg.lstsq(scaled, y, rcond=None)[0]
             r2 = 1.0 - float(np.var(y - scaled @ c)) / float(np.var(y))
             emf = abs(c[2]) * float(np.std(scaled[:, 2])) / float(np.std(y))
-            if r2 > 0.9 and c[1] > 0.0 and c[2] > 0.0 and emf > 0.03:
+            if r2 > limits.CIRCUIT and c[1] > 0.0 and c[2] > 0.0 and emf > limits.LEAST_EMF:
                 said = f"it is R {i.column.text} + k_e times the speed, to {r2:.1%}, with both above 0"
                 other = f"{u.column.text} is a multiple of it plus a multiple of the speed"
                 kept = list(kept)

@@ -43,8 +43,24 @@ SHOWN = 0.5
 GRAVITY = 0.02
 """Share of a drive's variance from which a periodic part is gravity: harmonics of friction have its sign and
 average out over both directions."""
+DRIFTS, GRAVITY_OR_DRIFT = 2.0, 0.1
+"""Periods in the travel up to which a drift can be read as a swing, and what gravity has to explain there."""
+BOTH_WAYS = 0.05
+"""Part of the motion in the rarer direction from which friction's harmonics can be told from gravity."""
+SIGN = 0.05
+"""Share of a term from which its sign counts: below, noise decides it."""
+SCANNED = 3000
+"""Points that the wave number of gravity is searched on."""
 MOST_TURNS = 400
 """Periods within the travel that are tried: an axis that turned further is cut."""
+TOLD = 0.1
+"""Share of a term from which it is told as evidence."""
+LIKE_VOLTAGE, OVER_THE_REST = 0.9, 3.0
+"""Share of the speed, and its ratio to friction and inertia, from which a current or torque by its name is
+doubted: viscous friction reaches less."""
+CIRCUIT, LEAST_EMF = 0.9, 0.03
+"""R^2 of voltage = R current + k_e speed from which two columns are these, and the least share of the speed:
+below it, one is a multiple of the other."""
 BACK_EMF = 0.5
 """Share of the explained variance that follows the speed from which a column is a voltage, not a current."""
 

@@ -133,13 +133,12 @@ class Drifting:
 class FleetFound:
     """What a run found: the histories of all joints, tests, joints that drift (most urgent first), problems.
 
-    `temperatures` are those by joint and period that the tests took out. This run read `files` logs, of which
+    This run read `files` logs, of which
     `problems` names those without sums; the sums of `reused` others were there, and those of `gone` count
     though these logs are no longer there.
     """
 
     histories: tuple[History, ...]
-    temperatures: Mapping[str, Mapping[str, float]]
     changes: tuple[FleetChange, ...]
     drifting: tuple[Drifting, ...]
     problems: tuple[FleetProblem, ...]

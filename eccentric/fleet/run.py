@@ -106,7 +106,6 @@ def run_fleet(
     drifting = [drifting_of(suspect, examined.get(suspect.joint, ended)) for suspect in suspects]
     return FleetFound(
         tuple(histories),
-        heat,
         tuple(tested),
         tuple(sorted(drifting, key=lambda found: -found.urgency)),
         tuple(sorted(set(problems))),

@@ -1,7 +1,7 @@
 """The probability that a diagnosis of log and motion together decides, from how far apart the rivals are.
 
 For a true rival the log-likelihood ratio over another is normal, with mean D/2 and variance D, where D is
-what `separation` computes. A verdict needs the odds `SURE`, and the same answer in nine variants of the log
+what `separation` computes. A verdict needs the odds `ODDS`, and the same answer in nine variants of the log
 in ten, each a draw of its blocks: the ratio then varies once more by the same spread.
 """
 
@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.stats import norm
 
-from eccentric.planning.limits import SURE, VARIANTS_AGREE
+from eccentric.planning.limits import ODDS, VARIANTS_AGREE
 
 __all__ = ["decided", "expected"]
 
@@ -23,7 +23,7 @@ Pairs = Mapping[tuple[str, str], float]
 def decided(apart: float) -> float:
     """The probability that a true rival is named over another, D apart."""
     spread = np.sqrt(max(apart, 1e-12))
-    return float(norm.cdf((0.5 * apart - max(np.log(SURE), VARIANTS_AGREE * spread)) / spread))
+    return float(norm.cdf((0.5 * apart - max(np.log(ODDS), VARIANTS_AGREE * spread)) / spread))
 
 
 def expected(pairs: Pairs, chances: Mapping[str, float]) -> float:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.stats import norm
+
+from eccentric.search import STABLE, SURE
 
 __all__ = [
     "ACCELERATION_PART",
@@ -15,6 +18,7 @@ __all__ = [
     "INFORMATIVE_HZ",
     "INTEGRAL_PER_S",
     "KEPT",
+    "LEAST_CHANCE",
     "LEAST_PIECE_S",
     "LEAST_SCALE",
     "LEAST_TIME_S",
@@ -23,6 +27,7 @@ __all__ = [
     "MARGIN",
     "MOST_TIME_S",
     "NOISE_PEAK",
+    "ODDS",
     "OFF",
     "PIECES",
     "RATE_HZ",
@@ -32,7 +37,6 @@ __all__ = [
     "SLOWEST_OF",
     "SPEED_FILTER_HZ",
     "STEPS",
-    "SURE",
     "SURPLUS",
     "TRAINED",
     "UNDECIDED",
@@ -97,10 +101,12 @@ little farther still: the fitted rivals are not quite the true drive."""
 HEAVIER = 0.5
 """Part of the mass on the link that is added where no motion decides: what a person has at hand, and enough
 to change the loads of the bearing and of the gear."""
-SURE = 9.0
-"""Odds at which a verdict names an effect: a probability of 0.9."""
-VARIANTS_AGREE = 1.28
-"""Standard normal quantile of 0.9: nine variants of the log in ten must find the same."""
+ODDS = SURE / (1.0 - SURE)
+"""Odds at which a verdict names an effect."""
+VARIANTS_AGREE = float(norm.ppf(STABLE))
+"""Standard normal quantile of the share of variants of the log that must find the same."""
+LEAST_CHANCE = 1e-3
+"""What keeps a rival in the contest that the list of candidates has no probability for."""
 UNDECIDED = (2.0 * VARIANTS_AGREE) ** 2
 """Expected deviance at which a verdict names the true one of two in half of the logs. Rivals that a log left
 open although its noise should have shown more differ by more than noise: their evidence is worth less."""

@@ -96,7 +96,7 @@ def pieces(bounds: Bounds, seconds: float, rng: np.random.Generator) -> Iterator
 def _speeds(
     low: float, high: float, falling: bool, steep: float, seconds: float, bounds: Bounds
 ) -> Iterator[Segment]:
-    """Constant speeds, geometric steps, there and back: without an end of the angle only."""
+    """Constant speeds, geometric steps, each against the one before: without an end of the angle only."""
     if bounds.angle is not None:
         return
     count = max(2, int(seconds / 2.0))
@@ -107,7 +107,9 @@ def _speeds(
     omega = _timed(speeds, np.full(count, (seconds - last) / count), steep)
     if omega is not None:
         order = "falling" if falling else "rising"
-        yield Segment(f"constant speeds of both directions, {order}, {{}} to {{}} rad/s", omega, (low, high))
+        yield Segment(
+            f"constant speeds of alternate directions, {order}, {{}} to {{}} rad/s", omega, (low, high)
+        )
 
 
 def _strokes(speed: float, hold: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Segment]:

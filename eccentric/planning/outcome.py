@@ -138,7 +138,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         said = ["Open after the log, with probabilities:"]
         said += [f"  {r.family}: {r.headline} ({100 * r.chance:.0f} %)" for r in plan.rivals]
     else:
-        said = [f"Nothing is open; to be known better: {first.headline}"]
+        said = [f"Nothing is left to decide; this motion narrows the intervals of {first.headline}"]
     if plan.follows:
         said.append(f"Something depends on {', '.join(plan.follows)} that no effect explains.")
         said += [f"What would show it: {plan.otherwise}"] if plan.otherwise else []

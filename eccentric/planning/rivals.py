@@ -8,12 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from eccentric.diagnosis import Diagnosis
+from eccentric.planning.limits import LEAST_CHANCE
 from eccentric.search import Screen, Variant
 
 __all__ = ["Rival", "rival_of", "rivals_of", "shared"]
-
-LEAST_CHANCE = 1e-3
-"""What keeps a rival in the contest that the list of candidates has no probability for."""
 
 
 @dataclass(frozen=True)

@@ -55,12 +55,11 @@ def dependent(triangle: Array) -> list[int]:
 
 @dataclass(frozen=True)
 class Solved:
-    """Values (k,), their covariance (k, k) and its degrees of freedom, the residual's sum of squares."""
+    """Values (k,), their covariance (k, k) and its degrees of freedom."""
 
     values: Array
     covariance: Array
     freedom: int
-    left: float
 
 
 def solve(stack: Array) -> Solved:
@@ -78,6 +77,4 @@ def solve(stack: Array) -> Solved:
     # R^-1 R^-T is the inverse of X'X.
     half = np.linalg.solve(whole[:k, :k].T, score.T)
     spread = np.linalg.solve(whole[:k, :k], half)
-    return Solved(
-        np.asarray(values, float), spread @ spread.T * (held / freedom), freedom, float(whole[k, k] ** 2)
-    )
+    return Solved(np.asarray(values, float), spread @ spread.T * (held / freedom), freedom)

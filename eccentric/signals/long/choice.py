@@ -1,4 +1,4 @@
-"""Which windows of a long log are read: until more of them say nothing new.
+"""Which windows of a long log are read: until more of them would add nothing.
 
 Four rules, on the sums and states of the survey:
 
@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ChosenWindows:
-    """The places of the chosen windows, in order, out of `of`; what they cover, and what they do not.
+    """The places of the chosen windows, in order; what they cover, and what they do not.
 
     `worse` is how much worse coefficients from the windows predict the whole log than those from the whole
     log, as a fraction of the square of what both leave; `enough` whether no more windows were needed.
@@ -55,7 +55,6 @@ class ChosenWindows:
     """
 
     places: tuple[int, ...]
-    of: int
     worse: float
     enough: bool
     states: int
@@ -96,7 +95,6 @@ def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
         unseen[state_name(state)] += total[state]
     return ChosenWindows(
         tuple(sorted(chosen)),
-        len(candidates),
         worse,
         worse <= AGREES,
         len(visited),

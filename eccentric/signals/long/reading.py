@@ -165,13 +165,13 @@ def _said(chosen: Sequence[_Chosen]) -> tuple[str, str]:
         every |= one.at(range(len(one.windows)))
         windows |= one.at(one.choice.places)
     used, whole = sum(windows.values()), sum(every.values())
-    size = f"{len(windows)} of {len(every)} windows of {WINDOW_S:g} s are used, {used:.4g} of {whole:.5g} s"
+    size = f"{len(windows)} of {len(every)} windows of {WINDOW_S:g} s are used ({used:.4g} of {whole:.5g} s)"
     left = f"{max(0.0, *(one.choice.worse for one in chosen)):.1%} in the square of what is left"
     of = "" if len(chosen) == 1 else " of every joint"
     if all(one.choice.enough for one in chosen):
         why = (
-            f"more of them say nothing new: coefficients of the base model{of} from these windows predict the"
-            f" whole log as well as those from all of it, to {left}"
+            f"more of them would add nothing: coefficients of the base model{of} from these windows predict"
+            f" the whole log as well as those from all of it, to {left}"
         )
     else:
         some = "" if len(chosen) == 1 else " of some joint"
