@@ -13,7 +13,7 @@ import pytest
 
 from eccentric.api import fleet as api
 from eccentric.errors import InputError
-from eccentric.fleet import Suspect, fleet_sentence
+from eccentric.fleet import NOT_GROUPED, FleetProblem, Suspect, fleet_sentence
 from eccentric.fleet.changed import Changed
 from eccentric.fleet.drift import FleetChange, Series
 from eccentric.fleet.found import drifting_of
@@ -186,3 +186,17 @@ def test_a_fleet_without_a_judged_joint_is_not_called_unchanged() -> None:
     """No joint has a period with an answer: the sentence says so, instead of "none changed"."""
     empty = SimpleNamespace(histories=[SimpleNamespace(periods=())], drifting=[])
     assert "No joint could be judged" in fleet_sentence(empty)  # type: ignore[arg-type]
+
+
+def test_logs_without_a_joint_are_one_warning() -> None:
+    """A wrong pattern is said once, with how many logs it concerns; all are in problems.csv."""
+    aside = [
+        FleetProblem("", "", f"{k}.csv", NOT_GROUPED, f"a name is required, received {k}.csv") for k in "abc"
+    ]
+    other = FleetProblem("J", "2025-01", "d.csv", "cannot be used", "rows are required")
+
+    assert list(api._warnings([*aside, other])) == [
+        "J 2025-01: rows are required",
+        "a name is required, received a.csv, and so 2 more",
+    ]
+    assert list(api._warnings(aside[:1])) == ["a name is required, received a.csv"]

@@ -126,10 +126,11 @@ def test_the_page_opens_offline(found: tuple[Path, Any]) -> None:
 def test_the_report_of_a_joint_can_be_repeated(
     fleet: Path, found: tuple[Path, Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """Its command, with the rig beside it and the log of the last period, says the same."""
+    """It says why it was made; its command, with its rig and the log of the last period, finds the same."""
     out, _ = found
     document = json.loads((out / "joints" / "J03" / "diagnosis.json").read_text(encoding="utf-8"))
     page = (out / "joints" / "J03" / "report.html").read_text(encoding="utf-8")
+    assert "Joint J03 changed, since 2025-" in page
     words = shlex.split(re.findall(r"eccentric (diagnose [^<]*) --out DIR", page)[0])
     shutil.copy(out / "joints" / "J03.rig.json", tmp_path)
     shutil.copy(fleet / "logs" / "joint=J03" / "month=2025-06" / "log.parquet", tmp_path)

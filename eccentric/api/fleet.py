@@ -6,7 +6,7 @@ import dataclasses
 import hashlib
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from urllib.parse import quote
@@ -16,6 +16,7 @@ from eccentric.api.result import Printed
 from eccentric.api.tables import ResultTable
 from eccentric.errors import InputError, counted, few
 from eccentric.fleet import (
+    NOT_GROUPED,
     RATE,
     UNREAD,
     Drifting,
@@ -102,7 +103,7 @@ def diagnose_fleet(
         (folder / "report.html").write_text(fleet_page(found), encoding="utf-8")
     return FleetResult(
         lines=tuple(_lines(found)),
-        warnings=tuple(_said(problem) for problem in found.problems),
+        warnings=tuple(_warnings(found.problems)),
         document=document,
         drifting=found.drifting,
         problems=found.problems,
@@ -156,6 +157,15 @@ def _lines(found: FleetFound) -> list[str]:
     return [f"{counted(len(found.histories), 'joint')}; {read}", *lines, fleet_sentence(found)]
 
 
+def _warnings(problems: Sequence[FleetProblem]) -> Iterator[str]:
+    """A line for each problem, and one for all logs that belong to no joint."""
+    aside = [problem for problem in problems if problem.kind == NOT_GROUPED]
+    yield from (_said(problem) for problem in problems if problem.kind != NOT_GROUPED)
+    if aside:
+        others = f", and so {len(aside) - 1} more" if len(aside) > 1 else ""
+        yield f"{_said(aside[0])}{others}"
+
+
 def _said(problem: FleetProblem) -> str:
     where = " ".join(filter(None, (problem.joint, problem.period)))
     return f"{where}: {problem.text}" if where else problem.text
@@ -200,7 +210,13 @@ def _diagnosed(
     rig = suspect.rig
     if suspect.content is not None:  # as the report names it, for its command to be one that can be run
         rig = dataclasses.replace(rig, path=_rig_file(suspect))
-    return diagnose(sample.log(rig), rig, including=including)
+    found = diagnose(sample.log(rig), rig, including=including)
+    occasion = (
+        f"Joint {suspect.joint} changed, since {suspect.changes[0].since}, and this is its latest log with"
+        " motion. The page of the fleet says what changed against the past; this one, all that the log shows."
+    )
+    source = dataclasses.replace(found.data.source, occasion=occasion)
+    return dataclasses.replace(found, data=dataclasses.replace(found.data, source=source))
 
 
 def _rig_file(suspect: Suspect) -> str:

@@ -22,13 +22,14 @@ from eccentric.fleet.found import Drifting, Examined, FleetFound, Suspect
 from eccentric.fleet.gathered import gather, plan_of
 from eccentric.fleet.limits import RATE
 from eccentric.fleet.page import fleet_page, fleet_sentence
-from eccentric.fleet.problems import UNREAD, FleetProblem, as_csv
+from eccentric.fleet.problems import NOT_GROUPED, UNREAD, FleetProblem, as_csv
 from eccentric.fleet.run import FleetRequest, run_fleet
 from eccentric.fleet.sample import Sample
 from eccentric.fleet.sources import find
 from eccentric.fleet.tables import changes_csv, document_of, write_coefficients
 
 __all__ = [
+    "NOT_GROUPED",
     "RATE",
     "UNREAD",
     "Assigned",

@@ -7,8 +7,10 @@ import io
 from collections.abc import Iterable
 from dataclasses import astuple, dataclass, fields
 
-__all__ = ["UNREAD", "FleetProblem", "as_csv"]
+__all__ = ["NOT_GROUPED", "UNREAD", "FleetProblem", "as_csv"]
 
+NOT_GROUPED = "not grouped"
+"""Kind of the problem of a file that belongs to no joint or period."""
 UNREAD = frozenset({"worker", "cannot be used"})
 """Kinds of problems of a file that has no sums."""
 

@@ -14,7 +14,7 @@ from glob import glob
 from pathlib import Path
 
 from eccentric.errors import InputError
-from eccentric.fleet.problems import FleetProblem
+from eccentric.fleet.problems import NOT_GROUPED, FleetProblem
 from eccentric.places import given_path
 
 __all__ = ["LogFile", "find", "in_order", "without_suffix"]
@@ -53,9 +53,7 @@ def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[Fle
         name = path.relative_to(root).as_posix()
         at = _of_folders(path.relative_to(root).parts[:-1]) if match is None else match(path.name)
         if "joint" not in at or "period" not in at:
-            problems.append(
-                FleetProblem("", "", name, "not grouped", f"{_required(pattern)}, received {name}")
-            )
+            problems.append(FleetProblem("", "", name, NOT_GROUPED, f"{_required(pattern)}, received {name}"))
             continue
         held = path.stat()
         found.append(LogFile(at["joint"], at["period"], name, path, held.st_size, held.st_mtime_ns))

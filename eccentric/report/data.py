@@ -179,6 +179,7 @@ class Source:
         plan: shell command that plans the next measurement; "" where there is none.
         axis: what moves: all texts are in its words.
         own: names that a person has given, which are not.
+        occasion: why this log was diagnosed, in a sentence; "" if somebody asked for it.
     """
 
     logs: tuple[str, ...]
@@ -190,6 +191,7 @@ class Source:
     plan: str = ""
     axis: AxisKind = TURNING
     own: tuple[str, ...] = ()
+    occasion: str = ""
 
 
 @dataclass(frozen=True)
