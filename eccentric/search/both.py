@@ -16,7 +16,7 @@ import numpy as np
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant
 from eccentric.search.joint import BothBalances
-from eccentric.search.limits import CONFIRMED, LEAST_DEVIANCE, TINY_COLUMN
+from eccentric.search.limits import CONFIRMED, LEAST_DEVIANCE, POSSIBLE, TINY_COLUMN
 from eccentric.search.nulltest import correlated
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
@@ -85,7 +85,20 @@ def _of_the_flux(electrical: Search) -> list[Candidate]:
     Those that the electrical balance shows too faintly to adopt: what is small beside the armature's voltage
     may be most of what the mechanical balance lacks. And those adopted there, with their shapes: beside
     other effects the torque determines their coefficients better than the first estimate from both did.
+    Not those in whose place another effect was adopted: the voltage would have them, and has not.
     """
+    screen, best = electrical.screen, electrical.best
+    likely = {
+        family for options in electrical.alternatives for family, (p, _) in options.items() if p > POSSIBLE
+    }
+
+    def shown(fitted: Fitted) -> bool:
+        """Whether the voltage has it beside what was adopted, or as likely in the place of that."""
+        if fitted.last.family in likely:
+            return electrical.deviance(electrical.base, fitted) > CONFIRMED
+        beside = screen.refine(screen.fit([*best.variants, fitted.variants[-1]]), only_last=True)
+        return electrical.deviance(best, beside) > CONFIRMED
+
     adopted = [variant for variant in electrical.best.variants if variant.candidate.joint]
     families = {variant.candidate.family for variant in electrical.best.variants}
     faint = [
@@ -94,7 +107,7 @@ def _of_the_flux(electrical: Search) -> list[Candidate]:
         if fitted.last.joint
         and fitted.last.also is not None
         and fitted.last.family not in families
-        and electrical.deviance(electrical.base, fitted) > CONFIRMED
+        and shown(fitted)
     ]
     return [*(v.candidate.in_the("mechanical", v.values) for v in adopted if v.candidate.also), *faint]
 
