@@ -300,5 +300,5 @@ CHANGES = 3
 """Most changes that the comparison with alternatives may make, so that it ends for any log."""
 TINY_COLUMN = 1e-4
 """A column is linearly dependent if base and variants leave less than this fraction of its length."""
-MOST_KEPT = 400
+MOST_KEPT = 200
 """Columns and changed bases kept in memory: refinements return to a few."""
