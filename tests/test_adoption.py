@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from eccentric.effects import Shape
@@ -18,6 +19,8 @@ from eccentric.search import both, limits
 from eccentric.search.attribution import Search
 from eccentric.search.both import search_all
 from eccentric.search.candidate import Candidate, grid
+from eccentric.search.nulltest import beats_chance
+from eccentric.search.screen import Screen
 from eccentric.search.smooth import Variables
 from tests.searched import COLUMNS, N, adopted, candidate, design, mixed, search
 
@@ -275,3 +278,22 @@ def test_the_torque_is_not_asked_for_what_the_voltage_has_denied() -> None:
     assert adopted(found) == ["constant"]
     assert found.deviance(found.base, found.screen.fit(grid(alike))) > 100.0 * limits.CONFIRMED
     assert [one.family for one in both._of_the_flux(found)] == ["faint"]
+
+
+@pytest.mark.parametrize(("floor", "explained"), [(1.0, True), (20.0, False)])
+def test_a_burst_far_beyond_the_noise_is_explained(floor: float, explained: bool) -> None:
+    """The signs of eight seconds come about by chance once in 128 draws: the sensors' noise says the rest."""
+    burst = np.zeros(N)
+    burst[160:288:16] = [1.0, -1.0] * 4
+    balance = design({}, independent=False)
+    noise = np.random.default_rng(3).standard_normal(N)
+    balance = replace(balance, target=balance.target + noise + 60.0 * burst)
+    smooth = candidate("smooth", ridge=1e-9, of=lambda _: burst[:, None])
+    screen, other = Screen(balance, (), floor), Screen(balance, (smooth,))
+    base = screen.fit([])
+    found = Search(screen, other, base, base)
+    after = other.fit(grid(smooth))
+
+    assert found.worth_it(base, after, other)
+    assert not beats_chance(other, base, after)
+    assert found.explains(base, after) == explained

@@ -93,13 +93,17 @@ class Search:
     def explains(self, before: Fitted, after: Fitted) -> bool:
         """Whether a smooth term takes something out that is there without the noise of its signals too.
 
-        There is nothing to take out where the sensors' noise is as large as all that is left.
+        There is nothing to take out where the sensors' noise is as large as all that is left. What is far
+        beyond that noise needs no draws: a short stretch of a log has too few signs to beat them all.
         """
         return (
             before.score > self.screen.floor
             and self.worth_it(before, after, self.smooth)
             and self._gained(list(before.variants), after.variants[-1], after, self.smooth)
-            and beats_chance(self.smooth, before, after)
+            and (
+                before.score - after.score > limits.BEYOND_NOISE * self.screen.floor > 0.0
+                or beats_chance(self.smooth, before, after)
+            )
         )
 
     def _gained(self, others: list[Variant], variant: Variant, fitted: Fitted, screen: Screen) -> bool:
