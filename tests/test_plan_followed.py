@@ -157,3 +157,13 @@ def test_more_mass_is_what_the_rig_would_have(bench: BenchRun, contest: Separati
         gravity = [own.gravity_torque(own.mu * x - zero) for x in motion.theta]
         assert met.inertia == pytest.approx(own.inertia, rel=1e-3)
         np.testing.assert_allclose(met.load, gravity, atol=0.01 * np.max(np.abs(gravity)))
+
+
+def test_a_drive_that_sticks_counts_with_what_the_motion_asks_for() -> None:
+    """Its loop is too slow to break loose within the stroke: the current is that of a drive that moves."""
+    t = np.arange(400) / 200.0
+    omega = np.where((t > 0.5) & (t < 1.5), 0.2, 0.0)
+    motion = Reference(t, np.cumsum(omega) / 200.0, omega, np.zeros(400))
+    sticking = Met(0.001, np.zeros(400), 0.5 * np.sign(omega), 0.1)
+
+    assert extremes(motion, sticking).current == pytest.approx(1.1 * 0.5 / 0.1)

@@ -72,10 +72,13 @@ def extremes(motion: Reference, met: Met, loop_hz: float | None = None) -> Extre
         for mass, friction, loop in product(factors, factors, loops)
     ]
     speed, torque, low, high = (list(x) for x in zip(*found, strict=True))
+    # A drive that sticks under a slow loop takes less than the motion asks for.
+    steady = max(np.max(np.abs(m * met.load + f * met.friction)) for m, f in product(factors, factors))
+    asked = np.max(np.abs(met.load + met.inertia * motion.alpha + met.friction))
     return Extremes(
         max(speed),
         float(np.max(np.abs(motion.alpha))),
-        max(torque) / abs(met.torque_constant) + met.noise,
+        float(max(*torque, steady, asked)) / abs(met.torque_constant) + met.noise,
         (float(np.min(motion.theta)) + min(low), float(np.max(motion.theta)) + max(high)),
     )
 
