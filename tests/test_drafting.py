@@ -280,3 +280,47 @@ def test_a_good_rig_has_no_complaint() -> None:
 
     assert () == found.complaints
     assert any(line.startswith("C_m = ") and "95 % interval" in line for line in found.estimated)
+
+
+def test_a_log_without_a_drive_asks_for_one_first(arm: BenchResult) -> None:
+    """Nothing can be fitted without a current, a torque or a voltage: that is the first question."""
+    draft = eccentric.draft_rig(renamed(arm.log, {"time_s": "time_s", "theta_m_rad": "theta_m_rad"}, {}))
+
+    assert draft.needed[0] == "current"
+    assert '#? current = "its column"' in draft.text
+    assert "current" not in tomllib.loads(draft.text)["columns"]
+
+
+def test_a_voltage_that_is_asked_for_is_no_copy_of_the_current(arm: BenchResult) -> None:
+    """At low speed the two are alike, and "soll" marks a set value: a voltage drives the motor anyway."""
+    names = {"time_s": "t_s", "theta_m_rad": "EncPos", "current_A": "I_ist"}
+    log = renamed(arm.log, names, {})
+    voltage = 0.9 * np.asarray(arm.log.columns["current_A"]) + 1e-3 * np.asarray(
+        arm.log.columns["omega_m_rad_s"]
+    )
+    log = Log(log.path, {**log.columns, "U_soll": voltage}, log.rows)
+
+    draft = eccentric.draft_rig(log)
+
+    assert "U_soll" not in draft.left_out
+    assert "U_soll" in str(tomllib.loads(draft.text)["columns"]["voltage"])
+
+
+def test_a_check_says_what_a_diagnosis_requires_beyond_a_fit(arm: BenchResult, tmp_path: Path) -> None:
+    """Current and voltage are mapped, R and k_e are not given: fit can, diagnose cannot."""
+    known = {letter: f"{arm.rig.known[letter]!r} {unit}" for letter, unit in (("M", "kg"), ("L", "m"))}
+    rig = tmp_path / "rig.toml"
+    text = eccentric.draft_rig(arm.log).text
+    for letter, value in {**known, "M_l": f"{arm.rig.known['M_l']!r} kg"}.items():
+        text = "\n".join(
+            f'{letter} = "{value}"' if line.startswith(f"#? {letter} =") else line
+            for line in text.splitlines()
+        )
+    rig.write_text(text, encoding="utf-8")
+
+    found = eccentric.check_rig(arm.log, rig)
+
+    assert found.complaints == ()
+    assert any("diagnose also requires [known] R and k_e" in line for line in found.warnings)
+    with pytest.raises(InputError, match="R and k_e are required"):
+        eccentric.diagnose(arm.log, rig)

@@ -77,7 +77,7 @@ def test_runs_that_restart_their_time_are_counted_one_by_one() -> None:
     assert read.excerpt is not None
     used, left = divmod(read.rows, len(one["time_s"]))
     assert 0 == left
-    size = f"{used} of 40 windows of 10 s are used, {used * 11.999:.4g} of {40 * 11.999:.5g} s"
+    size = f"{used} of 40 windows of 10 s are used ({used * 11.999:.4g} of {40 * 11.999:.5g} s)"
     assert read.excerpt.note.startswith(size)
 
 

@@ -160,6 +160,11 @@ DAMAGE: dict[str, Damage] = {
         both(without(CURRENT), scaled(VOLTAGE, -1.0)),
         *({}, "wrong_sign", "voltage", "put a minus before"),
     ),
+    "current and voltage swapped": (
+        C2,
+        lambda columns: columns | {CURRENT: columns[VOLTAGE], VOLTAGE: columns[CURRENT]},
+        *({}, "contradiction", "k_e", "which cannot be: look for a wrong sign or swapped columns"),
+    ),
     "current in mA": (C2, scaled(CURRENT, 1e3), {}, "wrong_unit", "current", "the current is in mA"),
     "voltage in mV": (C1, scaled(VOLTAGE, 1e3), {}, "wrong_unit", "voltage", "the voltage is in mV"),
     "k_e per turn": (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from eccentric.logs import Log
 from eccentric.model import load_model, with_numbers
 from eccentric.output import whole_file
 from eccentric.rigs import Rig, knowns_of, read_rig, rig_complaints
-from eccentric.signals import Finding, read_channels
+from eccentric.signals import Channels, Finding, read_channels
 
 __all__ = ["RigCheck", "RigDraft", "check_rig", "draft_rig"]
 
@@ -217,8 +217,20 @@ def _tried(
             contradicted = [f"{rig.path}: {fit_sentence(fit)}"]
         if contradicted:
             return contradicted, (), ()
-        return [], tuple(_determined(fit, tried)), tuple(fit.warnings)
+        return [], tuple(_determined(fit, tried)), (*fit.warnings, *_of_the_diagnosis(channels, tried))
     return missing, (), ()
+
+
+def _of_the_diagnosis(channels: Channels, rig: Rig) -> Iterator[str]:
+    """What a diagnosis requires beyond a fit."""
+    motor = channels.motor
+    missing = sorted({"R", "k_e"} - set(rig.known))
+    if motor.measured_by == "current" and motor.voltage is not None and missing:
+        here = " and ".join(map(rig.axis.said, missing))
+        yield (
+            f"{rig.path}: a fit can use this rig; diagnose also requires [known] {here}, since current and"
+            " voltage are mapped, or no voltage in [columns]"
+        )
 
 
 def _grave(finding: Finding) -> bool:

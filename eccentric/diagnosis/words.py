@@ -26,6 +26,9 @@ __all__ = [
 ]
 
 
+_NONE = "no effect of the library explains"
+
+
 def diagnosis_sentence(found: Diagnosis) -> str:
     """One sentence that can be sent to a colleague."""
     a, unit = found.attribution, found.unit
@@ -53,9 +56,11 @@ def diagnosis_sentence(found: Diagnosis) -> str:
             f" The structure depends on {depends}."
         )
     if a.verdict == "unexplained":
+        asked = found.asked.request.only
+        explains = f"none of what was asked for ({_listed(asked)}) explains" if asked else _NONE
         return (
-            f"Structure remains that depends on {depends or 'something unknown'},"
-            " and no effect of the library explains it; no name is given."
+            f"Structure remains that depends on {depends or 'something unknown'}, and {explains} it;"
+            " no name is given."
         )
     left = found.score.rmse[found.score.balance]["paper"]
     if left > PROVABLE * found.noise_floor:

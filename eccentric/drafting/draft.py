@@ -142,6 +142,9 @@ def draft_of(log: Log) -> Draft:
         entries = carriage_entries(evidence, moving, drives, largest)
     else:
         entries = entries_of(found[0], evidence, gravity, drives)
+    if not drives:
+        why = "a current, a torque or a voltage is required, and no column follows the motion as one does"
+        entries = [RigLine("columns", "current", '"its column"', why, asked=True, needed=True), *entries]
     facts, axis = facts_of(grid, motion), LINEAR if carried else TURNING
     return Draft(log.path, tuple(proposals), tuple(entries), left_out, tuple(facts), axis)
 

@@ -174,6 +174,9 @@ def _copies(column: LoggedColumn, other: Driven) -> bool:
     """Whether a column is another one again: to the last digits, or as the value that is set for it."""
     if column.name.quantity not in ("", other.kind) and not column.name.commanded:
         return False
+    # A torque that is asked for is a current in other units; a voltage that is asked for drives the motor.
+    if "voltage" in {column.name.quantity, other.kind} and column.name.quantity not in ("", other.kind):
+        return False
     alike = column.name.commanded or (column.name.quantity == other.column.name.quantity != "")
     r = abs(float(np.corrcoef(column.values, other.column.values)[0, 1]))
     return r > (limits.COPY if alike else limits.SAME)

@@ -151,7 +151,10 @@ def _known(best: Reading, given: Shown, balance: Explained | None, kinds: set[st
         why = "the torque constant (data sheet): without gravity the log cannot show it"
         entries.append(RigLine("known", "k_i", '"0.05 N m/A"', why, asked=True, needed=True))
     elif "current" in kinds:
-        why = "the torque constant: the data sheet's under [known] if you have it, else gravity identifies it"
+        why = (
+            "the torque constant, which gravity identifies; better the data sheet's, under [known] in place"
+            " of this line: without it, gear losses may be a wrong constant"
+        )
         entries.append(RigLine("unknown", "k_i", '["0.001 N m/A", "20 N m/A"]', why))
     if "voltage" in kinds:
         entries += [
@@ -159,14 +162,14 @@ def _known(best: Reading, given: Shown, balance: Explained | None, kinds: set[st
                 "known",
                 "R",
                 '"1 ohm"',
-                "resistance of the armature (data sheet); not needed to fit, diagnose uses it",
+                "resistance of the armature (data sheet); diagnose requires it beside a current",
                 asked=True,
             ),
             RigLine(
                 "known",
                 "k_e",
                 '"0.05 V s/rad"',
-                "back-EMF constant (data sheet); in SI it equals k_i",
+                "back-EMF constant (data sheet), in SI equal to k_i; diagnose requires it beside a current",
                 asked=True,
             ),
         ]

@@ -40,6 +40,7 @@ def toml_of(draft: Draft, name: str) -> str:
     lines += ["", "[columns]"]
     for proposal in draft.proposals:
         lines += _channel(proposal, draft.axis)
+    lines += [line for entry in draft.entries if entry.table == "columns" for line in _entry(entry)]
     lines += [
         f"# {_line(f'{column} is no channel: {why}')}" for column, why in sorted(draft.left_out.items())
     ]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, MissingValueError
 from eccentric.estimation import Coefficient
 from eccentric.fitting.drive import LOAD, Drive
 from eccentric.model import Column, Model, Role, meaning, regressor
@@ -77,9 +77,10 @@ def scale_of(drive: str, rig: Rig, machine: Machine) -> sp.Expr | None:
     if missing:
         if "k_i" in rig.unknown:
             return 1 / k_i
-        raise InputError(
+        raise MissingValueError(
             f"{rig.path}: [known] k_i is required to convert the current to torque "
-            "(or its range in [unknown], to estimate it jointly), received neither"
+            "(or its range in [unknown], to estimate it jointly), received neither",
+            "k_i",
         )
     return None
 
@@ -93,9 +94,10 @@ def combinations_of(drive: Drive, rig: Rig, model: Model, scale: sp.Expr | None)
     if by == "voltage" and not machine.back_emf_letters <= set(rig.known):
         shared = back_emf_columns(model)
         if not shared:
-            raise InputError(
+            raise MissingValueError(
                 f"{rig.path}: [known] k_e is required by {model.name}, which has no viscous friction in"
-                " proportion to the motor velocity that would include the back-EMF, received none"
+                " proportion to the motor velocity that would include the back-EMF, received none",
+                "k_e",
             )
     damping = s * _plain(machine.back_emf_damping)
     found = [

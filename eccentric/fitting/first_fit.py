@@ -101,11 +101,11 @@ def _needed(channels: Channels, rig: Rig, base: Model, machine: Machine) -> dict
     if channels.motor.measured_by == "current" and channels.motor.voltage is not None:
         given -= motor
         if missing := sorted(motor - set(rig.known)):
-            verb = "are" if len(missing) > 1 else "is"
+            verb, what = ("are", "them") if len(missing) > 1 else ("is", "it")
             received = "a range" if set(missing) & set(rig.unknown) else "none"
             raise MissingValueError(
                 f"{rig.path}: [known] {' and '.join(missing)} {verb} required, since current and voltage"
-                f" are mapped, received {received}: add it, or remove the voltage from [columns]",
+                f" are mapped, received {received}: add {what}, or remove the voltage from [columns]",
                 missing[0],
             )
     known = {name: rig.value(name) for name in sorted(needed - given)}

@@ -171,6 +171,10 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
             text = f"{ratio.text} ({said}?); correct the one that is wrong"
             yield Finding("contradiction", ratio.letter, text, rows, "warning", mend)
             continue
+        if ratio.found < 0.0 and ratio.name in limits:
+            text = f"{ratio.text}, which cannot be: look for a wrong sign or swapped columns in [columns]"
+            yield Finding("contradiction", ratio.letter, text, rows, "warning")
+            continue
         why, unit = single_cause(ratio, logged)
         _, mend = with_unit(unit, rig) if unit else ("", of_letter(ratio, rig))
         todo = "the rig's [columns]" if unit else "the rig, or give it in [unknown] to estimate it jointly"
