@@ -159,14 +159,16 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
                 else f"{kg} would not decide either."
             )
         if plan.probability < DECIDES and plan.otherwise:
-            said.append(f"What would: {plan.otherwise}")
+            said.append(f"What would decide: {plan.otherwise}")
     else:
         said += [
-            f"  {name}: standard error falls to {100 * part:.0f} % of today's"
+            f"  {name}: standard error falls to {100 * part:.0f} % of what the log gives"
+            if part < HARDLY
+            else f"  {name}: standard error hardly changes"
             for name, part in plan.narrower.items()
         ]
         if min(plan.narrower.values(), default=0.0) > HARDLY:
-            said.append("Within the limits hardly any motion tells more than the log: wider ones are needed.")
+            said.append("Within these limits hardly any motion adds to what the log shows: widen them.")
     moved, bounds = plan.motion, plan.bounds
     said.append(f"Motion of {moved.seconds:.1f} s at {RATE_HZ:g} Hz, from rest at {moved.theta[0]:.4g} rad:")
     said += [f"  {len(tuple(same))} x {words}" for words, same in groupby(plan.parts)]
