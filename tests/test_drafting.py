@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from eccentric.drafting.columns import nice_counts, step_of, wrap_of
 from eccentric.drafting.words import Name, read_name
 from eccentric.errors import InputError
 from eccentric.logs import Log
+from eccentric.signals import beside_the_rig, read_channels
 
 BENCH = {
     "time_s": Column("time", "s"),
@@ -280,6 +282,20 @@ def test_a_good_rig_has_no_complaint() -> None:
 
     assert () == found.complaints
     assert any(line.startswith("C_m = ") and "95 % interval" in line for line in found.estimated)
+
+
+def test_a_check_holds_declared_values_beside_the_log(arm: BenchResult) -> None:
+    """A torque constant of twice the true one stands beside the log's own."""
+    known = arm.rig.known
+    twice = replace(arm.rig, known={**known, "k_i": 2.0 * known["k_i"]})
+    channels = read_channels([arm.log], twice)
+
+    ratios = {ratio.name: ratio for ratio in beside_the_rig(channels, twice)}
+
+    assert ratios["k_i"].value == pytest.approx(0.5, abs=0.06)
+    assert ratios["k_i"].found == pytest.approx(known["k_i"], rel=0.12)
+    assert ratios["R"].value == pytest.approx(1.0, abs=0.02)
+    assert ratios["M g L"].value == pytest.approx(2.0, rel=0.12)
 
 
 def test_a_log_without_a_drive_asks_for_one_first(arm: BenchResult) -> None:

@@ -18,7 +18,7 @@ from eccentric.logs import Log
 from eccentric.model import load_model, with_numbers
 from eccentric.output import whole_file
 from eccentric.rigs import Rig, knowns_of, read_rig, rig_complaints
-from eccentric.signals import Channels, Finding, read_channels
+from eccentric.signals import Channels, Finding, beside_the_rig, read_channels
 
 __all__ = ["RigCheck", "RigDraft", "check_rig", "draft_rig"]
 
@@ -217,8 +217,16 @@ def _tried(
             contradicted = [f"{rig.path}: {fit_sentence(fit)}"]
         if contradicted:
             return contradicted, (), ()
-        return [], tuple(_determined(fit, tried)), (*fit.warnings, *_of_the_diagnosis(channels, tried))
+        determined = *_determined(fit, tried), *_beside(channels, tried)
+        return [], determined, (*fit.warnings, *_of_the_diagnosis(channels, tried))
     return missing, (), ()
+
+
+def _beside(channels: Channels, rig: Rig) -> Iterator[str]:
+    """What a plain balance of the log gives for declared values, beside these."""
+    for ratio in beside_the_rig(channels, rig):
+        low, high = sorted(ratio.found / ratio.value * end for end in (ratio.low, ratio.high))
+        yield f"{ratio.text} ({100 * (ratio.value - 1):+.0f} %; {low:.3g} to {high:.3g})"
 
 
 def _of_the_diagnosis(channels: Channels, rig: Rig) -> Iterator[str]:

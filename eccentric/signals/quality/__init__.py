@@ -4,6 +4,7 @@ In: the logged table, the channels made of it, the rig.  Out: findings (`assess`
 May import: `rigs`, `model`, and of `signals` the files below `channels.py`, which asks for the findings.
 """
 
+from eccentric.signals.quality.against_rig import beside_the_rig
 from eccentric.signals.quality.findings import assess
 
-__all__ = ["assess"]
+__all__ = ["assess", "beside_the_rig"]

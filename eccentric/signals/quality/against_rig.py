@@ -24,7 +24,13 @@ from eccentric.signals.quality.causes import ANGLES, SPEEDS, Logged, common_caus
 from eccentric.signals.quality.declared import torque_per_unit, upright_gravity_of
 from eccentric.signals.quality.limits import BETTER, EXPLAINED, FACTOR, FACTOR_MOTOR, IDEAL, TURNED
 from eccentric.signals.quality.mends import of_letter, readings, with_unit
-from eccentric.signals.quality.ratios import Ratio, electrical, mechanical, motor_constant
+from eccentric.signals.quality.ratios import (
+    Ratio,
+    constant_by_torque,
+    electrical,
+    mechanical,
+    motor_constant,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -65,6 +71,20 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
         ratios += motor_constant(means, body, drive, rig)
         yield from _gravity(body, channels, rig, means)
     yield from _contradictions(ratios, rig, channels, means.rows)
+
+
+def beside_the_rig(channels: Channels, rig: Rig) -> list[Ratio]:
+    """R, k_e, k_i, inertia and gravity by a plain balance of the log, over what the rig declares."""
+    means = means_of(channels, rig)
+    if means is None:
+        return []
+    found, drive = list(electrical(means, rig)), channels.motor.measured_by
+    if drive in means.drives:
+        body = body_of(means, means.drives[drive], means.link)
+        if body.explained >= EXPLAINED:
+            found += mechanical(body, drive, rig)
+            found += constant_by_torque(body, drive, rig)
+    return found
 
 
 def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:

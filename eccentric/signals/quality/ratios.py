@@ -19,7 +19,7 @@ from eccentric.signals.quality.limits import EXPLAINED, FACTOR_MOTOR, IDEAL, LEA
 if TYPE_CHECKING:
     from eccentric.rigs import Rig
 
-__all__ = ["Ratio", "electrical", "mechanical", "motor_constant"]
+__all__ = ["Ratio", "constant_by_torque", "electrical", "mechanical", "motor_constant"]
 
 _UNITS = {
     "J": "kg m^2", "M g L": "N m at the motor", "k_e": "V s/rad", "R": "ohm", "k_i": "N m/A",
@@ -130,6 +130,14 @@ def motor_constant(m: Means, body: RigidBody, drive: str, rig: Rig) -> Iterator[
         return
     if found.off(IDEAL):
         yield found
+
+
+def constant_by_torque(body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]:
+    """Yield the k_i that makes gravity, else inertia, the rig's, over that of the rig."""
+    if drive == "current" and "k_i" in rig.known and (by_torque := _by_torque(body, rig)):
+        k, error, source = by_torque
+        given = rig.known["k_i"]
+        yield Ratio.of("k_i", k, error, given, f"k_i is {k:.3g} N m/A by {source} and {given:.3g} by the rig")
 
 
 def _armature(m: Means) -> tuple[tuple[float, float], tuple[float, float]] | None:
