@@ -282,3 +282,21 @@ def test_blocks_are_predicted_from_the_others() -> None:
     assert fitted.loss[0] == pytest.approx(SIZE * 1.0, rel=1e-6)
     assert fitted.cross[0] == pytest.approx(SIZE * (1.0 + 3.0**2), rel=1e-6)
     assert (BLOCKS - 1) * SIZE == pytest.approx(fitted.cross[1:].sum(), rel=1e-6)
+
+
+@pytest.mark.parametrize(("drive", "inertia", "expected"), [(np.inf, np.inf, ["inertia"]), (0.5, 0.95, [])])
+def test_a_balance_of_zeros_is_no_fit(drive: float, inertia: float, expected: list[str]) -> None:
+    """Factors 1 + c on the drive torque and on the inertia's that both go to 0 leave nothing: ranges refuse that."""
+    torque, accelerating = {2: 3.0, 3: 2.0}, {3: 2.0}
+    of_the_drive = candidate("drive", {k: -a for k, a in torque.items()})
+    of_the_inertia = candidate("inertia", accelerating)
+    first = replace(of_the_drive, possible=((-drive, drive),))
+    second = replace(of_the_inertia, possible=((-inertia, np.inf),))
+    lacking = {k: a - accelerating.get(k, 0.0) for k, a in torque.items()}
+
+    ranked = Screen(design(lacking), [first, second]).rank([only(first)])
+
+    assert expected == [fitted.last.id for fitted in ranked]
+    for fitted in ranked:
+        assert fitted.coefficients == pytest.approx([0.0, -1.0, -1.0], abs=1e-9)
+        assert fitted.score == pytest.approx(N, rel=1e-9)

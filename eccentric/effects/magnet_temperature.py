@@ -42,7 +42,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         "magnet_temperature",
         [(fall, zero.symbol - v.temperature.symbol), (cold, sp.Integer(1))],
         setting,
-        bounds=((0.0, 0.01), (None, None)),
+        bounds=((0.0, 0.01), (-0.5, 0.5)),
         depends_on=("temperature", "current"),
         needs=("temperature",),
         formula="k_i and k_e times 1 + k_0 - a (T - T_0)",

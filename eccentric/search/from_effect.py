@@ -61,7 +61,10 @@ def candidate_of(
         ]
         for balance, terms in effect.change.terms.items()
     }
-    # The search knows no bound but 0; the fit on the emitted module respects them all.
+    # The search bounds coefficients by 0 alone, and refuses what lies beyond the other bounds.
+    possible = tuple(
+        (-np.inf if low is None else low, np.inf if high is None else high) for low, high in effect.bounds
+    )
     lower = tuple(0.0 if low == 0.0 else -np.inf for low, _ in effect.bounds) or (-np.inf,)
     changes = _changes(effect, model, extended, signals, names, states)
 
@@ -108,6 +111,7 @@ def candidate_of(
         columns=columns_of(*shown) if changes is None else first_look,
         shapes=effect.shapes,
         lower=lower if changes is None else (0.0,),
+        possible=possible if changes is None else (),
         words=effect.words,
         instrument=None if instruments is None else lambda values: twin().columns(values),
         also=columns_of(other) if other in own else None,

@@ -216,8 +216,23 @@ class Screen:
             # A smooth term would bend the effects beside it to itself.
             few = [f if f.last.ridge else self.refine(f) for f in head[:TOGETHER]]
             head = [*few, *head[TOGETHER:]]
-        honest = [f for f in [*head, *fitted[leaders:]] if self.itself(f) and self._of_the_drive(f)]
+        honest = [
+            f
+            for f in [*head, *fitted[leaders:]]
+            if self.itself(f) and self._possible(f) and self._of_the_drive(f)
+        ]
         return sorted(honest, key=lambda f: f.score)
+
+    def _possible(self, fitted: Fitted) -> bool:
+        """Whether all coefficients lie in their ranges.
+
+        Without ranges a torque constant and an inertia that both go to 0 leave a balance of zeros, which fits.
+        """
+        return all(
+            low <= value <= high
+            for variant, own in zip(fitted.variants, self.own(fitted), strict=True)
+            for value, (low, high) in zip(own, variant.candidate.possible, strict=False)
+        )
 
     def _of_the_drive(self, fitted: Fitted) -> bool:
         """Whether what the last variant explains is not the noise of its own signals.
