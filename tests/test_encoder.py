@@ -14,6 +14,7 @@ from eccentric.search.both import search_all
 from eccentric.search.smooth import Variables
 from eccentric.virtual_bench import simulate, write
 from tests.extended import (
+    FIRST_FIT,
     J_L,
     J_M,
     K_E,
@@ -33,13 +34,17 @@ from tests.searched import adopted, candidate, design, mixed
 from tests.virtual import drawn_scenario
 
 Array = np.ndarray
-J, B_M, B_LN = J_M + MU**2 * J_L, 0.0004, 0.004
+J, FIRST = J_M + MU**2 * J_L, FIRST_FIT["C2"]
 
 
-def balances(theta: Array, w: Array, alpha: Array, force: Array) -> tuple[Array, Array]:
-    """Torque of inertia, gravity and viscous friction in C2 and back-EMF, at an angle and its derivatives."""
-    gravity = MU * M * G * L * np.sin(MU * theta)
-    return J * alpha + gravity + (B_M + MU**2 * B_LN * force) * w, K_E * w
+def balances(theta: Array, w: Array, alpha: Array) -> tuple[Array, Array]:
+    """Torque of inertia, gravity and friction in C2 and back-EMF, at an angle and its derivatives."""
+    angle, weight = MU * theta, (M + M_L) * G
+    gravity = MU * M * G * L * np.sin(angle)
+    force = np.hypot(M * L * (MU * w) ** 2 + weight * np.cos(angle), weight * np.sin(angle))
+    viscous = FIRST["B_m"] + MU**2 * FIRST["B_lN"] * force
+    dry = FIRST["C_m"] + MU * FIRST["C_lN"] * force
+    return J * alpha + gravity + viscous * w + dry * np.sign(w), K_E * w
 
 
 @pytest.mark.parametrize(("where", "rate"), [("motor", 1.0), ("link", MU)])
@@ -47,8 +52,6 @@ def test_it_is_the_first_order_of_the_balances_at_the_true_angle(where: str, rat
     """What is left of both balances falls with the square of the error, for the angle and what follows."""
     x, effect = inputs(), with_effect("C2", f"encoder_eccentricity[{where}]")
     theta, w, alpha = x["theta_m"], x["omega_m"], x["alpha_m"]
-    angle = MU * theta
-    force = np.hypot(M * L * (MU * w) ** 2 + (M + M_L) * G * np.cos(angle), (M + M_L) * G * np.sin(angle))
     left = []
     for size in (0.02, 0.01):
         c, s = 0.6 * size, 0.8 * size
@@ -56,8 +59,8 @@ def test_it_is_the_first_order_of_the_balances_at_the_true_angle(where: str, rat
         cosine, sine = np.cos(rate * theta), np.sin(rate * theta)
         true = theta + (c * cosine + s * sine) / rate
         slope, bend = 1.0 + s * cosine - c * sine, -rate * (c * cosine + s * sine)
-        exact = balances(true, slope * w, slope * alpha + bend * w**2, force)
-        read = balances(theta, w, alpha, force)
+        exact = balances(true, slope * w, slope * alpha + bend * w**2)
+        read = balances(theta, w, alpha)
         rest = []
         for balance, at, before in zip(("mechanical", "electrical"), exact, read, strict=True):
             function = f"{balance}_residual"
@@ -67,7 +70,7 @@ def test_it_is_the_first_order_of_the_balances_at_the_true_angle(where: str, rat
         left.append([float(np.sqrt(np.mean(r**2))) for r in rest])
 
     (torque, voltage), (half, half_voltage) = left
-    # Inertia, friction and back-EMF are linear in the motion, gravity is not.
+    # Inertia and back-EMF are linear in the motion, friction and gravity are not.
     assert 4.0 == pytest.approx(torque / half, rel=0.1)
     assert max(voltage, half_voltage) < 1e-12
 

@@ -286,7 +286,7 @@ def test_blocks_are_predicted_from_the_others() -> None:
 
 @pytest.mark.parametrize(("drive", "inertia", "expected"), [(np.inf, np.inf, ["inertia"]), (0.5, 0.95, [])])
 def test_a_balance_of_zeros_is_no_fit(drive: float, inertia: float, expected: list[str]) -> None:
-    """Factors 1 + c on the drive torque and on the inertia's that both go to 0 leave nothing: ranges refuse that."""
+    """Factors on the drive torque and on the inertia that both go to 0 leave nothing: ranges refuse that."""
     torque, accelerating = {2: 3.0, 3: 2.0}, {3: 2.0}
     of_the_drive = candidate("drive", {k: -a for k, a in torque.items()})
     of_the_inertia = candidate("inertia", accelerating)

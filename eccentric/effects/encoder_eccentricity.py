@@ -7,20 +7,11 @@ from dataclasses import replace
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Evidence
-from eccentric.effects.forms import alpha_m, constant, gravity, harmonic, omega_m, theta_m
+from eccentric.effects.forms import alpha_m, constant, gravity, harmonic, omega_m
 from eccentric.effects.setting import Setting
+from eccentric.effects.slopes import slopes
 from eccentric.effects.words import Words
-from eccentric.model import (
-    Change,
-    Definition,
-    Gated,
-    HalfCosine,
-    HalfSine,
-    Quantity,
-    Term,
-    quantity,
-    regressor,
-)
+from eccentric.model import Change, Definition, Gated, Quantity, Term, quantity, regressor
 from eccentric.model import vocabulary as v
 
 cosine_read = quantity("eccentric_cos", "1", "cosine of the angle that the encoder reads", letter="c_e")
@@ -64,13 +55,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 def _of(where: str, rate: sp.Expr, variable: str, setting: Setting) -> Effect:
     """The effect for an encoder whose angle is `rate` times the motor angle."""
-    # By half angles, cos^2 - sin^2 is 2 cos^2 - 1: one of them is enough.
-    turning = sp.diff(gravity(setting), theta_m).replace(
-        lambda e: e.is_Pow and isinstance(e.base, HalfSine) and e.exp == 2,
-        lambda e: 1 - HalfCosine(*e.base.args) ** 2,
-    )
-    stiffness = sp.factor(sp.expand(turning))
-    known, damping = _damping(setting)
+    known, friction = _friction(setting)
+    damping, stiffness, sloping = slopes("eccentric", gravity(setting) + friction, setting)
     read = [Definition(q, x) for q, x in zip((cosine_read, sine_read), harmonic(rate), strict=True)]
     cosine, sine = cosine_read.symbol, sine_read.symbol
     # By unit error of the encoder: the motor angle, and its first two derivatives by itself.
@@ -81,9 +67,7 @@ def _of(where: str, rate: sp.Expr, variable: str, setting: Setting) -> Effect:
     inertial = [
         _term(
             q,
-            Gated(v.J.symbol, slope * alpha_m + bend * omega_m**2)
-            + damping * slope * omega_m
-            + stiffness * error,
+            Gated(v.J.symbol, slope * alpha_m + bend * omega_m**2) + damping * slope + stiffness * error,
         )
         for q, error, slope, bend in parts
     ]
@@ -97,7 +81,7 @@ def _of(where: str, rate: sp.Expr, variable: str, setting: Setting) -> Effect:
         reference=REFERENCE,
         change=Change(
             {"mechanical": tuple(inertial), "electrical": tuple(circuit)},
-            (*known, *read),
+            (*known, *sloping, *read),
             inputs=(v.theta_m,),
         ),
         evidence=Evidence(depends_on=(variable, "velocity", "acceleration")),
@@ -106,23 +90,17 @@ def _of(where: str, rate: sp.Expr, variable: str, setting: Setting) -> Effect:
     )
 
 
-def _damping(setting: Setting) -> tuple[list[Definition], sp.Expr]:
-    """Change of the friction per change of the velocity, and the coefficients of a first fit that it uses.
-
-    In C1 the normal force follows the velocity; in C2, where its slope has no value at F_N = 0, it is held.
-    """
+def _friction(setting: Setting) -> tuple[list[Definition], sp.Expr]:
+    """The coefficients of a first fit, and the friction torque with them."""
     known: list[Definition] = []
-    slopes: list[sp.Expr] = []
+    terms: list[sp.Expr] = []
     for column in regressor(setting.base):
-        basis = setting.base.expand(column.basis) if setting.case == "C1" else column.basis
-        slope = sp.diff(basis, omega_m)
-        if slope == 0 or column.name not in setting.friction:
-            continue
-        meaning = f"{column.name} from the fit without the effect"
-        value, letter = setting.friction[column.name], f"{column.name}^0"
-        known.append(constant(f"eccentric_{column.name}", column.unit, meaning, value, letter))
-        slopes.append(known[-1].symbol * slope)
-    return known, sp.Add(*slopes)
+        if column.name in setting.friction:
+            meaning = f"{column.name} from the fit without the effect"
+            value, letter = setting.friction[column.name], f"{column.name}^0"
+            known.append(constant(f"eccentric_{column.name}", column.unit, meaning, value, letter))
+            terms.append(known[-1].symbol * column.basis)
+    return known, sp.Add(*terms)
 
 
 def _term(q: Quantity, basis: sp.Expr, ending: str = "") -> Term:

@@ -7,20 +7,11 @@ from dataclasses import replace
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Evidence, Shape
-from eccentric.effects.forms import alpha_m, harmonic, of_an_arm, omega_m, theta_m, transmitted
+from eccentric.effects.forms import alpha_m, harmonic, of_an_arm, omega_m, transmitted
 from eccentric.effects.setting import Setting
+from eccentric.effects.slopes import slopes
 from eccentric.effects.words import LOAD, Words, how_often
-from eccentric.model import (
-    Across,
-    Along,
-    Change,
-    Definition,
-    Gated,
-    HalfCosine,
-    HalfSine,
-    Term,
-    quantity,
-)
+from eccentric.model import Change, Definition, Gated, Term, quantity
 from eccentric.model import vocabulary as v
 
 # A strain-wave gear errs twice per turn of its wave generator, and once where that is off its centre; an
@@ -36,9 +27,6 @@ share = quantity(
     "kinematic_share", "1", "link's share of the friction without F_N", "", "nonnegative", letter="s"
 )
 load = quantity("kinematic_torque", "N m", "torque that the gear transmits, motor side", letter="T")
-pull = quantity("kinematic_pull", "N", "centrifugal force of the mass", "", "nonnegative", letter="F_c")
-damping = quantity("kinematic_damping", "N m", "motor velocity times the slope of that over it", letter="D")
-stiffness = quantity("kinematic_stiffness", "N m/rad", "slope of that over the motor angle", letter="K")
 REFERENCE = (
     "T. D. Tuttle and W. P. Seering, IEEE Trans. Robotics and Automation 12(3), 1996;"
     " F. H. Ghorbel, P. S. Gandhi and F. Alpeter, J. Mechanical Design 123(1), 2001"
@@ -81,7 +69,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 def _of(where: str, n: int, rate: sp.Expr, setting: Setting) -> Effect:
     """The effect for an error that repeats with `rate` times the motor angle."""
     torque, constants = transmitted("kinematic", setting, share.symbol)
-    slopes = _slopes(torque, setting)
+    damping, stiffness, sloping = slopes("kinematic", torque, setting)
     gear = [Definition(q, x) for q, x in zip((cosine_gear, sine_gear), harmonic(rate), strict=True)]
     cosine, sine = cosine_gear.symbol, sine_gear.symbol
     # By unit error: e, and its first two derivatives by the motor angle.
@@ -93,8 +81,8 @@ def _of(where: str, n: int, rate: sp.Expr, setting: Setting) -> Effect:
             q.name,
             "actuator",
             q.symbol,
-            first / mu * (load.symbol + damping.symbol)
-            + e / mu * stiffness.symbol
+            first / mu * (load.symbol + damping)
+            + e / mu * stiffness
             + Gated(v.J_l.symbol, mu * (first * alpha_m + second * omega_m**2)),
             REFERENCE,
             (None, None),
@@ -112,40 +100,11 @@ def _of(where: str, n: int, rate: sp.Expr, setting: Setting) -> Effect:
         reference=REFERENCE,
         change=Change(
             {"mechanical": terms},
-            (*constants, Definition(load, torque), *slopes, *gear),
+            (*constants, Definition(load, torque), *sloping, *gear),
             inputs=(v.theta_m,),
         ),
         evidence=Evidence(depends_on=(f"{where}_angle", "transmitted_torque", "acceleration")),
         coefficients=(cosine_part, sine_part),
         shapes=(Shape(share, 0.0, 1.0, "linear", 3),),
         words=replace(WORDS, headline=f"a gear whose ratio varies {how_often(n)} per turn of the {where}"),
-    )
-
-
-def _slopes(torque: sp.Expr, setting: Setting) -> tuple[Definition, ...]:
-    """Slopes of the transmitted torque over velocity and angle of the motor, with what they use.
-
-    The normal force is the length of a vector: the pull of the mass and the weight along the link, and the
-    weight across it. Its slopes are components along that vector, and 0 where it has no length.
-    """
-    pulled = Definition(pull, v.M.symbol * v.L.symbol * (v.mu.symbol * omega_m) ** 2)
-    along, across = sp.Integer(1), sp.Integer(0)
-    if setting.case == "C2":
-        cosine, sine = harmonic(v.mu.symbol)
-        inside = sp.cos(v.phi.symbol) if setting.base.tilted else 1
-        weight = (v.M.symbol + v.M_l.symbol) * v.g.symbol * inside
-        ends = pull.symbol + weight * cosine, weight * sine
-        along, across = Along(*ends), Across(*ends)
-    # Of the force in the torque; friction without it is not reached.
-    by_force = sp.diff(torque, v.F_N.symbol) * pull.symbol
-    # By half angles, cos^2 - sin^2 is 2 cos^2 - 1: one of them is enough.
-    held = sp.diff(torque, theta_m).replace(
-        lambda e: e.is_Pow and isinstance(e.base, HalfSine) and e.exp == 2,
-        lambda e: 1 - HalfCosine(*e.base.args) ** 2,
-    )
-    by_speed = omega_m * sp.diff(torque, omega_m) + 2 * along * by_force
-    return (
-        pulled,
-        Definition(damping, by_speed),
-        Definition(stiffness, held - v.mu.symbol * across * by_force),
     )

@@ -45,7 +45,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference="M. D. Hersey, J. Washington Academy of Sciences 4, 1914; A. C. Bittencourt and"
         " S. Gunnarsson, J. Dynamic Systems, Measurement and Control 134(5), 2012",
         shapes=(
-            Shape(w_s, setting.w_min, 0.4 * setting.w_max, "log", 8),
+            # At the mean temperature; when cold it is a fraction of that.
+            Shape(w_s, setting.w_min, setting.w_max, "log", 9),
             # Below 0.5 % per kelvin it is `stribeck`; oils lose 2 to 6 %.
             Shape(b, 0.005, 0.1, "log", 4),
         ),

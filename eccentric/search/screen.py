@@ -226,7 +226,7 @@ class Screen:
     def _possible(self, fitted: Fitted) -> bool:
         """Whether all coefficients lie in their ranges.
 
-        Without ranges a torque constant and an inertia that both go to 0 leave a balance of zeros, which fits.
+        Without ranges, a torque constant and an inertia that both go to 0 leave a balance of zeros.
         """
         return all(
             low <= value <= high
