@@ -94,39 +94,47 @@ def error_rate(x: Signals, rate: float, c: float, s: float) -> np.ndarray:
     return s * np.cos(rate * x["theta_m"]) - c * np.sin(rate * x["theta_m"])
 
 
+def by_the_motion(x: Signals, case: str) -> tuple[np.ndarray, np.ndarray]:
+    """Changes of the normal force: by the velocity, times that [N]; by the motor angle [N/rad]."""
+    turned = MU * x["theta_m"]
+    pull, weight = M * L * (MU * x["omega_m"]) ** 2, (M + M_L) * G * (case == "C2")
+    force = np.hypot(pull + weight * np.cos(turned), weight * np.sin(turned))
+    force = np.where(force == 0.0, 1.0, force)
+    faster = 2 * pull * (pull + weight * np.cos(turned)) / force
+    return faster, -MU * pull * weight * np.sin(turned) / force
+
+
 def misread(x: Signals, case: str, rate: float, c: float, s: float) -> np.ndarray:
     """Torque of inertia, gravity and friction at the error of the angle and its derivatives."""
+    w, turned = x["omega_m"], MU * x["theta_m"]
     error = (c * np.cos(rate * x["theta_m"]) + s * np.sin(rate * x["theta_m"])) / rate
-    slope, w = error_rate(x, rate, c, s), x["omega_m"]
-    if case == "C1":  # F_N = M L (mu w)^2
-        force = M * L * (MU * w) ** 2
-        slope_f = (
-            B_M + MU**2 * (3 * B_LN * force + B_LT * 0.2 * 9.81) + 2 * MU * C_LN * M * L * MU**2 * np.abs(w)
-        )
-    else:
-        slope_f = B_M + MU**2 * B_LN * normal_force(x)
-    gravity = 0.0 if case == "C1" else MU**2 * M * G * L * np.cos(MU * x["theta_m"])
+    slope = error_rate(x, rate, c, s)
+    faster, further = by_the_motion(x, case)
+    viscous = friction(x, case) - friction(x, case, viscous=0)
+    per_force = MU**2 * B_LN * w + MU * C_LN * np.sign(w)
+    gravity = MU**2 * M * G * L * np.cos(turned) * (case == "C2")
     inertial = J * (slope * x["alpha_m"] - rate**2 * error * w**2)
-    return inertial + slope_f * slope * w + gravity * error
+    return inertial + slope * (viscous + per_force * faster) + error * (gravity + per_force * further)
 
 
-def geared(x: Signals, case: str, rate: float, c: float, s: float, share: float) -> np.ndarray:
-    """What the motor feels of a link that turns by mu theta_m + e, to first order in e."""
+def geared(x: Signals, case: str, rate: float, c: float, s: float, shares: tuple[float, float]) -> np.ndarray:
+    """What the motor feels of a link that turns by mu theta_m + e, to first order in e.
+
+    shares: of the dry and of the viscous friction without F_N.
+    """
     theta, w, alpha = x["theta_m"], x["omega_m"], x["alpha_m"]
     e = c * np.cos(rate * theta) + s * np.sin(rate * theta)
     slope = rate * (s * np.cos(rate * theta) - c * np.sin(rate * theta))
-    pull, weight = M * L * (MU * w) ** 2, (M + M_L) * G * (case == "C2")
-    force = np.hypot(pull + weight * np.cos(MU * theta), weight * np.sin(MU * theta))
-    force = np.where(force == 0.0, 1.0, force)
-    # Of the normal force: by the velocity, times that; and by the motor angle.
-    faster = 2 * pull * (pull + weight * np.cos(MU * theta)) / force
-    further = -MU * pull * weight * np.sin(MU * theta) / force
+    faster, further = by_the_motion(x, case)
     per_force = MU**2 * B_LN * w + MU * C_LN * np.sign(w)
-    at_rest = friction(x, case, np.zeros_like(w))
-    held = normal_force(x) if case == "C2" else pull
-    viscous = MU**2 * B_LN * held * w + share * (at_rest - friction(x, case, np.zeros_like(w), viscous=0))
-    turned = MU * (M * G * L * (case == "C2")) * MU * np.cos(MU * theta) + per_force * further
-    felt = slope * (load(x, case, share) + viscous + per_force * faster) + e * turned
+    unloaded = np.zeros_like(w)
+    viscous = friction(x, case) - friction(x, case, viscous=0)
+    viscous -= (1 - shares[1]) * (friction(x, case, unloaded) - friction(x, case, unloaded, viscous=0))
+    dry = friction(x, case, viscous=0) - (1 - shares[0]) * friction(x, case, unloaded, viscous=0)
+    gravity, turned = sine_load(x), MU * (M * G * L) * MU * np.cos(MU * theta)
+    carried = MU**2 * J_L * alpha + (gravity * (case == "C2")) + dry + viscous
+    felt = slope * (carried + viscous + per_force * faster)
+    felt += e * (turned * (case == "C2") + per_force * further)
     return felt / MU + MU * J_L * (slope * alpha - rate**2 * e * w**2)
 
 
@@ -282,8 +290,8 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ),
     *(
         (case, f"kinematic_error[{where},n={n}]",
-         {"kinematic_c": 0.02, "kinematic_s": -0.03, "kinematic_share": 0.3},
-         lambda x, case=case, rate=n * rate: geared(x, case, rate, 0.02, -0.03, 0.3))
+         {"kinematic_c": 0.02, "kinematic_s": -0.03, "kinematic_share": 0.3, "kinematic_share_B": 0.6},
+         lambda x, case=case, rate=n * rate: geared(x, case, rate, 0.02, -0.03, (0.3, 0.6)))
         for where, rate in (("motor", 1.0), ("link", MU))
         for n in (1, 2)
         for case in CASES

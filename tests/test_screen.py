@@ -300,3 +300,12 @@ def test_a_balance_of_zeros_is_no_fit(drive: float, inertia: float, expected: li
     for fitted in ranked:
         assert fitted.coefficients == pytest.approx([0.0, -1.0, -1.0], abs=1e-9)
         assert fitted.score == pytest.approx(N, rel=1e-9)
+
+
+@pytest.mark.parametrize(("amplitude", "kept"), [(1.1, True), (1.2, False), (-0.1, True), (-0.2, False)])
+def test_a_coefficient_at_the_end_of_its_range_may_lie_beyond_by_noise(amplitude: float, kept: bool) -> None:
+    """Held at the end 0 or 1 it leaves 1 + 0.1^2 or 1 + 0.2^2 for 1: 2 % more are allowed."""
+    one = replace(candidate("a", {2: 1.0}), possible=((0.0, 1.0),))
+    ranked = Screen(design({2: amplitude}), [one]).rank([])
+
+    assert kept == bool(ranked)

@@ -27,13 +27,14 @@ from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.diagnosis.request import SearchRequest
 from eccentric.diagnosis.siblings import better_sibling
-from eccentric.diagnosis.stage import Stage, stage_of
-from eccentric.errors import InputError
+from eccentric.diagnosis.stage import Stage, stage_of, staged
+from eccentric.errors import InputError, few
 from eccentric.fitting import drive_noise, residual_samples
 from eccentric.logs import LogSource
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
-from eccentric.search import LEAST_DEVIANCE, attribute, variables_of
+from eccentric.search import LEAST_DEVIANCE, Attribution, attribute, variables_of
+from eccentric.search.limits import AT_FLOOR, CONFIRMED
 from eccentric.signals import Channels, band_of, read_channels, read_long
 
 __all__ = ["diagnose", "diagnosed", "staged_log"]
@@ -113,17 +114,16 @@ def diagnosed(
     Raises:
         InputError: an effect that was asked for is unknown.
     """
+    found = _searched(stage, asked, tell, required)
+    again = _with_friction_of(found, stage, asked)
+    if again is not None:
+        tell("the same with the friction that was found beside it")
+        second = _searched(again, asked, tell, required)
+        before, after = (one.searches["mechanical"] for one in (found, second))
+        if after.deviance(after.best, before.best) < CONFIRMED:
+            stage, found = again, second
     base, data = stage.base, stage.data
     chosen = asked.request.restricted(stage.offered)
-    found = attribute(
-        stage.balances,
-        stage.candidates(chosen),
-        variables_of(data, stage.instruments),
-        stage.noise,
-        len(np.unique(data.drive.channels.time.run[data.drive.channels.selection.fit_rows])),
-        tell,
-        required,
-    )
     found, models, score, refused = fitted_models(found, chosen, base, data, tell)
     noise = drive_noise(data)
     return Diagnosis(
@@ -142,6 +142,39 @@ def diagnosed(
         band=band_of(models.extended.residuals["mechanical"], data.rows, data.drive.channels, noise),
         orders=orders_of(data, residual_samples(models.extended)),
     )
+
+
+def _searched(stage: Stage, asked: Asked, tell: Callable[[str], None], required: float) -> Attribution:
+    channels = stage.data.drive.channels
+    return attribute(
+        stage.balances,
+        stage.candidates(asked.request.restricted(stage.offered)),
+        variables_of(stage.data, stage.instruments),
+        stage.noise,
+        len(np.unique(channels.time.run[channels.selection.fit_rows])),
+        tell,
+        required,
+    )
+
+
+def _with_friction_of(found: Attribution, stage: Stage, asked: Asked) -> Stage | None:
+    """The stage with the friction that was found beside effects which use that of the first fit.
+
+    Without the effects the first fit has it wrong, and what they leave then looks like a further one. None
+    where they leave no more than noise, or use none.
+    """
+    search = found.searches["mechanical"]
+    best, screen = search.best, search.screen
+    if not best.variants or best.score < AT_FLOOR * screen.floor:
+        return None
+    friction = best.coefficients[: screen.balance.columns.shape[1]]
+    again = staged(stage.plain, stage.base, stage.data, asked.effects, few(asked.logs), friction)
+    adopted = {variant.candidate.id for variant in best.variants}
+    used, anew = (
+        {effect.id: effect.change.definitions for effect in one.offered if effect.id in adopted}
+        for one in (stage, again)
+    )
+    return again if used != anew else None
 
 
 def _including(stage: Stage, names: Sequence[str]) -> Model:

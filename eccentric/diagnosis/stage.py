@@ -98,8 +98,17 @@ def stage_of(channels: Channels, plain: Model, effects: Path | None, where: str)
     return staged(plain, base, fit_data_of(drive, rig, base), effects, where)
 
 
-def staged(plain: Model, base: Model, data: FitData, effects: Path | None, where: str) -> Stage:
+def staged(
+    plain: Model,
+    base: Model,
+    data: FitData,
+    effects: Path | None,
+    where: str,
+    friction: Array | None = None,
+) -> Stage:
     """The stage of a log whose drive is known already; arguments as in `Stage` and `stage_of`.
+
+    friction: coefficients that are better known than those of a first fit.
 
     Raises:
         InputError: there are too few rows to hold out.
@@ -107,7 +116,7 @@ def staged(plain: Model, base: Model, data: FitData, effects: Path | None, where
     drive, rig = data.drive, data.drive.channels.rig
     require_rows(data.rows, "score", LEAST_HELD_OUT, where)
     balances, noise = balances_of(data, rig, base)
-    friction = _first_friction(balances)
+    friction = _first_friction(balances) if friction is None else friction
     if not drive.measured_twice:
         data = with_model_current(data, base, friction)
     setting = setting_of(data, base, friction)

@@ -208,7 +208,9 @@ def weight(setting: Setting) -> float:
     return (known["M"] + known["M_l"]) * known["g"] * inside
 
 
-def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr, tuple[Definition, ...]]:
+def transmitted(
+    name: str, setting: Setting, share: sp.Symbol, of_viscous: sp.Symbol | None = None
+) -> tuple[sp.Expr, tuple[Definition, ...]]:
     """Torque that the gear transmits to the link, on the motor side [N m]; and the constants it needs.
 
     Gravity, inertia, the friction that follows a force on the link, and the link's share of the rest: the
@@ -216,6 +218,12 @@ def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr,
     with the model's own coefficients in its load, friction would no longer be linear in them.
 
     Of a joint of an arm it is that of the bodies alone, as in `eccentric.model.chain.drive`.
+
+    Args:
+        name: names of constants begin with it.
+        setting: the log.
+        share: the link's share of the friction without a force.
+        of_viscous: that of the viscous part, if it is another one.
     """
     if of_an_arm(setting):
         return gravity(setting) + _link_inertia_torque(setting), ()
@@ -230,8 +238,9 @@ def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr,
         )
         for column in columns
     ]
+    own = {Role.VISCOUS: of_viscous or share}
     parts = [
-        known.symbol * column.basis * (share if column.load is Load.NONE else 1)
+        known.symbol * column.basis * (own.get(column.role, share) if column.load is Load.NONE else 1)
         for column, known in zip(columns, constants, strict=True)
     ]
     friction = sp.Add(*parts)

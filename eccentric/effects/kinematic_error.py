@@ -24,7 +24,16 @@ cosine_part = quantity(
 )
 sine_part = quantity("kinematic_s", "rad", "link angle beyond mu theta_m, by the sine", letter="epsilon_2")
 share = quantity(
-    "kinematic_share", "1", "link's share of the friction without F_N", "", "nonnegative", letter="s"
+    "kinematic_share", "1", "link's share of the dry friction without F_N", "", "nonnegative", letter="s"
+)
+# The gear divides by 1/mu what is dry, and by its square what is viscous.
+viscous_share = quantity(
+    "kinematic_share_B",
+    "1",
+    "link's share of the viscous friction without F_N",
+    "",
+    "nonnegative",
+    letter="s_B",
 )
 load = quantity("kinematic_torque", "N m", "torque that the gear transmits, motor side", letter="T")
 REFERENCE = (
@@ -68,7 +77,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 def _of(where: str, n: int, rate: sp.Expr, setting: Setting) -> Effect:
     """The effect for an error that repeats with `rate` times the motor angle."""
-    torque, constants = transmitted("kinematic", setting, share.symbol)
+    torque, constants = transmitted("kinematic", setting, share.symbol, viscous_share.symbol)
     damping, stiffness, sloping = slopes("kinematic", torque, setting)
     gear = [Definition(q, x) for q, x in zip((cosine_gear, sine_gear), harmonic(rate), strict=True)]
     cosine, sine = cosine_gear.symbol, sine_gear.symbol
@@ -105,6 +114,6 @@ def _of(where: str, n: int, rate: sp.Expr, setting: Setting) -> Effect:
         ),
         evidence=Evidence(depends_on=(f"{where}_angle", "transmitted_torque", "acceleration")),
         coefficients=(cosine_part, sine_part),
-        shapes=(Shape(share, 0.0, 1.0, "linear", 3),),
+        shapes=tuple(Shape(one, 0.0, 1.0, "linear", 3) for one in (share, viscous_share)),
         words=replace(WORDS, headline=f"a gear whose ratio varies {how_often(n)} per turn of the {where}"),
     )

@@ -35,7 +35,7 @@ class Search:
     base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
     smoothed: smooth terms beside the adopted ones; alternatives: per adopted variant, family -> (probability,
         fit); tried: other models that were compared with the best; required: deviance that an addition has to
-        gain; stability: of the adopted effects.
+        gain; stability: of the adopted effects; settled: families that the other balance leaves no doubt of.
     """
 
     screen: Screen
@@ -48,6 +48,7 @@ class Search:
     tried: list[Fitted] = field(default_factory=list)
     required: float = limits.LEAST_DEVIANCE
     stability: Stability = field(default_factory=Stability)
+    settled: set[str] = field(default_factory=set)
 
     def run(self) -> None:
         """Adopt, compare, then fit the smooth terms to what is left."""

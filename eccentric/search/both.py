@@ -16,7 +16,7 @@ import numpy as np
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant
 from eccentric.search.joint import BothBalances
-from eccentric.search.limits import CONFIRMED, LEAST_DEVIANCE, POSSIBLE, TINY_COLUMN
+from eccentric.search.limits import CONFIRMED, LEAST_DEVIANCE, POSSIBLE, SURE, TINY_COLUMN
 from eccentric.search.nulltest import correlated
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
@@ -59,6 +59,10 @@ def search_all(
         found = searched(_corrected(mechanical, electrical), also=_of_the_flux(electrical))
         misread = _in_the_circuit(found, circuit)
         if misread is None:
+            for family in _doubtful(electrical):
+                rival = searched(_corrected(mechanical, _lacking(electrical, family)), family)
+                if found.deviance(rival.best, found.best) > LEAST_DEVIANCE:
+                    electrical.settled.add(family)
             return {"electrical": electrical, "mechanical": found}
     # Beside what else the mechanical balance shows, and without the torque of the ripple for which the
     # circuit took it: alone, it would take on a part of a larger effect.
@@ -77,6 +81,26 @@ def search_all(
     # The voltage does not have what such an angle would add.
     found = searched(_corrected(mechanical, electrical), misread.family, _of_the_flux(electrical))
     return {"electrical": electrical, "mechanical": found}
+
+
+def _doubtful(electrical: Search) -> list[str]:
+    """Effects on the flux that the circuit shows, and cannot tell from another: their torque may tell."""
+    stability = electrical.stability
+    return [
+        variant.candidate.family
+        for variant, options in zip(electrical.best.variants, electrical.alternatives, strict=True)
+        if variant.candidate.joint
+        and variant.candidate.also is not None
+        and not (
+            stability.nearly_all(variant.candidate.family) and options[variant.candidate.family][0] >= SURE
+        )
+    ]
+
+
+def _lacking(electrical: Search, family: str) -> Search:
+    """The same search without an effect that it found."""
+    kept = [variant for variant in electrical.best.variants if variant.candidate.family != family]
+    return replace(electrical, best=electrical.screen.fit(kept))
 
 
 def _of_the_flux(electrical: Search) -> list[Candidate]:

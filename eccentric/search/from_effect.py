@@ -61,9 +61,13 @@ def candidate_of(
         ]
         for balance, terms in effect.change.terms.items()
     }
-    # The search bounds coefficients by 0 alone, and refuses what lies beyond the other bounds.
+    # The search bounds coefficients by 0 alone. Of one that may have either sign it refuses what lies beyond
+    # its bounds; the upper end of the others may be one of scale, which the fit on the emitted module keeps.
     possible = tuple(
-        (-np.inf if low is None else low, np.inf if high is None else high) for low, high in effect.bounds
+        (-np.inf, np.inf)
+        if low == 0.0
+        else (-np.inf if low is None else low, np.inf if high is None else high)
+        for low, high in effect.bounds
     )
     lower = tuple(0.0 if low == 0.0 else -np.inf for low, _ in effect.bounds) or (-np.inf,)
     changes = _changes(effect, model, extended, signals, names, states)

@@ -16,6 +16,7 @@ from eccentric.search.limits import (
     EXTRAPOLATED,
     FIRST_STEPS,
     FOLDS,
+    IN_RANGE,
     LEADERS,
     MOST_KEPT,
     NOTHING,
@@ -224,15 +225,22 @@ class Screen:
         return sorted(honest, key=lambda f: f.score)
 
     def _possible(self, fitted: Fitted) -> bool:
-        """Whether all coefficients lie in their ranges.
+        """Whether a fit with all coefficients in their ranges leaves as little.
 
         Without ranges, a torque constant and an inertia that both go to 0 leave a balance of zeros.
         """
-        return all(
-            low <= value <= high
-            for variant, own in zip(fitted.variants, self.own(fitted), strict=True)
-            for value, (low, high) in zip(own, variant.candidate.possible, strict=False)
-        )
+        free = [np.full((self.balance.columns.shape[1], 2), [-np.inf, np.inf])]
+        for variant, own in zip(fitted.variants, self.own(fitted), strict=True):
+            free.append(np.reshape(variant.candidate.possible or [(-np.inf, np.inf)] * len(own), (-1, 2)))
+        low, high = np.concatenate(free).T
+        held = np.clip(fitted.coefficients, low, high)
+        beyond = held != fitted.coefficients
+        if not np.any(beyond):
+            return True
+        target, design, lower = self.design(fitted.variants)
+        rest, kept = target - design[:, beyond] @ held[beyond], design[:, ~beyond]
+        left = rest - kept @ bounded_solve(kept.T @ kept, kept.T @ rest, lower[~beyond])
+        return bool(left @ left < IN_RANGE * fitted.loss.sum())
 
     def _of_the_drive(self, fitted: Fitted) -> bool:
         """Whether what the last variant explains is not the noise of its own signals.

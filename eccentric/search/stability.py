@@ -95,6 +95,11 @@ class Stability:
             found[other] = self.weight(other, {family} | likely)
         return found
 
+    @property
+    def most(self) -> float:
+        """The probability of a family that every variant finds, by the rule of succession."""
+        return (self.variants + 1.0) / (self.variants + 2.0)
+
     def probability(self, family: str) -> float:
         """The weight of a family by the rule of succession: no number of variants proves a certainty."""
         return (self.variants * self.weight(family) + 1.0) / (self.variants + 2.0)

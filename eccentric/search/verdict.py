@@ -179,8 +179,10 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
             chances = {other: chance / sum(open_to.values()) for other, chance in open_to.items()}
             if stability.variants:
                 chances = stability.chances(family, [other for other in open_to if other != family])
-            entry = _ranked(candidate, name, search, best, chances[family])
             clear = chances[family] >= limits.SURE and stability.nearly_all(family)
+            if family in search.settled:
+                clear, chances = True, {family: max(chances[family], stability.most)}
+            entry = _ranked(candidate, name, search, best, chances[family])
             one = Adopted(
                 name,
                 variant,
