@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from eccentric.diagnosis.score import Score, leave_runs_out, score
 from eccentric.effects import Effect
-from eccentric.estimation import r_squared
+from eccentric.estimation import improvement, r_squared
 from eccentric.fitting import LEAST_R_SQUARED, FitData, Refit, refit
 from eccentric.model import Model
 from eccentric.search import Attribution, unconfirmed
@@ -84,10 +84,11 @@ def fitted_models(
     balance = found.adopted[0].balance if models.adopted else "mechanical"
     scored = _scored(models, balance, data)
     refused = None
-    # Voltage and current show an effect twice, and row by row the model of a ripple above the low pass only
-    # adds error. With one signal alone, the held-out part is the only check: an effect has to predict it
-    # better than the paper's model does at its best, its coefficients free to imitate what it lacks.
-    if models.adopted and not data.drive.measured_twice and not confirms(scored, models, data):
+    # Voltage and current show an effect twice: the held-out part must not contradict it. With one signal
+    # alone, that part is the only check: an effect has to predict it better than the paper's model does at
+    # its best, its coefficients free to imitate what it lacks.
+    twice = data.drive.measured_twice
+    if models.adopted and (contradicts(models, data) if twice else not confirms(scored, models, data)):
         tell("the held-out part does not confirm it")
         refused, found, models = scored, unconfirmed(found), replace(models, extended=paper)
         scored = _scored(models, "mechanical", data)
@@ -97,6 +98,22 @@ def fitted_models(
 def _scored(models: Models, balance: str, data: FitData) -> Score:
     over_runs = leave_runs_out(models.base, models.extended, data)
     return score(models.linear, models.paper, models.extended, balance, over_runs)
+
+
+def contradicts(models: Models, data: FitData) -> bool:
+    """Whether the extended model predicts a balance clearly worse than the paper's, where the motion is.
+
+    Row by row, the model of a ripple above the low pass only adds error.
+    """
+    smooth, score_rows = data.drive.channels.smooth, data.rows.score
+    for balance, before in models.paper.residuals.items():
+        pair = before, models.extended.residual_like(models.paper, balance)
+        if data.rows.operator is None:
+            pair = tuple(map(smooth, pair))
+        paper, extended = (residual[score_rows] for residual in pair)
+        if improvement(paper, extended)[1][1] < 0.0:
+            return True
+    return False
 
 
 def confirms(scored: Score, models: Models, data: FitData) -> bool:

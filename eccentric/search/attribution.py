@@ -61,7 +61,7 @@ class Search:
             tried = [self.swapped(self.screen.refine(fitted)) for fitted in leaders]
             if len(self.best.variants) == 1:
                 tried += self.pairs()
-            tried = [f for f in tried if self.confirmed(f)]
+            tried = [f for f in tried if self.confirmed(f) and self._keeps_all_names(f)]
             self.tried += tried
             tried = [f for f in tried if self.worth_it(self.best, f) and self.clears(self.best, f)]
             if not tried:
@@ -90,6 +90,10 @@ class Search:
             self._gained(_without(fitted, place), variant, fitted, self.screen)
             for place, variant in enumerate(fitted.variants)
         )
+
+    def _keeps_all_names(self, fitted: Fitted) -> bool:
+        """Whether no variant has lost to those beside it what names it."""
+        return all(self.screen.itself(fitted, place) for place in range(len(fitted.variants)))
 
     def explains(self, before: Fitted, after: Fitted) -> bool:
         """Whether a smooth term takes something out that is there without the noise of its signals too.

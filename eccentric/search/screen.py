@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,8 +18,10 @@ from eccentric.search.limits import (
     FOLDS,
     IN_RANGE,
     LEADERS,
+    LEAST_DEVIANCE,
     MOST_KEPT,
     NOTHING,
+    ROWS_FOR_ONE,
     STEPS,
     TOGETHER,
 )
@@ -81,6 +83,7 @@ class Screen:
             at += z.shape[1]
         self.library = np.hstack(columns) if columns else np.empty((self.rows, 0))
         self.inner = [self.library[:, w].T @ self.library[:, w] for w in self.where]
+        self._general = {family for c in candidates for family in c.evidence.special_of}
         self._index = {variant.key: number for number, variant in enumerate(self.points)}
 
     def columns(self, variant: Variant, beside: Sequence[Variant] = ()) -> Array:
@@ -259,15 +262,31 @@ class Screen:
         target, base, _ = self.design(others)
         return exogenous(target, base, self.columns(variant, [*others, variant]), self.columns(twin))
 
-    def itself(self, fitted: Fitted) -> bool:
-        """Whether the last variant keeps the term that names its effect: its first coefficient is not 0.
+    def itself(self, fitted: Fitted, place: int = -1) -> bool:
+        """Whether a variant, by default the last, keeps the term that names its effect, its first one.
 
-        Without it the rest is another family: a bristle model without bristle stiffness is a Stribeck curve.
+        Without it the rest is another family: a bristle model without bristle stiffness is a Stribeck curve,
+        a cable without stiffness a constant torque. Where the library has that family, the term has to be
+        worth what an effect is.
         """
-        own = self.own(fitted)[-1]
-        if len(own) < 2 or not np.isfinite(bounds_of(fitted.last, len(own))[0]):
+        own, variant = self.own(fitted)[place], fitted.variants[place]
+        whole = variant.candidate
+        if len(own) < 2 or not np.isfinite(bounds_of(whole, len(own))[0]):
             return True
-        return bool(own[0] > 0.0)
+        if own[0] <= 0.0 or whole.family not in self._general:
+            return bool(own[0] > 0.0)
+        rest = replace(
+            whole,
+            id=f"{whole.id} (without its name)",
+            columns=lambda values: whole.columns(values)[:, 1:],
+            lower=tuple(bounds_of(whole, len(own))[1:]),
+            possible=whole.possible[1:],
+            roles=whole.roles[1:],
+        )
+        others = [v for v in fitted.variants if v is not variant]
+        without = self.fit([*others, Variant(rest, variant.values)])
+        count = self.rows if self.balance.rows.independent else self.rows / ROWS_FOR_ONE
+        return bool(count * np.log(without.score / fitted.score) > LEAST_DEVIANCE)
 
     def refine(self, fitted: Fitted, only_last: bool = False, steps: int = STEPS) -> Fitted:
         """Shapes improved by nonlinear least squares: of all variants together, or of the last."""
