@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.diagnosis.request import SearchRequest
 from eccentric.diagnosis.siblings import better_sibling
 from eccentric.diagnosis.stage import Stage, stage_of, staged
+from eccentric.effects import library, load_effects
 from eccentric.errors import InputError, few
 from eccentric.fitting import drive_noise, residual_samples
 from eccentric.logs import LogSource
@@ -168,13 +170,15 @@ def _with_friction_of(found: Attribution, stage: Stage, asked: Asked) -> Stage |
     if not best.variants or best.score < AT_FLOOR * screen.floor:
         return None
     friction = best.coefficients[: screen.balance.columns.shape[1]]
-    again = staged(stage.plain, stage.base, stage.data, asked.effects, few(asked.logs), friction)
-    adopted = {variant.candidate.id for variant in best.variants}
-    used, anew = (
-        {effect.id: effect.change.definitions for effect in one.offered if effect.id in adopted}
-        for one in (stage, again)
+    anew = replace(
+        stage.setting, friction=dict(zip(stage.setting.friction, map(float, friction), strict=False))
     )
-    return again if used != anew else None
+    offered = {effect.id: effect for effect in stage.offered}
+    made = [*library(anew), *(load_effects(asked.effects, anew) if asked.effects else ())]
+    adopted = {variant.candidate.id for variant in best.variants}
+    if all(effect == offered[effect.id] for effect in made if effect.id in adopted):
+        return None
+    return staged(stage.plain, stage.base, stage.data, asked.effects, few(asked.logs), friction)
 
 
 def _including(stage: Stage, names: Sequence[str]) -> Model:
