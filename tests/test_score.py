@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import nnls
 
 from eccentric.diagnosis import leave_runs_out
-from eccentric.diagnosis.models import Models, confirms
+from eccentric.diagnosis.models import Models, confirms, contradicts
 from eccentric.diagnosis.score import score
 from eccentric.fitting import FitData, drive_of, fit_data_of, refit
 from eccentric.model import Model, load_model
@@ -30,6 +30,7 @@ def less_with_load(theta: Array, omega: Array) -> Array:
 
 
 FALLING = Swing(C=0.2, more=less_with_load)
+RISING = Swing(more=lambda theta, omega: -4.0 * less_with_load(theta, omega))
 KNOWN = RIG.known + f"J_m_kgm2 = {RIG.J}\nJ_l_kgm2 = 0.0\n"
 
 
@@ -115,6 +116,21 @@ def test_an_effect_has_to_beat_the_model_without_bounds(tmp_path: Path) -> None:
     assert held_out["paper_unbounded"] < held_out["extended"] < held_out["paper"]
     assert within.confirms
     assert not confirms(within, models, one)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected"), [("linear", "paper", False), ("paper", "linear", True)]
+)
+def test_a_worse_prediction_contradicts_an_answer(
+    tmp_path: Path, before: str, after: str, expected: bool
+) -> None:
+    """Where friction follows F_N, the model with it is contradicted by nothing, and the one without by it."""
+    one, base = data(tmp_path, 4, RISING)
+    fits = {"linear": refit(base, (), one, linear=True), "paper": refit(base, (), one)}
+    models = Models(fits["linear"], fits[before], fits[before], fits[after])
+
+    assert (fits[after].held_out("mechanical") > 1.5 * fits[before].held_out("mechanical")) == expected
+    assert contradicts(models, one) == expected
 
 
 def test_to_leave_out_the_held_out_run_is_the_fit_itself(tmp_path: Path) -> None:
