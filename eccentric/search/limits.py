@@ -19,6 +19,7 @@ __all__ = [
     "CLEARLY",
     "CLEARS",
     "CLOSE",
+    "COLUMNS_AT_ONCE",
     "CONFIRMED",
     "CONFIRMED_PART",
     "DERIVATIVE_STEP",
@@ -217,6 +218,8 @@ LEVEL = 0.99
 """Quantile: the level that chance reaches in one log out of a hundred."""
 DRAWS = 200
 """Draws of random signs for the blocks: two of them lie above the 99 % quantile."""
+COLUMNS_AT_ONCE = 256
+"""Columns of the library whose gains by chance are computed at once: 2 MB for a thousand rows."""
 SIGNS, AT_ONCE = 1000, 50
 """Draws of random signs that a gain has to beat, every one, and how many are computed at once."""
 TAIL, CHANCE = 0.1, 1e-4

@@ -22,6 +22,7 @@ from eccentric.search.crossval import Gram, scaled_solve
 from eccentric.search.limits import (
     AT_ONCE,
     CHANCE,
+    COLUMNS_AT_ONCE,
     DRAWS,
     EXTRAPOLATED,
     LEAST_BLOCKS,
@@ -74,15 +75,17 @@ def null_quantile(screen: Screen, fitted: Fitted) -> float:
     """Quantile of the deviance that the best single column of a screen reaches by chance beside a fit."""
     residual = screen.residual(fitted)
     _, design, _ = screen.design(fitted.variants)
-    library = screen.library
-    if design.shape[1]:
-        q, _ = np.linalg.qr(design)
-        library = library - q @ (q.T @ library)
-    length = np.linalg.norm(library, axis=0)
-    kept = length > TINY_COLUMN * np.linalg.norm(screen.library, axis=0)
-    if not np.any(kept):
-        return 0.0
-    gain = flipped_null(residual, library[:, kept] / length[kept], screen.block)
+    q, _ = np.linalg.qr(design)
+    gain = np.zeros(DRAWS)
+    # A few columns at a time: copies of the library would be most of the memory of a long log.
+    for start in range(0, screen.library.shape[1], COLUMNS_AT_ONCE):
+        some = screen.library[:, start : start + COLUMNS_AT_ONCE]
+        left = some - q @ (q.T @ some)
+        length = np.linalg.norm(left, axis=0)
+        kept = length > TINY_COLUMN * np.linalg.norm(some, axis=0)
+        if np.any(kept):
+            own = flipped_null(residual, left[:, kept] / length[kept], screen.block)
+            gain = np.maximum(gain, own)
     return float(np.quantile(gain, LEVEL)) / correlated(screen, residual)
 
 

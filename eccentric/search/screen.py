@@ -72,19 +72,27 @@ class Screen:
         self._changed: dict[tuple[object, ...], tuple[Array | float, Array]] = {}
         self.points: list[Variant] = []
         self.where: list[slice] = []
-        columns, at = [], 0
-        for variant in (point for candidate in candidates for point in grid(candidate)):
-            z = balance.rows.mean(variant.candidate.columns(variant.values))
-            if not np.all(np.isfinite(z)) or np.any(np.sum(z**2, axis=0) < NOTHING**2 * self.rows):
-                continue
-            self.points.append(variant)
-            columns.append(z)
-            self.where.append(slice(at, at + z.shape[1]))
-            at += z.shape[1]
-        self.library = np.hstack(columns) if columns else np.empty((self.rows, 0))
+        every = [grid(candidate) for candidate in candidates]
+        first = [self._mean_columns(points[0]) for points in every]
+        widths = [z.shape[1] * len(points) for z, points in zip(first, every, strict=True)]
+        # In place, column by column: on a long log a copy would be most of the memory.
+        library, at = np.empty((self.rows, sum(widths)), order="F"), 0
+        for points, known in zip(every, first, strict=True):
+            for variant in points:
+                z = known if variant is points[0] else self._mean_columns(variant)
+                if not np.all(np.isfinite(z)) or np.any(np.sum(z**2, axis=0) < NOTHING**2 * self.rows):
+                    continue
+                self.points.append(variant)
+                self.where.append(slice(at, at + z.shape[1]))
+                library[:, self.where[-1]] = z
+                at += z.shape[1]
+        self.library = library[:, :at]
         self.inner = [self.library[:, w].T @ self.library[:, w] for w in self.where]
         self._general = {family for c in candidates for family in c.evidence.special_of}
         self._index = {variant.key: number for number, variant in enumerate(self.points)}
+
+    def _mean_columns(self, variant: Variant) -> Array:
+        return self.balance.rows.mean(variant.candidate.columns(variant.values))
 
     def columns(self, variant: Variant, beside: Sequence[Variant] = ()) -> Array:
         """Windowed columns (rows, k) of a variant, scaled by those beside it; none if it changes the base."""
