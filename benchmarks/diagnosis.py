@@ -57,11 +57,11 @@ def jobs(quick: bool, first: int = FIRST_SEED) -> Iterator[Job]:
     for k in range(2 if quick else 60):
         yield Job("ordinary", first + 5000 + k, (), drive="ordinary")
     rng = np.random.default_rng(first + 6000)
-    for k in range(2 if quick else 40):
+    for k in range(2 if quick else 60):
         family, strength = str(rng.choice(sorted(EFFECTS))), float(np.exp(rng.uniform(*np.log(FAINT))))
         yield Job("faint", first + 6000 + k, ((family, strength),))
     rng = np.random.default_rng(first + 2000)
-    for k in range(2 if quick else 20):
+    for k in range(2 if quick else 40):
         pair = rng.choice(sorted(EFFECTS), 2, replace=False)
         while HIDES_TEMPERATURE & set(pair) and NEEDS_TEMPERATURE & set(pair):  # no log has both
             pair = rng.choice(sorted(EFFECTS), 2, replace=False)
@@ -151,7 +151,7 @@ _HEAD = [
     " method was developed on.",
     "Every family of effects at 3, 8 and 20 % of the friction, gear ratios 1 to 1/30, C1 and C2, speed runs and"
     " trajectories, current noise of 0.4 to 1.2 % of its range; controls, as many on ordinary drives (a loop that may ring,"
-    " a bus that varies by up to 2 %, a coarse encoder, noise of 0.2 to 3 %); pairs at 12 % each; forty faint effects of 0.3 to 5 %; and a dozen effects that"
+    " a bus that varies by up to 2 %, a coarse encoder, noise of 0.2 to 3 %); forty pairs at 12 % each; sixty faint effects of 0.3 to 5 %; and a dozen effects that"
     " no library holds (`benchmarks/outside.py`), twice each; one minute at 250 rows a second.",
     f"An effect whose torque lies within {100 * diagnosis_table.ALIAS:g} % of the friction of what the paper's own columns can take is"
     " an exact alias (w\\|w\\| and w^3 in C1): a log with one is not counted among the singles and pairs.",
