@@ -267,7 +267,7 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ("C2", "mass_mismatch[torque]", {"mass_torque": 0.2}, lambda x: 0.2 * sine_load(x)),
     ("C1", "inertia_mismatch", {"inertia_ratio": 0.5}, lambda x: 0.5 * J * x["alpha_m"]),
     ("C2", "ki_mismatch", {"current_scale": 0.2}, lambda x: 0.2 * (J * x["alpha_m"] + sine_load(x))),
-    ("C1", "kt_saturation", {"ktsat_A": 1.0, "ktsat_i": 10.0},
+    ("C1", "kt_saturation", {"ktsat_c": 0.01, "ktsat_i": 10.0},
      lambda x: K_I * x["i"] - K_I * x["i"] / (1 + (x["i"] / 10) ** 2)),
     ("C1", "magnet_temperature", {"magnet_a": 0.002, "magnet_0": 0.1},
      lambda x: K_I * x["i"] * (0.002 * (x["temperature"] - WARM) - 0.1)),

@@ -10,7 +10,7 @@ J = J_M + MU**2 * J_L
 
 FLUX = {
     "kt_ripple[n=7]": {"kt_ripple_c7": 0.1, "kt_ripple_s7": -0.2},
-    "kt_saturation": {"ktsat_A": 0.8, "ktsat_i": 10.0},
+    "kt_saturation": {"ktsat_c": 0.008, "ktsat_i": 10.0},
     "magnet_temperature": {"magnet_a": 0.008, "magnet_0": -0.1},
 }
 

@@ -9,8 +9,17 @@ from eccentric.effects.words import LOAD, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
-part = quantity("ktsat_A", "1", "saturating fraction of the torque constant", "", "nonnegative", letter="A")
-i_s = quantity("ktsat_i", "A", "current at which half of that fraction is lost", "", "positive", letter="i_s")
+bend = quantity(
+    "ktsat_c",
+    "1/A^2",
+    "fall of the torque constant by the square of a small current",
+    "",
+    "nonnegative",
+    letter="c",
+)
+i_s = quantity(
+    "ktsat_i", "A", "current at which it has fallen by half of c i_s^2", "", "positive", letter="i_s"
+)
 WORDS = Words(
     headline="a torque constant that falls at high current",
     meaning="Saturation of the iron: torque constant and back-EMF constant fall at high current.",
@@ -20,16 +29,19 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family; for A = 1 it is k_t = k_i/(1 + (i/i_s)^2)."""
-    square = (v.i.symbol / i_s.symbol) ** 2
+    """The one effect of the family; for c = 1/i_s^2 it is k_t = k_i/(1 + (i/i_s)^2).
+
+    Far below i_s a log determines c alone: by the fraction c i_s^2 its coefficient would grow with i_s.
+    """
+    square = v.i.symbol**2
     largest = setting.current_max
     effect = of_flux(
         "kt_saturation",
-        [(part, -square / (1 + square))],
+        [(bend, -square / (1 + square / i_s.symbol**2))],
         setting,
-        bounds=((0.0, 1.0),),
+        bounds=((0.0, None),),
         depends_on=("current",),
-        formula="k_i and k_e times 1 - A x/(1 + x), x = (i/i_s)^2",
+        formula="k_i and k_e times 1 - c i^2/(1 + (i/i_s)^2)",
         reference="form of our own; armature reaction: A. E. Fitzgerald, C. Kingsley and S. D. Umans,"
         " Electric Machinery",
         shapes=(Shape(i_s, 0.7 * largest, 20.0 * largest, "log", 10),),
