@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from eccentric.diagnosis import diagnose
+from eccentric.diagnosis import diagnose, loop
 from eccentric.virtual_bench import simulate
 from tests.virtual import drawn_scenario
 
 
-def test_a_load_is_that_of_the_friction_beside_the_effect() -> None:
-    """Losses of a gear are named and sized as planted; a first fit takes part of them for other friction."""
+def test_a_load_is_that_of_the_friction_beside_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Losses of a gear are named and sized as planted; with the friction of a first fit they are not."""
     scenario = drawn_scenario(
         97312,
         mu=1 / 30,
@@ -28,3 +28,8 @@ def test_a_load_is_that_of_the_friction_beside_the_effect() -> None:
     assert "named" == found.attribution.verdict
     assert planted["amplitude"] == pytest.approx(found.models.extended.values["load_eta"], rel=0.02)
     assert "the same with the friction that was found beside it" in said
+
+    monkeypatch.setattr(loop, "_with_friction_of", lambda *_: None)
+    once = diagnose([run.columns], run.rig)
+
+    assert ["load_dependent[transmitted]"] != [a.variant.candidate.id for a in once.attribution.adopted]

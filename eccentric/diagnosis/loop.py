@@ -4,6 +4,7 @@ The stages, each with its result:
 
     stage       drive, signals, balances as linear designs, effects on offer     (`stage.stage_of`)
     attribute   verdict and adopted effects                                      (`verdict.attribute`)
+    again       the same with the friction that was found beside effects which use it
     extend      Model', its coefficients fitted on its own emitted module        (`models.fitted_models`)
     score       held-out RMSE before and after; the held-out part is opened there and nowhere else
                 (the zero-phase low pass carries some 20 ms across its borders)
@@ -16,7 +17,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +28,8 @@ from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.diagnosis.request import SearchRequest
 from eccentric.diagnosis.siblings import better_sibling
-from eccentric.diagnosis.stage import Stage, stage_of, staged
-from eccentric.effects import library, load_effects
-from eccentric.errors import InputError, few
+from eccentric.diagnosis.stage import Stage, stage_of
+from eccentric.errors import InputError
 from eccentric.fitting import drive_noise, residual_samples
 from eccentric.logs import LogSource
 from eccentric.model import Model, load_model
@@ -122,7 +121,8 @@ def diagnosed(
         tell("the same with the friction that was found beside it")
         second = _searched(again, asked, tell, required)
         before, after = (one.searches["mechanical"] for one in (found, second))
-        if after.deviance(after.best, before.best) < CONFIRMED:
+        # With the better friction, unless that fits clearly worse.
+        if before.deviance(after.best, before.best) < CONFIRMED:
             stage, found = again, second
     base, data = stage.base, stage.data
     chosen = asked.request.restricted(stage.offered)
@@ -169,16 +169,10 @@ def _with_friction_of(found: Attribution, stage: Stage, asked: Asked) -> Stage |
     best, screen = search.best, search.screen
     if not best.variants or best.score < AT_FLOOR * screen.floor:
         return None
-    friction = best.coefficients[: screen.balance.columns.shape[1]]
-    anew = replace(
-        stage.setting, friction=dict(zip(stage.setting.friction, map(float, friction), strict=False))
-    )
-    offered = {effect.id: effect for effect in stage.offered}
-    made = [*library(anew), *(load_effects(asked.effects, anew) if asked.effects else ())]
+    again = stage.with_friction(best.coefficients, asked.effects)
+    before, after = ({effect.id: effect for effect in one.offered} for one in (stage, again))
     adopted = {variant.candidate.id for variant in best.variants}
-    if all(effect == offered[effect.id] for effect in made if effect.id in adopted):
-        return None
-    return staged(stage.plain, stage.base, stage.data, asked.effects, few(asked.logs), friction)
+    return None if all(before[name] == after[name] for name in adopted) else again
 
 
 def _including(stage: Stage, names: Sequence[str]) -> Model:

@@ -87,10 +87,10 @@ def fitted_models(
     # Voltage and current show an effect twice: the held-out part must not contradict it. With one signal
     # alone, that part is the only check: an effect has to predict it better than the paper's model does at
     # its best, its coefficients free to imitate what it lacks.
-    twice = data.drive.measured_twice
-    if models.adopted and (contradicts(models, data) if twice else not confirms(scored, models, data)):
+    against = _against(models, scored, data) if models.adopted else None
+    if against is not None:
         tell("the held-out part does not confirm it")
-        refused, found, models = scored, unconfirmed(found), replace(models, extended=paper)
+        refused, found, models = against, unconfirmed(found), replace(models, extended=paper)
         scored = _scored(models, "mechanical", data)
     return found, models, scored, refused
 
@@ -100,20 +100,29 @@ def _scored(models: Models, balance: str, data: FitData) -> Score:
     return score(models.linear, models.paper, models.extended, balance, over_runs)
 
 
-def contradicts(models: Models, data: FitData) -> bool:
-    """Whether the extended model predicts a balance clearly worse than the paper's, where the motion is.
+def _against(models: Models, scored: Score, data: FitData) -> Score | None:
+    """The score of the held-out part if it does not confirm what was adopted, else None."""
+    if not data.drive.measured_twice:
+        return None if confirms(scored, models, data) else scored
+    found = contradiction(models, data)
+    return None if found is None else replace(scored, balance=found[0], percent=found[1], interval=found[2])
 
-    Row by row, the model of a ripple above the low pass only adds error.
+
+def contradiction(models: Models, data: FitData) -> tuple[str, float, tuple[float, float]] | None:
+    """The balance that the extended model predicts clearly worse than the paper's, and its gain in percent.
+
+    Below the low pass of the angle: row by row, the model of a ripple above it only adds error.
     """
-    smooth, score_rows = data.drive.channels.smooth, data.rows.score
+    smooth, scored = data.drive.channels.smooth, data.rows.score
     for balance, before in models.paper.residuals.items():
         pair = before, models.extended.residual_like(models.paper, balance)
         if data.rows.operator is None:
             pair = tuple(map(smooth, pair))
-        paper, extended = (residual[score_rows] for residual in pair)
-        if improvement(paper, extended)[1][1] < 0.0:
-            return True
-    return False
+        paper, extended = (residual[scored] for residual in pair)
+        percent, interval = improvement(paper, extended)
+        if interval[1] < 0.0:
+            return balance, percent, interval
+    return None
 
 
 def confirms(scored: Score, models: Models, data: FitData) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +61,20 @@ class Stage:
         given = self.base, self.data.signals, self.friction, only, current, self.instruments
         return [candidate_of(effect, *given) for effect in effects]
 
+    def with_friction(self, friction: Array, effects: Path | None) -> Stage:
+        """The stage with effects that use this friction: coefficients in the order of the balance's columns.
+
+        effects: a file of the user's own. What the drive needs in all is still that of the first fit, since
+        friction beside an effect is not all of it.
+        """
+        own = dict(zip(self.setting.friction, map(float, friction), strict=False))
+        setting = replace(self.setting, friction=own)
+        names = {balance.name for balance in self.balances}
+        rig = self.data.drive.channels.rig
+        return replace(
+            self, setting=setting, offered=offered(setting, effects, self.data, rig, self.base, names)
+        )
+
     def chosen(
         self, word: str, names: Sequence[str]
     ) -> list[tuple[Effect, dict[str, float], dict[str, float]]]:
@@ -98,17 +112,8 @@ def stage_of(channels: Channels, plain: Model, effects: Path | None, where: str)
     return staged(plain, base, fit_data_of(drive, rig, base), effects, where)
 
 
-def staged(
-    plain: Model,
-    base: Model,
-    data: FitData,
-    effects: Path | None,
-    where: str,
-    friction: Array | None = None,
-) -> Stage:
+def staged(plain: Model, base: Model, data: FitData, effects: Path | None, where: str) -> Stage:
     """The stage of a log whose drive is known already; arguments as in `Stage` and `stage_of`.
-
-    friction: coefficients that are better known than those of a first fit.
 
     Raises:
         InputError: there are too few rows to hold out.
@@ -116,7 +121,7 @@ def staged(
     drive, rig = data.drive, data.drive.channels.rig
     require_rows(data.rows, "score", LEAST_HELD_OUT, where)
     balances, noise = balances_of(data, rig, base)
-    friction = _first_friction(balances) if friction is None else friction
+    friction = _first_friction(balances)
     if not drive.measured_twice:
         data = with_model_current(data, base, friction)
     setting = setting_of(data, base, friction)

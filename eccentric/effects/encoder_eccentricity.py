@@ -42,8 +42,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
     To first order in the error d(theta) of the motor angle, inertia, gravity, friction and back-EMF act on
     d and on its rates d' = d_theta w and d'' = d_theta alpha + d_thetatheta w^2: the mechanical balance has
-    J d'' + df/dw d' + dG/dtheta d, the electrical one k_e d'. The friction f is taken from a first fit: with
-    the model's own coefficients the balance would no longer be linear.
+    J d'' + df/dw d' + d(G + f)/dtheta d, the electrical one k_e d'. The friction f is taken from an earlier
+    fit: with the model's own coefficients the balance would no longer be linear.
     """
     if "inertia" in setting.left_open:
         return ()
@@ -56,7 +56,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 def _of(where: str, rate: sp.Expr, variable: str, setting: Setting) -> Effect:
     """The effect for an encoder whose angle is `rate` times the motor angle."""
     known, friction = _friction(setting)
-    damping, stiffness, sloping = slopes("eccentric", gravity(setting) + friction, setting)
+    by_speed, by_angle, sloping = slopes("eccentric", gravity(setting) + friction, setting)
     read = [Definition(q, x) for q, x in zip((cosine_read, sine_read), harmonic(rate), strict=True)]
     cosine, sine = cosine_read.symbol, sine_read.symbol
     # By unit error of the encoder: the motor angle, and its first two derivatives by itself.
@@ -67,7 +67,7 @@ def _of(where: str, rate: sp.Expr, variable: str, setting: Setting) -> Effect:
     inertial = [
         _term(
             q,
-            Gated(v.J.symbol, slope * alpha_m + bend * omega_m**2) + damping * slope + stiffness * error,
+            Gated(v.J.symbol, slope * alpha_m + bend * omega_m**2) + by_speed * slope + by_angle * error,
         )
         for q, error, slope, bend in parts
     ]
@@ -91,12 +91,12 @@ def _of(where: str, rate: sp.Expr, variable: str, setting: Setting) -> Effect:
 
 
 def _friction(setting: Setting) -> tuple[list[Definition], sp.Expr]:
-    """The coefficients of a first fit, and the friction torque with them."""
+    """The coefficients of an earlier fit, and the friction torque with them."""
     known: list[Definition] = []
     terms: list[sp.Expr] = []
     for column in regressor(setting.base):
         if column.name in setting.friction:
-            meaning = f"{column.name} from the fit without the effect"
+            meaning = f"{column.name} from an earlier fit"
             value, letter = setting.friction[column.name], f"{column.name}^0"
             known.append(constant(f"eccentric_{column.name}", column.unit, meaning, value, letter))
             terms.append(known[-1].symbol * column.basis)

@@ -214,7 +214,7 @@ def transmitted(
     """Torque that the gear transmits to the link, on the motor side [N m]; and the constants it needs.
 
     Gravity, inertia, the friction that follows a force on the link, and the link's share of the rest: the
-    motor cannot distinguish the dry and viscous parts of the two. That friction is taken from a first fit:
+    motor cannot distinguish the dry and viscous parts of the two. That friction is taken from an earlier fit:
     with the model's own coefficients in its load, friction would no longer be linear in them.
 
     Of a joint of an arm it is that of the bodies alone, as in `eccentric.model.chain.drive`.
@@ -232,7 +232,7 @@ def transmitted(
         constant(
             f"{name}_{column.name}",
             column.unit,
-            f"{column.name} from the fit without the effect",
+            f"{column.name} from an earlier fit",
             setting.friction[column.name],
             f"{column.name}^0",
         )

@@ -26,7 +26,7 @@ sine_part = quantity("kinematic_s", "rad", "link angle beyond mu theta_m, by the
 share = quantity(
     "kinematic_share", "1", "link's share of the dry friction without F_N", "", "nonnegative", letter="s"
 )
-# The gear divides by 1/mu what is dry, and by its square what is viscous.
+# Dry friction of the link reaches the motor times mu, viscous friction times mu^2.
 viscous_share = quantity(
     "kinematic_share_B",
     "1",
@@ -64,7 +64,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     The link turns by theta_l = mu theta_m + e(theta_m). By virtual work the gear asks of the motor
     (mu + e') times the link's torque, and the link accelerates by (mu + e') alpha + e'' w^2. To first order
     in e the balance gains (e' T + e dT/dtheta + e' w dT/dw)/mu + mu J_l (e' alpha + e'' w^2), where T is the
-    transmitted torque. The friction in it is taken from a first fit, see `transmitted`.
+    transmitted torque. The friction in it is taken from an earlier fit, see `transmitted`.
     """
     if "inertia" in setting.left_open or of_an_arm(setting):
         return ()
@@ -78,7 +78,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 def _of(where: str, n: int, rate: sp.Expr, setting: Setting) -> Effect:
     """The effect for an error that repeats with `rate` times the motor angle."""
     torque, constants = transmitted("kinematic", setting, share.symbol, viscous_share.symbol)
-    damping, stiffness, sloping = slopes("kinematic", torque, setting)
+    by_speed, by_angle, sloping = slopes("kinematic", torque, setting)
     gear = [Definition(q, x) for q, x in zip((cosine_gear, sine_gear), harmonic(rate), strict=True)]
     cosine, sine = cosine_gear.symbol, sine_gear.symbol
     # By unit error: e, and its first two derivatives by the motor angle.
@@ -90,8 +90,8 @@ def _of(where: str, n: int, rate: sp.Expr, setting: Setting) -> Effect:
             q.name,
             "actuator",
             q.symbol,
-            first / mu * (load.symbol + damping)
-            + e / mu * stiffness
+            first / mu * (load.symbol + by_speed)
+            + e / mu * by_angle
             + Gated(v.J_l.symbol, mu * (first * alpha_m + second * omega_m**2)),
             REFERENCE,
             (None, None),

@@ -12,7 +12,7 @@ from eccentric.model import vocabulary as v
 bend = quantity(
     "ktsat_c",
     "1/A^2",
-    "fall of the torque constant by the square of a small current",
+    "relative fall of the torque constant per square of the current, at small ones",
     "",
     "nonnegative",
     letter="c",
@@ -39,7 +39,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         "kt_saturation",
         [(bend, -square / (1 + square / i_s.symbol**2))],
         setting,
-        bounds=((0.0, None),),
+        # Of all forms with c i_s^2 <= 1, whose torque constant stays positive, the largest c.
+        bounds=((0.0, (0.7 * largest) ** -2),),
         depends_on=("current",),
         formula="k_i and k_e times 1 - c i^2/(1 + (i/i_s)^2)",
         reference="form of our own; armature reaction: A. E. Fitzgerald, C. Kingsley and S. D. Umans,"

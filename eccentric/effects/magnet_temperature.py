@@ -42,6 +42,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         "magnet_temperature",
         [(fall, zero.symbol - v.temperature.symbol), (cold, sp.Integer(1))],
         setting,
+        # No magnet loses 1 % per kelvin, and no data sheet is off by half.
         bounds=((0.0, 0.01), (-0.5, 0.5)),
         depends_on=("temperature", "current"),
         needs=("temperature",),

@@ -23,7 +23,7 @@ class Setting:
         mean_loss_W: mean of friction power and R i^2 [W], positive.
         temperature_mid: median of the logged temperature [degC]; None if it is not logged.
         channels: those logged, among "current", "voltage", "temperature".
-        friction: coefficients of a first fit of that model, by column of its regressor; they determine how
+        friction: coefficients of an earlier fit of that model, by column of its regressor; they determine how
             much of the load on a gear is friction of the link.
         by_voltage: whether voltage alone measures the torque: then resistance and back-EMF constant are not
             separately known, and no current sensor has an effect.

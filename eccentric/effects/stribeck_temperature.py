@@ -45,7 +45,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference="M. D. Hersey, J. Washington Academy of Sciences 4, 1914; A. C. Bittencourt and"
         " S. Gunnarsson, J. Dynamic Systems, Measurement and Control 134(5), 2012",
         shapes=(
-            # At the mean temperature; when cold it is a fraction of that.
+            # At the median temperature: cold it is a fraction of that, and below 0.4 w_max as in `stribeck`.
             Shape(w_s, setting.w_min, setting.w_max, "log", 9),
             # Below 0.5 % per kelvin it is `stribeck`; oils lose 2 to 6 %.
             Shape(b, 0.005, 0.1, "log", 4),

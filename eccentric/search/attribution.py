@@ -16,10 +16,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.special import expit
 
 from eccentric.search import limits
 from eccentric.search.candidate import Variant, instrument_of
-from eccentric.search.nulltest import beats_chance, correlated, null_quantile
+from eccentric.search.nulltest import beats_chance, null_quantile
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.stability import Stability, stability_of
 
@@ -35,7 +36,8 @@ class Search:
     base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
     smoothed: smooth terms beside the adopted ones; alternatives: per adopted variant, family -> (probability,
         fit); tried: other models that were compared with the best; required: deviance that an addition has to
-        gain; stability: of the adopted effects; settled: families that the other balance leaves no doubt of.
+        gain; stability: of the adopted effects; by_torque: of
+        effects on the flux that this balance leaves open, family -> deviance of the torque that shows it.
     """
 
     screen: Screen
@@ -48,7 +50,7 @@ class Search:
     tried: list[Fitted] = field(default_factory=list)
     required: float = limits.LEAST_DEVIANCE
     stability: Stability = field(default_factory=Stability)
-    settled: set[str] = field(default_factory=set)
+    by_torque: dict[str, float] = field(default_factory=dict)
 
     def run(self) -> None:
         """Adopt, compare, then fit the smooth terms to what is left."""
@@ -73,7 +75,7 @@ class Search:
 
     def deviance(self, before: Fitted, after: Fitted, screen: Screen | None = None) -> float:
         """Twice the gain in log-likelihood from one fit to another, of the cross-validated scores."""
-        return self._effective(after, screen or self.screen) * float(np.log(before.score / after.score))
+        return (screen or self.screen).deviance(before, after)
 
     def worth_it(self, before: Fitted, after: Fitted, screen: Screen | None = None) -> bool:
         """Whether a fit improves on another beyond chance and beyond the errors of filters and sampling."""
@@ -142,9 +144,6 @@ class Search:
         """The deviance that the best effect of the library reaches by chance on this log, 99 % quantile."""
         return null_quantile(self.screen, self.best)
 
-    def _effective(self, fitted: Fitted, screen: Screen) -> float:
-        return screen.rows / correlated(screen, screen.residual(fitted))
-
     def clears(self, before: Fitted, after: Fitted) -> bool:
         """Whether a further effect explains enough of what the first ones leave above the noise floor."""
         if not before.variants:
@@ -188,6 +187,26 @@ class Search:
                 return self.pruned(self.screen.refine(without))
         return fitted
 
+    def chances(self, place: int) -> dict[str, float]:
+        """Probabilities of an adopted effect's family and of those in its place, over variants of the log."""
+        family, options = self.best.variants[place].candidate.family, self.alternatives[place]
+        # A family beside it, found once more in its place, is no alternative to it.
+        beside = {v.candidate.family for v in self.best.variants} - {family}
+        open_to = {other: chance for other, (chance, _) in options.items() if other not in beside}
+        if family in self.by_torque:
+            most = self.stability.most if self.stability.variants else 1.0
+            return {family: min(most, float(expit(0.5 * self.by_torque[family])))}
+        if self.stability.variants:
+            return self.stability.chances(family, [other for other in open_to if other != family])
+        return {other: chance / sum(open_to.values()) for other, chance in open_to.items()}
+
+    def clear(self, place: int) -> bool:
+        """Whether an adopted effect is clearly ahead of what could be in its place."""
+        family = self.best.variants[place].candidate.family
+        if family in self.by_torque:
+            return True
+        return self.chances(place)[family] >= limits.SURE and self.stability.nearly_all(family)
+
     def instead(self, family: str) -> dict[str, int]:
         """Families that variants of the log find in the place of an adopted one: in how many, most first.
 
@@ -229,7 +248,7 @@ class Search:
 
         A special case that explains the log as well as the family that contains it takes the place.
         """
-        effective = self._effective(self.best, self.screen)
+        effective = self.screen.effective(self.best)
         self.alternatives = []
         for place, variant in enumerate(self.best.variants):
             rivals = {variant.candidate.family: (variant, self.best)}

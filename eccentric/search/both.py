@@ -4,6 +4,7 @@ The electrical balance comes first, so that what a current sensor's bias or dela
 balance can be subtracted there. An angle that is read wrongly shows in both: its velocity is wrong, and the
 back-EMF varies over a turn as with a ripple of the flux. In the electrical balance both have the same
 columns, so the mechanical balance decides; the search then begins again without what the misread angle adds.
+It decides too where the circuit cannot tell an effect that has a torque from one that has another, or none.
 """
 
 from __future__ import annotations
@@ -16,8 +17,7 @@ import numpy as np
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant
 from eccentric.search.joint import BothBalances
-from eccentric.search.limits import CONFIRMED, LEAST_DEVIANCE, POSSIBLE, SURE, TINY_COLUMN
-from eccentric.search.nulltest import correlated
+from eccentric.search.limits import CONFIRMED, LEAST_DEVIANCE, POSSIBLE, TINY_COLUMN
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
 from eccentric.signals import BalanceDesign
@@ -59,10 +59,14 @@ def search_all(
         found = searched(_corrected(mechanical, electrical), also=_of_the_flux(electrical))
         misread = _in_the_circuit(found, circuit)
         if misread is None:
-            for family in _doubtful(electrical):
-                rival = searched(_corrected(mechanical, _lacking(electrical, family)), family)
-                if found.deviance(rival.best, found.best) > LEAST_DEVIANCE:
-                    electrical.settled.add(family)
+            for place, family in _doubtful(electrical):
+                rivals = [
+                    searched(_corrected(mechanical, other), family, _of_the_flux(other))
+                    for other in _in_place(electrical, place)
+                ]
+                least = min(found.deviance(rival.best, found.best) for rival in rivals)
+                if least > LEAST_DEVIANCE:
+                    electrical.by_torque[family] = least
             return {"electrical": electrical, "mechanical": found}
     # Beside what else the mechanical balance shows, and without the torque of the ripple for which the
     # circuit took it: alone, it would take on a part of a larger effect.
@@ -83,24 +87,29 @@ def search_all(
     return {"electrical": electrical, "mechanical": found}
 
 
-def _doubtful(electrical: Search) -> list[str]:
-    """Effects on the flux that the circuit shows, and cannot tell from another: their torque may tell."""
-    stability = electrical.stability
+def _doubtful(electrical: Search) -> list[tuple[int, str]]:
+    """Effects with a torque that the circuit shows, and cannot tell from another: place and family."""
     return [
-        variant.candidate.family
-        for variant, options in zip(electrical.best.variants, electrical.alternatives, strict=True)
-        if variant.candidate.joint
-        and variant.candidate.also is not None
-        and not (
-            stability.nearly_all(variant.candidate.family) and options[variant.candidate.family][0] >= SURE
-        )
+        (place, variant.candidate.family)
+        for place, variant in enumerate(electrical.best.variants)
+        if variant.candidate.also is not None and not electrical.clear(place)
     ]
 
 
-def _lacking(electrical: Search, family: str) -> Search:
-    """The same search without an effect that it found."""
-    kept = [variant for variant in electrical.best.variants if variant.candidate.family != family]
-    return replace(electrical, best=electrical.screen.fit(kept))
+def _in_place(electrical: Search, place: int) -> list[Search]:
+    """The same search with each family in the place of an effect that may be there, at least the next best.
+
+    Of those without a torque one stands for all: to the mechanical balance they are the same.
+    """
+    family = electrical.best.variants[place].candidate.family
+    options = {f: fitted for f, (_, fitted) in electrical.alternatives[place].items() if f != family}
+    likely = {f for f, chance in electrical.chances(place).items() if chance > POSSIBLE and f in options}
+    likely |= set(electrical.instead(family)) & set(options)
+    likely = likely or set([*sorted(options, key=lambda f: options[f].score)][:1])
+    with_torque = [f for f in likely if options[f].last.also is not None]
+    without = sorted(likely - set(with_torque))[:1]
+    fits = [options[f] for f in [*sorted(with_torque), *without]]
+    return [replace(electrical, best=fitted) for fitted in fits]
 
 
 def _of_the_flux(electrical: Search) -> list[Candidate]:
@@ -180,8 +189,7 @@ def _misread(
                 continue
             other = screen.fit([Variant(replace(variant.candidate, columns=torque), variant.values)])
             own = screen.fit([Variant(candidate, {})])
-            effective = screen.rows / correlated(screen, screen.residual(own))
-            if effective * np.log(other.score / own.score) > CONFIRMED:
+            if screen.deviance(other, own) > CONFIRMED:
                 return _Misread(candidate.family, added, screen.own(own)[0])
     return None
 

@@ -48,7 +48,7 @@ class Candidate:
     columns: values of the shapes -> (samples, k); hidden states run from the start of the log.
     shapes: nonlinear parameters with their ranges.
     lower: lower bound of each column's coefficient, 0 or -inf; a single one holds for all.
-    possible: range of each column's coefficient, beyond which a fit is refused; empty for no limit.
+    ranges: of the coefficients that may have either sign, beyond which a fit is refused; empty for no limit.
     changes: values of the shapes -> (what is known to be missing (samples,), base (samples, p)), of an effect
         that changes a quantity inside the base (an angle, a factor on friction). Its parameters are all in
         `shapes`; `columns` are then used in the first screening only.
@@ -71,7 +71,7 @@ class Candidate:
     columns: Callable[[Values], Array]
     shapes: tuple[Shape, ...] = ()
     lower: tuple[float, ...] = (-np.inf,)
-    possible: tuple[tuple[float, float], ...] = ()
+    ranges: tuple[tuple[float, float], ...] = ()
     changes: Callable[[Values], tuple[Array, Array]] | None = None
     scales: Callable[[Values], Scaling] | None = None
     roles: tuple[Role, ...] = ()

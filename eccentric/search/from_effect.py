@@ -63,7 +63,7 @@ def candidate_of(
     }
     # The search bounds coefficients by 0 alone. Of one that may have either sign it refuses what lies beyond
     # its bounds; the upper end of the others may be one of scale, which the fit on the emitted module keeps.
-    possible = tuple(
+    ranges = tuple(
         (-np.inf, np.inf)
         if low == 0.0
         else (-np.inf if low is None else low, np.inf if high is None else high)
@@ -115,7 +115,7 @@ def candidate_of(
         columns=columns_of(*shown) if changes is None else first_look,
         shapes=effect.shapes,
         lower=lower if changes is None else (0.0,),
-        possible=possible if changes is None else (),
+        ranges=ranges if changes is None else (),
         words=effect.words,
         instrument=None if instruments is None else lambda values: twin().columns(values),
         also=columns_of(other) if other in own else None,

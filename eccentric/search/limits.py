@@ -31,7 +31,6 @@ __all__ = [
     "INSIDE",
     "IN_A_DRAW",
     "IN_PLACE",
-    "IN_RANGE",
     "KEPT_BY_INSTRUMENTS",
     "KNOTS",
     "LAGS",
@@ -118,9 +117,6 @@ BELOW_NOISE = 0.8
 """Fraction of the sensors' noise floor below which a fit must have noise on both sides of its equation (the
 measured current as its own regressor): the floor is known to some 10 %, so no valid fit is a fifth below
 it."""
-IN_RANGE = 1.02
-"""What a fit may leave more, in squares, where coefficients beyond their ranges are held at the ends: noise
-moves a value that lies at an end to either side of it."""
 KEPT_BY_INSTRUMENTS = 0.5
 """Part of a candidate's torque that instruments must find: all of it where its columns are free of the
 target's noise, none where that noise is what was fitted."""

@@ -1,6 +1,5 @@
 """Is anything missing? What noise and chance leave in a residual.
 
-- `inflation`: the factor by which correlated rows overstate their number (HAC sum of the autocorrelation).
 - `flipped_null`: the largest gain that any column of the library reaches by chance, from residuals with the
   signs of their blocks flipped at random: this preserves correlation within blocks, heteroscedasticity and
   the search.
@@ -27,8 +26,6 @@ from eccentric.search.limits import (
     EXTRAPOLATED,
     LEAST_BLOCKS,
     LEVEL,
-    MOST_LAGS,
-    ROWS_FOR_ONE,
     SIGNS,
     TAIL,
     TINY_COLUMN,
@@ -37,32 +34,16 @@ from eccentric.search.limits import (
 from eccentric.search.screen import Fitted, Screen
 from eccentric.signals import blocks_of
 
-__all__ = ["beats_chance", "correlated", "flipped_null", "inflation", "null_quantile"]
+__all__ = ["beats_chance", "flipped_null", "null_quantile"]
 
 Array = np.ndarray
-
-
-def inflation(residual: Array, block: Array) -> float:
-    """Variance inflation 1 + 2 sum of autocorrelation (Bartlett weights), at least 1.
-
-    Pairs of rows more than one block apart are not counted.
-    """
-    r = residual - residual.mean()
-    variance = float(np.mean(r**2))
-    if variance <= 0.0:
-        return 1.0
-    total = 1.0
-    for lag in range(1, min(MOST_LAGS, len(r) - 1) + 1):
-        near = block[lag:] - block[:-lag] <= 1
-        rho = float(np.sum(r[lag:] * r[:-lag] * near)) / (len(r) * variance)
-        total += 2.0 * (1.0 - lag / (MOST_LAGS + 1)) * rho
-    return max(1.0, total)
 
 
 def flipped_null(residual: Array, columns: Array, block: Array) -> Array:
     """Largest single-column gain, in units of the residual's variance, under random signs per block (DRAWS,).
 
-    columns (rows, m) must be orthogonal to the base and of unit length.
+    columns (rows, m) must be orthogonal to the base and of unit length. The signs are the same at every call:
+    of several sets of columns, the largest gain of a draw is the larger one.
     """
     rng = np.random.default_rng(5)
     starts = np.flatnonzero(np.r_[True, block[1:] != block[:-1]])
@@ -86,7 +67,7 @@ def null_quantile(screen: Screen, fitted: Fitted) -> float:
         if np.any(kept):
             own = flipped_null(residual, left[:, kept] / length[kept], screen.block)
             gain = np.maximum(gain, own)
-    return float(np.quantile(gain, LEVEL)) / correlated(screen, residual)
+    return float(np.quantile(gain, LEVEL)) * screen.effective(fitted) / screen.rows
 
 
 def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
@@ -175,9 +156,3 @@ class _Drawn:
             curved = np.einsum("id,bid->bd", c, self.fixed.matrix[mine] @ c)
             loss[mine] += curved - 2.0 * np.einsum("id,bid->bd", c, vector[mine])
         return np.abs(loss)
-
-
-def correlated(screen: Screen, residual: Array) -> float:
-    """How many rows count as one: at least two, since windows overlap by half; one if each row is a run."""
-    independent = screen.balance.rows.independent
-    return 1.0 if independent else max(ROWS_FOR_ONE, inflation(residual, screen.block))

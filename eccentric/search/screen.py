@@ -9,19 +9,19 @@ import numpy as np
 
 from eccentric.model import Role
 from eccentric.search.candidate import Candidate, Variant, bounds_of, grid, instrument_of
+from eccentric.search.correlation import correlated
 from eccentric.search.crossval import Gram, bounded_solve, cross_validate, fold_of_block
 from eccentric.search.exogeneity import exogenous
 from eccentric.search.limits import (
     BELOW_NOISE,
+    CONFIRMED,
     EXTRAPOLATED,
     FIRST_STEPS,
     FOLDS,
-    IN_RANGE,
     LEADERS,
     LEAST_DEVIANCE,
     MOST_KEPT,
     NOTHING,
-    ROWS_FOR_ONE,
     STEPS,
     TOGETHER,
 )
@@ -75,7 +75,7 @@ class Screen:
         every = [grid(candidate) for candidate in candidates]
         first = [self._mean_columns(points[0]) for points in every]
         widths = [z.shape[1] * len(points) for z, points in zip(first, every, strict=True)]
-        # In place, column by column: on a long log a copy would be most of the memory.
+        # In place: on a long log a copy of it would be most of the memory.
         library, at = np.empty((self.rows, sum(widths)), order="F"), 0
         for points, known in zip(every, first, strict=True):
             for variant in points:
@@ -231,27 +231,47 @@ class Screen:
         honest = [
             f
             for f in [*head, *fitted[leaders:]]
-            if self.itself(f) and self._possible(f) and self._of_the_drive(f)
+            if self.itself(f) and self.possible(f) and self._of_the_drive(f)
         ]
         return sorted(honest, key=lambda f: f.score)
 
-    def _possible(self, fitted: Fitted) -> bool:
-        """Whether a fit with all coefficients in their ranges leaves as little.
+    def effective(self, fitted: Fitted) -> float:
+        """How many independent rows the residual of a fit counts as."""
+        residual, independent = self.residual(fitted), self.balance.rows.independent
+        return self.rows / correlated(residual, self.block, independent)
 
-        Without ranges, a torque constant and an inertia that both go to 0 leave a balance of zeros.
+    def deviance(self, before: Fitted, after: Fitted) -> float:
+        """Twice the gain in log-likelihood from one fit to another, of the cross-validated scores."""
+        return self.effective(after) * float(np.log(before.score / after.score))
+
+    def possible(self, fitted: Fitted) -> bool:
+        """Whether a fit with all coefficients in their ranges is as good.
+
+        Without ranges, a torque constant and an inertia that both go to 0 leave a balance of zeros. Noise may
+        move a value from an end of its range to either side.
         """
-        free = [np.full((self.balance.columns.shape[1], 2), [-np.inf, np.inf])]
-        for variant, own in zip(fitted.variants, self.own(fitted), strict=True):
-            free.append(np.reshape(variant.candidate.possible or [(-np.inf, np.inf)] * len(own), (-1, 2)))
-        low, high = np.concatenate(free).T
-        held = np.clip(fitted.coefficients, low, high)
-        beyond = held != fitted.coefficients
+        low, high = self._ranges(fitted)
+        beyond = (fitted.coefficients < low) | (fitted.coefficients > high)
         if not np.any(beyond):
             return True
         target, design, lower = self.design(fitted.variants)
-        rest, kept = target - design[:, beyond] @ held[beyond], design[:, ~beyond]
-        left = rest - kept @ bounded_solve(kept.T @ kept, kept.T @ rest, lower[~beyond])
-        return bool(left @ left < IN_RANGE * fitted.loss.sum())
+        held = fitted.coefficients
+        while np.any((held < low) | (held > high)):
+            beyond |= (held < low) | (held > high)
+            held = np.clip(held, low, high)
+            rest, free = target - design[:, beyond] @ held[beyond], design[:, ~beyond]
+            held[~beyond] = bounded_solve(free.T @ free, free.T @ rest, lower[~beyond])
+        left = target - design @ held
+        return bool(self.effective(fitted) * np.log(left @ left / fitted.loss.sum()) < CONFIRMED)
+
+    def _ranges(self, fitted: Fitted) -> tuple[Array, Array]:
+        """Lowest and highest value of each coefficient of a fit, base first (q,)."""
+        open_ = (-np.inf, np.inf)
+        every = [open_] * self.balance.columns.shape[1]
+        for variant, own in zip(fitted.variants, self.own(fitted), strict=True):
+            every += variant.candidate.ranges or [open_] * len(own)
+        low, high = np.reshape(every, (-1, 2)).T
+        return low, high
 
     def _of_the_drive(self, fitted: Fitted) -> bool:
         """Whether what the last variant explains is not the noise of its own signals.
@@ -288,13 +308,12 @@ class Screen:
             id=f"{whole.id} (without its name)",
             columns=lambda values: whole.columns(values)[:, 1:],
             lower=tuple(bounds_of(whole, len(own))[1:]),
-            possible=whole.possible[1:],
+            ranges=whole.ranges[1:],
             roles=whole.roles[1:],
         )
         others = [v for v in fitted.variants if v is not variant]
         without = self.fit([*others, Variant(rest, variant.values)])
-        count = self.rows if self.balance.rows.independent else self.rows / ROWS_FOR_ONE
-        return bool(count * np.log(without.score / fitted.score) > LEAST_DEVIANCE)
+        return self.deviance(without, fitted) > LEAST_DEVIANCE
 
     def refine(self, fitted: Fitted, only_last: bool = False, steps: int = STEPS) -> Fitted:
         """Shapes improved by nonlinear least squares: of all variants together, or of the last."""

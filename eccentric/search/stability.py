@@ -27,7 +27,6 @@ import numpy as np
 from eccentric.search import limits
 from eccentric.search.candidate import Candidate, Variant
 from eccentric.search.crossval import Gram, bounded_solve, cross_validate
-from eccentric.search.nulltest import correlated
 from eccentric.search.screen import Fitted, Screen
 
 __all__ = ["Stability", "stability_of"]
@@ -118,7 +117,7 @@ def stability_of(screen: Screen, models: Sequence[Fitted]) -> Stability:
         return Stability()
     adopted = {variant.candidate.id for variant in first.variants}
     free = [c for c in screen.candidates if c.tolerance and c.id not in adopted and not _open(screen, c)]
-    effective = screen.rows / correlated(screen, screen.residual(first))
+    effective = screen.effective(first)
     given = free, first.score / effective, effective, _draws(count)
     found = [_evidence(screen, fitted, *given) for fitted in models]
     log = np.stack([evidence for evidence, _ in found], axis=1)

@@ -167,21 +167,12 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
         for place, (variant, own) in enumerate(zip(best.variants, screen.own(best), strict=True)):
             without = screen.fit([v for k, v in enumerate(best.variants) if k != place])
             share = np.sqrt(max(without.score - best.score, 0.0) / screen.rows) / screen.balance.scale
-            options = search.alternatives[place]
             candidate = variant.candidate
             family, stability = candidate.family, search.stability
             if candidate.id in seen:  # the mechanical balance only corrects what the electrical one found
                 continue
             seen.add(candidate.id)
-            # A family beside it, found once more in its place, is no alternative to it.
-            beside = {v.candidate.family for v in best.variants} - {family}
-            open_to = {other: chance for other, (chance, _) in options.items() if other not in beside}
-            chances = {other: chance / sum(open_to.values()) for other, chance in open_to.items()}
-            if stability.variants:
-                chances = stability.chances(family, [other for other in open_to if other != family])
-            clear = chances[family] >= limits.SURE and stability.nearly_all(family)
-            if family in search.settled:
-                clear, chances = True, {family: max(chances[family], stability.most)}
+            chances, clear = search.chances(place), search.clear(place)
             entry = _ranked(candidate, name, search, best, chances[family])
             one = Adopted(
                 name,
