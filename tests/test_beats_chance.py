@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from eccentric.effects import Evidence
+from eccentric.search import nulltest
 from eccentric.search.candidate import Candidate, Variant
 from eccentric.search.nulltest import beats_chance
 from eccentric.search.screen import Fitted, Screen
 from eccentric.signals import balance_design
 from eccentric.signals.rows import Rows
+from tests.searched import candidate, search
 
 SECONDS, RATE = 64, 16
 N = SECONDS * RATE
@@ -97,3 +99,15 @@ def test_few_seconds_say_nothing() -> None:
 
     assert beats_chance(few, few.fit([]), few.fit(after.variants))
     assert not beats_chance(screen, before, after)
+
+
+def test_the_level_of_chance_is_that_of_all_columns_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However many columns are taken at a time, every draw has the same signs for all of them."""
+    found = search({2: 3.0}, *(candidate(f"c{k}", {k: 1.0, k + 1: 0.3}) for k in range(2, 12)))
+    levels = []
+    for at_once in (1, 3, 256):
+        monkeypatch.setattr(nulltest, "COLUMNS_AT_ONCE", at_once)
+        levels.append(nulltest.null_quantile(found.screen, found.base))
+
+    assert levels[0] > 0.0
+    assert levels == pytest.approx([levels[2]] * 3, rel=1e-9)

@@ -30,6 +30,20 @@ def test_power_into_the_back_emf_is_the_power_of_the_torque(effect_id: str) -> N
     assert np.max(np.abs(torque / (K_I * given["i"]) - 1.0)) > 0.1
 
 
+def test_saturation_far_below_its_current_is_one_coefficient() -> None:
+    """There k_t is k_i (1 - c i^2) whatever i_s: the coefficient is what a log determines."""
+    module, given = with_effect("C1", "kt_saturation").module, inputs()
+    plain = call(module, "mechanical_residual", given)
+    found = [
+        plain
+        - call(module, "mechanical_residual", given, ktsat_c=1e-3, ktsat_i=far * np.max(np.abs(given["i"])))
+        for far in (100.0, 1000.0)
+    ]
+
+    for one in found:
+        np.testing.assert_allclose(one, 1e-3 * K_I * given["i"] ** 3, rtol=2e-4, atol=1e-9)
+
+
 @pytest.mark.parametrize("effect_id", ["time_drift[all]", "coulomb_temperature"])
 def test_friction_never_drives(effect_id: str) -> None:
     """At both ends of the search, from -60 to 120 degC and up to ten times the log, it opposes the motion."""

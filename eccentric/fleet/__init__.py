@@ -5,6 +5,7 @@
     work          what a worker does;  cluster  Dask: work spread, survived workers;  gathered  both together
     periods       sums -> coefficients with intervals, by joint and period
     temperatures  those of joints with bad sensors, from the fleet
+    doubts        joints that cannot be judged, or have the rig of another
     drift         a test for each coefficient, at a false discovery rate
     changed       a joint against its own past, by its sums;  sample  logs for a diagnosis
     found         what changed in words;  tables  all of it as files;  problems  what could not be done

@@ -14,6 +14,7 @@ from eccentric.fleet.limits import PART_FILES
 from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.sources import LogFile, in_order, without_suffix
 from eccentric.fleet.store import Key, Stored, joints_of, keys, read, recipe_of, write
+from eccentric.fleet.sums import require_rig
 from eccentric.fleet.work import Job, problem_of, tasks_of, work
 from eccentric.output import workshop
 from eccentric.rigs import Rig
@@ -53,11 +54,13 @@ def plan_of(logs: Iterable[LogFile], rigs: Assigned, out: Path) -> Plan:
     there: dict[str, set[Key]] = {}
     for joint in sorted({*(log.joint for log in logs), *joints_of(out)}):
         try:
-            plan.rigs[joint], plan.contents[joint] = rigs.rig(joint), rigs.content(joint)
+            rig, content = rigs.rig(joint), rigs.content(joint)
+            require_rig(rig)
         except InputError as error:
             plan.problems.append(FleetProblem(joint, "", "", "no rig", str(error)))
             continue
-        plan.recipes[joint] = recipe_of(plan.rigs[joint])
+        plan.rigs[joint], plan.contents[joint] = rig, content
+        plan.recipes[joint] = recipe_of(rig)
         there[joint] = set(keys(out, joint))
     for log in logs:
         joint = log.joint

@@ -50,6 +50,10 @@ LEAST_DIRECTION = 0.02
 STUCK_PERIODS = 3
 """Periods on end in which a temperature sensor shows one value: a cold store may do so twice."""
 
+MOST_SCALE = 1.5
+"""Inertia and gravity over those of the rig, or the inverse, from which the rig is that of another joint: a
+payload or a wrong k_i of a third are told as changes or as values, this is not."""
+
 # What drifts.
 
 LEAST_PERIODS = 5

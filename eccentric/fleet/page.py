@@ -32,10 +32,12 @@ def fleet_page(found: FleetFound) -> str:
 
 def fleet_sentence(found: FleetFound) -> str:
     """The result in one sentence."""
-    judged = sum(bool(h.periods) for h in found.histories)
-    if not judged:
-        return "No joint could be judged: problems.csv says why."
-    joints = counted(judged, "joint")
+    tested = len({change.series.joint for change in found.changes})
+    if not tested:
+        return "No joint could be tested for a change: problems.csv says why."
+    joints = counted(tested, "joint")
+    if untested := len(found.histories) - tested:
+        joints += f" ({untested} more not tested: problems.csv says why)"
     worn = [one for one in found.drifting if not one.sensor]
     others = len(found.drifting) - len(worn)
     if not found.drifting:

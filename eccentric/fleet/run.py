@@ -12,7 +12,8 @@ from typing import Any, Self
 from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.changed import against_the_past, recent_of
 from eccentric.fleet.cluster import Failed, SchedulerLost, connected, spread
-from eccentric.fleet.drift import FleetChange, changes, level_of, series_of
+from eccentric.fleet.doubts import doubts_of
+from eccentric.fleet.drift import FleetChange, changes, series_of
 from eccentric.fleet.found import Examined, FleetFound, Suspect, drifting_of
 from eccentric.fleet.gathered import Plan, Told, gather, gone_of, outdated_of, plan_of, stored_of
 from eccentric.fleet.periods import History, history_of
@@ -77,9 +78,7 @@ def run_fleet(
             history, said = history_of(joint, stored)
             histories.append(history)
             problems += said
-            if (level := level_of(history)) <= 0.0:
-                text = f"a positive mean friction torque is required, received {level:.3g} N m: a wrong sign?"
-                problems.append(FleetProblem(joint, "", "", "no friction", text))
+            problems += doubts_of(history)
             told((done + 1) / len(plan.rigs), "coefficients")
         heat, said = temperatures_of(histories)
         problems += said

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
 from eccentric.fitting import LOAD, Emitted, Machine, load_gain, load_letters, require_case, with_own
-from eccentric.model import Load, Role, load_model, regressor
+from eccentric.model import Load, Model, Role, load_model, regressor
 from eccentric.rigs import Rig
 
-__all__ = ["OFFSET", "SCALE", "Columns", "Heading"]
+__all__ = ["OFFSET", "SCALE", "Columns", "Heading", "require_rig"]
 
 Array = NDArray[np.float64]
 Kind = Literal["viscous", "coulomb", "load", "friction", "inertia", "scale", "offset"]
@@ -51,13 +51,10 @@ class Columns:
     """The columns of one joint; InputError for a rig that leaves open what sums cannot hold."""
 
     def __init__(self, rig: Rig) -> None:
-        rig.require_turning("fleet")
         self.rig = rig
-        self._model = model = load_model(rig.model)
-        require_case(rig, model)
+        self._model = model = require_rig(rig)
         self._machine = Machine(model)
         self._known = dict(with_own(rig, model).known)
-        self._require_known()
         self._open_inertia = not self._machine.inertia_letters <= set(self._known)
         self._emitted = Emitted(model)
         unfitted = dict.fromkeys((q.name for q in model.friction_parameters), 0.0)
@@ -116,23 +113,25 @@ class Columns:
         found[:, -1] = torque - self._known.get(LOAD, 0.0) * load_gain(self.rig)
         return found
 
-    def _require_known(self) -> None:
-        rig = self.rig
-        if rig.unknown or rig.estimate:
-            open_ = few(sorted({*rig.unknown, *rig.estimate}))
-            raise InputError(
-                f"{rig.path}: values are required by a fleet, {open_} is left to be estimated: fit one log of"
-                " the joint and enter what it finds"
-            )
-        if rig.alignment.input_delay_s:
-            raise InputError(
-                f"{rig.path}: input_delay_s: 0 is required by a fleet, received"
-                f" {rig.alignment.input_delay_s:g}"
-            )
-        if missing := sorted(load_letters(self._model) - set(rig.known) - {"M_l"}):
-            raise InputError(
-                f"{rig.path}: [known] {few(missing)} is required by {self._model.name}, received none"
-            )
+
+def require_rig(rig: Rig) -> Model:
+    """The model of a rig; InputError for a rig that leaves open what sums cannot hold."""
+    rig.require_turning("fleet")
+    model = load_model(rig.model)
+    require_case(rig, model)
+    if rig.unknown or rig.estimate:
+        open_ = few(sorted({*rig.unknown, *rig.estimate}))
+        raise InputError(
+            f"{rig.path}: values are required by a fleet, {open_} is left to be estimated: fit one log of"
+            " the joint and enter what it finds"
+        )
+    if rig.alignment.input_delay_s:
+        raise InputError(
+            f"{rig.path}: input_delay_s: 0 is required by a fleet, received {rig.alignment.input_delay_s:g}"
+        )
+    if missing := sorted(load_letters(model) - set(rig.known) - {"M_l"}):
+        raise InputError(f"{rig.path}: [known] {few(missing)} is required by {model.name}, received none")
+    return model
 
 
 def _kind(role: Role, load: Load) -> Kind:
