@@ -184,8 +184,8 @@ def test_a_joint_that_was_not_diagnosed_is_not_called_unexplained(
 
 def test_a_fleet_without_a_judged_joint_is_not_called_unchanged() -> None:
     """No joint has a period with an answer: the sentence says so, instead of "none changed"."""
-    empty = SimpleNamespace(histories=[SimpleNamespace(periods=())], drifting=[])
-    assert "No joint could be judged" in fleet_sentence(empty)  # type: ignore[arg-type]
+    empty = SimpleNamespace(histories=[SimpleNamespace(periods=())], changes=[], drifting=[])
+    assert "No joint could be tested" in fleet_sentence(empty)  # type: ignore[arg-type]
 
 
 def test_logs_without_a_joint_are_one_warning() -> None:

@@ -34,8 +34,7 @@ from eccentric.fitting import drive_noise, residual_samples
 from eccentric.logs import LogSource
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
-from eccentric.search import LEAST_DEVIANCE, Attribution, attribute, variables_of
-from eccentric.search.limits import AT_FLOOR, CONFIRMED
+from eccentric.search import AT_FLOOR, CONFIRMED, LEAST_DEVIANCE, Attribution, attribute, variables_of
 from eccentric.signals import Channels, band_of, read_channels, read_long
 
 __all__ = ["diagnose", "diagnosed", "staged_log"]
