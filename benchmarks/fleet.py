@@ -24,7 +24,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import eccentric
-from benchmarks.record import Measured, Part, progress
+from benchmarks.record import Measured, Part, peak, progress
 from eccentric.fleet import Assigned, connected, gather, plan_of
 from eccentric.fleet import find as find_logs
 
@@ -141,7 +141,7 @@ def _times(root: Path, seconds: float) -> tuple[dict[str, Measured], list[str]]:
                 if k:  # The first round starts the workers' imports.
                     times[SCAN].append(scan)
                     times[name].append(took)
-        memory = max(peak for client in (one, two) for peak in client.run(_peak).values())
+        memory = max(peak for client in (one, two) for peak in client.run(peak).values())
     for name in list(peers)[1:]:
         times[name] = [_timed(peers[name]) for _ in range(ROUNDS)]
     took = {name: statistics.median(some) for name, some in times.items() if some}
@@ -162,12 +162,6 @@ def _times(root: Path, seconds: float) -> tuple[dict[str, Measured], list[str]]:
         *(f"| {name} | {took[name]:.2f} s | {over[name]:.1f} |" for name in took),
     ]
     return figures, table
-
-
-def _peak() -> float:
-    """The largest memory that this process has had [B]."""
-    status = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
-    return next(float(line.split()[1]) for line in status if line.startswith("VmHWM:")) * 1024
 
 
 def _timed(run: Callable[[], object]) -> float:

@@ -6,6 +6,7 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
 
 HEAD = ("| what | required | measured | peer | |", "|---|---|---|---|---|")
@@ -69,3 +70,9 @@ def _row(asked: Asked, measured: Measured | None) -> str:
     text = measured.text or f"{measured.value:.3g} {asked.unit}".rstrip()
     judged = "reached" if asked.reached(measured.value) else "not reached"
     return f"| {asked.what} | {required} | {text} | {measured.peer} | {judged} |"
+
+
+def peak() -> float:
+    """The largest memory that this process has had [B]."""
+    status = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+    return next(float(line.split()[1]) for line in status if line.startswith("VmHWM:")) * 1024

@@ -325,3 +325,19 @@ def test_what_contains_another_effect_has_its_own_term(stiffness: float, expecte
 
     assert (len(expected) == 2) == (N * np.log1p(stiffness**2) > 24.0)
     assert expected == [fitted.last.id for fitted in ranked]
+
+
+def test_a_screen_that_has_forgotten_its_columns_makes_them_again() -> None:
+    """Fits, the order of candidates and the library are the same afterwards."""
+    screen = Screen(
+        design({2: 3.0, 3: 2.0}), [candidate("a", shapes=(ANGLE,), of=turned), candidate("b", {3: 1.0})]
+    )
+    point, library, ranked = screen.points[1], screen.library.copy(), screen.rank([])
+    screen.release()
+
+    assert screen.fit([point]).score == pytest.approx(
+        N * (1.0 + (3.0 * np.sin(point.values["angle"]) - 2.0 * np.cos(point.values["angle"])) ** 2), rel=1e-9
+    )
+    np.testing.assert_array_equal(library, screen.library)
+    assert [f.last.id for f in ranked] == [f.last.id for f in screen.rank([])]
+    assert [f.score for f in ranked] == [f.score for f in screen.rank([])]

@@ -118,6 +118,9 @@ def diagnosed(
     again = _with_friction_of(found, stage, asked)
     if again is not None:
         tell("the same with the friction that was found beside it")
+        for search in found.searches.values():
+            search.screen.release()
+            search.smooth.release()
         second = _searched(again, asked, tell, required)
         before, after = (one.searches["mechanical"] for one in (found, second))
         # With the better friction, unless that fits clearly worse.

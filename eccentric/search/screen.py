@@ -86,10 +86,25 @@ class Screen:
                 self.where.append(slice(at, at + z.shape[1]))
                 library[:, self.where[-1]] = z
                 at += z.shape[1]
-        self.library = library[:, :at]
-        self.inner = [self.library[:, w].T @ self.library[:, w] for w in self.where]
+        self._library: Array | None = library[:, :at]
+        self.inner = [library[:, w].T @ library[:, w] for w in self.where]
         self._general = {family for c in candidates for family in c.evidence.special_of}
         self._index = {variant.key: number for number, variant in enumerate(self.points)}
+
+    def release(self) -> None:
+        """Forget all columns, most of the memory: those still asked for are computed again."""
+        self._library = None
+        self._kept.clear()
+        self._changed.clear()
+
+    @property
+    def library(self) -> Array:
+        """The columns of all grid points (rows, total)."""
+        if self._library is None:
+            self._library = np.empty((self.rows, max((w.stop for w in self.where), default=0)), order="F")
+            for variant, where in zip(self.points, self.where, strict=True):
+                self._library[:, where] = self._mean_columns(variant)
+        return self._library
 
     def _mean_columns(self, variant: Variant) -> Array:
         return self.balance.rows.mean(variant.candidate.columns(variant.values))
@@ -101,8 +116,8 @@ class Screen:
             return np.empty((self.rows, 0))
         scaling = [v for v in beside if v.candidate.scales is not None and set(candidate.roles) - {Role.NONE}]
         key = (*variant.key, *(v.key for v in scaling))
-        if key in self._index:
-            return self.library[:, self.where[self._index[key]]]
+        if key in self._index and self._library is not None:
+            return self._library[:, self.where[self._index[key]]]
         if key not in self._kept:
             if len(self._kept) > MOST_KEPT:
                 self._kept.clear()
