@@ -141,7 +141,7 @@ def _times(root: Path, seconds: float) -> tuple[dict[str, Measured], list[str]]:
                 if k:  # The first round starts the workers' imports.
                     times[SCAN].append(scan)
                     times[name].append(took)
-        memory = max(peak for client in (one, two) for peak in client.run(peak).values())
+        memory = max(most for client in (one, two) for most in client.run(peak).values())
     for name in list(peers)[1:]:
         times[name] = [_timed(peers[name]) for _ in range(ROUNDS)]
     took = {name: statistics.median(some) for name, some in times.items() if some}
