@@ -19,6 +19,7 @@ eta = quantity(
 eta_2 = quantity(
     "load_eta_2", "1/(N m)", "its growth with the transmitted torque", "", "nonnegative", letter="eta_2"
 )
+# One share for its dry and viscous parts: what two would change is a small part of the loss.
 share = quantity("load_share", "1", "link's share of the friction without F_N", "", "nonnegative", letter="s")
 load = quantity("load_torque", "N m", "torque that the gear transmits, motor side", letter="T")
 REFERENCE = "A. Gogoussis and M. Donath, IEEE ICRA 1987; P. Hamon, M. Gautier and P. Garrec, IROS 2010"
