@@ -174,7 +174,7 @@ def _with_friction_of(found: Attribution, stage: Stage, asked: Asked) -> Stage |
     again = stage.with_friction(best.coefficients, asked.effects)
     before, after = ({effect.id: effect for effect in one.offered} for one in (stage, again))
     adopted = {variant.candidate.id for variant in best.variants}
-    return None if all(before[name] == after[name] for name in adopted) else again
+    return None if all(before.get(name) == after.get(name) for name in adopted) else again
 
 
 def _including(stage: Stage, names: Sequence[str]) -> Model:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from eccentric.diagnosis.score import Score, leave_runs_out, score
 from eccentric.effects import Effect
 from eccentric.estimation import improvement, r_squared
@@ -119,6 +121,8 @@ def contradiction(models: Models, data: FitData) -> tuple[str, float, tuple[floa
         if data.rows.operator is None:
             pair = tuple(map(smooth, pair))
         paper, extended = (residual[scored] for residual in pair)
+        if np.array_equal(paper, extended):
+            continue
         percent, interval = improvement(paper, extended)
         if interval[1] < 0.0:
             return balance, percent, interval

@@ -64,7 +64,8 @@ def search_all(
                     searched(_corrected(mechanical, other), family, _of_the_flux(other))
                     for other in _in_place(electrical, place)
                 ]
-                least = min(found.deviance(rival.best, found.best) for rival in rivals)
+                # Without a family that could be in its place, nothing is compared.
+                least = min((found.deviance(rival.best, found.best) for rival in rivals), default=0.0)
                 if least > LEAST_DEVIANCE:
                     electrical.by_torque[family] = least
             return {"electrical": electrical, "mechanical": found}
