@@ -111,7 +111,7 @@ def _numba(lambdified: Any) -> Callable[..., Any]:
     def loop(x: Any, y: Any) -> Any:
         out = np.empty_like(x)
         for k in range(x.size):
-            out[k] = one(x[k], y[k])
+            out[k] = one(x[k], y[k])  # pyright: ignore[reportCallIssue]
         return out
 
     return loop

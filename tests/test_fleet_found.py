@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +15,8 @@ from eccentric.errors import InputError
 from eccentric.fleet import NOT_GROUPED, FleetProblem, Suspect, fleet_sentence
 from eccentric.fleet.changed import Changed
 from eccentric.fleet.drift import FleetChange, Series
-from eccentric.fleet.found import drifting_of
+from eccentric.fleet.found import FleetFound, drifting_of
+from eccentric.fleet.periods import History
 from eccentric.rigs import Rig
 from tests.fleets import one_joint, rig_of
 
@@ -184,8 +184,8 @@ def test_a_joint_that_was_not_diagnosed_is_not_called_unexplained(
 
 def test_a_fleet_without_a_judged_joint_is_not_called_unchanged() -> None:
     """No joint has a period with an answer: the sentence says so, instead of "none changed"."""
-    empty = SimpleNamespace(histories=[SimpleNamespace(periods=())], changes=[], drifting=[])
-    assert "No joint could be tested" in fleet_sentence(empty)  # type: ignore[arg-type]
+    empty = FleetFound((History("J1", (), ()),), (), (), (), 1, 0, (), (), 0.01)
+    assert "No joint could be tested" in fleet_sentence(empty)
 
 
 def test_logs_without_a_joint_are_one_warning() -> None:

@@ -39,6 +39,13 @@ def test_folders_tell_joint_and_period(tmp_path: Path) -> None:
     ]
 
 
+def test_a_pattern_without_an_extension_takes_them_all(tmp_path: Path) -> None:
+    """The extension belongs to no period."""
+    _touch(tmp_path, "J1_2025-01.parquet", "J1_2025-02.csv.gz")
+
+    assert [("J1", "2025-01"), ("J1", "2025-02")] == [w[:2] for w in _of(tmp_path, "{joint}_{period}")]
+
+
 def test_a_glob_finds_what_its_folder_finds(tmp_path: Path) -> None:
     """Partitions count wherever they are in a glob, also in its fixed part."""
     _touch(tmp_path, "joint=A/month=01/a.parquet", "joint=B/month=01/a.parquet", "joint=B/month=02/a.parquet")

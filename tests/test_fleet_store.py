@@ -22,7 +22,7 @@ JOINT = "J 1/left"
 
 
 def _row(period: str, value: float, recipe: str = "r", name: str = "log.parquet") -> Stored:
-    coverage = Coverage(**dict.fromkeys(Coverage.__dataclass_fields__, value))
+    coverage = Coverage(**dict.fromkeys(Coverage.__dataclass_fields__, value))  # pyright: ignore[reportArgumentType]
     sums = FileSums(np.full((BLOCKS, 3, 3), value), np.full(BLOCKS, int(value)), coverage)
     return Stored(period, name, 10, int(value), recipe, HEADINGS, sums)
 

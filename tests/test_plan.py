@@ -218,10 +218,10 @@ def test_an_earlier_diagnosis_says_what_is_open(
             for q, r in ((question, own[rival.family]), (contest.question, rival))
         ]
         assert losses[0] == pytest.approx(losses[1], rel=1e-3)
-    pair = tuple(own)
+    first, second = own
     grounds = [[one.log, _ground(one)] for one in (Separation(question), contest)]
     apart = [
-        one.by_names(*pair, ground)
+        one.by_names(first, second, ground)
         for one, ground in zip((Separation(question), contest), grounds, strict=True)
     ]
     assert apart[0] == pytest.approx(apart[1], rel=0.05)

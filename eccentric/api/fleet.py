@@ -6,10 +6,11 @@ import dataclasses
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 from eccentric.api.diagnosed import DiagnosisResult, diagnose
 from eccentric.api.result import Printed
@@ -32,9 +33,10 @@ from eccentric.fleet import (
     fleet_page,
     fleet_sentence,
     run_fleet,
+    silent_joints,
     write_coefficients,
 )
-from eccentric.output import own_folder, whole_file, whole_folder
+from eccentric.output import own_folder, remove_folder, whole_file, whole_folder
 from eccentric.version import __version__
 
 __all__ = ["FleetResult", "diagnose_fleet"]
@@ -64,7 +66,7 @@ def diagnose_fleet(
         logs: a folder or a glob of logs, best Parquet, in folders such as joint=J7/month=2025-03.
         rigs: a rig file for all joints, or a table (.csv, .toml) of joints, their rig files and own values.
         out: a folder of its own for sums, coefficients, the page and the joints' reports.
-        pattern: how file names tell joint and period where folders do not: "{joint}_{period}.parquet".
+        pattern: how file names tell joint and period where folders do not: "{joint}_{period}".
         scheduler: the address of a Dask scheduler, whose workers see the logs under the same paths; by
             default a cluster on this machine.
         workers: processes of that cluster, by default one for each processor.
@@ -101,6 +103,7 @@ def diagnose_fleet(
         text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
         (folder / "fleet.json").write_text(text, encoding="utf-8")
         (folder / "report.html").write_text(fleet_page(found), encoding="utf-8")
+    _forget(target, {one.joint for one in found.drifting})
     return FleetResult(
         lines=tuple(_lines(found)),
         warnings=tuple(_warnings(found.problems)),
@@ -150,11 +153,13 @@ def _lines(found: FleetFound) -> list[str]:
     if found.gone:
         gone = f"{counted(len(found.gone), 'log')} no longer there still count ({few(found.gone, 3)})"
         read += f"; the sums of {gone}: to drop them, delete the joint's folder in sums/"
+    if silent := silent_joints(found):
+        read += f"; {silent}"
     lines = [
         f"{d.joint}: {d.what}, since {d.since}; {d.size}; error {d.before:.3g} -> {d.after:.3g} {d.unit}"
         for d in found.drifting
     ]
-    return [f"{counted(len(found.histories), 'joint')}; {read}", *lines, fleet_sentence(found)]
+    return [f"{counted(found.joints, 'joint')}; {read}", *lines, fleet_sentence(found)]
 
 
 def _warnings(problems: Sequence[FleetProblem]) -> Iterator[str]:
@@ -257,6 +262,16 @@ def _kept(
     with whole_file(place.with_name(f"{place.name}.json")) as new:
         new.write_text(json.dumps({"of": _digest(suspect), **asdict(word)}), encoding="utf-8")
     return word
+
+
+def _forget(out: Path, changed: Collection[str]) -> None:
+    """Remove the reports of joints that an earlier run called changed and this one does not."""
+    for place in sorted((out / "joints").glob("*/")):
+        if unquote(place.name) not in changed and (word := place.with_name(f"{place.name}.json")).is_file():
+            with suppress(InputError):  # somebody stands in it
+                remove_folder(place, "diagnose")
+                word.unlink()
+                place.with_name(f"{place.name}.rig.json").unlink(missing_ok=True)
 
 
 def _known(out: Path, suspect: Suspect) -> Examined | None:

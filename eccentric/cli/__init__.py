@@ -13,6 +13,7 @@ anything half written; 141 if the reader of a pipe has closed it.
 import argparse
 import ast
 import os
+import signal
 import sys
 import textwrap
 import warnings
@@ -73,6 +74,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except Ended as ended:
         return _complain(f"ended by {ended}", 128 + ended.number)
     except KeyboardInterrupt as interrupt:
+        if argv is None:  # the process ends now, and Dask cleans up to the last
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
         return _complain(": ".join(["interrupted", *map(str, interrupt.args)]), 130)
     except BrokenPipeError:
         nobody_reads()

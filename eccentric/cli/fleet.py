@@ -12,7 +12,7 @@ from eccentric.output import own_folder
 NAME = "fleet"
 HELP = "reduce the logs of a fleet to friction coefficients by joint and period, and find what changed where"
 EXAMPLE = """eccentric fleet build/fleet/logs --rigs build/fleet/rigs.csv --out build/fleet_report
-eccentric fleet '/data/2025/*.parquet' --pattern '{joint}_{period}.parquet' --rigs rigs.csv --out report
+eccentric fleet '/data/2025/*.parquet' --pattern '{joint}_{period}' --rigs rigs.csv --out report
 eccentric fleet /data/fleet --rigs rigs.csv --out report --scheduler tcp://10.0.0.5:8786"""
 
 PROBLEMS = 1
@@ -47,7 +47,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="folder of its own for sums, coefficients, the page and reports; what is there from an earlier "
         "run is used: only new and changed logs are read",
     )
-    add("--pattern", metavar="NAME", help="how file names tell joint and period: '{joint}_{period}.parquet'")
+    add("--pattern", metavar="NAME", help="how file names tell joint and period: '{joint}_{period}'")
     add("--scheduler", metavar="ADDRESS", help="a Dask scheduler (by default a cluster on this machine)")
     add("--workers", metavar="N", type=int, help="processes on this machine (one for each processor)")
     add("--rate", metavar="Q", type=float, default=0.01, help="false discovery rate of the tests (0.01)")

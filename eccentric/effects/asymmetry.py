@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, omega_m
 from eccentric.effects.setting import Setting
@@ -31,6 +33,12 @@ DRY = Words(
         "cable_spring": "Turn the link ten times as far in one direction.",
     },
 )
+DRY_OR_OFFSET = replace(
+    DRY,
+    headline="Coulomb friction that differs between the directions, or an offset of the drive's sensor",
+    meaning="Dry friction that differs by direction (a tilted bearing, seal or brush), or an offset of the"
+    " sensor of current or torque: in motion they are the same.",
+)
 VISCOUS = Words(
     headline="viscous friction that differs between the directions",
     meaning="Viscous friction that differs by direction: a seal lip, or grease pumped in one direction.",
@@ -50,7 +58,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference=REFERENCE,
         aliases=() if setting.has("voltage") else ("current_bias",),
         special_of=("cable_spring",),
-        words=DRY,
+        words=DRY if setting.has("voltage") else DRY_OR_OFFSET,
     )
     viscous = addition(
         "viscous_asymmetry",

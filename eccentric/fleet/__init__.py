@@ -22,7 +22,7 @@ from eccentric.fleet.cluster import connected
 from eccentric.fleet.found import Drifting, Examined, FleetFound, Suspect
 from eccentric.fleet.gathered import gather, plan_of
 from eccentric.fleet.limits import RATE
-from eccentric.fleet.page import fleet_page, fleet_sentence
+from eccentric.fleet.page import fleet_page, fleet_sentence, silent_joints
 from eccentric.fleet.problems import NOT_GROUPED, UNREAD, FleetProblem, as_csv
 from eccentric.fleet.run import FleetRequest, run_fleet
 from eccentric.fleet.sample import Sample
@@ -51,5 +51,6 @@ __all__ = [
     "gather",
     "plan_of",
     "run_fleet",
+    "silent_joints",
     "write_coefficients",
 ]

@@ -40,6 +40,11 @@ class Assigned:
         if self._table is None:
             read_rig(path)
 
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints of the table; none where one rig holds for all."""
+        return tuple(self._table or ())
+
     def rig(self, joint: str) -> Rig:
         """The rig of a joint. InputError for one that the table lacks, or whose rig cannot be read."""
         content = self.content(joint)

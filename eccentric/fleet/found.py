@@ -11,7 +11,7 @@ from eccentric.fleet.changed import Changed
 from eccentric.fleet.drift import FRICTION, RESIDUAL, FleetChange
 from eccentric.fleet.limits import EFFECT_PERCENT
 from eccentric.fleet.periods import History
-from eccentric.fleet.problems import FleetProblem
+from eccentric.fleet.problems import NO_RIG, FleetProblem
 from eccentric.fleet.sample import Sample
 from eccentric.rigs import Rig
 
@@ -24,7 +24,7 @@ _KINDS = {
     "friction": "friction",
     "inertia": "inertia",
     "scale": "gain of the drive signal, or the load carried",
-    "offset": "offset of the drive signal, or a constant load",
+    "offset": "offset of the drive signal, a constant load, or Coulomb friction that differs by direction",
 }
 _NO_COEFFICIENT = "a change that no coefficient explains"
 NOT_FRICTION = frozenset({"scale", "offset", "inertia"})
@@ -135,7 +135,7 @@ class FleetFound:
 
     This run read `files` logs, of which
     `problems` names those without sums; the sums of `reused` others were there, and those of `gone` count
-    though these logs are no longer there.
+    though these logs are no longer there. `silent` joints have a rig of their own in a table, and no log.
     """
 
     histories: tuple[History, ...]
@@ -145,7 +145,18 @@ class FleetFound:
     files: int
     reused: int
     gone: tuple[str, ...]
+    silent: tuple[str, ...]
     rate: float
+
+    @property
+    def joints(self) -> int:
+        """How many joints have a log, or sums of one: those with a rig have a history."""
+        return len(self.histories) + sum(problem.kind == NO_RIG for problem in self.problems)
+
+    @property
+    def tested(self) -> int:
+        """How many of them could be tested for a change."""
+        return len({change.series.joint for change in self.changes})
 
 
 def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:

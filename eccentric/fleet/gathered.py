@@ -11,7 +11,7 @@ from eccentric.errors import InputError
 from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.cluster import Failed, SchedulerLost, spread, threads_of
 from eccentric.fleet.limits import PART_FILES
-from eccentric.fleet.problems import FleetProblem
+from eccentric.fleet.problems import NO_RIG, FleetProblem
 from eccentric.fleet.sources import LogFile, in_order, without_suffix
 from eccentric.fleet.store import Key, Stored, joints_of, keys, read, recipe_of, write
 from eccentric.fleet.sums import require_rig
@@ -57,7 +57,7 @@ def plan_of(logs: Iterable[LogFile], rigs: Assigned, out: Path) -> Plan:
             rig, content = rigs.rig(joint), rigs.content(joint)
             require_rig(rig)
         except InputError as error:
-            plan.problems.append(FleetProblem(joint, "", "", "no rig", str(error)))
+            plan.problems.append(FleetProblem(joint, "", "", NO_RIG, str(error)))
             continue
         plan.rigs[joint], plan.contents[joint] = rig, content
         plan.recipes[joint] = recipe_of(rig)

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import counted
+from eccentric.errors import counted, few
 from eccentric.fleet.drift import FRICTION, RESIDUAL
 from eccentric.fleet.found import Drifting, FleetFound
 from eccentric.fleet.sources import in_order
 from eccentric.report import number, rendered
 
-__all__ = ["fleet_page", "fleet_sentence"]
+__all__ = ["fleet_page", "fleet_sentence", "silent_joints"]
 
 Array = NDArray[np.float64]
 
@@ -32,11 +32,10 @@ def fleet_page(found: FleetFound) -> str:
 
 def fleet_sentence(found: FleetFound) -> str:
     """The result in one sentence."""
-    tested = len({change.series.joint for change in found.changes})
-    if not tested:
+    if not found.tested:
         return "No joint could be tested for a change: problems.csv says why."
-    joints = counted(tested, "joint")
-    if untested := len(found.histories) - tested:
+    joints = counted(found.tested, "joint")
+    if untested := found.joints - found.tested:
         joints += f" ({untested} more not tested: problems.csv says why)"
     worn = [one for one in found.drifting if not one.sensor]
     others = len(found.drifting) - len(worn)
@@ -49,13 +48,20 @@ def fleet_sentence(found: FleetFound) -> str:
     return f"{', '.join(said)}; look first at {first.joint}: {first.what}, since {first.since}."
 
 
+def silent_joints(found: FleetFound) -> str:
+    """Joints of the rigs' table that have no log, in a few words; "" for none."""
+    if not found.silent:
+        return ""
+    return f"{counted(len(found.silent), 'joint')} of the rigs' table without a log ({few(found.silent, 3)})"
+
+
 def _view(found: FleetFound) -> dict[str, Any]:
     periods = in_order({p.period for h in found.histories for p in h.periods})
     span = f"{periods[0]} to {periods[-1]}" if periods else "no period"
     return {
         "title": "What changed in the fleet?",
         "verdict": "unexplained" if found.drifting else "nothing_missing",
-        "badge": f"{counted(len(found.histories), 'joint')}, {counted(len(periods), 'period')}: {span}",
+        "badge": f"{counted(found.joints, 'joint')}, {counted(len(periods), 'period')}: {span}",
         "sentence": fleet_sentence(found),
         "rate": f"{100.0 * found.rate:g} %",
         "tests": len(found.changes),
@@ -63,6 +69,7 @@ def _view(found: FleetFound) -> dict[str, Any]:
         "panels": [_panel(one) for one in found.drifting],
         "levels": _levels(found, periods),
         "problems": found.problems,
+        "silent": silent_joints(found),
     }
 
 

@@ -111,6 +111,7 @@ def run_fleet(
         files,
         plan.reused,
         tuple(gone),
+        tuple(joint for joint in rigs.joints if joint not in {*by_joint, *plan.rigs}),
         request.rate,
     )
 

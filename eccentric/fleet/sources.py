@@ -1,8 +1,9 @@
 """LOGS -> the files of a fleet, each with the joint and the period that it belongs to.
 
 Both are read from folders such as `joint=J7/month=2025-03`, or from file names by a pattern such as
-`{joint}_{period}.parquet`. Of several folders that name a time, the period is all of them in this order:
-year, quarter, month, week, day, period. Periods are in the order of their text, numbers by their size.
+`{joint}_{period}`, with or without the extension. Of several folders that name a time, the period is all of
+them in this order: year, quarter, month, week, day, period. Periods are in the order of their text, numbers
+by their size.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[Fle
 def _required(pattern: str | None) -> str:
     if pattern is not None:
         return f"a name like {pattern} is required"
-    names = "a --pattern of names such as '{joint}_{period}.csv'"
+    names = "a --pattern of names such as '{joint}_{period}'"
     return f"folders joint=... and month=..., or {names}, are required"
 
 
@@ -115,9 +116,10 @@ def _compiled(pattern: str):  # noqa: ANN202 - a function from a name to its par
         raise InputError(f"pattern: {{joint}} and {{period}}, each once, are required, received {pattern!r}")
     text = "".join(f"(?P<{p}>.+?)" if k % 2 else re.escape(p) for k, p in enumerate(parts))
     form = re.compile(text)
+    whole = without_suffix(pattern) != pattern
 
     def match(name: str) -> Mapping[str, str]:
-        found = form.fullmatch(name)
+        found = form.fullmatch(name if whole else without_suffix(name))
         return {} if found is None else found.groupdict()
 
     return match

@@ -83,7 +83,9 @@ def document_of(found: FleetFound) -> dict[str, Any]:
     """The content of fleet.json."""
     return {
         "format": "eccentric-fleet/1",
-        "joints": len(found.histories),
+        "joints": found.joints,
+        "joints_tested": found.tested,
+        "joints_without_log": list(found.silent),
         "periods": in_order({p.period for h in found.histories for p in h.periods}),
         "false_discovery_rate": found.rate,
         "tests": len(found.changes),

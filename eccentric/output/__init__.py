@@ -23,7 +23,7 @@ one line, and two that move files into one folder within the same milliseconds a
 from eccentric.output.folders import MARKER, folder_to_write, own_folder
 from eccentric.output.interrupts import Ended, ended_by_signals
 from eccentric.output.printed import UNREAD, escape_unprintable, nobody_reads, show
-from eccentric.output.whole import whole_file, whole_files, whole_folder
+from eccentric.output.whole import remove_folder, whole_file, whole_files, whole_folder
 from eccentric.output.workshop import workshop
 
 __all__ = [
@@ -35,6 +35,7 @@ __all__ = [
     "folder_to_write",
     "nobody_reads",
     "own_folder",
+    "remove_folder",
     "show",
     "whole_file",
     "whole_files",

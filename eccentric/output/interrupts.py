@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 # SIGINT last: `held` gives the handlers back in this order, and that of SIGINT is the one that raises most.
 _SIGNALS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGINT") if hasattr(signal, name))
+
+
+CLEANING_S = 10.0
+"""After an interrupt, others are ignored for so long: they would end the cleaning, not the run sooner."""
 
 
 class Ended(KeyboardInterrupt):
@@ -26,15 +31,18 @@ class Ended(KeyboardInterrupt):
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP raise `Ended` in the main thread, in this block.
+    """Let SIGTERM and SIGHUP raise `Ended` in the main thread, in this block, and SIGINT its exception once.
 
     One that is ignored (nohup) or handled by somebody else stays so. Does nothing in other threads.
     """
     quiet = [n for n in _SIGNALS if signal.getsignal(n) is signal.SIG_DFL and n != signal.SIGINT]
-    before = [(number, signal.SIG_DFL) for number in quiet] if _is_main() else []
+    before: list[tuple[int, Callable[..., Any] | int]] = [(n, signal.SIG_DFL) for n in quiet]
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        before.append((signal.SIGINT, signal.default_int_handler))
+    before = before if _is_main() else []
     try:
         for number, _ in before:
-            signal.signal(number, _end)
+            signal.signal(number, _once() if number == signal.SIGINT else _end)
         yield
     finally:
         _give_back(before)
@@ -66,6 +74,19 @@ def held() -> Iterator[None]:
 
 def _end(number: int, _: object) -> None:
     raise Ended(number)
+
+
+def _once() -> Callable[[int, object], None]:
+    """A handler that raises KeyboardInterrupt, but not again while what it ended cleans up."""
+    last = -CLEANING_S
+
+    def interrupt(_number: int, _frame: object) -> None:
+        nonlocal last
+        if (now := time.monotonic()) - last >= CLEANING_S:
+            last = now
+            raise KeyboardInterrupt
+
+    return interrupt
 
 
 def _is_main() -> bool:

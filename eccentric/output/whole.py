@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -84,6 +85,19 @@ def whole_folder(path: str | os.PathLike[str], command: str) -> Iterator[Path]:
                 for child in new.iterdir():
                     child.replace(again / child.name)
                 _put(Path(path), target, again, command)
+
+
+def remove_folder(path: str | os.PathLike[str], command: str) -> None:
+    """Remove what a command wrote into a folder, and the folder if nothing else is in it.
+
+    Raises:
+        InputError: as `whole_folder`.
+    """
+    with whole_folder(path, command):
+        pass
+    target = own_folder(path)
+    if not files(target):
+        shutil.rmtree(target)
 
 
 def _appears(target: Path, new: Path, command: str) -> bool:
