@@ -16,9 +16,8 @@ C = quantity("nonsync_c", "N m", "friction torque by cos(nu theta_m)", letter="c
 S = quantity("nonsync_s", "N m", "friction torque by sin(nu theta_m)", letter="s_nu")
 LOWEST, HIGHEST = 0.5, 8.0
 """Orders per turn of the motor: the inner race passes its cage some 0.6 times, and a dozen balls 7 times."""
-CYCLES = 1.5
-"""Cycles by which it has to slip against every harmonic of motor and link over the log: within one, they are
-alike, and its order is searched half a cycle to either side."""
+APART = 0.5
+"""Cycles over the log by which it has to slip against every harmonic of motor and link to be none."""
 WORDS = Words(
     headline="friction that repeats at a non-integer order of the motor",
     meaning=(
@@ -36,13 +35,19 @@ WORDS = Words(
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """The one effect of the family, at the strongest order of the log that is no harmonic.
 
-    The order is a shape within half a cycle over the log of that one: further away, another peak is meant.
+    The order is a shape within half a cycle over the log of that one: further away, another peak is meant,
+    or a harmonic.
     """
     found = next((nu for nu in setting.orders if _own(nu, setting)), None)
     if found is None:
         return ()
     cosine, sine = harmonic(order.symbol)
-    half = 0.5 / setting.turns
+    half, nearest = 0.5 / setting.turns, _nearest(found, setting)
+    least = APART / setting.turns
+    span = (
+        max(found - half, nearest + least) if nearest < found else found - half,
+        min(found + half, nearest - least) if nearest > found else found + half,
+    )
     effect = addition(
         "nonsynchronous_friction",
         [(C, cosine * direction), (S, sine * direction)],
@@ -51,7 +56,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         formula="(c cos(nu theta_m) + s sin(nu theta_m)) sgn w, nu not an integer",
         reference="N. Tandon and A. Choudhury, Tribology International 32(8), 1999 (orders of a bearing);"
         " standard form, as over the link angle",
-        shapes=(Shape(order, found - half, found + half, "linear", 5),),
+        shapes=(Shape(order, *span, "linear", 5),),
         inputs=(v.theta_m,),
         words=WORDS,
     )
@@ -60,6 +65,10 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 def _own(nu: float, setting: Setting) -> bool:
     """Whether an order is within the range, and no harmonic of motor or link."""
-    least = CYCLES / setting.turns
+    return LOWEST <= nu <= HIGHEST and abs(nu - _nearest(nu, setting)) > APART / setting.turns
+
+
+def _nearest(nu: float, setting: Setting) -> float:
+    """The harmonic of motor or link that an order is nearest to."""
     harmonics = [*map(float, MOTOR_ORDERS), *(n * setting.mu for n in LINK_ORDERS)]
-    return LOWEST <= nu <= HIGHEST and all(abs(nu - own) > least for own in harmonics)
+    return min(harmonics, key=lambda own: abs(nu - own))

@@ -13,6 +13,7 @@ from eccentric.fitting import FitData, Signals, base_coefficients, base_columns,
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.search.limits import (
+    GRAVITY_ORDERS,
     LAGS,
     LEAST_LOSS_W,
     LINK_ORDERS,
@@ -151,7 +152,8 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         harmonics = sorted(
             {*(n * mu for n in range(1, LINK_ORDERS + 1)), *map(float, range(1, MOTOR_ORDERS + 1))}
         )
-        turns, orders = standing_orders(angle[rows], turning[rows], left[rows], harmonics)
+        gravity = [n * mu for n in range(1, GRAVITY_ORDERS + 1)]
+        turns, orders = standing_orders(angle[rows], turning[rows], left[rows], harmonics, gravity)
     return Setting(
         base=model,
         mu=signals.known["mu"],

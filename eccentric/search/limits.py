@@ -28,6 +28,7 @@ __all__ = [
     "FIRST_STEPS",
     "FOLDS",
     "FORMS_OF_A_PATCH",
+    "GRAVITY_ORDERS",
     "INSIDE",
     "IN_A_DRAW",
     "IN_PLACE",
@@ -251,6 +252,8 @@ PIECES = {
 """Pieces of the splines of smooth terms: what friction has over speed is steepest, what it has over a
 temperature is nearly a line; "direction" is what differs between the directions over speed, "slope" the
 viscous friction over time."""
+GRAVITY_ORDERS = 3
+"""Harmonics of the link that gravity leaves where mass, angle or torque constant are not quite the rig's."""
 MOTOR_ORDERS, LINK_ORDERS = 8, 12
 """Highest orders per turn of smooth terms: cogging has the number of poles, a gear and its link more."""
 KNOTS = 0.002, 0.998

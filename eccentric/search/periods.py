@@ -22,44 +22,62 @@ Array = np.ndarray
 
 
 def standing_orders(
-    theta_m: Array, omega_m: Array, residual: Array, harmonics: Sequence[float]
+    theta_m: Array, omega_m: Array, residual: Array, harmonics: Sequence[float], gravity: Sequence[float]
 ) -> tuple[float, tuple[float, ...]]:
     """The range of the motor angle in turns, and the orders of friction that stand out, the strongest first.
 
-    Friction at an order nu is c cos(nu theta_m) + s sin(nu theta_m) against the motion, whatever the time:
-    the residual times the direction is put into bins of the angle, and their sums have one spectrum. A peak
-    is as narrow as the range of the angle is long, so that neighbouring orders stay apart.
+    Harmonics of motor and link are taken out, since on a short log they spread over the spectrum. That leaves
+    nothing within a cycle of each, which over a few turns is everywhere. So the strongest order of all comes
+    first, a harmonic or not: only what gravity may leave is taken out for it.
 
     Args:
         theta_m, omega_m: motor angle [rad], from one zero, and velocity [rad/s] (samples,).
         residual: what the model does not explain (samples,) [N m].
-        harmonics: orders of motor and link, which are taken out first, with the motion and regardless of it:
-            on a short log they spread over the spectrum.
+        harmonics: orders of motor and link.
+        gravity: those of them that gravity leaves where its load is not quite the model's.
     """
     if not len(theta_m):
         return 0.0, ()
-    angle = (theta_m - np.min(theta_m)) / (2.0 * np.pi)
-    turns = float(np.max(angle))
+    turns = float(np.ptp(theta_m)) / (2.0 * np.pi)
     if not 1.0 < turns < MOST_TURNS:
         return turns, ()
+    orders, power = _spectrum(theta_m, omega_m, residual, gravity)
+    strongest = _peaks(orders, power, turns, np.ones(len(orders), bool))[:1]
+    orders, power = _spectrum(theta_m, omega_m, residual, harmonics)
+    # Within a cycle of a harmonic there is nothing left, not even noise, and it would lower the floor.
+    beside = np.min(np.abs(orders[:, None] - np.asarray(harmonics)), axis=1) > 1.0 / turns
+    others = _peaks(orders, power, turns, beside)
+    return turns, (*strongest, *others)
+
+
+def _spectrum(
+    theta_m: Array, omega_m: Array, residual: Array, without: Sequence[float]
+) -> tuple[Array, Array]:
+    """Orders, and the power of friction at each over that of white noise.
+
+    Friction at an order nu is c cos(nu theta_m) + s sin(nu theta_m) against the motion, whatever the time:
+    the residual times the direction is put into bins of the angle, and their sums have one spectrum. A peak
+    is as narrow as the range of the angle is long, so that neighbouring orders stay apart.
+    """
+    angle = (theta_m - np.min(theta_m)) / (2.0 * np.pi)
     way = np.sign(omega_m)
-    waves = [wave(order * theta_m) for order in harmonics for wave in (np.cos, np.sin)]
+    waves = [wave(order * theta_m) for order in without for wave in (np.cos, np.sin)]
     known = np.column_stack([way, omega_m, np.ones_like(way), *waves, *(wave * way for wave in waves)])
     against = way * (residual - known @ np.linalg.lstsq(known, residual, rcond=None)[0])
     bins = np.bincount((angle * BINS_PER_TURN).astype(int), against)
     power = np.abs(np.fft.rfft(bins, PADDED * len(bins))) ** 2
-    one = PADDED * len(bins) / BINS_PER_TURN  # steps of the spectrum per order
-    # Within a cycle of a harmonic there is nothing left, not even noise, and it would lower the floor, which
-    # is at least that of white noise.
-    orders = np.arange(len(power)) / one
-    beside = np.min(np.abs(orders[:, None] - np.asarray(harmonics)), axis=1) > 1.0 / turns
-    orders, power = orders[beside], power[beside]
+    return np.arange(len(power)) * BINS_PER_TURN / (PADDED * len(bins)), power / np.sum(against**2)
+
+
+def _peaks(orders: Array, power: Array, turns: float, where: Array) -> list[float]:
+    """The orders that stand out of those around them, and of white noise; the strongest first."""
+    one = round(1.0 / orders[1])
+    orders, power = orders[where], power[where]
     around = median_filter(power, 2 * round(0.5 * AROUND_A_PEAK * one) + 1, mode="nearest")
-    floor = np.maximum(around, np.sum(against**2))
     found: list[float] = []
-    rest = np.where(power > STANDS_OUT * floor, power, 0.0)
+    rest = np.where(power > STANDS_OUT * np.maximum(around, 1.0), power, 0.0)
     while len(found) < MOST_PEAKS and np.any(rest):
         k = int(np.argmax(rest))
         found.append(float(orders[k]))
         rest[np.abs(orders - orders[k]) < 2.0 / turns] = 0.0
-    return turns, tuple(found)
+    return found
