@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from eccentric.effects import Shape
+from eccentric.model import quantity
 from eccentric.search.both import search_all
 from eccentric.search.smooth import Variables
 from eccentric.search.verdict import decided
-from tests.searched import N, candidate, design, mixed
+from tests.searched import Array, N, candidate, design, mixed
 
 
 @pytest.mark.parametrize(
@@ -40,3 +43,35 @@ def test_the_torque_settles_what_the_circuit_leaves_open(
     verdict = decided(found)
 
     assert expected == (verdict.verdict, [one.variant.candidate.id for one in verdict.adopted])
+
+
+def test_what_both_show_is_estimated_beside_what_else_the_torque_shows() -> None:
+    """The circuit hardly tells the shape, its torque does, once a large ripple is no longer taken for noise.
+
+    Of the shape that the circuit prefers, the torque leaves a part that another effect would take.
+    """
+    form, true = Shape(quantity("x", "1", "a shape"), 0.0, 4.0, points=5), 3.0
+
+    def shown(values: Mapping[str, float]) -> Array:
+        return mixed({2: 1.0, 3: 0.1 * values["x"]})[:, None]
+
+    flux = replace(
+        candidate("flux", shapes=(form,), of=shown, balance="electrical"),
+        also=lambda values: mixed({5: 2.0, 6: values["x"]})[:, None],
+        joint=True,
+    )
+    t, none = mixed({0: 1.0}), np.empty((N, 0))
+    circuit = design({2: 3.0, 3: 0.3 * (true - 1.0)})
+    circuit = replace(circuit, name="electrical", coefficients=(), columns=none, samples=none)
+
+    found = search_all(
+        [design({5: 6.0, 6: 3.0 * true, 7: 60.0}), circuit],
+        [flux, candidate("ripple", {7: 1.0}), candidate("other", {6: 1.0})],
+        Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True),
+        {},
+        lambda _: None,
+    )
+    (own,) = found["electrical"].best.variants
+
+    assert ["ripple"] == [v.candidate.id for v in found["mechanical"].best.variants]
+    assert true == pytest.approx(own.values["x"], abs=0.05)

@@ -25,6 +25,8 @@ from eccentric.signals import BalanceDesign
 __all__ = ["search_all"]
 
 Array = np.ndarray
+_MOST_BESIDE = 2
+"""Mechanical effects beside which one of both balances is estimated: each costs a search."""
 
 
 def search_all(
@@ -56,12 +58,22 @@ def search_all(
     electrical = searched(circuit)
     misread = _misread(electrical.screen, electrical.best, mechanical, candidates)
     if misread is None:
-        found = searched(_corrected(mechanical, electrical), also=_of_the_flux(electrical))
+        corrected, held = _corrected(mechanical, electrical), None
+        found = searched(corrected, also=_of_the_flux(electrical))
+        for count in range(1, _MOST_BESIDE + 1):
+            beside = _beside(found, electrical)
+            if _in_the_circuit(found, circuit) is not None or len(beside) < count:
+                break
+            held = np.hstack(beside[:count])
+            again = _corrected(mechanical, electrical, held)
+            if not _differs(again, corrected, found):
+                break
+            corrected, found = again, searched(again, also=_of_the_flux(electrical))
         misread = _in_the_circuit(found, circuit)
         if misread is None:
             for place, family in _doubtful(electrical):
                 rivals = [
-                    searched(_corrected(mechanical, other), family, _of_the_flux(other))
+                    searched(_corrected(mechanical, other, held), family, _of_the_flux(other))
                     for other in _in_place(electrical, place)
                 ]
                 # Without a family that could be in its place, nothing is compared.
@@ -207,15 +219,40 @@ def _spans(columns: Array, others: Array) -> bool:
     return bool(np.linalg.norm(left) < TINY_COLUMN * np.linalg.norm(others))
 
 
-def _corrected(balance: BalanceDesign, electrical: Search) -> BalanceDesign:
+def _beside(mechanical: Search, electrical: Search) -> list[Array]:
+    """The columns (rows, k) of mechanical effects that an effect of both balances is estimated beside.
+
+    What the mechanical balance lacks counts as noise there, and a large effect hides what the torque says.
+    The largest comes first: what is small may be a part of that torque, and go with a better estimate. None
+    where no effect of both balances was found.
+    """
+    if not any(v.candidate.joint and v.candidate.also is not None for v in electrical.best.variants):
+        return []
+    ids = {variant.candidate.id for variant in electrical.best.variants}
+    screen, best = mechanical.screen, mechanical.best
+    own = [v for v in best.variants if v.candidate.id not in ids]
+    own.sort(key=lambda v: -screen.fit([other for other in best.variants if other is not v]).score)
+    return [screen.columns(v) for v in own]
+
+
+def _differs(new: BalanceDesign, old: BalanceDesign, found: Search) -> bool:
+    """Whether a corrected target differs by more than the noise of what was found leaves open."""
+    change = new.target - old.target
+    variance = found.best.score / found.screen.effective(found.best)
+    return bool(change @ change > CONFIRMED * variance)
+
+
+def _corrected(balance: BalanceDesign, electrical: Search, beside: Array | None = None) -> BalanceDesign:
     """The mechanical target without what effects found in the electrical balance add to it.
 
-    An effect that both balances measure is estimated from both.
+    An effect that both balances measure is estimated from both; `beside`: columns of effects that were found
+    in the mechanical balance, which it lacks else.
     """
     target, best = balance.target, electrical.best
     found = electrical.screen.own(best)
     if any(variant.candidate.joint for variant in best.variants):
-        joint = BothBalances(electrical.screen, best, balance)
+        none = np.empty((len(target), 0))
+        joint = BothBalances(electrical.screen, best, balance, none if beside is None else beside)
         found = joint.run()
         electrical.best = best = electrical.screen.fit(joint.variants)
     for variant, own in zip(best.variants, found, strict=True):

@@ -21,14 +21,17 @@ Array = np.ndarray
 class BothBalances:
     """The variants of the electrical balance on both balances, each weighted by what a fit leaves in it.
 
-    The mechanical base is free, and what it lacks counts as noise.
+    The mechanical base is free, and so are the columns `beside` it (rows, k), of effects that were found
+    there; what all of these lack counts as noise.
     """
 
-    def __init__(self, screen: Screen, found: Fitted, mechanical: BalanceDesign) -> None:
+    def __init__(self, screen: Screen, found: Fitted, mechanical: BalanceDesign, beside: Array) -> None:
         self._screen, self._mechanical = screen, mechanical
+        self._base = np.hstack([mechanical.columns, beside])
+        self._lower = np.r_[mechanical.lower, np.full(beside.shape[1], -np.inf)]
         self.variants = list(found.variants)
         # Coefficients of its own in each balance: the weights do not depend on how well the shapes agree.
-        design, target = np.hstack([self._also(self.variants), mechanical.columns]), mechanical.target
+        design, target = np.hstack([self._also(self.variants), self._base]), mechanical.target
         rest = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
         self._weights = screen.rows / found.loss.sum(), len(rest) / float(rest @ rest)
 
@@ -49,11 +52,11 @@ class BothBalances:
     def _solved(self, variants: Sequence[Variant]) -> tuple[Array, Array]:
         """Weighted residual and coefficients: of the variants, then of the mechanical base."""
         target, own, lower = self._screen.design(variants)
-        here = np.hstack([own, np.zeros((len(target), self._mechanical.columns.shape[1]))])
-        there = np.hstack([self._also(variants), self._mechanical.columns])
+        here = np.hstack([own, np.zeros((len(target), self._base.shape[1]))])
+        there = np.hstack([self._also(variants), self._base])
         one, other = np.sqrt(self._weights)
         x, y = np.vstack([one * here, other * there]), np.r_[one * target, other * self._mechanical.target]
-        c = bounded_solve(x.T @ x, x.T @ y, np.r_[lower, self._mechanical.lower])
+        c = bounded_solve(x.T @ x, x.T @ y, np.r_[lower, self._lower])
         return y - x @ c, c
 
     def _also(self, variants: Sequence[Variant]) -> Array:
