@@ -69,25 +69,6 @@ def test_the_scatter_of_the_fleet_is_found(prior: float, variance: float) -> Non
     assert freedom == pytest.approx(prior, rel=0.35)
 
 
-def test_a_single_joint_learns_how_periods_scatter_from_all_its_coefficients() -> None:
-    """A step of 15 errors is found in most fleets of one joint over six periods, and little else is."""
-    random = np.random.default_rng(8)
-    errors = {name: 10.0 ** random.uniform(-4.0, 0.0) for name in ("B_m", "C_m", "C_lN", "scale", "friction")}
-    found, false = 0, 0
-    for _ in range(100):
-        series = []
-        for name, error in errors.items():
-            values = 1.0 + error * random.uniform(1.0, 3.0) * random.standard_normal(6)
-            values += 15.0 * error * (np.arange(6) >= 3) * (name == "friction")
-            series.append(replace(_series(values, np.full(6, math.nan), error=error), name=name, least=0.0))
-        called = [change.series.name for change in changes(series, 0.01) if change.counts]
-        found += "friction" in called
-        false += len(called) - ("friction" in called)
-
-    assert found >= 60  # with a scatter learned by coefficient: some 40
-    assert false <= 8
-
-
 def test_p_values_of_healthy_joints_are_not_too_small() -> None:
     """Of 800 healthy series, no larger part than p has a p-value below p, for 6 and 12 periods."""
     random = np.random.default_rng(4)

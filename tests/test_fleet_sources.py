@@ -64,7 +64,8 @@ def test_a_pattern_reads_file_names(tmp_path: Path) -> None:
 
     assert [("J1", "2025-01"), ("J2", "2025-01")] == [(log.joint, log.period) for log in logs]
     assert ["odd.parquet"] == [p.file for p in problems]
-    assert [] == find(str(tmp_path))[0]
+    with pytest.raises(InputError, match=r"folders joint=.* are required, .* and so 2 more"):
+        find(str(tmp_path))
     with pytest.raises(InputError, match="each once"):
         find(str(tmp_path), "{joint}.parquet")
     with pytest.raises(InputError, match="found none"):

@@ -18,6 +18,7 @@ from eccentric.api.tables import ResultTable
 from eccentric.errors import InputError, counted, few
 from eccentric.fleet import (
     NOT_GROUPED,
+    NOT_TESTED,
     RATE,
     UNREAD,
     Drifting,
@@ -42,6 +43,7 @@ from eccentric.version import __version__
 __all__ = ["FleetResult", "diagnose_fleet"]
 
 _COMMAND = "fleet"
+_TOGETHER = (NOT_GROUPED, NOT_TESTED)
 _LABELS = frozenset({"path", "name", "warnings"})
 """What a rig is called and what is said of it: no diagnosis depends on them."""
 
@@ -60,7 +62,8 @@ def diagnose_fleet(
     """Reduce the logs of a fleet to coefficients by joint and period, and find what changed where.
 
     What is in `out` from an earlier run stays: only logs that are new or changed are read, and no log is
-    written to. Joints that changed are diagnosed against their own past.
+    written to. Joints that changed are diagnosed against their own past. Workers are processes that read the
+    script again: call this below `if __name__ == "__main__":`.
 
     Args:
         logs: a folder or a glob of logs, best Parquet, in folders such as joint=J7/month=2025-03.
@@ -74,8 +77,8 @@ def diagnose_fleet(
         progress: told the part that is done, and of what.
 
     Raises:
-        InputError: there are no logs, rigs or scheduler, dask or pyarrow is not installed, or the folder
-            cannot be written. What concerns a joint or a file is a problem in the result.
+        InputError: there are no logs, rigs, scheduler or workers, dask or pyarrow is not installed, or the
+            folder cannot be written. What concerns a joint or a file is a problem in the result.
     """
     if not 0.0 < rate < 1.0:
         raise InputError(f"rate: a number above 0 and below 1 is required, received {rate:g}")
@@ -98,7 +101,9 @@ def diagnose_fleet(
     document = document_of(found)
     with whole_folder(out, _COMMAND) as folder:
         write_coefficients(found, folder)
-        (folder / "changes.csv").write_text(changes_csv(found.changes), encoding="utf-8")
+        (folder / "changes.csv").write_text(
+            changes_csv(found.changes, {one.joint for one in found.drifting}), encoding="utf-8"
+        )
         (folder / "problems.csv").write_text(as_csv(found.problems), encoding="utf-8")
         text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
         (folder / "fleet.json").write_text(text, encoding="utf-8")
@@ -153,8 +158,7 @@ def _lines(found: FleetFound) -> list[str]:
     if found.gone:
         gone = f"{counted(len(found.gone), 'log')} no longer there still count ({few(found.gone, 3)})"
         read += f"; the sums of {gone}: to drop them, delete the joint's folder in sums/"
-    if silent := silent_joints(found):
-        read += f"; {silent}"
+    read = "; ".join([read, *silent_joints(found)])
     lines = [
         f"{d.joint}: {d.what}, since {d.since}; {d.size}; error {d.before:.3g} -> {d.after:.3g} {d.unit}"
         for d in found.drifting
@@ -163,12 +167,12 @@ def _lines(found: FleetFound) -> list[str]:
 
 
 def _warnings(problems: Sequence[FleetProblem]) -> Iterator[str]:
-    """A line for each problem, and one for all logs that belong to no joint."""
-    aside = [problem for problem in problems if problem.kind == NOT_GROUPED]
-    yield from (_said(problem) for problem in problems if problem.kind != NOT_GROUPED)
-    if aside:
-        others = f", and so {len(aside) - 1} more" if len(aside) > 1 else ""
-        yield f"{_said(aside[0])}{others}"
+    """A line for each problem, and one for all that are alike: logs of no joint, joints of few periods."""
+    yield from (_said(problem) for problem in problems if problem.kind not in _TOGETHER)
+    for kind in _TOGETHER:
+        if alike := [problem for problem in problems if problem.kind == kind]:
+            others = f", and so {len(alike) - 1} more" if len(alike) > 1 else ""
+            yield f"{_said(alike[0])}{others}"
 
 
 def _said(problem: FleetProblem) -> str:
@@ -216,9 +220,12 @@ def _diagnosed(
     if suspect.content is not None:  # as the report names it, for its command to be one that can be run
         rig = dataclasses.replace(rig, path=_rig_file(suspect))
     found = diagnose(sample.log(rig), rig, including=including)
+    names = suspect.changed.names
     occasion = (
-        f"Joint {suspect.joint} changed, since {suspect.changes[0].since}, and this is its latest log with"
-        " motion. The page of the fleet says what changed against the past; this one, all that the log shows."
+        f"Joint {suspect.joint} changed, since {suspect.changes[0].since}"
+        + (f", in its {' and '.join(names)}" if names else ", in a way that no coefficient explains")
+        + ". This is its latest log with motion, and what that shows by itself: friction that has grown is no"
+        " effect that a model lacks. The page of the fleet, ../../report.html, compares it with the past."
     )
     source = dataclasses.replace(found.data.source, occasion=occasion)
     return dataclasses.replace(found, data=dataclasses.replace(found.data, source=source))

@@ -21,6 +21,10 @@ _STATUS = (
     f"exit status: 0; {PROBLEMS} if problems.csv names what could not be done, all else is; 2 on bad input"
 )
 _OPTIONS = {"pattern": "--pattern", "rate": "--rate", "workers": "--workers"}
+_WRITTEN = (
+    *("report.html", "fleet.json", "coefficients/", "changes.csv"),
+    *("problems.csv", "joints/", "sums/"),
+)
 _SHOWN = 8
 """Problems printed; all are in problems.csv."""
 
@@ -81,5 +85,6 @@ def run(args: argparse.Namespace) -> int:
     if (more := len(found.warnings) - _SHOWN) > 0:
         print_warnings([f"and {more} more, in problems.csv"])
     print(found.summary())
-    print(f"{args.out}: report.html, fleet.json, coefficients/, changes.csv, problems.csv, joints/, sums/")
+    written = [name for name in _WRITTEN if (args.out / name).exists()]
+    print(f"{args.out}: {', '.join(written)}")
     return PROBLEMS if found.problems else 0

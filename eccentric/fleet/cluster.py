@@ -38,7 +38,7 @@ class Failed(Exception):
 def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
     """Yield a client of the scheduler at an address, or of a cluster of this many processes on this machine.
 
-    Raises InputError if Dask is not installed, or nothing answers at the address.
+    Raises InputError if Dask is not installed, nothing answers at the address, or no worker can be started.
     """
     try:
         distributed, dask = (importlib.import_module(name) for name in ("distributed", "dask"))
@@ -56,15 +56,21 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
     }
     with dask.config.set(settings):
         if scheduler is None:
-            with _without_interrupts():
-                local = distributed.LocalCluster(
-                    n_workers=workers,
-                    threads_per_worker=1,
-                    processes=True,
-                    memory_limit=WORKER_BYTES,
-                    dashboard_address="127.0.0.1:0",
-                    silence_logs=logging.CRITICAL,
-                )
+            try:
+                with _without_interrupts():
+                    local = distributed.LocalCluster(
+                        n_workers=workers,
+                        threads_per_worker=1,
+                        processes=True,
+                        memory_limit=WORKER_BYTES,
+                        dashboard_address="127.0.0.1:0",
+                        silence_logs=logging.CRITICAL,
+                    )
+            except RuntimeError:  # as multiprocessing says it, in each process that reads the script again
+                raise InputError(
+                    "fleet: workers that can be started are required: each reads the script again, so that"
+                    ' calls diagnose_fleet below `if __name__ == "__main__":`'
+                ) from None
             with local as cluster, distributed.Client(cluster) as client:
                 yield client
             return

@@ -7,7 +7,7 @@ import numpy as np
 from eccentric.fleet.drift import level_of
 from eccentric.fleet.limits import LEAST_PERIODS, MOST_SCALE
 from eccentric.fleet.periods import History
-from eccentric.fleet.problems import FleetProblem
+from eccentric.fleet.problems import NOT_TESTED, OTHER_RIG, FleetProblem
 from eccentric.fleet.sums import SCALE
 
 __all__ = ["doubts_of"]
@@ -19,7 +19,7 @@ def doubts_of(history: History) -> list[FleetProblem]:
     count = len(history.periods)
     if 0 < count < LEAST_PERIODS:
         text = f"{LEAST_PERIODS} periods with an answer are required to tell a change, received {count}"
-        found.append(("not tested", text))
+        found.append((NOT_TESTED, text))
     if (level := level_of(history)) <= 0.0:
         text = f"a positive mean friction torque is required, received {level:.3g} N m: a wrong sign?"
         found.append(("no friction", text))
@@ -32,5 +32,5 @@ def doubts_of(history: History) -> list[FleetProblem]:
                 f"inertia and gravity near those of the rig are required, received {scale:.3g} times as much:"
                 " masses, lengths, gear and torque constant of another joint?"
             )
-            found.append(("another rig", text))
+            found.append((OTHER_RIG, text))
     return [FleetProblem(history.joint, "", "", kind, text) for kind, text in found]

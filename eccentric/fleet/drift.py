@@ -23,7 +23,6 @@ from scipy.special import digamma, polygamma
 from scipy.stats import t as student
 
 from eccentric.fleet.limits import (
-    ENOUGH_JOINTS,
     LEAST_CHANGE,
     LEAST_PERIODS,
     LEAST_RANGE_K,
@@ -133,11 +132,10 @@ def series_of(history: History, temperatures: Mapping[str, float]) -> Iterator[S
 def changes(series: Sequence[Series], rate: float) -> list[FleetChange]:
     """The best change of each series, and which count at a false discovery rate."""
     fitted = [_fitted(one) for one in series]
-    every = [fit.null for fit in fitted]
-    own: dict[str, list[tuple[float, int]]] = {}
-    for s, null in zip(series, every, strict=True):
-        own.setdefault(s.name, []).append(null)
-    prior = {name: shrunk(nulls if len(nulls) >= ENOUGH_JOINTS else every) for name, nulls in own.items()}
+    prior = {
+        name: shrunk([f.null for f, s in zip(fitted, series, strict=True) if s.name == name])
+        for name in {s.name for s in series}
+    }
     found = [_best(one, fit, *prior[one.name]) for one, fit in zip(series, fitted, strict=True)]
     called = discovered(np.array([change.p for change in found]), rate)
     return [

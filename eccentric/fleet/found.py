@@ -13,6 +13,7 @@ from eccentric.fleet.limits import EFFECT_PERCENT
 from eccentric.fleet.periods import History
 from eccentric.fleet.problems import NO_RIG, FleetProblem
 from eccentric.fleet.sample import Sample
+from eccentric.fleet.sources import in_order
 from eccentric.rigs import Rig
 
 __all__ = ["Drifting", "Examined", "FleetFound", "Suspect", "drifting_of"]
@@ -152,6 +153,13 @@ class FleetFound:
     def joints(self) -> int:
         """How many joints have a log, or sums of one: those with a rig have a history."""
         return len(self.histories) + sum(problem.kind == NO_RIG for problem in self.problems)
+
+    @property
+    def behind(self) -> dict[str, str]:
+        """Joints that have no answer in the last period of the fleet, each with its own last one."""
+        last = {history.joint: history.periods[-1].period for history in self.histories if history.periods}
+        newest = in_order(last.values())[-1:]
+        return {joint: period for joint, period in last.items() if period not in newest}
 
     @property
     def tested(self) -> int:

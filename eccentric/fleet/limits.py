@@ -70,10 +70,6 @@ LEAST_CHANGE = 0.05
 with thousands of joints the smallest of those would be significant."""
 LEAST_RESIDUAL = 0.15
 """Part by which what the model leaves has to change: sensors differ by less from month to month."""
-ENOUGH_JOINTS = 4
-"""Joints with a coefficient that show how it scatters over periods; in a smaller fleet that is taken from all
-coefficients, by how far each is beyond its own error. In simulated fleets of one or two joints over six
-periods, nine of ten steps of 15 errors are found so, without it four; from six joints on it costs some."""
 MOST_PRIOR = 60.0
 """Degrees of freedom of the fleet's scatter at most: joints are not copies of each other."""
 RATE = 0.01

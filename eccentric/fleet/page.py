@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 _WIDE, _HIGH, _EDGE = 240.0, 90.0, 6.0
 _LEVEL_RIGHT, _LEVEL_HIGH = 850.0, 260.0
+_USUAL = 3
+"""Periods that a joint's friction is compared with, at most."""
 _LABEL_HIGH, _LABELS = 13.0, 16
 """Height of a name beside its line, and the most that fit: the most urgent."""
 
@@ -48,11 +50,17 @@ def fleet_sentence(found: FleetFound) -> str:
     return f"{', '.join(said)}; look first at {first.joint}: {first.what}, since {first.since}."
 
 
-def silent_joints(found: FleetFound) -> str:
-    """Joints of the rigs' table that have no log, in a few words; "" for none."""
-    if not found.silent:
-        return ""
-    return f"{counted(len(found.silent), 'joint')} of the rigs' table without a log ({few(found.silent, 3)})"
+def silent_joints(found: FleetFound) -> list[str]:
+    """Joints of the rigs' table that have no log, and those that have none in the last period."""
+    said: list[str] = []
+    if found.silent:
+        joints = counted(len(found.silent), "joint")
+        said.append(f"{joints} of the rigs' table without a log ({few(found.silent, 3)})")
+    if found.behind:
+        joints = counted(len(found.behind), "joint")
+        last = [f"{joint}: {period}" for joint, period in found.behind.items()]
+        said.append(f"{joints} without an answer in the last period (their last: {few(last, 3)})")
+    return said
 
 
 def _view(found: FleetFound) -> dict[str, Any]:
@@ -69,7 +77,7 @@ def _view(found: FleetFound) -> dict[str, Any]:
         "panels": [_panel(one) for one in found.drifting],
         "levels": _levels(found, periods),
         "problems": found.problems,
-        "silent": silent_joints(found),
+        "silent": "; ".join(silent_joints(found)),
     }
 
 
@@ -144,15 +152,17 @@ def _small(values: Array, reach: Array, since: int) -> dict[str, Any]:
 
 
 def _levels(found: FleetFound, periods: Sequence[str]) -> dict[str, Any]:
-    """The friction of every joint over that of its first periods, those that changed apart."""
+    """The friction of every joint over that of its first periods, of those that changed before they did."""
     drifting = {one.joint: one for one in found.drifting}
     place = {name: k for k, name in enumerate(periods)}
     lines: list[tuple[str, Array, Array]] = []
     for history in found.histories:
         level = np.array([p.friction[0] for p in history.periods])
-        if len(level) >= 2 and np.all(np.isfinite(level)) and level[:3].mean() > 0.0:
-            at = np.array([place[p.period] for p in history.periods], float)
-            lines.append((history.joint, at, level / level[:3].mean()))
+        own = [p.period for p in history.periods]
+        changed = own.index(drifting[history.joint].since) if history.joint in drifting else _USUAL
+        usual = float(level[: min(max(changed, 1), _USUAL)].mean()) if len(level) else 0.0
+        if len(level) >= 2 and np.all(np.isfinite(level)) and usual > 0.0:
+            lines.append((history.joint, np.array([place[name] for name in own], float), level / usual))
     if not lines:
         return {}
     every = np.concatenate([y for _, _, y in lines])

@@ -17,7 +17,7 @@ from eccentric.fleet.drift import FleetChange, changes, series_of
 from eccentric.fleet.found import Examined, FleetFound, Suspect, drifting_of
 from eccentric.fleet.gathered import Plan, Told, gather, gone_of, outdated_of, plan_of, stored_of
 from eccentric.fleet.periods import History, history_of
-from eccentric.fleet.problems import FleetProblem
+from eccentric.fleet.problems import OTHER_RIG, FleetProblem
 from eccentric.fleet.sample import Sample, sample_of
 from eccentric.fleet.sources import LogFile, find
 from eccentric.fleet.store import arrow_of
@@ -69,6 +69,7 @@ def run_fleet(
             said, files = gather(plan, cluster.client, out, told)
             problems += said
         histories: list[History] = []
+        judged: list[History] = []
         gone: list[str] = []
         for done, joint in enumerate(sorted(plan.rigs)):
             own = by_joint.get(joint, [])
@@ -78,11 +79,15 @@ def run_fleet(
             history, said = history_of(joint, stored)
             histories.append(history)
             problems += said
-            problems += doubts_of(history)
+            doubts = doubts_of(history)
+            problems += doubts
+            # Neither its changes mean anything, nor how it scatters.
+            if not any(doubt.kind == OTHER_RIG for doubt in doubts):
+                judged.append(history)
             told((done + 1) / len(plan.rigs), "coefficients")
         heat, said = temperatures_of(histories)
         problems += said
-        tested = changes([one for h in histories for one in series_of(h, heat[h.joint])], request.rate)
+        tested = changes([one for h in judged for one in series_of(h, heat[h.joint])], request.rate)
         called: dict[str, list[FleetChange]] = {}
         for change in tested:
             if change.counts:

@@ -44,7 +44,8 @@ class LogFile:
 def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[FleetProblem]]:
     """The files of a folder or a glob, and those that belong to no joint or period.
 
-    Raises InputError for a folder or glob without any log, and a pattern without {joint} and {period}.
+    Raises InputError for a folder or glob without any log of a joint and a period, and for a pattern without
+    {joint} and {period}.
     """
     match = None if pattern is None else _compiled(pattern)
     root, paths = _listed(logs)
@@ -58,6 +59,9 @@ def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[Fle
             continue
         held = path.stat()
         found.append(LogFile(at["joint"], at["period"], name, path, held.st_size, held.st_mtime_ns))
+    if not found:
+        others = f", and so {len(problems) - 1} more" if len(problems) > 1 else ""
+        raise InputError(f"{logs}: {problems[0].text}{others}")
     return sorted(found), problems
 
 
@@ -65,7 +69,7 @@ def _required(pattern: str | None) -> str:
     if pattern is not None:
         return f"a name like {pattern} is required"
     names = "a --pattern of names such as '{joint}_{period}'"
-    return f"folders joint=... and month=..., or {names}, are required"
+    return f"folders joint=... and month=... (or {', '.join(_TIMES)}), or {names}, are required"
 
 
 def without_suffix(name: str) -> str:

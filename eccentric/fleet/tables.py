@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -65,17 +65,35 @@ def _rows(history: History, period: Period) -> list[dict[str, Any]]:
     ]
 
 
-def changes_csv(changes: Sequence[FleetChange]) -> str:
-    """The content of changes.csv: every test, the most significant first."""
+def changes_csv(changes: Sequence[FleetChange], called: Collection[str]) -> str:
+    """The content of changes.csv: every test, the most significant first.
+
+    `called` are the joints that are said to have changed: coefficients that are alike may trade with each
+    other, which counts, and moves no torque.
+    """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(
-        ["joint", "quantity", "unit", "shape", "since", "before", "after", "part_of_friction", "p", "counts"]
+        [
+            *("joint", "quantity", "unit", "shape", "since", "before", "after", "part_of_friction", "p"),
+            *("counts", "joint_changed"),
+        ]
     )
     for change in sorted(changes, key=lambda c: (c.p, c.series.joint, c.series.name)):
         s = change.series
         numbers = (f"{x:.6g}" for x in (change.before, change.after, change.part, change.p))
-        writer.writerow([s.joint, s.name, s.unit, change.shape, change.since, *numbers, int(change.counts)])
+        writer.writerow(
+            [
+                s.joint,
+                s.name,
+                s.unit,
+                change.shape,
+                change.since,
+                *numbers,
+                int(change.counts),
+                int(s.joint in called),
+            ]
+        )
     return text.getvalue()
 
 
@@ -86,6 +104,7 @@ def document_of(found: FleetFound) -> dict[str, Any]:
         "joints": found.joints,
         "joints_tested": found.tested,
         "joints_without_log": list(found.silent),
+        "joints_behind": found.behind,
         "periods": in_order({p.period for h in found.histories for p in h.periods}),
         "false_discovery_rate": found.rate,
         "tests": len(found.changes),
