@@ -68,8 +68,8 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
                     )
             except RuntimeError:  # as multiprocessing says it, in each process that reads the script again
                 raise InputError(
-                    "fleet: workers that can be started are required: each reads the script again, so that"
-                    ' calls diagnose_fleet below `if __name__ == "__main__":`'
+                    'fleet: a call below `if __name__ == "__main__":` is required, since workers read the script'
+                    " again: none could be started"
                 ) from None
             with local as cluster, distributed.Client(cluster) as client:
                 yield client
