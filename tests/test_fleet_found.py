@@ -184,7 +184,17 @@ def test_a_joint_that_was_not_diagnosed_is_not_called_unexplained(
 
 def test_a_fleet_without_a_judged_joint_is_not_called_unchanged() -> None:
     """No joint has a period with an answer: the sentence says so, instead of "none changed"."""
-    empty = FleetFound((History("J1", (), ()),), (), (), (), 1, 0, (), (), 0.01)
+    empty = FleetFound(
+        histories=(History("J1", (), ()),),
+        changes=(),
+        drifting=(),
+        problems=(),
+        files=1,
+        reused=0,
+        gone=(),
+        without_log=(),
+        rate=0.01,
+    )
     assert "No joint could be tested" in fleet_sentence(empty)
 
 

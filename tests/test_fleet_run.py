@@ -225,24 +225,24 @@ def test_sums_outlive_their_logs_but_not_a_change_of_them(fleet: Path, address: 
 def test_joints_without_a_log_and_reports_of_no_change_are_told_and_gone(
     fleet: Path, address: str, tmp_path: Path
 ) -> None:
-    """A table may hold more joints than have logs; a report that no longer holds goes, a note in it stays."""
+    """A table may hold more joints than have logs; the report of a joint that is found unchanged goes."""
     out = tmp_path / "out"
     shutil.copytree(fleet / "logs" / "joint=J01", tmp_path / "logs" / "joint=J01")
     eccentric.diagnose_fleet(tmp_path / "logs", fleet / "rigs.csv", out, scheduler=address)
     for joint in ("J01", "J02"):
         with whole_folder(out / "joints" / joint, "diagnose") as folder:
             (folder / "report.html").write_text("once")
-        (out / "joints" / f"{joint}.json").write_text("{}")
-    (out / "joints" / "J02" / "mine.txt").write_text("a note")
-    (out / "joints" / "J03").mkdir()
+        for name in (f"{joint}.json", f"{joint}.rig.json"):
+            (out / "joints" / name).write_text("{}")
 
     found = eccentric.diagnose_fleet(tmp_path / "logs", fleet / "rigs.csv", out, scheduler=address)
 
     assert (found.drifting, found.problems) == ((), ())
     assert "11 joints of the rigs' table without a log (J02, J03" in found.summary()
     assert found.document["joints_without_log"] == [f"J{k:02d}" for k in range(2, 13)]
+    # J02 has no log and no sums here: nothing was found of it, and what an earlier run found stays.
     kept = {path.relative_to(out / "joints").as_posix() for path in (out / "joints").rglob("[!.]*")}
-    assert kept == {"J02", "J02/mine.txt", "J03"}
+    assert kept == {"J02", "J02/report.html", "J02.json", "J02.rig.json"}
 
 
 def _joints(out: Path, period: str) -> set[str]:

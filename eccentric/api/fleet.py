@@ -6,11 +6,11 @@ import dataclasses
 import hashlib
 import json
 import os
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from urllib.parse import quote, unquote
+from urllib.parse import quote
 
 from eccentric.api.diagnosed import DiagnosisResult, diagnose
 from eccentric.api.result import Printed
@@ -33,8 +33,8 @@ from eccentric.fleet import (
     document_of,
     fleet_page,
     fleet_sentence,
+    joints_without_logs,
     run_fleet,
-    silent_joints,
     write_coefficients,
 )
 from eccentric.output import own_folder, remove_folder, whole_file, whole_folder
@@ -108,7 +108,8 @@ def diagnose_fleet(
         text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
         (folder / "fleet.json").write_text(text, encoding="utf-8")
         (folder / "report.html").write_text(fleet_page(found), encoding="utf-8")
-    _forget(target, {one.joint for one in found.drifting})
+    if not any(problem.kind == "scheduler" for problem in found.problems):
+        _forget(target, found.unchanged)
     return FleetResult(
         lines=tuple(_lines(found)),
         warnings=tuple(_warnings(found.problems)),
@@ -158,7 +159,7 @@ def _lines(found: FleetFound) -> list[str]:
     if found.gone:
         gone = f"{counted(len(found.gone), 'log')} no longer there still count ({few(found.gone, 3)})"
         read += f"; the sums of {gone}: to drop them, delete the joint's folder in sums/"
-    read = "; ".join([read, *silent_joints(found)])
+    read = "; ".join([read, *joints_without_logs(found)])
     lines = [
         f"{d.joint}: {d.what}, since {d.since}; {d.size}; error {d.before:.3g} -> {d.after:.3g} {d.unit}"
         for d in found.drifting
@@ -271,14 +272,20 @@ def _kept(
     return word
 
 
-def _forget(out: Path, changed: Collection[str]) -> None:
-    """Remove the reports of joints that an earlier run called changed and this one does not."""
-    for place in sorted((out / "joints").glob("*/")):
-        if unquote(place.name) not in changed and (word := place.with_name(f"{place.name}.json")).is_file():
-            with suppress(InputError):  # somebody stands in it
-                remove_folder(place, "diagnose")
-                word.unlink()
+def _forget(out: Path, unchanged: Iterable[str]) -> None:
+    """Remove the reports of joints that an earlier run called changed and this one has found unchanged.
+
+    The word of the diagnosis goes last, so that a run that is ended meanwhile leaves the rest to the next.
+    A folder that cannot be removed stays: nothing else depends on it.
+    """
+    for joint in unchanged:
+        place = out / "joints" / quote(joint, safe=" ")
+        if (word := place.with_name(f"{place.name}.json")).is_file():
+            with suppress(InputError, OSError):
+                if place.is_dir():
+                    remove_folder(place, "diagnose")
                 place.with_name(f"{place.name}.rig.json").unlink(missing_ok=True)
+                word.unlink()
 
 
 def _known(out: Path, suspect: Suspect) -> Examined | None:

@@ -13,7 +13,6 @@ anything half written; 141 if the reader of a pipe has closed it.
 import argparse
 import ast
 import os
-import signal
 import sys
 import textwrap
 import warnings
@@ -62,7 +61,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     escape_unprintable()
     formatwarning, warnings.formatwarning = warnings.formatwarning, _one_line_warning
     try:
-        with ended_by_signals():
+        with ended_by_signals(to_the_end=argv is None):
             if argv is None and "_ARGCOMPLETE" in os.environ:  # set by the shell while it completes
                 _complete()
             parsed = _parser(arguments).parse_args(arguments)
@@ -74,8 +73,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     except Ended as ended:
         return _complain(f"ended by {ended}", 128 + ended.number)
     except KeyboardInterrupt as interrupt:
-        if argv is None:  # the process ends now, and Dask cleans up to the last
-            signal.signal(signal.SIGINT, signal.SIG_IGN)
         return _complain(": ".join(["interrupted", *map(str, interrupt.args)]), 130)
     except BrokenPipeError:
         nobody_reads()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import eccentric
 from eccentric.cli.arguments import bar, options, print_warnings
-from eccentric.output import own_folder
+from eccentric.output import Ended, own_folder
 
 NAME = "fleet"
 HELP = "reduce the logs of a fleet to friction coefficients by joint and period, and find what changed where"
@@ -63,6 +63,8 @@ def _interrupted() -> Iterator[None]:
     """Add to Ctrl-C how to go on."""
     try:
         yield
+    except Ended:
+        raise
     except KeyboardInterrupt:
         raise KeyboardInterrupt("what is done is kept, and the same command goes on from there") from None
 

@@ -22,7 +22,7 @@ from eccentric.fleet.cluster import connected
 from eccentric.fleet.found import Drifting, Examined, FleetFound, Suspect
 from eccentric.fleet.gathered import gather, plan_of
 from eccentric.fleet.limits import RATE
-from eccentric.fleet.page import fleet_page, fleet_sentence, silent_joints
+from eccentric.fleet.page import fleet_page, fleet_sentence, joints_without_logs
 from eccentric.fleet.problems import NOT_GROUPED, NOT_TESTED, UNREAD, FleetProblem, as_csv
 from eccentric.fleet.run import FleetRequest, run_fleet
 from eccentric.fleet.sample import Sample
@@ -50,8 +50,8 @@ __all__ = [
     "fleet_page",
     "fleet_sentence",
     "gather",
+    "joints_without_logs",
     "plan_of",
     "run_fleet",
-    "silent_joints",
     "write_coefficients",
 ]

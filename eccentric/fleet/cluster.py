@@ -68,8 +68,8 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
                     )
             except RuntimeError:  # as multiprocessing says it, in each process that reads the script again
                 raise InputError(
-                    'fleet: a call below `if __name__ == "__main__":` is required, since workers read the script'
-                    " again: none could be started"
+                    'fleet: a call below `if __name__ == "__main__":` is required, since workers read the'
+                    " script again: none could be started"
                 ) from None
             with local as cluster, distributed.Client(cluster) as client:
                 yield client

@@ -25,7 +25,7 @@ _KINDS = {
     "friction": "friction",
     "inertia": "inertia",
     "scale": "gain of the drive signal, or the load carried",
-    "offset": "offset of the drive signal, a constant load, or Coulomb friction that differs by direction",
+    "offset": "offset of the drive signal, or a constant load",
 }
 _NO_COEFFICIENT = "a change that no coefficient explains"
 NOT_FRICTION = frozenset({"scale", "offset", "inertia"})
@@ -134,9 +134,9 @@ class Drifting:
 class FleetFound:
     """What a run found: the histories of all joints, tests, joints that drift (most urgent first), problems.
 
-    This run read `files` logs, of which
-    `problems` names those without sums; the sums of `reused` others were there, and those of `gone` count
-    though these logs are no longer there. `silent` joints have a rig of their own in a table, and no log.
+    This run read `files` logs, of which `problems` names those without sums; the sums of `reused` others were
+    there, and those of `gone` count though these logs are no longer there. `without_log` are joints of the
+    table of rigs that have neither a log nor sums.
     """
 
     histories: tuple[History, ...]
@@ -146,7 +146,7 @@ class FleetFound:
     files: int
     reused: int
     gone: tuple[str, ...]
-    silent: tuple[str, ...]
+    without_log: tuple[str, ...]
     rate: float
 
     @property
@@ -160,6 +160,12 @@ class FleetFound:
         last = {history.joint: history.periods[-1].period for history in self.histories if history.periods}
         newest = in_order(last.values())[-1:]
         return {joint: period for joint, period in last.items() if period not in newest}
+
+    @property
+    def unchanged(self) -> list[str]:
+        """Joints that were tested and are not among those that changed."""
+        tested = {change.series.joint for change in self.changes}
+        return sorted(tested - {one.joint for one in self.drifting})
 
     @property
     def tested(self) -> int:

@@ -28,8 +28,10 @@ Told = Callable[[float, str], None]
 class Plan:
     """What has to be done: jobs by joint, the joints' rigs with their content and digests, problems so far.
 
-    `reused` counts the files whose sums are there.
+    `joints` are those with logs or sums; `reused` counts the files whose sums are there.
     """
+
+    joints: frozenset[str] = frozenset()
 
     jobs: dict[str, list[Job]] = field(default_factory=dict)
     rigs: dict[str, Rig] = field(default_factory=dict)
@@ -52,7 +54,8 @@ def plan_of(logs: Iterable[LogFile], rigs: Assigned, out: Path) -> Plan:
     plan = Plan()
     logs = list(logs)
     there: dict[str, set[Key]] = {}
-    for joint in sorted({*(log.joint for log in logs), *joints_of(out)}):
+    plan.joints = frozenset({*(log.joint for log in logs), *joints_of(out)})
+    for joint in sorted(plan.joints):
         try:
             rig, content = rigs.rig(joint), rigs.content(joint)
             require_rig(rig)

@@ -15,7 +15,7 @@ from eccentric.fleet.found import Drifting, FleetFound
 from eccentric.fleet.sources import in_order
 from eccentric.report import number, rendered
 
-__all__ = ["fleet_page", "fleet_sentence", "silent_joints"]
+__all__ = ["fleet_page", "fleet_sentence", "joints_without_logs"]
 
 Array = NDArray[np.float64]
 
@@ -50,12 +50,12 @@ def fleet_sentence(found: FleetFound) -> str:
     return f"{', '.join(said)}; look first at {first.joint}: {first.what}, since {first.since}."
 
 
-def silent_joints(found: FleetFound) -> list[str]:
-    """Joints of the rigs' table that have no log, and those that have none in the last period."""
+def joints_without_logs(found: FleetFound) -> list[str]:
+    """In words: joints of the rigs' table that have no log, and those that have none in the last period."""
     said: list[str] = []
-    if found.silent:
-        joints = counted(len(found.silent), "joint")
-        said.append(f"{joints} of the rigs' table without a log ({few(found.silent, 3)})")
+    if found.without_log:
+        joints = counted(len(found.without_log), "joint")
+        said.append(f"{joints} of the rigs' table without a log ({few(found.without_log, 3)})")
     if found.behind:
         joints = counted(len(found.behind), "joint")
         last = [f"{joint}: {period}" for joint, period in found.behind.items()]
@@ -77,7 +77,7 @@ def _view(found: FleetFound) -> dict[str, Any]:
         "panels": [_panel(one) for one in found.drifting],
         "levels": _levels(found, periods),
         "problems": found.problems,
-        "silent": "; ".join(silent_joints(found)),
+        "without_logs": "; ".join(joints_without_logs(found)),
     }
 
 

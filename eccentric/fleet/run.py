@@ -116,7 +116,7 @@ def run_fleet(
         files,
         plan.reused,
         tuple(gone),
-        tuple(joint for joint in rigs.joints if joint not in {*by_joint, *plan.rigs}),
+        tuple(joint for joint in rigs.joints if joint not in plan.joints),
         request.rate,
     )
 

@@ -120,10 +120,10 @@ def _compiled(pattern: str):  # noqa: ANN202 - a function from a name to its par
         raise InputError(f"pattern: {{joint}} and {{period}}, each once, are required, received {pattern!r}")
     text = "".join(f"(?P<{p}>.+?)" if k % 2 else re.escape(p) for k, p in enumerate(parts))
     form = re.compile(text)
-    whole = without_suffix(pattern) != pattern
+    has_suffix = without_suffix(pattern) != pattern
 
     def match(name: str) -> Mapping[str, str]:
-        found = form.fullmatch(name if whole else without_suffix(name))
+        found = form.fullmatch(name if has_suffix else without_suffix(name))
         return {} if found is None else found.groupdict()
 
     return match

@@ -103,7 +103,7 @@ def document_of(found: FleetFound) -> dict[str, Any]:
         "format": "eccentric-fleet/1",
         "joints": found.joints,
         "joints_tested": found.tested,
-        "joints_without_log": list(found.silent),
+        "joints_without_log": list(found.without_log),
         "joints_behind": found.behind,
         "periods": in_order({p.period for h in found.histories for p in h.periods}),
         "false_discovery_rate": found.rate,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import threading
 import time
@@ -14,7 +15,7 @@ _SIGNALS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGINT
 
 
 CLEANING_S = 10.0
-"""After an interrupt, others are ignored for so long: they would end the cleaning, not the run sooner."""
+"""After a signal, others are ignored for so long [s]: they would end the cleaning, not the run sooner."""
 
 
 class Ended(KeyboardInterrupt):
@@ -30,22 +31,31 @@ class Ended(KeyboardInterrupt):
 
 
 @contextmanager
-def ended_by_signals() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP raise `Ended` in the main thread, in this block, and SIGINT its exception once.
+def ended_by_signals(*, to_the_end: bool = False) -> Iterator[None]:
+    """In this block, let SIGTERM and SIGHUP raise `Ended` in the main thread, and SIGINT KeyboardInterrupt.
 
-    One that is ignored (nohup) or handled by somebody else stays so. Does nothing in other threads.
+    For `CLEANING_S` after one, others are ignored. A signal that is ignored from before (nohup) or handled by
+    somebody else stays so. Does nothing in other threads.
+
+    Args:
+        to_the_end: the process ends with the block, and what it has imported may still have to clean up: the
+            handlers stay, and after a signal Ctrl-C is ignored.
     """
-    quiet = [n for n in _SIGNALS if signal.getsignal(n) is signal.SIG_DFL and n != signal.SIGINT]
-    before: list[tuple[int, Callable[..., Any] | int]] = [(n, signal.SIG_DFL) for n in quiet]
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        before.append((signal.SIGINT, signal.default_int_handler))
-    before = before if _is_main() else []
+    every = [(number, signal.getsignal(number)) for number in _SIGNALS] if _is_main() else []
+    own = (signal.SIG_DFL, signal.default_int_handler)
+    before = [(number, handler) for number, handler in every if handler is not None and handler in own]
+    end = _ending()
     try:
         for number, _ in before:
-            signal.signal(number, _once() if number == signal.SIGINT else _end)
+            signal.signal(number, end)
         yield
+    except KeyboardInterrupt:
+        if to_the_end and before:  # a handler is gone before the interpreter is
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        raise
     finally:
-        _give_back(before)
+        if not to_the_end:
+            _give_back(before)
 
 
 @contextmanager
@@ -72,21 +82,17 @@ def held() -> Iterator[None]:
             signal.raise_signal(number)
 
 
-def _end(number: int, _: object) -> None:
-    raise Ended(number)
+def _ending() -> Callable[[int, object], None]:
+    """A handler of all signals that raises, but not again while what it ended cleans up."""
+    last = -math.inf
 
-
-def _once() -> Callable[[int, object], None]:
-    """A handler that raises KeyboardInterrupt, but not again while what it ended cleans up."""
-    last = -CLEANING_S
-
-    def interrupt(_number: int, _frame: object) -> None:
+    def end(number: int, _frame: object) -> None:
         nonlocal last
         if (now := time.monotonic()) - last >= CLEANING_S:
             last = now
-            raise KeyboardInterrupt
+            raise KeyboardInterrupt if number == signal.SIGINT else Ended(number)
 
-    return interrupt
+    return end
 
 
 def _is_main() -> bool:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from eccentric.errors import InputError
 from eccentric.output.folders import folder_to_write, listed_in, mark, own_folder, require_free
-from eccentric.output.swap import files, is_folder, swap
+from eccentric.output.swap import MARKER, files, is_folder, swap
 from eccentric.output.workshop import alone, tidy, workshop
 from eccentric.places import given_path
 
@@ -92,12 +91,16 @@ def remove_folder(path: str | os.PathLike[str], command: str) -> None:
 
     Raises:
         InputError: as `whole_folder`.
+        OSError: a folder cannot be removed.
     """
     with whole_folder(path, command):
         pass
     target = own_folder(path)
     if not files(target):
-        shutil.rmtree(target)
+        (target / MARKER).unlink(missing_ok=True)
+        # Only empty folders: another run may have written here meanwhile.
+        for folder, _, _ in os.walk(target, topdown=False):
+            Path(folder).rmdir()
 
 
 def _appears(target: Path, new: Path, command: str) -> bool:
