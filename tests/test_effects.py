@@ -221,3 +221,15 @@ def test_a_setting_without_range_is_refused() -> None:
     """A range that is not positive is named."""
     with pytest.raises(ValueError, match="w_max: a value above 0 is required"):
         dataclasses.replace(setting("C1", warm=False), w_max=0.0)
+
+
+def test_an_offset_of_the_drives_sensor_is_said_where_it_looks_like_coulomb_friction() -> None:
+    """With current and voltage it is an effect of its own; with one of them, or a torque, it is the same."""
+    offset = "or an offset of the drive's sensor"
+    both = {"current", "voltage"}
+    for channels, by_voltage in ((both, False), ({"current"}, False), (set[str](), False), (both, True)):
+        given = {"channels": frozenset(channels), "by_voltage": by_voltage}
+        found = library(dataclasses.replace(setting("C1", warm=False), **given))
+        (words,) = (e.words for e in found if e.family == "coulomb_asymmetry")
+
+        assert (offset in words.headline) == (by_voltage or channels != both)

@@ -123,6 +123,19 @@ def test_where_the_motor_turns_too_little_it_is_not_offered() -> None:
         assert offered == any(e.family == "nonsynchronous_friction" for e in found)
 
 
+@pytest.mark.parametrize("turns", [1.3, 2.2, 9.0])
+def test_its_order_is_searched_no_nearer_than_half_a_cycle_to_any_harmonic(turns: float) -> None:
+    """Neither to the one below nor to the one above, and within half a cycle of where it stands out."""
+    (shape,) = next(
+        e.shapes
+        for e in library(replace(setting("C1", warm=False), mu=1.0, turns=turns, orders=(3.48,)))
+        if e.family == "nonsynchronous_friction"
+    )
+    assert (shape.low, shape.high) == pytest.approx(
+        (max(3.48 - 0.5 / turns, 3.0 + 0.5 / turns), min(3.48 + 0.5 / turns, 4.0 - 0.5 / turns))
+    )
+
+
 @every_case
 def test_it_follows_the_strongest_order_that_is_no_harmonic(case: str) -> None:
     """Harmonics and orders beyond the range are passed over; without any other it is not offered."""

@@ -37,7 +37,7 @@ DRY_OR_OFFSET = replace(
     DRY,
     headline="Coulomb friction that differs between the directions, or an offset of the drive's sensor",
     meaning="Dry friction that differs by direction (a tilted bearing, seal or brush), or an offset of the"
-    " sensor of current or torque: in motion they are the same.",
+    " sensor of the drive: in motion they are the same.",
 )
 VISCOUS = Words(
     headline="viscous friction that differs between the directions",
@@ -49,6 +49,8 @@ VISCOUS = Words(
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """Coulomb and viscous asymmetry, written with gates: at rest they add nothing, like the sign of 0."""
     forward, backward = Forward(omega_m), Backward(omega_m)
+    # With current and voltage, the offset of the current sensor is an effect of its own.
+    twice = setting.has("current", "voltage") and not setting.by_voltage
     dry = addition(
         "coulomb_asymmetry",
         [(C, forward + backward)],
@@ -58,7 +60,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference=REFERENCE,
         aliases=() if setting.has("voltage") else ("current_bias",),
         special_of=("cable_spring",),
-        words=DRY if setting.has("voltage") else DRY_OR_OFFSET,
+        words=DRY if twice else DRY_OR_OFFSET,
     )
     viscous = addition(
         "viscous_asymmetry",

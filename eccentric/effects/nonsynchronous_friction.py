@@ -42,11 +42,12 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     if found is None:
         return ()
     cosine, sine = harmonic(order.symbol)
-    half, nearest = 0.5 / setting.turns, _nearest(found, setting)
-    least = APART / setting.turns
+    half, least = 0.5 / setting.turns, APART / setting.turns
+    below = [own for own in _harmonics(setting) if own < found]
+    above = [own for own in _harmonics(setting) if own > found]
     span = (
-        max(found - half, nearest + least) if nearest < found else found - half,
-        min(found + half, nearest - least) if nearest > found else found + half,
+        max([found - half, *(own + least for own in below)]),
+        min([found + half, *(own - least for own in above)]),
     )
     effect = addition(
         "nonsynchronous_friction",
@@ -65,10 +66,10 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 def _own(nu: float, setting: Setting) -> bool:
     """Whether an order is within the range, and no harmonic of motor or link."""
-    return LOWEST <= nu <= HIGHEST and abs(nu - _nearest(nu, setting)) > APART / setting.turns
+    least = APART / setting.turns
+    return LOWEST <= nu <= HIGHEST and all(abs(nu - own) > least for own in _harmonics(setting))
 
 
-def _nearest(nu: float, setting: Setting) -> float:
-    """The harmonic of motor or link that an order is nearest to."""
-    harmonics = [*map(float, MOTOR_ORDERS), *(n * setting.mu for n in LINK_ORDERS)]
-    return min(harmonics, key=lambda own: abs(nu - own))
+def _harmonics(setting: Setting) -> list[float]:
+    """The orders of motor and link, per turn of the motor."""
+    return [*map(float, MOTOR_ORDERS), *(n * setting.mu for n in LINK_ORDERS)]

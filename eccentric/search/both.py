@@ -1,7 +1,8 @@
 """The search on both balances: what one of them shows is taken out of the other.
 
 The electrical balance comes first, so that what a current sensor's bias or delay adds to the mechanical
-balance can be subtracted there. An angle that is read wrongly shows in both: its velocity is wrong, and the
+balance can be subtracted there. An effect that both show is estimated from both, beside the largest of what
+else the mechanical balance shows. An angle that is read wrongly shows in both: its velocity is wrong, and the
 back-EMF varies over a turn as with a ripple of the flux. In the electrical balance both have the same
 columns, so the mechanical balance decides; the search then begins again without what the misread angle adds.
 It decides too where the circuit cannot tell an effect that has a torque from one that has another, or none.
@@ -15,8 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from eccentric.search.attribution import Search
-from eccentric.search.candidate import Candidate, Variant
-from eccentric.search.joint import BothBalances
+from eccentric.search.candidate import Candidate, Variant, bounds_of
+from eccentric.search.joint import Beside, BothBalances
 from eccentric.search.limits import CONFIRMED, LEAST_DEVIANCE, POSSIBLE, TINY_COLUMN
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
@@ -25,6 +26,8 @@ from eccentric.signals import BalanceDesign
 __all__ = ["search_all"]
 
 Array = np.ndarray
+_HIDES = 2.0
+"""Factor on what is left by which an effect counts as large: noise of twice the power hides little."""
 _MOST_BESIDE = 2
 """Mechanical effects beside which one of both balances is estimated: each costs a search."""
 
@@ -58,17 +61,18 @@ def search_all(
     electrical = searched(circuit)
     misread = _misread(electrical.screen, electrical.best, mechanical, candidates)
     if misread is None:
-        corrected, held = _corrected(mechanical, electrical), None
+        corrected, held = _corrected(mechanical, electrical), ()
         found = searched(corrected, also=_of_the_flux(electrical))
         for count in range(1, _MOST_BESIDE + 1):
             beside = _beside(found, electrical)
             if _in_the_circuit(found, circuit) is not None or len(beside) < count:
                 break
-            held = np.hstack(beside[:count])
-            again = _corrected(mechanical, electrical, held)
+            trial = replace(electrical)
+            again = _corrected(mechanical, trial, beside[:count])
             if not _differs(again, corrected, found):
                 break
-            corrected, found = again, searched(again, also=_of_the_flux(electrical))
+            corrected, held, electrical.best = again, beside[:count], trial.best
+            found = searched(again, also=_of_the_flux(electrical))
         misread = _in_the_circuit(found, circuit)
         if misread is None:
             for place, family in _doubtful(electrical):
@@ -219,40 +223,41 @@ def _spans(columns: Array, others: Array) -> bool:
     return bool(np.linalg.norm(left) < TINY_COLUMN * np.linalg.norm(others))
 
 
-def _beside(mechanical: Search, electrical: Search) -> list[Array]:
-    """The columns (rows, k) of mechanical effects that an effect of both balances is estimated beside.
+def _beside(mechanical: Search, electrical: Search) -> list[Beside]:
+    """The mechanical effects that an effect of both balances is estimated beside, the largest first.
 
     What the mechanical balance lacks counts as noise there, and a large effect hides what the torque says.
-    The largest comes first: what is small may be a part of that torque, and go with a better estimate. None
-    where no effect of both balances was found.
+    What is small may be a part of that torque, and go with a better estimate. There are none without an
+    effect of both balances; effects on the flux, and those that change the base, are left out.
     """
     if not any(v.candidate.joint and v.candidate.also is not None for v in electrical.best.variants):
         return []
     ids = {variant.candidate.id for variant in electrical.best.variants}
     screen, best = mechanical.screen, mechanical.best
-    own = [v for v in best.variants if v.candidate.id not in ids]
-    own.sort(key=lambda v: -screen.fit([other for other in best.variants if other is not v]).score)
-    return [screen.columns(v) for v in own]
+    own = [v for v in best.variants if v.candidate.id not in ids and not v.candidate.joint]
+    left = {v.key: screen.fit([other for other in best.variants if other is not v]).score for v in own}
+    large = [v for v in own if left[v.key] > _HIDES * best.score]
+    large.sort(key=lambda v: -left[v.key])
+    made = [(v, screen.columns(v)) for v in large]
+    return [(columns, bounds_of(v.candidate, columns.shape[1])) for v, columns in made if columns.size]
 
 
 def _differs(new: BalanceDesign, old: BalanceDesign, found: Search) -> bool:
-    """Whether a corrected target differs by more than the noise of what was found leaves open."""
+    """Whether two corrected targets differ by more than the noise explains."""
     change = new.target - old.target
     variance = found.best.score / found.screen.effective(found.best)
     return bool(change @ change > CONFIRMED * variance)
 
 
-def _corrected(balance: BalanceDesign, electrical: Search, beside: Array | None = None) -> BalanceDesign:
+def _corrected(balance: BalanceDesign, electrical: Search, beside: Sequence[Beside] = ()) -> BalanceDesign:
     """The mechanical target without what effects found in the electrical balance add to it.
 
-    An effect that both balances measure is estimated from both; `beside`: columns of effects that were found
-    in the mechanical balance, which it lacks else.
+    An effect that both balances measure is estimated from both, `beside` effects of the mechanical one.
     """
     target, best = balance.target, electrical.best
     found = electrical.screen.own(best)
     if any(variant.candidate.joint for variant in best.variants):
-        none = np.empty((len(target), 0))
-        joint = BothBalances(electrical.screen, best, balance, none if beside is None else beside)
+        joint = BothBalances(electrical.screen, best, balance, beside)
         found = joint.run()
         electrical.best = best = electrical.screen.fit(joint.variants)
     for variant, own in zip(best.variants, found, strict=True):

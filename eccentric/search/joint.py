@@ -13,22 +13,25 @@ from eccentric.search.refinement import refined
 from eccentric.search.screen import Fitted, Screen
 from eccentric.signals import BalanceDesign
 
-__all__ = ["BothBalances"]
+__all__ = ["Beside", "BothBalances"]
 
 Array = np.ndarray
+Beside = tuple[Array, Array]
+"""Columns of a mechanical effect (rows, k), and the lower bounds of their coefficients (k,)."""
 
 
 class BothBalances:
     """The variants of the electrical balance on both balances, each weighted by what a fit leaves in it.
 
-    The mechanical base is free, and so are the columns `beside` it (rows, k), of effects that were found
-    there; what all of these lack counts as noise.
+    The mechanical base is free, and so are the effects `beside` it; what all of these lack counts as noise.
     """
 
-    def __init__(self, screen: Screen, found: Fitted, mechanical: BalanceDesign, beside: Array) -> None:
+    def __init__(
+        self, screen: Screen, found: Fitted, mechanical: BalanceDesign, beside: Sequence[Beside]
+    ) -> None:
         self._screen, self._mechanical = screen, mechanical
-        self._base = np.hstack([mechanical.columns, beside])
-        self._lower = np.r_[mechanical.lower, np.full(beside.shape[1], -np.inf)]
+        self._base = np.hstack([mechanical.columns, *(columns for columns, _ in beside)])
+        self._lower = np.concatenate([mechanical.lower, *(lower for _, lower in beside)])
         self.variants = list(found.variants)
         # Coefficients of its own in each balance: the weights do not depend on how well the shapes agree.
         design, target = np.hstack([self._also(self.variants), self._base]), mechanical.target

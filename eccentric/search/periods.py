@@ -28,13 +28,14 @@ def standing_orders(
 
     Harmonics of motor and link are taken out, since on a short log they spread over the spectrum. That leaves
     nothing within a cycle of each, which over a few turns is everywhere. So the strongest order of all comes
-    first, a harmonic or not: only what gravity may leave is taken out for it.
+    first, a harmonic or not: only the first orders of the link, which gravity leaves, are taken out for it.
 
     Args:
         theta_m, omega_m: motor angle [rad], from one zero, and velocity [rad/s] (samples,).
         residual: what the model does not explain (samples,) [N m].
         harmonics: orders of motor and link.
-        gravity: those of them that gravity leaves where its load is not quite the model's.
+        gravity: those of them that gravity leaves where its load is not quite the model's; friction at them
+            is taken out as well.
     """
     if not len(theta_m):
         return 0.0, ()
