@@ -10,7 +10,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import partial
 from multiprocessing import get_context
@@ -126,17 +125,17 @@ def run(job: Job, folder: Path) -> Result:
 
 
 def measured(quick: bool, first: int = FIRST_SEED) -> Part:
-    """Run all jobs, one per processor, and the long one by itself."""
+    """Run all jobs, one per processor, and the long ones one after another; each in a process of its own."""
     listed, results, left_out = list(jobs(quick, first)), [], []
     long = [job for job in listed if job.kind == "long"]
     with tempfile.TemporaryDirectory() as folder:
-        with ProcessPoolExecutor() as pool:
-            for result in pool.map(partial(run, folder=Path(folder)), listed[: -len(long)]):
+        # A process that has diagnosed other logs has kept some of their memory.
+        with get_context("spawn").Pool(maxtasksperchild=1) as pool:
+            for result in pool.imap(partial(run, folder=Path(folder)), listed[: -len(long)]):
                 results.append(result)
                 progress(f"diagnosis: {len(results)} of {len(listed)} logs")
-        # Each in a process of its own, which has no other log's memory.
-        with ProcessPoolExecutor(1, get_context("spawn"), max_tasks_per_child=1) as pool:
-            slow = list(pool.map(partial(run, folder=Path(folder)), long))
+        with get_context("spawn").Pool(1, maxtasksperchild=1) as pool:
+            slow = list(pool.imap(partial(run, folder=Path(folder)), long))
         progress("diagnosis: PySINDy")
         try:
             said = sparse_columns.answers(Path(folder))
