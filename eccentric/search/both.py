@@ -18,7 +18,7 @@ import numpy as np
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant, bounds_of
 from eccentric.search.joint import Beside, BothBalances
-from eccentric.search.limits import CONFIRMED, LEAST_DEVIANCE, POSSIBLE, TINY_COLUMN
+from eccentric.search.limits import CONFIRMED, HIDES, LEAST_DEVIANCE, MOST_BESIDE, POSSIBLE, TINY_COLUMN
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
 from eccentric.signals import BalanceDesign
@@ -26,10 +26,6 @@ from eccentric.signals import BalanceDesign
 __all__ = ["search_all"]
 
 Array = np.ndarray
-_HIDES = 2.0
-"""Factor on what is left by which an effect counts as large: noise of twice the power hides little."""
-_MOST_BESIDE = 2
-"""Mechanical effects beside which one of both balances is estimated: each costs a search."""
 
 
 def search_all(
@@ -63,7 +59,7 @@ def search_all(
     if misread is None:
         corrected, held = _corrected(mechanical, electrical), ()
         found = searched(corrected, also=_of_the_flux(electrical))
-        for count in range(1, _MOST_BESIDE + 1):
+        for count in range(1, MOST_BESIDE + 1):
             beside = _beside(found, electrical)
             if _in_the_circuit(found, circuit) is not None or len(beside) < count:
                 break
@@ -236,7 +232,7 @@ def _beside(mechanical: Search, electrical: Search) -> list[Beside]:
     screen, best = mechanical.screen, mechanical.best
     own = [v for v in best.variants if v.candidate.id not in ids and not v.candidate.joint]
     left = {v.key: screen.fit([other for other in best.variants if other is not v]).score for v in own}
-    large = [v for v in own if left[v.key] > _HIDES * best.score]
+    large = [v for v in own if left[v.key] > HIDES * best.score]
     large.sort(key=lambda v: -left[v.key])
     made = [(v, screen.columns(v)) for v in large]
     return [(columns, bounds_of(v.candidate, columns.shape[1])) for v, columns in made if columns.size]

@@ -29,6 +29,7 @@ __all__ = [
     "FOLDS",
     "FORMS_OF_A_PATCH",
     "GRAVITY_ORDERS",
+    "HIDES",
     "INSIDE",
     "IN_A_DRAW",
     "IN_PLACE",
@@ -51,6 +52,7 @@ __all__ = [
     "LINK_ORDERS",
     "LOSS_TOLERANCE",
     "LOWEST_BAND_HZ",
+    "MOST_BESIDE",
     "MOST_EFFECTS",
     "MOST_KEPT",
     "MOST_LAGS",
@@ -183,6 +185,13 @@ UNEXPLAINED_OVER_RUNS = 0.15
 has yet to predict those held out."""
 EXTRAPOLATED = 4.0
 """A block counts for nothing if a smooth term multiplies its loss by this: it had to extrapolate there."""
+
+# Effects that both balances show.
+
+HIDES = 2.0
+"""Factor on what is left by which an effect counts as large: noise of twice the power hides little."""
+MOST_BESIDE = 2
+"""Mechanical effects beside which one of both balances is estimated: each costs a search."""
 
 # Orders of the motor that stand out.
 
