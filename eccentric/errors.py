@@ -40,6 +40,11 @@ def counted(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
+def so_more(number: int) -> str:
+    """What follows a message that holds for so many others as well: ", and so 2 more", or nothing."""
+    return f", and so {number} more" if number else ""
+
+
 def few(names: Iterable[object], most: int = 12) -> str:
     """Join the names for a message: the first few, and how many more there are."""
     shown = [str(name) for name in names]

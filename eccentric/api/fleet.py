@@ -15,11 +15,12 @@ from urllib.parse import quote
 from eccentric.api.diagnosed import DiagnosisResult, diagnose
 from eccentric.api.result import Printed
 from eccentric.api.tables import ResultTable
-from eccentric.errors import InputError, counted, few
+from eccentric.errors import InputError, counted, few, so_more
 from eccentric.fleet import (
     NOT_GROUPED,
     NOT_TESTED,
     RATE,
+    SCHEDULER,
     UNREAD,
     Drifting,
     Examined,
@@ -44,6 +45,7 @@ __all__ = ["FleetResult", "diagnose_fleet"]
 
 _COMMAND = "fleet"
 _TOGETHER = (NOT_GROUPED, NOT_TESTED)
+"""Kinds of problems that are said once for all that have them."""
 _LABELS = frozenset({"path", "name", "warnings"})
 """What a rig is called and what is said of it: no diagnosis depends on them."""
 
@@ -108,7 +110,7 @@ def diagnose_fleet(
         text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
         (folder / "fleet.json").write_text(text, encoding="utf-8")
         (folder / "report.html").write_text(fleet_page(found), encoding="utf-8")
-    if not any(problem.kind == "scheduler" for problem in found.problems):
+    if not any(problem.kind == SCHEDULER for problem in found.problems):
         _forget(target, found.unchanged)
     return FleetResult(
         lines=tuple(_lines(found)),
@@ -172,8 +174,7 @@ def _warnings(problems: Sequence[FleetProblem]) -> Iterator[str]:
     yield from (_said(problem) for problem in problems if problem.kind not in _TOGETHER)
     for kind in _TOGETHER:
         if alike := [problem for problem in problems if problem.kind == kind]:
-            others = f", and so {len(alike) - 1} more" if len(alike) > 1 else ""
-            yield f"{_said(alike[0])}{others}"
+            yield f"{_said(alike[0])}{so_more(len(alike) - 1)}"
 
 
 def _said(problem: FleetProblem) -> str:

@@ -21,10 +21,7 @@ _STATUS = (
     f"exit status: 0; {PROBLEMS} if problems.csv names what could not be done, all else is; 2 on bad input"
 )
 _OPTIONS = {"pattern": "--pattern", "rate": "--rate", "workers": "--workers"}
-_WRITTEN = (
-    *("report.html", "fleet.json", "coefficients/", "changes.csv"),
-    *("problems.csv", "joints/", "sums/"),
-)
+_WRITTEN = ["report.html", "fleet.json", "coefficients/", "changes.csv", "problems.csv", "joints/", "sums/"]
 _SHOWN = 8
 """Problems printed; all are in problems.csv."""
 

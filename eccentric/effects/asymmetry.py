@@ -49,8 +49,6 @@ VISCOUS = Words(
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """Coulomb and viscous asymmetry, written with gates: at rest they add nothing, like the sign of 0."""
     forward, backward = Forward(omega_m), Backward(omega_m)
-    # With current and voltage, the offset of the current sensor is an effect of its own.
-    twice = setting.has("current", "voltage") and not setting.by_voltage
     dry = addition(
         "coulomb_asymmetry",
         [(C, forward + backward)],
@@ -60,7 +58,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference=REFERENCE,
         aliases=() if setting.has("voltage") else ("current_bias",),
         special_of=("cable_spring",),
-        words=DRY if twice else DRY_OR_OFFSET,
+        # Beside a voltage, the offset of the current sensor is an effect of its own.
+        words=DRY if setting.measured_twice else DRY_OR_OFFSET,
     )
     viscous = addition(
         "viscous_asymmetry",

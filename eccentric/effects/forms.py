@@ -137,10 +137,9 @@ def of_flux(
         replace(term, name=f"{term.name}_emf", basis=emf * basis)
         for term, (_, basis) in zip(terms, columns, strict=True)
     )
-    twice = setting.has("current", "voltage") and not setting.by_voltage
     return replace(
         effect,
-        balance="electrical" if twice else "mechanical",
+        balance="electrical" if setting.measured_twice else "mechanical",
         change=replace(effect.change, terms={"mechanical": terms, "electrical": circuit}),
     )
 

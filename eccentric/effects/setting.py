@@ -75,6 +75,11 @@ class Setting:
         """The unit of an angle of the link, or of the screw of a carriage, which is never one of length."""
         return "rad" if self.base.axis.wraps else "radian"
 
+    @property
+    def measured_twice(self) -> bool:
+        """Whether the circuit is a balance of its own: a voltage beside the measured current."""
+        return self.has("current", "voltage") and not self.by_voltage
+
     def has(self, *channels: str) -> bool:
         """Whether all of these channels are logged."""
         return set(channels) <= self.channels

@@ -23,7 +23,7 @@ from eccentric.fleet.found import Drifting, Examined, FleetFound, Suspect
 from eccentric.fleet.gathered import gather, plan_of
 from eccentric.fleet.limits import RATE
 from eccentric.fleet.page import fleet_page, fleet_sentence, joints_without_logs
-from eccentric.fleet.problems import NOT_GROUPED, NOT_TESTED, UNREAD, FleetProblem, as_csv
+from eccentric.fleet.problems import NOT_GROUPED, NOT_TESTED, SCHEDULER, UNREAD, FleetProblem, as_csv
 from eccentric.fleet.run import FleetRequest, run_fleet
 from eccentric.fleet.sample import Sample
 from eccentric.fleet.sources import find
@@ -33,6 +33,7 @@ __all__ = [
     "NOT_GROUPED",
     "NOT_TESTED",
     "RATE",
+    "SCHEDULER",
     "UNREAD",
     "Assigned",
     "Drifting",

@@ -164,13 +164,12 @@ class FleetFound:
     @property
     def unchanged(self) -> list[str]:
         """Joints that were tested and are not among those that changed."""
-        tested = {change.series.joint for change in self.changes}
-        return sorted(tested - {one.joint for one in self.drifting})
+        return sorted(self.tested - {one.joint for one in self.drifting})
 
     @property
-    def tested(self) -> int:
-        """How many of them could be tested for a change."""
-        return len({change.series.joint for change in self.changes})
+    def tested(self) -> frozenset[str]:
+        """Joints that could be tested for a change."""
+        return frozenset(change.series.joint for change in self.changes)
 
 
 def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:

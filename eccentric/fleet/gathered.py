@@ -11,7 +11,7 @@ from eccentric.errors import InputError
 from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.cluster import Failed, SchedulerLost, spread, threads_of
 from eccentric.fleet.limits import PART_FILES
-from eccentric.fleet.problems import NO_RIG, FleetProblem
+from eccentric.fleet.problems import NO_RIG, SCHEDULER, FleetProblem
 from eccentric.fleet.sources import LogFile, in_order, without_suffix
 from eccentric.fleet.store import Key, Stored, joints_of, keys, read, recipe_of, write
 from eccentric.fleet.sums import require_rig
@@ -32,7 +32,6 @@ class Plan:
     """
 
     joints: frozenset[str] = frozenset()
-
     jobs: dict[str, list[Job]] = field(default_factory=dict)
     rigs: dict[str, Rig] = field(default_factory=dict)
     contents: dict[str, Mapping[str, Any] | None] = field(default_factory=dict)
@@ -109,7 +108,7 @@ def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[FleetPr
                 told(done / total, "sums")
         except SchedulerLost as error:
             text = f"a scheduler with workers is required to the end, {total - done} of {total} files to do"
-            problems.append(FleetProblem("", "", "", "scheduler", f"{text} ({error}): start again to go on"))
+            problems.append(FleetProblem("", "", "", SCHEDULER, f"{text} ({error}): start again to go on"))
         finally:
             for joint in list(made):
                 put(joint)

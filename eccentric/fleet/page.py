@@ -36,8 +36,8 @@ def fleet_sentence(found: FleetFound) -> str:
     """The result in one sentence."""
     if not found.tested:
         return "No joint could be tested for a change: problems.csv says why."
-    joints = counted(found.tested, "joint")
-    if untested := found.joints - found.tested:
+    joints = counted(len(found.tested), "joint")
+    if untested := found.joints - len(found.tested):
         joints += f" ({untested} more not tested: problems.csv says why)"
     worn = [one for one in found.drifting if not one.sensor]
     others = len(found.drifting) - len(worn)

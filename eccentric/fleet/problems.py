@@ -7,7 +7,16 @@ import io
 from collections.abc import Iterable
 from dataclasses import astuple, dataclass, fields
 
-__all__ = ["NOT_GROUPED", "NOT_TESTED", "NO_RIG", "OTHER_RIG", "UNREAD", "FleetProblem", "as_csv"]
+__all__ = [
+    "NOT_GROUPED",
+    "NOT_TESTED",
+    "NO_RIG",
+    "OTHER_RIG",
+    "SCHEDULER",
+    "UNREAD",
+    "FleetProblem",
+    "as_csv",
+]
 
 NOT_GROUPED = "not grouped"
 """Kind of the problem of a file that belongs to no joint or period."""
@@ -17,6 +26,8 @@ OTHER_RIG = "another rig"
 """Kind of the problem of a joint whose inertia and gravity are not those of its rig."""
 NOT_TESTED = "not tested"
 """Kind of the problem of a joint with too few periods."""
+SCHEDULER = "scheduler"
+"""Kind of the problem of a run whose scheduler went away."""
 UNREAD = frozenset({"worker", "cannot be used"})
 """Kinds of problems of a file that has no sums."""
 

@@ -17,7 +17,7 @@ from eccentric.fleet.drift import FleetChange, changes, series_of
 from eccentric.fleet.found import Examined, FleetFound, Suspect, drifting_of
 from eccentric.fleet.gathered import Plan, Told, gather, gone_of, outdated_of, plan_of, stored_of
 from eccentric.fleet.periods import History, history_of
-from eccentric.fleet.problems import OTHER_RIG, FleetProblem
+from eccentric.fleet.problems import OTHER_RIG, SCHEDULER, FleetProblem
 from eccentric.fleet.sample import Sample, sample_of
 from eccentric.fleet.sources import LogFile, find
 from eccentric.fleet.store import arrow_of
@@ -102,7 +102,7 @@ def run_fleet(
         ]
         examined = {s.joint: word for s in suspects if (word := known(s)) is not None}
         left = [suspect for suspect in suspects if suspect.joint not in examined]
-        lost = any(problem.kind == "scheduler" for problem in problems)
+        lost = any(problem.kind == SCHEDULER for problem in problems)
         if left and not lost:
             said = _examined(left, cluster.client, examine, keep, examined, told)
             problems += said
@@ -155,7 +155,7 @@ def _examined(
             told(done / len(left), "diagnoses")
     except SchedulerLost as error:
         text = f"a scheduler with workers is required until the diagnoses are done ({error})"
-        problems.append(FleetProblem("", "", "", "scheduler", f"{text}: start again to go on"))
+        problems.append(FleetProblem("", "", "", SCHEDULER, f"{text}: start again to go on"))
     return problems
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from glob import glob
 from pathlib import Path
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, so_more
 from eccentric.fleet.problems import NOT_GROUPED, FleetProblem
 from eccentric.places import given_path
 
@@ -60,8 +60,7 @@ def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[Fle
         held = path.stat()
         found.append(LogFile(at["joint"], at["period"], name, path, held.st_size, held.st_mtime_ns))
     if not found:
-        others = f", and so {len(problems) - 1} more" if len(problems) > 1 else ""
-        raise InputError(f"{logs}: {problems[0].text}{others}")
+        raise InputError(f"{logs}: {problems[0].text}{so_more(len(problems) - 1)}")
     return sorted(found), problems
 
 

@@ -65,6 +65,21 @@ def _rows(history: History, period: Period) -> list[dict[str, Any]]:
     ]
 
 
+_CHANGES = [
+    "joint",
+    "quantity",
+    "unit",
+    "shape",
+    "since",
+    "before",
+    "after",
+    "part_of_friction",
+    "p",
+    "counts",
+    "joint_changed",
+]
+
+
 def changes_csv(changes: Sequence[FleetChange], called: Collection[str]) -> str:
     """The content of changes.csv: every test, the most significant first.
 
@@ -73,27 +88,12 @@ def changes_csv(changes: Sequence[FleetChange], called: Collection[str]) -> str:
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(
-        [
-            *("joint", "quantity", "unit", "shape", "since", "before", "after", "part_of_friction", "p"),
-            *("counts", "joint_changed"),
-        ]
-    )
+    writer.writerow(_CHANGES)
     for change in sorted(changes, key=lambda c: (c.p, c.series.joint, c.series.name)):
         s = change.series
         numbers = (f"{x:.6g}" for x in (change.before, change.after, change.part, change.p))
-        writer.writerow(
-            [
-                s.joint,
-                s.name,
-                s.unit,
-                change.shape,
-                change.since,
-                *numbers,
-                int(change.counts),
-                int(s.joint in called),
-            ]
-        )
+        what = (s.joint, s.name, s.unit, change.shape, change.since)
+        writer.writerow([*what, *numbers, int(change.counts), int(s.joint in called)])
     return text.getvalue()
 
 
@@ -102,7 +102,7 @@ def document_of(found: FleetFound) -> dict[str, Any]:
     return {
         "format": "eccentric-fleet/1",
         "joints": found.joints,
-        "joints_tested": found.tested,
+        "joints_tested": len(found.tested),
         "joints_without_log": list(found.without_log),
         "joints_behind": found.behind,
         "periods": in_order({p.period for h in found.histories for p in h.periods}),

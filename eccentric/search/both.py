@@ -63,7 +63,7 @@ def search_all(
             beside = _beside(found, electrical)
             if _in_the_circuit(found, circuit) is not None or len(beside) < count:
                 break
-            trial = replace(electrical)
+            trial = replace(electrical)  # taken over only with the search that goes with it
             again = _corrected(mechanical, trial, beside[:count])
             if not _differs(again, corrected, found):
                 break

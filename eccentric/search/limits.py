@@ -195,6 +195,8 @@ MOST_BESIDE = 2
 
 # Orders of the motor that stand out.
 
+GRAVITY_ORDERS = 3
+"""Harmonics of the link that gravity leaves where mass, angle or torque constant are not quite the rig's."""
 BINS_PER_TURN = 64
 """Bins of the motor angle per turn: eight for a period of the highest order that is looked for."""
 PADDED = 4
@@ -261,8 +263,6 @@ PIECES = {
 """Pieces of the splines of smooth terms: what friction has over speed is steepest, what it has over a
 temperature is nearly a line; "direction" is what differs between the directions over speed, "slope" the
 viscous friction over time."""
-GRAVITY_ORDERS = 3
-"""Harmonics of the link that gravity leaves where mass, angle or torque constant are not quite the rig's."""
 MOTOR_ORDERS, LINK_ORDERS = 8, 12
 """Highest orders per turn of smooth terms: cogging has the number of poles, a gear and its link more."""
 KNOTS = 0.002, 0.998
