@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,7 +17,7 @@ import pytest
 
 from eccentric import cli
 from eccentric.errors import InputError
-from eccentric.output import Ended, ended_by_signals, locks, whole_file, whole_folder, workshop
+from eccentric.output import locks, whole_file, whole_folder, workshop
 from eccentric.virtual_bench import write
 from tests.kills import ROOT, at_each_step, left_by
 
@@ -88,19 +87,6 @@ def test_a_hangup_that_is_ignored_stays_ignored(tmp_path: Path) -> None:
 
     assert own.is_dir()
     assert (143, "eccentric: ended by SIGTERM\n") == stopped(process, signal.SIGTERM)
-
-
-def test_a_second_signal_is_ignored_while_the_first_is_obeyed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whichever of them it is: it would end the cleaning. Later on, one is obeyed again."""
-    monkeypatch.setattr("eccentric.output.interrupts.CLEANING_S", 0.2)
-    with ended_by_signals():
-        with pytest.raises(KeyboardInterrupt):
-            signal.raise_signal(signal.SIGINT)
-        signal.raise_signal(signal.SIGINT)
-        signal.raise_signal(signal.SIGTERM)
-        time.sleep(0.25)
-        with pytest.raises(Ended):
-            signal.raise_signal(signal.SIGTERM)
 
 
 def test_handlers_are_those_from_before(capsys: pytest.CaptureFixture[str]) -> None:

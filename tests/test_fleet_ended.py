@@ -42,7 +42,8 @@ def test_ctrl_c_is_one_line(fleet: Path, tmp_path: Path, seconds: float) -> None
         time.sleep(0.1)
     _, error = run.communicate(timeout=60)
 
-    assert run.returncode == 130
+    # Python itself may end by the last of them: to a shell both are 130.
+    assert run.returncode in {130, -signal.SIGINT}
     assert error.splitlines() == [
         "eccentric: interrupted: what is done is kept, and the same command goes on from there"
     ]

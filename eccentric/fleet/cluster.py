@@ -13,12 +13,13 @@ import signal
 import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
 from eccentric.errors import InputError
 from eccentric.fleet.limits import AHEAD, ALIVE_S, CONNECT, DEATHS, KEPT_BYTES, WORKER_BYTES, WORKERLESS_S
+from eccentric.output import held
 
 __all__ = ["Failed", "SchedulerLost", "connected", "spread", "threads_of"]
 
@@ -71,8 +72,14 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
                     'fleet: a call below `if __name__ == "__main__":` is required, since workers read the'
                     " script again: none could be started"
                 ) from None
-            with local as cluster, distributed.Client(cluster) as client:
-                yield client
+            # Ctrl-C in a callback of the garbage collector would be printed and lost.
+            distributed.gc.disable_gc_diagnosis(force=True)
+            closing = ExitStack()
+            try:
+                yield closing.enter_context(distributed.Client(closing.enter_context(local)))
+            finally:
+                with held():  # Dask does not close a second time what was interrupted
+                    closing.close()
             return
         for name in ("distributed.client", "distributed.core"):
             logging.getLogger(name).setLevel(logging.CRITICAL)

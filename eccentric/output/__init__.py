@@ -21,7 +21,7 @@ one line, and two that move files into one folder within the same milliseconds a
 """
 
 from eccentric.output.folders import MARKER, folder_to_write, own_folder
-from eccentric.output.interrupts import Ended, ended_by_signals
+from eccentric.output.interrupts import Ended, ended_by_signals, held
 from eccentric.output.printed import UNREAD, escape_unprintable, nobody_reads, show
 from eccentric.output.whole import remove_folder, whole_file, whole_files, whole_folder
 from eccentric.output.workshop import workshop
@@ -33,6 +33,7 @@ __all__ = [
     "ended_by_signals",
     "escape_unprintable",
     "folder_to_write",
+    "held",
     "nobody_reads",
     "own_folder",
     "remove_folder",

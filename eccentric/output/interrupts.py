@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import signal
 import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 # SIGINT last: `held` gives the handlers back in this order, and that of SIGINT is the one that raises most.
 _SIGNALS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGINT") if hasattr(signal, name))
-
-
-CLEANING_S = 10.0
-"""After a signal, others are ignored for so long [s]: they would end the cleaning, not the run sooner."""
 
 
 class Ended(KeyboardInterrupt):
@@ -32,30 +26,26 @@ class Ended(KeyboardInterrupt):
 
 @contextmanager
 def ended_by_signals(*, to_the_end: bool = False) -> Iterator[None]:
-    """In this block, let SIGTERM and SIGHUP raise `Ended` in the main thread, and SIGINT KeyboardInterrupt.
+    """Let SIGTERM and SIGHUP raise `Ended` in the main thread, in this block.
 
-    For `CLEANING_S` after one, others are ignored. A signal that is ignored from before (nohup) or handled by
-    somebody else stays so. Does nothing in other threads.
+    One that is ignored (nohup) or handled by somebody else stays so. Does nothing in other threads.
 
     Args:
-        to_the_end: the process ends with the block, and what it has imported may still have to clean up: the
-            handlers stay, and after a signal Ctrl-C is ignored.
+        to_the_end: the process ends with the block, and what it has imported may still have to clean up:
+            after a signal, Ctrl-C is ignored from then on.
     """
-    every = [(number, signal.getsignal(number)) for number in _SIGNALS] if _is_main() else []
-    own = (signal.SIG_DFL, signal.default_int_handler)
-    before = [(number, handler) for number, handler in every if handler is not None and handler in own]
-    end = _ending()
+    quiet = [n for n in _SIGNALS if signal.getsignal(n) is signal.SIG_DFL and n != signal.SIGINT]
+    before = [(number, signal.SIG_DFL) for number in quiet] if _is_main() else []
     try:
         for number, _ in before:
-            signal.signal(number, end)
+            signal.signal(number, _end)
         yield
     except KeyboardInterrupt:
-        if to_the_end and before:  # a handler is gone before the interpreter is
+        if to_the_end and _is_main():
             signal.signal(signal.SIGINT, signal.SIG_IGN)
         raise
     finally:
-        if not to_the_end:
-            _give_back(before)
+        _give_back(before)
 
 
 @contextmanager
@@ -82,17 +72,8 @@ def held() -> Iterator[None]:
             signal.raise_signal(number)
 
 
-def _ending() -> Callable[[int, object], None]:
-    """A handler of all signals that raises, but not again while what it ended cleans up."""
-    last = -math.inf
-
-    def end(number: int, _frame: object) -> None:
-        nonlocal last
-        if (now := time.monotonic()) - last >= CLEANING_S:
-            last = now
-            raise KeyboardInterrupt if number == signal.SIGINT else Ended(number)
-
-    return end
+def _end(number: int, _: object) -> None:
+    raise Ended(number)
 
 
 def _is_main() -> bool:
