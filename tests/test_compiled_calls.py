@@ -1,5 +1,6 @@
 """Calls of compiled functions: whatever is given, the answer is that of the NumPy module, bit for bit."""
 
+import gc
 import shutil
 import sys
 from collections.abc import Callable, Iterator
@@ -233,12 +234,19 @@ def test_calls_keep_nothing() -> None:
             with pytest.raises((TypeError, ValueError)):
                 f(*wrong)
 
-    calls()
-    before = [sys.getrefcount(one) for one in kept]
-    for _ in range(50):
-        calls()
-    after = [sys.getrefcount(one) for one in kept]
+    # What else runs in this process (threads of other tests, cycles that wait for their collection) moves the counts
+    # of `None` and of the dtypes by itself, in either direction. A reference that is kept shows in every round.
+    def growth() -> list[int]:
+        gc.collect()
+        before = [sys.getrefcount(one) for one in kept]
+        for _ in range(50):
+            calls()
+        gc.collect()
+        return [sys.getrefcount(one) - early for one, early in zip(kept, before, strict=True)]
 
-    assert all(abs(late - early) < 25 for early, late in zip(before, after, strict=True))
+    calls()
+    rounds = np.array([growth() for _ in range(4)])
+    assert np.all(rounds.min(axis=0) < 25), rounds
+    assert np.all(rounds.max(axis=0) > -25), rounds
     assert sys.getrefcount(np.float64(1.0)) == sys.getrefcount(f(1.0, 2.0)) == sys.getrefcount(f(1.0, 2.0, p))
     assert sys.getrefcount(np.empty(5)) == sys.getrefcount(f(x, y)) == sys.getrefcount(g(x, y))
