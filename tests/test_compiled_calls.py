@@ -234,8 +234,8 @@ def test_calls_keep_nothing() -> None:
             with pytest.raises((TypeError, ValueError)):
                 f(*wrong)
 
-    # What else runs in this process (threads of other tests, cycles that wait for their collection) moves the counts
-    # of `None` and of the dtypes by itself, in either direction. A reference that is kept shows in every round.
+    # What else runs in this process (threads of other tests, cycles that wait for their collection) moves the
+    # counts of `None` and of the dtypes, in either direction. A reference that is kept shows in every round.
     def growth() -> list[int]:
         gc.collect()
         before = [sys.getrefcount(one) for one in kept]

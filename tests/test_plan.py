@@ -335,6 +335,19 @@ def test_more_mass_is_told_where_it_helps_and_where_not(contest: Separation, mor
     assert any(line.startswith(words) for line in said)
 
 
+def test_rivals_that_are_the_same_torque_are_told_as_such(contest: Separation) -> None:
+    """One effect under two names: no motion decides, and none has to; two that differ are not the same."""
+    first = replace(contest.rivals[0], chance=0.5)
+    twins = replace(contest.question, rivals=(first, replace(first, family="twin")))
+    words = f"{first.family} and twin predict the same torque on log and motion"
+
+    plan = planned(twins, read_bounds(LIMITS))
+    assert plan.same == ((first.family, "twin"),)
+    assert plan.probability == pytest.approx(0.0, abs=1e-6)
+    assert any(line.startswith(words) for line in plan_lines(plan))
+    assert planned(contest.question, read_bounds(LIMITS)).same == ()
+
+
 def test_the_command_prints_what_is_open(
     tied: tuple[dict[str, np.ndarray], dict[str, object]],
     found: Diagnosis,

@@ -33,6 +33,7 @@ __all__ = [
     "RATE_HZ",
     "RESCALED",
     "REST_S",
+    "SAME_TORQUE",
     "SLOWER",
     "SLOWEST_OF",
     "SPEED_FILTER_HZ",
@@ -110,6 +111,8 @@ LEAST_CHANCE = 1e-3
 UNDECIDED = (2.0 * VARIANTS_AGREE) ** 2
 """Expected deviance at which a verdict names the true one of two in half of the logs. Rivals that a log left
 open although its noise should have shown more differ by more than noise: their evidence is worth less."""
+SAME_TORQUE = 1.0
+"""Deviance over log and motion below which two rivals predict the same torque: noise moves it by more."""
 DECIDES = 0.9
 """Probability from which a plan is said to decide."""
 WORTH_A_RUN = 0.5

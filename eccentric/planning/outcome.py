@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import combinations, groupby
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from eccentric.planning.bounds import FORCE, Bounds
 from eccentric.planning.chance import Pairs, expected
 from eccentric.planning.choice import chosen
 from eccentric.planning.heavier import Heavier, with_more_mass
-from eccentric.planning.limits import DECIDES, HARDLY, RATE_HZ, UNDECIDED, WORTH_A_RUN
+from eccentric.planning.limits import DECIDES, HARDLY, RATE_HZ, SAME_TORQUE, UNDECIDED, WORTH_A_RUN
 from eccentric.planning.motion import Reference, joined
 from eccentric.planning.question import Question, question_of
 from eccentric.planning.rivals import Rival
@@ -38,6 +38,7 @@ class MeasurementPlan:
         parts: what the motion does, in words.
         bounds: its limits.
         apart: (true family, other family) -> twice the expected log-likelihood ratio, log included.
+        same: pairs of families that predict the same torque on log and motion, whichever is true.
         probability: that the new log decides between the rivals; None for one alone.
         heavier: the same with another mass on the link, where the motion is not enough and there is a mass.
         narrower: of one alone: coefficient -> expected standard error over that on the log.
@@ -52,6 +53,7 @@ class MeasurementPlan:
     parts: tuple[str, ...]
     bounds: Bounds
     apart: Pairs
+    same: tuple[tuple[str, str], ...]
     probability: float | None
     heavier: Heavier | None
     narrower: dict[str, float]
@@ -94,6 +96,11 @@ def planned(
         names = _names(question, rivals[0])
         narrower = {name: float(x) for name, x in zip(names, after / before, strict=False)}
     chances = {rival.family: rival.chance for rival in rivals}
+    same = tuple(
+        (one, other)
+        for (one, other) in combinations([rival.family for rival in rivals], 2)
+        if max(apart[one, other], apart[other, one]) < SAME_TORQUE
+    )
     worth = {pair: 1.0 / max(1.0, separation.by_names(*pair, [separation.log]) / UNDECIDED) for pair in apart}
     apart = {pair: d * worth[pair] for pair, d in apart.items()}
     probability = None if alone else expected(apart, chances)
@@ -108,6 +115,7 @@ def planned(
         parts=tuple(segment.words for segment in segments),
         bounds=bounds,
         apart=apart,
+        same=same,
         probability=probability,
         heavier=heavier,
         narrower=narrower,
@@ -150,6 +158,11 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         )
         if plan.probability < WORTH_A_RUN:
             said.append("No motion within the limits is likely to decide.")
+        said += [
+            f"{one} and {other} predict the same torque on log and motion, whichever is true:"
+            " for a drive within these limits, a model with either will do."
+            for one, other in plan.same
+        ]
         if (more := plan.heavier) is not None:
             kg = f"{more.added_kg:.2g} kg more on the link"
             said.append(
@@ -203,6 +216,7 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
         "deviance": [
             {"true": truth, "other": other, "expected": value} for (truth, other), value in plan.apart.items()
         ],
+        "same_torque": [list(pair) for pair in plan.same],
         "relative_std_error": plan.narrower,
         "heavier": None if plan.heavier is None else vars(plan.heavier),
         "otherwise": plan.otherwise,
