@@ -32,7 +32,7 @@ def log(python: Any, count: int, seed: int, dtype: Any) -> list[np.ndarray]:
         return [inputs[name].astype(dtype) for name in python.INPUTS]
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("compiler", ["gcc", pytest.param("clang", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("name", MODELS)
 def test_same_bits(tmp_path: Path, name: str, dtype: Any, compiler: str) -> None:

@@ -27,7 +27,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 @both_reals
 @pytest.mark.parametrize("compiler", ["gcc-O2-fma", "clang", "gcc-sanitized"])
-@pytest.mark.parametrize("name", JOINTS)
+@pytest.mark.parametrize("name", ["planar_2r", pytest.param("six_joints", marks=pytest.mark.slow)])
 def test_the_selftest_holds(folders: dict[str, Path], name: str, compiler: str, real: str) -> None:
     """Bits of the NumPy module, in every function and array function."""
     need(*HOSTS[compiler])

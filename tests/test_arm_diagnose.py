@@ -74,6 +74,7 @@ def test_more_joints_have_more_chances(stribeck: ArmDiagnosisResult) -> None:
     assert pytest.approx(24.0 + 2.0 * np.log(2.0)) == stribeck.diagnosis.required
 
 
+@pytest.mark.slow
 def test_nothing_is_named_where_nothing_is_missing() -> None:
     """Coulomb and viscous friction alone, bodies open."""
     found = diagnosed(plain, joints={"inertial": "open"})

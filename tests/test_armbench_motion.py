@@ -96,9 +96,20 @@ def test_drives_follow_their_reference() -> None:
 
 @pytest.mark.parametrize(
     "effect",
-    ["stribeck@1", "coulomb_asymmetry@2", "gear_efficiency@1", "kt_ripple[n=2]@2", "local_defect@2",
-     "hidden_thermal_drift@1"],
-)  # fmt: skip
+    [
+        "stribeck@1",
+        "kt_ripple[n=2]@2",
+        *(
+            pytest.param(other, marks=pytest.mark.slow)
+            for other in (
+                "coulomb_asymmetry@2",
+                "gear_efficiency@1",
+                "local_defect@2",
+                "hidden_thermal_drift@1",
+            )
+        ),
+    ],
+)
 def test_an_effect_is_in_its_joint_alone_and_of_its_size(effect: str) -> None:
     """Its torque there is the strength times that joint's friction, to 3 %; the other joint's stays."""
     control, bare = trace(drawn_arm_scenario(9))

@@ -36,7 +36,8 @@ def chosen(precision: str, text: str) -> list[str]:
 
 @pytest.mark.parametrize("precision", REAL)
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow if "seven" in name else ()) for name in ARMS]
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow if len(ARMS[name].joints) > 2 else ()) for name in ARMS],
 )
 def test_c_has_the_bits_of_numpy(name: str, precision: str, tmp_path: Path) -> None:
     """Every result of every function, on motions over several turns."""

@@ -22,6 +22,7 @@ def declared(rig: Path, *left_out: str, **factors: float) -> Path:
     return rig
 
 
+@pytest.mark.slow
 def test_a_wrong_k_i_is_named_with_its_right_value(tmp_path: Path) -> None:
     """The one thing missing is k_i, at the value that made the log, whatever it was declared as."""
     log, rig = log_of(tmp_path, 9004, log_type="traj")

@@ -125,9 +125,7 @@ def effects(setting):
     assert (out / "model.py").is_file()
 
 
-@pytest.mark.parametrize(
-    "number", [1, pytest.param(2, marks=pytest.mark.slow), 3, pytest.param(4, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("number", [1, *(pytest.param(k, marks=pytest.mark.slow) for k in (2, 3, 4))])
 def test_shared_examples_come_out_as_their_truth(number: int) -> None:
     """The development logs are diagnosed as their sealed truth says."""
     log = SHARED / f"example{number}.csv.gz"

@@ -177,6 +177,7 @@ def test_the_mechanical_balance_decides_what_a_voltage_is(
     assert expected == {name: adopted(search) for name, search in found.items()}
 
 
+@pytest.mark.slow
 def test_a_planted_one_is_named_with_its_size(tmp_path: Path) -> None:
     """On a bench log it is the only name, though the voltage alone would show a ripple of the flux."""
     scenario = drawn_scenario(97200, case="C2", mu=0.2, effects=["encoder_eccentricity[motor]"], strength=0.1)

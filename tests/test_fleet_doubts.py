@@ -17,6 +17,7 @@ pytestmark = pytest.mark.filterwarnings(
 )
 
 
+@pytest.mark.slow
 def test_a_joint_with_the_rig_of_another_is_not_judged_and_a_late_one_is_told(tmp_path: Path) -> None:
     """A wrong rig takes a joint out of the tests, and changes those of no other; a missing month is said."""
     eccentric.bench_fleet(tmp_path / "fleet", joints=4, months=6, degrading=1, bad_sensors=0, seconds=30.0)

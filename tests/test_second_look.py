@@ -9,6 +9,7 @@ from eccentric.virtual_bench import simulate
 from tests.virtual import drawn_scenario
 
 
+@pytest.mark.slow
 def test_a_load_is_that_of_the_friction_beside_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     """Losses of a gear are named and sized as planted; with the friction of a first fit they are not."""
     scenario = drawn_scenario(

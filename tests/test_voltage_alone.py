@@ -15,6 +15,7 @@ from tests.identified import FILTERED, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Array, Friction, Swing, log_of, sines, write_rig, write_runs
 
 DRAG = 2e-4
+SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("with_drag", "with_load")]
 
 
 def drag(_: Array, omega: Array) -> Array:
@@ -52,6 +53,7 @@ def control(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
     return diagnosed(tmp_path_factory.mktemp("control"))
 
 
+@pytest.mark.slow
 def test_drag_is_named_from_the_voltage_alone(with_drag: Diagnosis) -> None:
     """The effect is named alone, its coefficient within three standard errors."""
     assert "named" == with_drag.attribution.verdict
@@ -125,7 +127,7 @@ def test_a_fit_that_is_stopped_too_early_says_so(
     assert not any("converged" in warning for warning in with_load.warnings)
 
 
-@pytest.mark.parametrize("name", ["with_drag", pytest.param("with_load", marks=pytest.mark.slow), "control"])
+@pytest.mark.parametrize("name", [*SLOW, "control"])
 def test_rig_is_identified_beside_the_effect(name: str, request: pytest.FixtureRequest) -> None:
     """Scale, back-EMF and inertia of the extended model are those of the rig, effect or not."""
     found: Diagnosis = request.getfixturevalue(name)
@@ -139,6 +141,7 @@ def test_rig_is_identified_beside_the_effect(name: str, request: pytest.FixtureR
     assert said["R/k_i"]["unit"] == "V/(N m)"
 
 
+@pytest.mark.slow
 def test_errors_in_volts_are_those_in_newton_metres_by_the_scale(with_drag: Diagnosis) -> None:
     """Newton metres count all rows, volts those with the motor on: a part p of the rows.
 
@@ -158,7 +161,7 @@ def test_errors_in_volts_are_those_in_newton_metres_by_the_scale(with_drag: Diag
     assert volts["extended"] < 1.05 * 0.05 < volts["paper"]
 
 
-@pytest.mark.parametrize("name", ["with_drag", pytest.param("with_load", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", SLOW)
 def test_free_swings_are_predicted_by_the_same_friction(name: str, request: pytest.FixtureRequest) -> None:
     """With the motor off the extended friction is all there is: the error falls to that of the encoder."""
     found: Diagnosis = request.getfixturevalue(name)
@@ -170,6 +173,7 @@ def test_free_swings_are_predicted_by_the_same_friction(name: str, request: pyte
     assert free_error["extended"] < Swing().J * step * (2.0 * np.pi * 25.0) ** 2
 
 
+@pytest.mark.slow
 def test_each_run_is_predicted_better_from_the_others(with_drag: Diagnosis) -> None:
     """Left out as a whole, most runs gain by the planted effect, clearly over all of them."""
     over = with_drag.score.over_runs
