@@ -14,11 +14,13 @@ from eccentric.drafting import Draft, Proposal, RigLine, draft_of, draft_of_arm,
 from eccentric.errors import InputError, MissingValueError, few
 from eccentric.fitting import fit as fit_channels
 from eccentric.fitting import fit_sentence
+from eccentric.joints import arm_fit_lines
+from eccentric.joints import fit_arm as fit_joints
 from eccentric.logs import Log
 from eccentric.model import load_model, with_numbers
 from eccentric.output import whole_file
-from eccentric.rigs import Rig, knowns_of, read_rig, rig_complaints
-from eccentric.signals import Channels, Finding, beside_the_rig, read_channels
+from eccentric.rigs import Rig, arm_rig_complaints, knowns_of, names_arm, read_rig, rig_complaints
+from eccentric.signals import Channels, Finding, beside_the_rig, read_channels, read_long_joints
 
 __all__ = ["RigCheck", "RigDraft", "check_rig", "draft_rig"]
 
@@ -142,12 +144,14 @@ def _same_columns(logs: Sequence[Log]) -> Log:
 
 
 def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any]) -> RigCheck:
-    """Check a rig file, alone and against logs, and list all that is wrong at once.
+    """Check a rig file, of a drive or of an arm, alone and against logs, and list all that is wrong at once.
 
     Raises:
         InputError: a log or the file cannot be read at all.
     """
     read = read_logs(logs)
+    if names_arm(rig):
+        return _checked_arm(read, rig)
     found, rest = rig_complaints(rig)
     usable = read_rig(rest)
     usable = _named(usable, rig)
@@ -164,6 +168,23 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
     asked, estimated, warnings = (axis.told(lines, own) for lines in (asked, estimated, warnings))
     found += [line for line in asked if line not in found]
     return RigCheck(tuple(found), () if found else estimated, warnings)
+
+
+def _checked_arm(logs: Sequence[Log], source: str | os.PathLike[str] | Mapping[str, Any]) -> RigCheck:
+    """The same for the rig of an arm: its columns joint by joint, then a fit of all of them."""
+    found, rig = arm_rig_complaints(source)
+    for joint in () if rig is None else rig.joints:
+        found += [line for log in logs for line in log_complaints(joint, log, None) if line not in found]
+    if rig is None or found:
+        return RigCheck(tuple(found), (), ())
+    try:
+        fit = fit_joints(read_long_joints(logs, rig), rig, names_of(logs), lambda _: None)
+    except InputError as error:
+        return RigCheck((str(error),), (), ())
+    head, *lines = arm_fit_lines(fit)
+    if not fit.fits_the_rig:
+        return RigCheck((f"{rig.path}: {lines[-1]}",), (), fit.warnings)
+    return RigCheck((), (head, *lines), fit.warnings)
 
 
 def _named(rig: Rig, source: object) -> Rig:

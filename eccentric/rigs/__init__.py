@@ -3,10 +3,12 @@
 In: the path of a TOML or JSON file, or its content.  Out: a `Rig`, composed of what the log holds (`LogMap`,
 with a `ColumnSource` for each channel that it maps), `Sampling`, `NamedHoldout` and `Alignment`; the tables
 of what a rig file may contain (`KEYS`, `KNOWNS`, `CHANNELS`, `ALIGNMENT`). A rig that names an arm: an
-`ArmRig`, with a `Rig` for each joint. `rig_complaints` lists all that is wrong at once.
+`ArmRig`, with a `Rig` for each joint. `rig_complaints` and `arm_rig_complaints` list all that is wrong at
+once.
 May import: `logs` for units, `model` for the vocabulary and chains, `arms` for their files.
 """
 
+from eccentric.rigs.arm_complaints import arm_rig_complaints
 from eccentric.rigs.arm_rig import NUMBER, ArmRig, names_arm, read_arm_rig
 from eccentric.rigs.complaints import rig_complaints
 from eccentric.rigs.entries import plain_entries, read_pair
@@ -31,6 +33,7 @@ __all__ = [
     "Rig",
     "Sampling",
     "alignment_of",
+    "arm_rig_complaints",
     "channels_of",
     "knowns_of",
     "mass_alone",

@@ -20,7 +20,7 @@ from eccentric.rigs.file import read_file
 from eccentric.rigs.known import KNOWNS
 from eccentric.rigs.rig import KEYS, Rig, read_rig
 
-__all__ = ["NUMBER", "ArmRig", "names_arm", "read_arm_rig"]
+__all__ = ["NUMBER", "ArmRig", "arm_rig_of", "names_arm", "read_arm_rig"]
 
 NUMBER = "{j}"
 """What stands for the number of a joint in a pattern."""
@@ -97,14 +97,19 @@ def read_arm_rig(source: str | os.PathLike[str] | Mapping[str, Any] | ArmRig) ->
         return source
     if isinstance(source, str | os.PathLike):
         path = given_path(source, "rig")
-        return _arm_rig(read_file(path), shown(path), Path(shown(path)).stem, path.parent)
+        return arm_rig_of(read_file(path), shown(path), Path(shown(path)).stem, path.parent)
     given = dict(source)
     chain = given.pop("arm", None)
     content = {**plain_entries(given, "rig"), "arm": chain}
-    return _arm_rig(content, "rig", "rig", Path())
+    return arm_rig_of(content, "rig", "rig", Path())
 
 
-def _arm_rig(content: Mapping[str, Any], where: str, name: str, folder: Path) -> ArmRig:
+def arm_rig_of(content: Mapping[str, Any], where: str, name: str, folder: Path) -> ArmRig:
+    """The rig of this content; `where` and `name` are those of the file, paths are relative to the folder.
+
+    Raises:
+        InputError: as `read_arm_rig`.
+    """
     if also := [key for key in ("known", "unknown") if key in content]:
         required = "bodies and gear ratios in the arm file, k_i, R and k_e in [drives]"
         raise InputError(

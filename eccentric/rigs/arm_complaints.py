@@ -1,0 +1,86 @@
+"""Everything that is wrong with the rig of an arm: what the first error names is left out, and so on.
+
+The entries of an arm's rig belong together (drives by the number of joints, a motion and a drive among the
+columns), so that none can be read by itself, as `complaints` reads those of a single drive.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from eccentric.errors import InputError
+from eccentric.places import given_path, shown
+from eccentric.rigs.arm_rig import ArmRig, arm_rig_of
+from eccentric.rigs.entries import plain_entries
+from eccentric.rigs.file import read_file
+
+__all__ = ["arm_rig_complaints"]
+
+Place = tuple[str, str]
+_TABLES = ("columns", "drives", "joints")
+
+
+def arm_rig_complaints(
+    source: str | os.PathLike[str] | Mapping[str, Any],
+) -> tuple[list[str], ArmRig | None]:
+    """Return what is wrong with the rig of an arm, one line each, and the rig without it, if that is one.
+
+    Raises:
+        InputError: the file cannot be read at all.
+    """
+    where, name, folder = "rig", "rig", Path()
+    if isinstance(source, str | os.PathLike):
+        path = given_path(source, "rig")
+        where, name, folder = shown(path), Path(shown(path)).stem, path.parent
+        content: Mapping[str, Any] = read_file(path)
+    else:
+        own = dict(source)
+        content = {"arm": own.pop("arm", None), **plain_entries(own, "rig")}
+    found: list[str] = []
+    while True:
+        said = _error(content, where, name, folder)
+        if said is None:
+            return found, arm_rig_of(content, where, name, folder)
+        guilty = _named(content, said, where, name, folder)
+        if guilty is None:
+            # Once something is left out, what is then missing is no complaint of its own.
+            return found or [said], None
+        found.append(said)
+        content = _without(content, guilty)
+
+
+def _error(content: Mapping[str, Any], where: str, name: str, folder: Path) -> str | None:
+    try:
+        arm_rig_of(content, where, name, folder)
+    except InputError as error:
+        return str(error)
+    return None
+
+
+def _named(content: Mapping[str, Any], said: str, where: str, name: str, folder: Path) -> Place | None:
+    """The entry that a message names first, and without which there is another one or none."""
+    words = said.removeprefix(where)
+    places = [place for place in _entries(content) if place[1] != "arm" and place[1] in words]
+    places.sort(key=lambda place: (not place[0], words.index(place[1])))
+    others = (place for place in places if _error(_without(content, place), where, name, folder) != said)
+    return next(others, None)
+
+
+def _entries(content: Mapping[str, Any]) -> Iterator[Place]:
+    """The place of every entry; a table that is none counts as one."""
+    for key, value in content.items():
+        if key in _TABLES and isinstance(value, Mapping):
+            yield from ((key, inner) for inner in value)
+        else:
+            yield "", key
+
+
+def _without(content: Mapping[str, Any], place: Place) -> dict[str, Any]:
+    table, key = place
+    if not table:
+        return {name: value for name, value in content.items() if name != key}
+    own = {name: value for name, value in content[table].items() if name != key}
+    return {**content, table: own}
