@@ -34,7 +34,6 @@ class Search:
     """The search on one balance.
 
     base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
-    taken: squares of the target that effects of the other balance took out before;
     smoothed: smooth terms beside the adopted ones; alternatives: per adopted variant, family -> (probability,
         fit); tried: other models that were compared with the best; required: deviance that an addition has to
         gain; stability: of the adopted effects; by_torque: of
@@ -52,7 +51,6 @@ class Search:
     required: float = limits.LEAST_DEVIANCE
     stability: Stability = field(default_factory=Stability)
     by_torque: dict[str, float] = field(default_factory=dict)
-    taken: float = 0.0
 
     def run(self) -> None:
         """Adopt, compare, then fit the smooth terms to what is left."""
@@ -83,7 +81,7 @@ class Search:
         """Whether a fit improves on another beyond chance and beyond the errors of filters and sampling."""
         gain = before.score - after.score
         return (
-            gain > limits.LEAST_PART * (self.taken + self.base.score - after.score)
+            gain > limits.LEAST_PART * (self.base.score - after.score)
             and gain > self.screen.rows * (limits.LEAST_SHARE * self.screen.balance.scale) ** 2
             and self.deviance(before, after, screen) > self.required
         )

@@ -104,10 +104,9 @@ Controls of the bench stay below 22; `nulltest.null_quantile` gives the level of
 LEAST_SHARE = 0.002
 """RMS that an addition must remove from the residual, as a fraction of the balance's scale: filters and the
 sampling of voltage and current cause errors of that size."""
-LEAST_PART = 0.003
-"""The same squared, as a fraction of all the structure found so far, that of the other balance included: a
-remainder of some 5 % beside a large effect is an error in that effect's form, such as its second order, or
-friction that cannot fall below zero."""
+LEAST_PART = 0.0003
+"""The same squared, as a fraction of all the structure found so far: a small remainder beside a large effect
+is an error in that effect's form."""
 LAGS = 46
 """Lags of the measured current at which the noise of the electrical balance is looked for, over the range of
 `sensor_delay`, 2 ms apart, half a row of most logs: what is fast and real cancels at the true one only."""
