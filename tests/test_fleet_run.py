@@ -21,12 +21,13 @@ from eccentric.cli import main
 from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.cluster import Failed, connected, spread
 from eccentric.fleet.gathered import gather, plan_of
+from eccentric.fleet.limits import WORKER_BYTES
 from eccentric.fleet.sources import LogFile, find
 from eccentric.fleet.store import Stored, read
 from eccentric.fleet.sums.triangle import merged
 from eccentric.fleet.work import work
 from eccentric.output import whole_folder
-from tests.dying import dying
+from tests.dying import dying, hoarding
 
 pytest.importorskip("pyarrow")
 pytest.importorskip("distributed")
@@ -337,3 +338,13 @@ def test_a_worker_killed_from_outside_in_the_middle_costs_nothing(
     for log in logs:
         mine, theirs = (_sums(out, log) for out in (tmp_path, found[0]))
         np.testing.assert_array_equal(mine.sums.windows, theirs.sums.windows)
+
+
+def test_a_worker_whose_memory_is_nearly_full_goes_on() -> None:
+    """Nine tenths of it are kept: what comes next is done all the same, by the same process."""
+    with connected(None, 1) as client:
+        first = client.submit(hoarding, [int(0.9 * WORKER_BYTES) - 100_000_000], pure=False)
+        (before,) = first.result(timeout=60.0)
+        (after,) = client.submit(hoarding, [1], pure=False).result(timeout=60.0)
+
+    assert before == after

@@ -34,6 +34,7 @@ from eccentric.fleet import (
     document_of,
     fleet_page,
     fleet_sentence,
+    give_back,
     joints_without_logs,
     run_fleet,
     write_coefficients,
@@ -191,6 +192,7 @@ def _examined(suspects: Sequence[Suspect]) -> list[tuple[DiagnosisResult | None,
     """
     found: list[tuple[DiagnosisResult | None, tuple[str, ...], str]] = []
     for suspect in suspects:
+        give_back()
         try:
             past: tuple[str, ...] = ()
             if not suspect.changed.names:

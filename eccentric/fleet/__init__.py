@@ -28,6 +28,7 @@ from eccentric.fleet.run import FleetRequest, run_fleet
 from eccentric.fleet.sample import Sample
 from eccentric.fleet.sources import find
 from eccentric.fleet.tables import changes_csv, document_of, write_coefficients
+from eccentric.fleet.work import give_back
 
 __all__ = [
     "NOT_GROUPED",
@@ -51,6 +52,7 @@ __all__ = [
     "fleet_page",
     "fleet_sentence",
     "gather",
+    "give_back",
     "joints_without_logs",
     "plan_of",
     "run_fleet",

@@ -51,6 +51,11 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
         "distributed.admin.tick.limit": "1h",
         "distributed.admin.tick.interval": "10s",
         "distributed.scheduler.allowed-failures": DEATHS,
+        # A worker that pauses at 80 % of its memory waits for results to be taken, and goes on where memory
+        # falls. Here it is the allocator's, and would never fall: the task would wait for ever.
+        "distributed.worker.memory.pause": False,
+        "distributed.worker.memory.target": False,
+        "distributed.worker.memory.spill": False,
         # With Dask's own, 64 kB, each array goes back to the system, and the next is mapped and zeroed.
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": KEPT_BYTES,
         "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": KEPT_BYTES,
@@ -164,6 +169,7 @@ def spread(
                     else:
                         blamed.append(task)
                 else:
+                    future.release()  # its worker keeps a diagnosis, which is large, as long as this is held
                     yield from zip(task, results, strict=True)
     except (OSError, TimeoutError, distributed.CancelledError) as error:
         raise SchedulerLost(str(error).splitlines()[0] if str(error) else type(error).__name__) from None

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
+import gc
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -13,7 +16,7 @@ from eccentric.fleet.store import Stored
 from eccentric.fleet.sums import Columns, sums_of
 from eccentric.rigs import Rig
 
-__all__ = ["Job", "problem_of", "tasks_of", "work"]
+__all__ = ["Job", "give_back", "problem_of", "tasks_of", "work"]
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,18 @@ def work(jobs: Sequence[Job]) -> list[Stored | FleetProblem]:
 def problem_of(job: Job, kind: str, text: str) -> FleetProblem:
     """A problem of a file."""
     return FleetProblem(job.log.joint, job.log.period, job.log.name, kind, text)
+
+
+def give_back() -> None:
+    """Give memory that was freed back to the system, where the C library can.
+
+    The allocator keeps it in pieces that suit sums; a diagnosis needs others, and each would add to them.
+    """
+    gc.collect()
+    if sys.platform == "linux":
+        trim = getattr(ctypes.CDLL(None), "malloc_trim", None)  # only glibc has it
+        if trim is not None:
+            trim(0)
 
 
 _columns: dict[str, Columns] = {}
