@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from eccentric.cli import main
-from eccentric.diagnosis import diagnose
+from eccentric.diagnosis import diagnose, diagnosis_document
 from eccentric.virtual_bench import Law, PlantedEffect, simply, simulate, write
 from tests.virtual import drawn_scenario, log_of
 
@@ -136,3 +136,31 @@ def test_shared_examples_come_out_as_their_truth(number: int) -> None:
 
     assert {e["family"] for e in truth} == {e.family for e, _ in found.effects}
     assert ("named" if truth else "nothing_missing") == found.attribution.verdict
+
+
+@pytest.mark.slow
+def test_what_is_clear_is_told_beside_what_is_not() -> None:
+    """Load and losses of the gear are one law on this drive: a tie, and Stribeck friction beside it is sure.
+
+    With a declared value in the place of the load, the name stays, and the value is no name.
+    """
+    effects = [("load_dependent", 0.12), ("stribeck", 0.12)]
+    run = simulate(
+        drawn_scenario(3, case="C1", mu=1.0, log_type="traj", seconds=40.0, noise=0.012, effects=effects)
+    )
+    found = diagnose([run.columns], run.rig)
+    said = diagnosis_document(found)
+
+    assert ("not_identifiable", []) == (said["verdict"], said["effects"])
+    assert {"load_dependent", "gear_efficiency"} == set(said["tied"])
+    assert ["stribeck"] == [e["family"] for e in said["clear"]]
+    assert said["sentence"].startswith("The model lacks Stribeck friction")
+    assert all(family in said["sentence"] for family in said["tied"])
+
+    adopted = [replace(a, undecided=bool(a.alike)) for a in found.attribution.adopted]
+    named = replace(found.attribution, verdict="named", tied=(), adopted=tuple(adopted))
+    said = diagnosis_document(replace(found, attribution=named))
+
+    assert ["stribeck"] == [e["family"] for e in said["effects"]]
+    assert [["load_dependent", "gear_efficiency"]] == [e["alike"] for e in said["undecided"]]
+    assert [] == said["clear"]

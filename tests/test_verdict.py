@@ -139,7 +139,7 @@ def test_which_declared_value_is_off_may_stay_open_beside_a_name(first: float, e
     ]
     corrected = found.adopted_as("inertia")
     assert corrected is not None
-    assert ("inertia", "mass") == corrected.alike
+    assert (("inertia", "mass"), False) == (corrected.alike, corrected.undecided)
 
 
 @pytest.mark.parametrize(("variable", "expected"), [("time", "not_identifiable"), ("velocity", "named")])
@@ -163,7 +163,7 @@ def test_whether_a_declared_value_is_off_may_stay_open_beside_a_name(first: floa
     assert expected == found.verdict
     assert (() if first else ("inertia", "gear")) == found.tied
     assert corrected is not None
-    assert ("inertia", "gear") == corrected.alike
+    assert (("inertia", "gear"), bool(first)) == (corrected.alike, corrected.undecided)
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,13 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "fits_the_rig": found.models.fits_the_rig,
         "sentence": diagnosis_sentence(found),
         "effects": [_effect(found, effect) for effect, _ in found.effects],
+        "undecided": [
+            {**_effect(found, effect), "alike": list(own.alike)}
+            for effect, _ in found.undecided
+            if (own := found.attribution.adopted_as(effect.id)) is not None
+        ],
         "tied": list(tied_families(found)),
+        "clear": [_effect(found, effect) for effect, _ in found.clear],
         "candidates": [
             {
                 "id": c.id,

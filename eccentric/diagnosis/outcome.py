@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,10 +17,13 @@ from eccentric.effects import Effect, Setting
 from eccentric.fitting import FitData
 from eccentric.model import Model
 from eccentric.rigs import Rig
-from eccentric.search import Attribution
+from eccentric.search import Adopted, Attribution
 from eccentric.signals import Band, Channels, Rows
 
 __all__ = ["Asked", "Diagnosis"]
+
+Added = tuple[Effect, dict[str, float]]
+"""An effect of the extended model, with the values of its parameters."""
 
 
 @dataclass(frozen=True)
@@ -83,9 +87,27 @@ class Diagnosis:
     orders: tuple[Order, ...]
 
     @property
-    def effects(self) -> tuple[tuple[Effect, dict[str, float]], ...]:
+    def effects(self) -> tuple[Added, ...]:
         """Named effects with the values of their parameters, in order of adoption; empty if none is named."""
-        return self.models.extended.effects if self.attribution.verdict == "named" else ()
+        return self._adopted("named", lambda own: not own.undecided)
+
+    @property
+    def undecided(self) -> tuple[Added, ...]:
+        """Beside named effects: wrong declared values that an effect may explain as well."""
+        return self._adopted("named", lambda own: own.undecided)
+
+    @property
+    def clear(self) -> tuple[Added, ...]:
+        """Beside a tie, the effects that nothing else explains; empty for any other verdict."""
+        return self._adopted("not_identifiable", lambda own: not own.alike)
+
+    def _adopted(self, verdict: str, holds: Callable[[Adopted], bool]) -> tuple[Added, ...]:
+        """The effects of the extended model that this holds for; empty for another verdict."""
+        a = self.attribution
+        if a.verdict != verdict:
+            return ()
+        found = ((pair, a.adopted_as(pair[0].id)) for pair in self.models.extended.effects)
+        return tuple(pair for pair, own in found if own is not None and holds(own))
 
     @property
     def channels(self) -> Channels:

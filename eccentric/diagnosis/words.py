@@ -33,9 +33,16 @@ def diagnosis_sentence(found: Diagnosis) -> str:
     """One sentence that can be sent to a colleague."""
     a, unit = found.attribution, found.unit
     if a.verdict == "named":
-        these = "it" if len(found.effects) == 1 else "them"
-        lacks = " and ".join(_named(found, effect) for effect, _ in found.effects)
+        lacking = [effect for effect, _ in (*found.effects, *found.undecided)]
+        these = "it" if len(lacking) == 1 else "them"
+        lacks = " and ".join(_named(found, effect) for effect in lacking)
         return f"The model lacks {lacks}; with {these} {_gain(found)}.{_alike(found)}{_grave(found)}"
+    if a.verdict == "not_identifiable" and found.clear:
+        clear = " and ".join(_named(found, effect) for effect, _ in found.clear)
+        return (
+            f"The model lacks {clear}; beside it, this log does not distinguish {_tied(found)};"
+            f" with the first of these {_gain(found)}."
+        )
     if a.verdict == "not_identifiable":
         return (
             f"An effect is missing, but this log does not distinguish {_tied(found)};"
@@ -198,7 +205,9 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     if found.channels.excerpt:
         out.append(found.channels.excerpt)
     out.append(diagnosis_sentence(found))
-    out += [_effect(found, effect, own) for effect, own in found.effects[:3]]
+    out += [
+        _effect(found, effect, own) for effect, own in (*found.effects, *found.undecided, *found.clear)[:3]
+    ]
     for balance, models in found.score.rmse.items():
         shown = {name: error for name, error in models.items() if name != "extended" or adopted}
         if found.rig.axis.model:  # the base model of a carriage is Coulomb + viscous friction

@@ -207,6 +207,7 @@ class Conclusion:
         next_measurement: one sentence; "" if nothing is open.
         fits_the_rig: whether the log can be from this rig.
         confirmed: whether what fits the training part predicts the held-out part as well.
+        clear: what effects are called that nothing else explains, beside a tie.
     """
 
     verdict: str
@@ -216,6 +217,7 @@ class Conclusion:
     next_measurement: str
     fits_the_rig: bool = True
     confirmed: bool = True
+    clear: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -77,6 +77,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
             next_measurement=attribution.next_measurement,
             fits_the_rig=found.models.fits_the_rig,
             confirmed=not attribution.unconfirmed,
+            clear=tuple(effect.words.headline or effect.id for effect, _ in found.clear),
         ),
         errors=HeldOutErrors(
             holdout=found.channels.selection.holdout.rule,

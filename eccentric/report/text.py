@@ -72,7 +72,8 @@ def headline(data: ReportData) -> str:
         c.family: c.headline or c.id for c in reversed(data.search.candidates) if c.family in data.search.tied
     }
     if data.conclusion.verdict == "not_identifiable" and 1 < len(tied) <= MOST_NAMED:
-        return f"The model lacks {' or '.join(reversed(tied.values()))}"
+        either = " or ".join(reversed(tied.values()))
+        return f"The model lacks {', and '.join([*data.conclusion.clear, either])}"
     if data.conclusion.verdict != "named" and not data.conclusion.fits_the_rig:
         return "This log does not fit the rig"
     if not data.conclusion.confirmed:

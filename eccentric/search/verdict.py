@@ -36,7 +36,8 @@ class Adopted:
         residual beside the others, as a fraction of the balance's scale; found: in how many of the `variants`
         of the log its family is part of the best model; instead: family -> in how many it takes the place;
         alike: families that explain the log equally well, its own among them, best first; none if it is
-        clearly ahead.
+        clearly ahead; undecided: whether it is a declared value, and what is alike is an effect: beside the
+        name of another the two stay open.
     """
 
     balance: str
@@ -47,6 +48,7 @@ class Adopted:
     variants: int = 0
     instead: Mapping[str, int] = field(default_factory=dict)
     alike: tuple[str, ...] = ()
+    undecided: bool = False
 
 
 @dataclass(frozen=True)
@@ -200,6 +202,10 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
     effects = [one for one, entry in found if entry.family not in declared]
     if any(not one.alike for one in effects):
         ties = [(family, tie) for family, tie in ties if family not in declared]
+        found = [
+            (replace(one, undecided=entry.family in declared and not declared.issuperset(one.alike)), entry)
+            for one, entry in found
+        ]
     elif effects:
         ties = [(family, tie) for family, tie in ties if not declared.issuperset(tie)]
     tied = dict.fromkeys(other for _, tie in ties for other in tie)
