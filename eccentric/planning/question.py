@@ -99,7 +99,7 @@ def question_from(
     adopted = tuple(said["extended_by"]) if said["verdict"] in {"not_identifiable", "named"} else ()
     tied, family = tuple(said["tied"]), {c["id"]: c["family"] for c in said["candidates"]}
     # Beside a name, what else it left open.
-    tied = tied or next((tuple(one["alike"]) for one in said["undecided"]), ())
+    tied = tied or next((tuple(one["alike"]) for one in said.get("undecided", ())), ())
     likely = {c["family"]: c["probability"] for c in said["candidates"]}
     own = next((name for name in adopted if family.get(name) in tied), adopted[-1] if adopted else "")
     beside = [name for name in adopted if name != own]
@@ -158,8 +158,7 @@ def _require_known(said: Mapping[str, Any], where: str) -> None:
             f"{where}: a document of format {FORMAT} is required, received {said.get('format')!r}"
         )
     needed = (
-        "fits_the_rig logs model verdict tied undecided extended_by candidates residual_depends_on"
-        " next_measurement"
+        "fits_the_rig logs model verdict tied extended_by candidates residual_depends_on next_measurement"
     )
     if missing := [key for key in needed.split() if key not in said]:
         raise InputError(f"{where}: {', '.join(missing)} is required, received none: diagnose the logs again")

@@ -12,10 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.errors import InputError
-from eccentric.places import given_path, shown
-from eccentric.rigs.arm_rig import ArmRig, arm_rig_of
-from eccentric.rigs.entries import plain_entries
-from eccentric.rigs.file import read_file
+from eccentric.rigs.arm_rig import ArmRig, arm_content, arm_rig_of
 
 __all__ = ["arm_rig_complaints"]
 
@@ -31,14 +28,7 @@ def arm_rig_complaints(
     Raises:
         InputError: the file cannot be read at all.
     """
-    where, name, folder = "rig", "rig", Path()
-    if isinstance(source, str | os.PathLike):
-        path = given_path(source, "rig")
-        where, name, folder = shown(path), Path(shown(path)).stem, path.parent
-        content: Mapping[str, Any] = read_file(path)
-    else:
-        own = dict(source)
-        content = {"arm": own.pop("arm", None), **plain_entries(own, "rig")}
+    content, where, name, folder = arm_content(source)
     found: list[str] = []
     while True:
         said = _error(content, where, name, folder)

@@ -20,7 +20,7 @@ from eccentric.rigs.file import read_file
 from eccentric.rigs.known import KNOWNS
 from eccentric.rigs.rig import KEYS, Rig, read_rig
 
-__all__ = ["NUMBER", "ArmRig", "arm_rig_of", "names_arm", "read_arm_rig"]
+__all__ = ["NUMBER", "ArmRig", "arm_content", "arm_rig_of", "names_arm", "read_arm_rig"]
 
 NUMBER = "{j}"
 """What stands for the number of a joint in a pattern."""
@@ -95,13 +95,23 @@ def read_arm_rig(source: str | os.PathLike[str] | Mapping[str, Any] | ArmRig) ->
     """
     if isinstance(source, ArmRig):
         return source
+    return arm_rig_of(*arm_content(source))
+
+
+def arm_content(
+    source: str | os.PathLike[str] | Mapping[str, Any],
+) -> tuple[Mapping[str, Any], str, str, Path]:
+    """The content of a rig file or mapping, the names of file and rig in messages, the folder of its paths.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
     if isinstance(source, str | os.PathLike):
         path = given_path(source, "rig")
-        return arm_rig_of(read_file(path), shown(path), Path(shown(path)).stem, path.parent)
+        return read_file(path), shown(path), Path(shown(path)).stem, path.parent
     given = dict(source)
     chain = given.pop("arm", None)
-    content = {**plain_entries(given, "rig"), "arm": chain}
-    return arm_rig_of(content, "rig", "rig", Path())
+    return {**plain_entries(given, "rig"), "arm": chain}, "rig", "rig", Path()
 
 
 def arm_rig_of(content: Mapping[str, Any], where: str, name: str, folder: Path) -> ArmRig:
