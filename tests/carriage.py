@@ -23,3 +23,5 @@ RIG: dict[str, Any] = {
     },
 }
 TRUTH = {"mass": 95.0, "B": 203.0, "C": 20.0, "F_load": -3.0}
+GIVEN = {**TRUTH, "R": 1.0, "k_f": 35.0, "k_e": 0.0}
+"""Every parameter of its model."""

@@ -11,6 +11,7 @@ import eccentric
 from eccentric.adaptation.inputs import inputs_of
 from eccentric.cli import main
 from eccentric.errors import InputError
+from eccentric.model import load_model
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 
@@ -115,18 +116,30 @@ def test_bands_end_at_the_bounds_and_the_legend_says_what_grey_is(rig: Any) -> N
     assert ["learned", "not excited: std error above half of the prior's", "start", "alarm"] == words
 
 
-def test_a_torque_is_no_current(rig: Any) -> None:
-    """Without a current the log is refused in one line: file, channel, where to name it, what came."""
-    table = log(1.0)
+def test_a_torque_serves_for_the_current(rig: Any) -> None:
+    """A log of the torque is followed as one of the current: the drive's constant is in the rig."""
+    table = log(0.6)
     torque = {"time_s": table["time_s"], "theta_m_rad": table["theta_m_rad"]}
     torque["torque_Nm"] = table["current_A"] * KNOWN["k_i"]
-    other = rig | {"columns": [*torque]}
+
+    one = eccentric.adapt(table, rig).course
+    other = eccentric.adapt(torque, rig | {"columns": [*torque]}).course
+
+    assert one.names == other.names
+    assert other.values == pytest.approx(one.values, rel=1e-9, abs=1e-12)
+
+
+def test_a_log_of_the_voltage_alone_is_refused(rig: Any) -> None:
+    """In one line: file, channel, where to name it, what came."""
+    table = log(1.0)
+    voltage = {"time_s": table["time_s"], "theta_m_rad": table["theta_m_rad"], "u_V": table["current_A"]}
+    columns = {"time": "time_s", "theta_m": "theta_m_rad", "voltage": "u_V"}
 
     with pytest.raises(InputError) as refused:
-        eccentric.adapt(torque, other)
+        eccentric.adapt(voltage, rig | {"columns": columns})
     assert str(refused.value) == (
-        "table: a column for current is required to follow friction; map it in [columns] of rig,"
-        " received torque only"
+        "table: a column for current or torque is required to follow friction; map it in [columns] of rig,"
+        " received voltage only"
     )
 
 
@@ -135,7 +148,7 @@ def test_a_hidden_state_is_in_no_log(rig: Any) -> None:
     channels = read_channels([log(1.0)], read_rig(rig))
 
     with pytest.raises(InputError, match=r"a model without hidden states is required .*, received heat_P$"):
-        inputs_of(channels, ("theta_m", "heat_P"), "table")
+        inputs_of(channels, load_model("c2_parallel"), ("theta_m", "heat_P"), "table")
 
 
 def test_a_current_of_the_wrong_sign_is_refused(rig: Any) -> None:

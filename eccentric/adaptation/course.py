@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from eccentric.adaptation.inputs import inputs_of
 from eccentric.emission import Adaptation, executed_beside, load_module, prior_of, render, render_adapt
-from eccentric.model import Model
+from eccentric.model import TURNING, AxisKind, Model
 from eccentric.signals import Channels
 
 Array = NDArray[np.float64]
@@ -25,19 +25,20 @@ class Replay:
 
     Attributes:
         names, units: of the n coefficients.
-        t: time [s] (k,).
+        t: time [s] (k,); where that of the log begins anew, its runs follow one another.
         values, deviations: of the coefficients (k, n).
         unseen: seconds since each coefficient was last known to half of its prior (k, n).
         start, prior: values and standard deviations that the estimator began with (n,).
         lowest, highest: bounds that it keeps the coefficients within (n,).
-        alarms: time [s] and kind, "more" or "less" friction.
+        alarms: time [s], as in t, and kind, "more" or "less" friction.
         used, still, out_of_range: numbers of samples.
         step: seconds between two samples.
         noise: standard deviation of the innovations in motion over the assumed one.
         correlation: of two innovations in a row.
-        assumed: standard deviation that the estimator assumes [N m].
+        assumed: standard deviation that the estimator assumes [N m, or N].
         asked: forgetting and false alarms.
         alarm: what is known of the alarm, in rows.
+        axis: what moves.
     """
 
     names: tuple[str, ...]
@@ -60,6 +61,7 @@ class Replay:
     assumed: float
     asked: Adaptation
     alarm: Mapping[str, float]
+    axis: AxisKind = TURNING
 
     @property
     def seen(self) -> NDArray[np.bool_]:
@@ -91,12 +93,12 @@ def replayed(
     files = render(model)
     source = render_adapt(model, files, prior, asked)[f"{model.name}_adapt.py"]
     estimator = executed_beside(load_module(model), model.name, source)
-    inputs = inputs_of(channels, estimator.INPUTS, log)
+    inputs = inputs_of(channels, model, estimator.INPUTS, log)
     state = estimator.init()
-    t = channels.time.t
+    step = float(np.median(np.diff(channels.time.t)))
+    t = _elapsed(channels.time.t, step)
     every = max(1, -(-len(t) // _ENTRIES))
     found = estimator.replay(*inputs, state, every=every)
-    step = float(np.median(np.diff(t)))
     flags = found["flags"]
     at = np.flatnonzero(flags & (estimator.MORE | estimator.LESS))
     return Replay(
@@ -120,4 +122,11 @@ def replayed(
         assumed=prior.noise,
         asked=asked,
         alarm=estimator.ALARM,
+        axis=model.axis,
     )
+
+
+def _elapsed(t: Array, step: float) -> Array:
+    """The time [s] (m,), with runs whose own begins anew one after another."""
+    back = np.minimum(np.diff(t, prepend=t[0]), 0.0)
+    return t - np.cumsum(np.where(back < 0.0, back - step, 0.0))

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
+from eccentric.model import Model, spoken_quantity
+from eccentric.model import vocabulary as v
 from eccentric.signals import Channels
 
 Array = NDArray[np.float64]
@@ -17,21 +19,25 @@ _CHANNELS = {CURRENT: "current", "u": "voltage", "temperature": "temperature"}
 """What a log may lack, by the letter of the input."""
 
 
-def inputs_of(channels: Channels, names: Sequence[str], log: str) -> list[Array]:
+def inputs_of(channels: Channels, model: Model, names: Sequence[str], log: str) -> list[Array]:
     """The inputs of these names; unusable rows are NaN: the estimator leaves them out.
+
+    Where a torque or force is logged, the current is the one that the model has for it.
 
     Raises:
         InputError: as `require_logged`.
     """
     motion, motor = channels.motion, channels.motor
+    require_logged(channels, names, log)
+    moved = {v.theta_m: motion.theta_m, v.omega_m: motion.omega_m, v.alpha_m: motion.alpha_m}
     known = {
-        "theta_m": motion.theta_m,
-        "omega_m": motion.omega_m,
-        "alpha_m": motion.alpha_m,
+        **{spoken_quantity(model.axis, q).name: x for q, x in moved.items()},
         "t": channels.time.t,
         **_logged(channels),
     }
-    require_logged(channels, names, log)
+    if motor.current is None and motor.torque is not None:
+        values = {q.symbol: float(q.default) for q in model.parameters if q.default is not None}
+        known[CURRENT] = motor.torque / values[v.k_i.symbol]
     if unknown := [name for name in names if name not in known]:
         raise InputError(
             f"{log}: a model without hidden states is required to follow friction along a log, received"
@@ -45,17 +51,23 @@ def inputs_of(channels: Channels, names: Sequence[str], log: str) -> list[Array]
 def require_logged(channels: Channels, names: Iterable[str], log: str) -> None:
     """Raise InputError, with the channel and the log that lacks it, unless it has all inputs.
 
+    A torque serves for the current.
+
     Args:
         channels: of the log.
         names: letters of the inputs.
         log: its name.
     """
     found = _logged(channels)
-    if lacking := next((name for name in names if name in found and found[name] is None), None):
+    by_torque = channels.motor.torque is not None
+    lacking = [name for name in names if name in found and found[name] is None]
+    lacking = [name for name in lacking if name != CURRENT or not by_torque]
+    if lacking:
         there = [_CHANNELS[name] for name, x in found.items() if x is not None]
-        there += ["torque"] if channels.motor.torque is not None else []
+        there += ["torque"] if by_torque else []
+        wanted = "current or torque" if lacking[0] == CURRENT else _CHANNELS[lacking[0]]
         raise InputError(
-            f"{log}: a column for {_CHANNELS[lacking]} is required to follow friction; map it in [columns] of"
+            f"{log}: a column for {wanted} is required to follow friction; map it in [columns] of"
             f" {channels.rig.path}, received {' and '.join(there)} only"
         )
 

@@ -44,7 +44,7 @@ def course_lines(course: Replay, log: str) -> list[str]:
     if not _QUIETER < course.noise < _NOISIER:
         lines.append(
             f"the innovations are {course.noise:.2g} times the noise that the prior assumes"
-            f" ({course.assumed:.3g} N m): the standard errors are to be scaled alike"
+            f" ({course.assumed:.3g} {course.axis.said('N m')}): the standard errors are to be scaled alike"
         )
     if course.correlation > _CORRELATED:
         lines.append(
@@ -64,7 +64,7 @@ def course_document(course: Replay, log: str) -> dict[str, Any]:
         "alarm_rows": dict(course.alarm),
         "samples": {"learned": course.used, "still": course.still, "out_of_range": course.out_of_range},
         "step_s": course.step,
-        "assumed_noise_Nm": course.assumed,
+        course.axis.said("assumed_noise_Nm"): course.assumed,
         "innovation": {"over_assumed": course.noise, "correlation": course.correlation},
         "alarms": [{"t_s": t, "friction": kind} for t, kind in course.alarms],
         "t_s": course.t.tolist(),

@@ -16,7 +16,16 @@ from eccentric.adaptation import (
     replayed,
     require_logged,
 )
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, names_of, read_logs
+from eccentric.api.inputs import (
+    LogSources,
+    ModelSource,
+    RigSource,
+    in_words_of,
+    model_of,
+    names_of,
+    read_logs,
+    sources_of,
+)
 from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable
 from eccentric.emission import Adaptation, document_of, read_parameters, with_fitted
@@ -57,26 +66,28 @@ def adapt(
             that cannot be followed.
     """
     asked = asked_adaptation(True, forgetting, false_alarms, settle)
-    read = read_logs(log)
-    rig = read_rig(rig)
-    rig.require_turning("adapt")
-    channels = read_channels(read, rig)
-    base = model_of(channels.rig.model if model is None else model)
-    names = ", ".join(names_of(read))
-    require_logged(channels, [CURRENT], names)
-    fitted = fit_channels(channels, channels.rig, base, names)
-    document: Any = fit_document(fitted, names_of(read))
-    if parameters is not None:
-        document = document_of(given_path(parameters, "parameters"))
-    given = read_parameters(document)
-    if not given.fits_the_rig:
-        raise InputError(f"{given.source}: parameters of a log that fits its rig are required to start from")
-    start = with_fitted(base, given, base.name)
-    course = replayed(fitted.problem.drive.channels, start, document, asked, names)
+    sources, rig = sources_of(log), read_rig(rig)
+    with in_words_of(rig, sources):
+        read = read_logs(sources)
+        channels = read_channels(read, rig)
+        base = model_of(channels.rig.model if model is None else model)
+        names = ", ".join(names_of(read))
+        require_logged(channels, [CURRENT], names)
+        fitted = fit_channels(channels, channels.rig, base, names)
+        document: Any = fit_document(fitted, names_of(read))
+        if parameters is not None:
+            document = document_of(given_path(parameters, "parameters"))
+        given = read_parameters(document)
+        if not given.fits_the_rig:
+            raise InputError(
+                f"{given.source}: parameters of a log that fits its rig are required to start from"
+            )
+        start = with_fitted(base, given, base.name)
+        course = replayed(fitted.problem.drive.channels, start, document, asked, names)
     return AdaptResult(
         course=course,
         lines=tuple(course_lines(course, names)),
-        warnings=fitted.warnings,
+        warnings=tuple(rig.axis.told(fitted.warnings, (*rig.own_names, *names_of(read)))),
         document=course_document(course, names),
     )
 

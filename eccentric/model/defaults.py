@@ -16,9 +16,8 @@ _SMALLEST, _LARGEST = 1e-12, 1e12
 """Least positive parameter, and the largest of any: beyond them, products would leave single precision."""
 
 
-def _require_valid(q: Quantity, value: float, source: str) -> None:
+def _require_valid(q: Quantity, value: float, where: str) -> None:
     """Raise InputError for a value outside the domain of a parameter, or of a size that the C cannot hold."""
-    where = f"{source}: parameters.{q.name}"
     if (q.domain == "positive" and value <= 0) or (q.domain in {"nonnegative", "tilt"} and value < 0):
         raise InputError(f"{where}: a {q.domain} number is required, received {value!r}")
     if q.domain == "tilt" and value > _RIGHT_ANGLE:
@@ -43,7 +42,7 @@ def with_values(
 
     Args:
         model: the model.
-        values: parameter by the paper's letter -> value in SI units.
+        values: parameter by the paper's letter, or the axis's own -> value in SI units.
         name: of the result.
         notes: parameter -> remark for its comment, such as its interval.
         title: of the result, by default the model's.
@@ -55,17 +54,19 @@ def with_values(
     Raises:
         InputError: a value does not belong to a parameter of the model, or has an invalid sign.
     """
-    known = {q.name: q for q in model.parameters}
+    axis = model.axis
+    known = {q.name: axis.said(q.name) for q in model.parameters}
+    values = {axis.general(letter): value for letter, value in values.items()}
     if unknown := sorted(set(values) - set(known)):
         raise InputError(
-            f"{source}: parameters.{unknown[0]}: {model.name} has no such parameter;"
-            f" it has {', '.join(known)}"
+            f"{source}: parameters.{axis.said(unknown[0])}: {model.name} has no such parameter;"
+            f" it has {', '.join(known.values())}"
         )
     parameters = []
     for q in model.parameters:
         if q.name in values:
             value = values[q.name]
-            _require_valid(q, value, source)
+            _require_valid(q, value, f"{source}: parameters.{known[q.name]}")
             q = replace(q, default=sp.Rational(repr(float(value))))  # noqa: PLW2901 - the same letter
         note = (notes or {}).get(q.name)
         parameters.append(replace(q, meaning=f"{q.meaning}; {note}") if note else q)

@@ -8,7 +8,8 @@ from typing import Any
 from eccentric.emission.check import limits
 from eccentric.emission.free_text import plain
 from eccentric.emission.program import Routine
-from eccentric.model import Model
+from eccentric.model import Model, spoken, spoken_quantity
+from eccentric.model import vocabulary as v
 
 NEEDED = ("mechanical_residual", "regressor", "friction_coefficients")
 """The functions of the model that it calls."""
@@ -19,8 +20,8 @@ def ranged_inputs(model: Model, routines: Mapping[str, Routine]) -> list[dict[st
     found = {
         x.quantity.name: x.quantity for name in NEEDED for x in routines[name].inputs if x.length is None
     }
-    first = ("theta_m", "omega_m", "alpha_m", "i")
-    known = {q.name: q for q in model.inputs}
+    first = [spoken_quantity(model.axis, q).name for q in (v.theta_m, v.omega_m, v.alpha_m, v.i)]
+    known = {q.name: q for q in spoken(model).inputs}
     ordered = [*(x for x in first if x in known), *(x for x in found if x not in first)]
     quantities = [found.get(x) or known[x] for x in ordered]
     return [

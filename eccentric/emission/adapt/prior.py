@@ -17,16 +17,18 @@ import numpy as np
 
 from eccentric.emission.hot import load_module
 from eccentric.errors import InputError
-from eccentric.model import TURNING, Column, Model, regressor
+from eccentric.model import LINEAR, TURNING, AxisKind, Column, Model, regressor, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
 
 CHANGE = 0.3
 """Standard deviation of a coefficient's change in the field, as a share of its size."""
 _LEAST_SHARE = 0.1
 """The least size of a coefficient: with it this share of the mean friction follows from its column."""
-_NOISE, _MOVING, _SPEED = 0.05, 1.0, 20.0
-"""Without a fit: noise as a share of the mean friction, the least speed, and a medium speed [rad/s]."""
-_LEAST_SPEED = 1e-3
+_NOISE = 0.05
+"""Without a fit: noise as a share of the mean friction."""
+_MOVING, _SPEED = {TURNING: 1.0, LINEAR: 0.005}, {TURNING: 20.0, LINEAR: 0.1}
+"""Without a fit: the least speed, and a medium speed [rad/s, m/s]."""
+_LEAST_SPEED = {TURNING: 1e-3, LINEAR: 1e-6}
 _NONE = 1e-12
 """The size of a column that is 0."""
 _FARTHEST = 20.0
@@ -38,14 +40,14 @@ class Prior:
     """Where the estimator starts; arrays have an entry for each of the n columns of the regressor.
 
     Attributes:
-        columns: of the regressor.
+        columns: of the regressor, in the words of the axis.
         values: of the coefficients, in SI units.
         deviations: their standard deviations.
         correlation: of their errors (n, n).
         lowest, highest: their bounds.
-        noise: standard deviation of the measured friction torque [N m].
-        moving: least speed of the motor at which a row is used [rad/s].
-        friction: mean size of the friction at a medium speed [N m].
+        noise: standard deviation of the measured friction torque [N m, or N].
+        moving: least speed at which a row is used [rad/s, or m/s].
+        friction: mean size of the friction at a medium speed [N m, or N].
         origin: where all this comes from, in words.
     """
 
@@ -77,8 +79,9 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
     """
     _require(model)
     fit = fit or {}
-    columns = regressor(model)
-    speed = _speed(fit)
+    axis = model.axis
+    columns = regressor(spoken(model))
+    speed = _speed(fit, axis)
     values, bases, friction = _seen(model, speed)
     if not friction > 0.0:
         raise InputError(
@@ -86,7 +89,7 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
             " received none: check the sign of the current and the rig"
         )
     size = np.maximum(np.abs(values), _LEAST_SHARE * friction / bases)
-    for j in _not_yet(model, columns, bases):
+    for j in _not_yet(model, bases):
         if values[j] == 0.0:
             raise InputError(
                 f"model {model.name}: an estimator of its friction: a value of {columns[j].name} other than 0"
@@ -97,7 +100,8 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
     deviations = np.sqrt(np.diag(covariance))
     lows = [-math.inf if c.bounds[0] is None else c.bounds[0] for c in columns]
     highs = [math.inf if c.bounds[1] is None else c.bounds[1] for c in columns]
-    noise, moving = _number(fit, "rmse_holdout_Nm", "paper"), _number(fit, "moving_threshold_rad_s")
+    noise = _number(fit, axis.said("rmse_holdout_Nm"), "paper")
+    moving = _number(fit, axis.said("moving_threshold_rad_s"))
     from_fit = "the fit" if fit.get("coefficients") else "no fit"
     return Prior(
         columns=columns,
@@ -107,7 +111,7 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
         lowest=np.maximum(lows, values - _FARTHEST * deviations),
         highest=np.minimum(highs, values + _FARTHEST * deviations),
         noise=noise or _NOISE * friction,
-        moving=max(moving, _LEAST_SPEED) if moving else _MOVING,
+        moving=max(moving, _LEAST_SPEED[axis]) if moving else _MOVING[axis],
         friction=friction,
         origin=(
             f"standard deviations: those of {from_fit}, and a change of {CHANGE:.0%} of each coefficient; "
@@ -118,15 +122,15 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
 
 def _require(model: Model) -> None:
     where = f"model {model.name}: an estimator of its friction"
-    if model.axis is not TURNING:
-        raise InputError(f"{where} requires a drive that turns, received kind = {model.axis.name!r}")
     if not model.current_known or model.back_emf_in_friction or model.torque_unit != "N m":
-        raise InputError(f"{where}: a fit with the current in amperes and torques in N m is required")
-    missing = [q.name for q in model.parameters if q.default is None]
+        said = model.axis.said("a fit with the current in amperes and torques in N m is required")
+        raise InputError(f"{where}: {said}")
+    missing = [q.name for q in spoken(model).parameters if q.default is None]
     if missing:
+        since = model.axis.said("since it learns from what inertia leaves of the torque")
         raise InputError(
-            f"{where}: a value of {' and of '.join(missing)} is required, since it learns from what inertia"
-            " leaves of the torque: give them with --parameters"
+            f"{where}: a value of {' and of '.join(missing)} is required, {since}:"
+            " give them with --parameters"
         )
 
 
@@ -139,18 +143,19 @@ def _number(fit: Mapping[str, Any], *keys: str) -> float:
     return float(found) if usable else 0.0
 
 
-def _speed(fit: Mapping[str, Any]) -> float:
-    """A medium speed: half the fastest of the fit [rad/s]."""
+def _speed(fit: Mapping[str, Any], axis: AxisKind) -> float:
+    """A medium speed: half the fastest of the fit [rad/s, or m/s]."""
     ranges = fit.get("ranges")
-    found = ranges.get("speed_m_rad_s") if isinstance(ranges, Mapping) else None
+    found = ranges.get(axis.said("speed_m_rad_s")) if isinstance(ranges, Mapping) else None
     fastest = found[1] if isinstance(found, list | tuple) and len(found) == 2 else None
-    return fastest / 2 if isinstance(fastest, int | float) and 0 < fastest < math.inf else _SPEED
+    return fastest / 2 if isinstance(fastest, int | float) and 0 < fastest < math.inf else _SPEED[axis]
 
 
-def _not_yet(model: Model, columns: tuple[Column, ...], bases: np.ndarray) -> list[int]:
+def _not_yet(model: Model, bases: np.ndarray) -> list[int]:
     """Columns that are 0 at the start, by the time or a hidden state: no motion tells their size."""
     later = {v.t.symbol, *(state.quantity.symbol for state in model.states)}
-    return [j for j, one in enumerate(columns) if bases[j] <= _NONE and one.basis.free_symbols & later]
+    columns = enumerate(regressor(model))
+    return [j for j, one in columns if bases[j] <= _NONE and one.basis.free_symbols & later]
 
 
 def _seen(model: Model, speed: float) -> tuple[np.ndarray, np.ndarray, float]:
@@ -159,7 +164,9 @@ def _seen(model: Model, speed: float) -> tuple[np.ndarray, np.ndarray, float]:
     mu = next((float(q.default) for q in model.parameters if q.name == "mu" and q.default is not None), 1.0)
     angle = np.linspace(0.0, 2 * math.pi / mu, 48, endpoint=False)
     theta_m, omega_m = (x.ravel() for x in np.meshgrid(angle, [-speed, -speed / 2, speed / 2, speed]))
-    known = {"theta_m": theta_m, "omega_m": omega_m, "temperature": np.full_like(theta_m, 25.0)}
+    at = {v.theta_m: theta_m, v.omega_m: omega_m}
+    known = {spoken_quantity(model.axis, q).name: x for q, x in at.items()}
+    known["temperature"] = np.full_like(theta_m, 25.0)
     inputs = [known.get(name, np.zeros_like(theta_m)) for name in inputs_of(module.regressor)]
     columns = np.asarray(module.regressor(*inputs))
     values = np.asarray(module.friction_coefficients(), float)

@@ -19,7 +19,8 @@ from eccentric.emission.check import proof_command
 from eccentric.emission.free_text import plain
 from eccentric.emission.program import build_program
 from eccentric.errors import InputError
-from eccentric.model import Model
+from eccentric.model import Model, spoken, spoken_quantity
+from eccentric.model import vocabulary as v
 
 _SHARE, _SHIFTS = 0.2, (0.5, 2.0)
 """The alarm is made for a change of friction by this share, if that is a shift within these."""
@@ -47,6 +48,7 @@ def view(model: Model, prior: Prior, asked: Adaptation, digest: str, source: str
     inputs = ranged_inputs(model, routines)
     constants = constants_of(prior, asked, alarm, inputs)
     names = [name for name, _ in constants]
+    shown = spoken(model)
     lines = {
         "loaded": update.loaded(n),
         "innovation": update.innovation(n),
@@ -67,7 +69,7 @@ def view(model: Model, prior: Prior, asked: Adaptation, digest: str, source: str
         "forgetting": f"{asked.forgetting:.6g}",
         "growth": f"{1 - (1 - asked.forgetting) / SLOWER:.7g}",
         "coefficients": [_coefficient(prior, k) for k in range(n)],
-        "zeroed": _zeroed(model, prior),
+        "zeroed": _zeroed(shown, prior),
         "prior": {
             "origin": prior.origin,
             "noise": f"{prior.noise:.4g}",
@@ -89,6 +91,8 @@ def view(model: Model, prior: Prior, asked: Adaptation, digest: str, source: str
             for which, name in (("step", "STEP"), ("lowest", "LOWEST"), ("highest", "HIGHEST"), ("x", "x"))
         },
         "inputs": inputs,
+        "said": model.axis.said,
+        "speed": spoken_quantity(model.axis, v.omega_m).name,
         "given": ", ".join(x["name"] for x in inputs),
         "typed": ", ".join(f"{x['name']}: Any" for x in inputs),
         "signature": wrapped(
@@ -109,7 +113,7 @@ def view(model: Model, prior: Prior, asked: Adaptation, digest: str, source: str
         ),
         "outside": code([f"if (!({within(n)})) {{"]),
         "applied": {
-            which: applied_lines(model, program, prior.columns, which == "single")
+            which: applied_lines(shown, program, prior.columns, which == "single")
             for which in ("single", "double")
         },
         "python": {key: update.in_python(part, names) for key, part in lines.items()},
