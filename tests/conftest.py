@@ -18,7 +18,7 @@ settings.register_profile(
     "eccentric",
     derandomize=True,
     deadline=None,
-    max_examples=20,
+    max_examples=8,
     database=None,
     phases=(Phase.explicit, Phase.generate),
 )

@@ -38,10 +38,10 @@ class Changed:
     """What the sums of a joint say about a change.
 
     `names` are the coefficients that changed, strongest first, empty if none explains it; `kinds` what each
-    is. `before` and `after` are RMS errors [N m] of the recent periods: with the coefficients of the past,
-    and with those named changed. `usual` is the error of the past's own coefficients on the past, `free` that
-    of all coefficients fitted to the recent periods, `explained` the part of the new error (squared) that
-    the names explain; `level` is the mean friction torque of the past [N m].
+    is. `before` and `after` are RMS errors [N m, or N] of the recent periods: with the coefficients of the
+    past, and with those named changed. `usual` is the error of the past's own coefficients on the past,
+    `free` that of all coefficients fitted to the recent periods, `explained` the part of the new error
+    (squared) that the names explain; `level` is the mean friction torque of the past [N m, or N].
     """
 
     names: tuple[str, ...]

@@ -100,7 +100,7 @@ class FleetChange:
 
 
 def level_of(history: History) -> float:
-    """The mean friction torque of a joint, the usual one of its periods [N m]; NaN without any."""
+    """The mean friction torque of a joint, the usual one of its periods [N m, or N]; NaN without any."""
     return float(np.median([p.friction[0] for p in history.periods])) if history.periods else math.nan
 
 
@@ -124,7 +124,9 @@ def series_of(history: History, temperatures: Mapping[str, float]) -> Iterator[S
         values, errors = (np.array([getattr(p, what)[k] for p in periods]) for what in ("values", "errors"))
         yield one(heading.name, heading.unit, values, errors, size / level, LEAST_CHANGE)
     if np.all(np.isfinite(friction)):
-        yield one(FRICTION, "N m", friction[:, 0], friction[:, 1], 1.0 / level, LEAST_CHANGE)
+        yield one(
+            FRICTION, history.axis.said("N m"), friction[:, 0], friction[:, 1], 1.0 / level, LEAST_CHANGE
+        )
     left = np.array([p.residual for p in periods])
     yield one(RESIDUAL, "1", np.log(left[:, 0]), left[:, 1] / left[:, 0], 1.0, LEAST_RESIDUAL)
 

@@ -177,7 +177,7 @@ def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
     changed, strongest = suspect.changed, suspect.changes[0]
     own = {change.series.name: change for change in suspect.changes}
     names, sensor = changed.names, False
-    before, after, unit = changed.before, changed.after, "N m"
+    before, after, unit = changed.before, changed.after, suspect.rig.axis.said("N m")
     if names:
         sensor = all(kind in NOT_FRICTION for kind in changed.kinds)
         parts = [f"{_KINDS[kind]} ({name})" for kind, name in zip(changed.kinds, names, strict=True)]

@@ -13,6 +13,7 @@ from eccentric.errors import counted, few
 from eccentric.fleet.drift import FRICTION, RESIDUAL
 from eccentric.fleet.found import Drifting, FleetFound
 from eccentric.fleet.sources import in_order
+from eccentric.model import AxisKind
 from eccentric.report import number, rendered
 
 __all__ = ["fleet_page", "fleet_sentence", "joints_without_logs"]
@@ -65,6 +66,7 @@ def joints_without_logs(found: FleetFound) -> list[str]:
 
 def _view(found: FleetFound) -> dict[str, Any]:
     periods = in_order({p.period for h in found.histories for p in h.periods})
+    axes = {history.joint: history.axis for history in found.histories}
     span = f"{periods[0]} to {periods[-1]}" if periods else "no period"
     return {
         "title": "What changed in the fleet?",
@@ -74,7 +76,7 @@ def _view(found: FleetFound) -> dict[str, Any]:
         "rate": f"{100.0 * found.rate:g} %",
         "tests": len(found.changes),
         "rows": [_row(rank, one) for rank, one in enumerate(found.drifting, start=1)],
-        "panels": [_panel(one) for one in found.drifting],
+        "panels": [_panel(one, axes[one.joint]) for one in found.drifting],
         "levels": _levels(found, periods),
         "problems": found.problems,
         "without_logs": "; ".join(joints_without_logs(found)),
@@ -117,8 +119,8 @@ def _row(rank: int, one: Drifting) -> _Row:
     )
 
 
-def _panel(one: Drifting) -> dict[str, Any]:
-    """The change of a joint over its periods."""
+def _panel(one: Drifting, axis: AxisKind) -> dict[str, Any]:
+    """The change of a joint over its periods, in the words of its axis."""
     s = one.shown.series
     values = np.exp(s.values) if s.name == RESIDUAL else s.values
     errors = values * s.errors if s.name == RESIDUAL else s.errors
@@ -127,7 +129,7 @@ def _panel(one: Drifting) -> dict[str, Any]:
         "joint": one.joint,
         "href": one.report,
         "what": one.what,
-        "label": words.get(s.name, f"{s.name} [{s.unit}]"),
+        "label": axis.said(words[s.name]) if s.name in words else f"{s.name} [{s.unit}]",
         "svg": _small(values, 2.0 * errors, s.periods.index(one.since)),
         "first": s.periods[0],
         "last": s.periods[-1],

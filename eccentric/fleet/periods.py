@@ -14,6 +14,7 @@ from eccentric.fleet.limits import LEAST_BLOCKS, LEAST_DIRECTION, LEAST_SECONDS
 from eccentric.fleet.problems import FleetProblem
 from eccentric.fleet.store import Stored
 from eccentric.fleet.sums import OFFSET, Coverage, Heading, dependent, merged, solve
+from eccentric.model import TURNING, AxisKind
 
 __all__ = ["History", "Period", "history_of"]
 
@@ -26,8 +27,8 @@ class Period:
 
     `triangle` (k + 1, k + 1) are the sums behind them, of `windows` rows. `friction` is the mean size of the
     friction torque over the motion and `residual` the RMS of what the columns leave, each with its standard
-    error [N m]. `sizes` (k,) are the RMS of the columns: the change of a coefficient times its size is a
-    torque.
+    error [N m, or N]. `sizes` (k,) are the RMS of the columns: the change of a coefficient times its size is
+    a torque.
     """
 
     period: str
@@ -54,14 +55,17 @@ class Period:
 
 @dataclass(frozen=True)
 class History:
-    """The periods of a joint that have an answer, in order of time, and their columns."""
+    """The periods of a joint that have an answer, in order of time, their columns, and what moves."""
 
     joint: str
     headings: tuple[Heading, ...]
     periods: tuple[Period, ...]
+    axis: AxisKind = TURNING
 
 
-def history_of(joint: str, stored: Mapping[str, Sequence[Stored]]) -> tuple[History, list[FleetProblem]]:
+def history_of(
+    joint: str, stored: Mapping[str, Sequence[Stored]], axis: AxisKind = TURNING
+) -> tuple[History, list[FleetProblem]]:
     """The history of a joint from its sums by period, in order of time; periods without an answer are named.
 
     If all motion of a period goes in one direction, an offset of the sensor is Coulomb friction there: the
@@ -96,7 +100,7 @@ def history_of(joint: str, stored: Mapping[str, Sequence[Stored]]) -> tuple[Hist
             problems.append(FleetProblem(joint, period, "", "singular", text))
             continue
         found.append(_period(period, chosen, headings, coverage, windows))
-    return History(joint, headings, tuple(found)), problems
+    return History(joint, headings, tuple(found), axis), problems
 
 
 def _period(name: str, stack: Array, headings: Sequence[Heading], coverage: Coverage, windows: int) -> Period:

@@ -76,7 +76,7 @@ def run_fleet(
             stored = stored_of(out, joint, plan.recipes[joint], own)
             gone += gone_of(stored, own)
             problems += outdated_of(out, joint, plan.recipes[joint], own)
-            history, said = history_of(joint, stored)
+            history, said = history_of(joint, stored, plan.rigs[joint].axis)
             histories.append(history)
             problems += said
             doubts = doubts_of(history)

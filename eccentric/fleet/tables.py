@@ -24,7 +24,8 @@ def write_coefficients(found: FleetFound, folder: Path) -> None:
     """Write coefficients/period=P.parquet below a folder, for each period: a row for each coefficient.
 
     Columns: joint, name, unit, kind, value, std_error, lower, upper (95 %), and what the period covers:
-    seconds in motion, speeds of the motor [rad/s], temperatures [deg C], friction and residual [N m].
+    seconds in motion, speeds [rad/s], temperatures [deg C], friction and residual [N m]; of a
+    carriage m/s and N.
     """
     arrow, parquet = arrow_of()
     rows: dict[str, list[dict[str, Any]]] = {}

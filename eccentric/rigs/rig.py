@@ -97,13 +97,6 @@ class Rig:
             raise MissingValueError(said, name)
         return self.known[name]
 
-    def require_turning(self, what: str) -> None:
-        """Raise InputError for an axis that does not turn, for a use that knows no other."""
-        if self.axis is not TURNING:
-            raise InputError(
-                f"{self.path}: {what} requires a drive that turns, received kind = {self.axis.name!r}"
-            )
-
     @property
     def own_names(self) -> tuple[str, ...]:
         """What a person has named: the file, the rig, its columns. The words of the axis leave them alone."""

@@ -1,5 +1,7 @@
 """A rig and its model as columns: target = X b + residual on window means, in newton metres at the motor.
 
+Of a carriage they are in newtons, and everything has its letters and units.
+
 friction   one column for each coefficient of the regressor of the emitted model
 inertia    where the rig does not give it
 scale      J alpha + G as the rig knows them, 1 by definition: what changes it is the gain of the sensor,
@@ -19,7 +21,7 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
 from eccentric.fitting import LOAD, Emitted, Machine, load_gain, load_letters, require_case, with_own
-from eccentric.model import Load, Model, Role, load_model, regressor
+from eccentric.model import Load, Model, Role, load_model, regressor, spoken
 from eccentric.rigs import Rig
 
 __all__ = ["OFFSET", "SCALE", "Columns", "Heading", "require_rig"]
@@ -66,10 +68,12 @@ class Columns:
     def headings(self) -> tuple[Heading, ...]:
         """The columns in their order."""
         gravity = self._model.balance("mechanical").sum_of("gravity") != 0
-        own = [Heading(c.name, c.unit, _kind(c.role, c.load)) for c in regressor(self._model)]
-        inertia = [Heading(self._machine.rotor, "kg m^2", "inertia")] if self._open_inertia else []
+        said = self._model.axis.said
+        own = [Heading(c.name, c.unit, _kind(c.role, c.load)) for c in regressor(spoken(self._model))]
+        rotor = Heading(said(self._machine.rotor), said("kg m^2"), "inertia")
+        inertia = [rotor] if self._open_inertia else []
         scale = [] if self._open_inertia and not gravity else [Heading(SCALE, "1", "scale")]
-        return (*own, *inertia, *scale, Heading(OFFSET, "N m", "offset"))
+        return (*own, *inertia, *scale, Heading(OFFSET, said("N m"), "offset"))
 
     def torque(self, drive: Mapping[str, Array], omega: Array) -> Array:
         """The drive torque (m,) [N m] of what measures it, "torque", "current" or "voltage" (m,)."""
@@ -87,9 +91,10 @@ class Columns:
         if measured_by == "voltage":
             letters |= self._machine.resistance_letters | self._machine.back_emf_letters
         if missing := sorted(letters - set(self._known)):
+            said = self.rig.axis.said
             raise InputError(
-                f"{self.rig.path}: [known] {few(missing)} is required by a fleet driven by {measured_by},"
-                " received none"
+                f"{self.rig.path}: [known] {said(few(missing))} is required by a fleet driven by"
+                f" {said(measured_by)}, received none"
             )
 
     def rows(self, theta: Array, omega: Array, alpha: Array, torque: Array) -> Array:
@@ -116,11 +121,10 @@ class Columns:
 
 def require_rig(rig: Rig) -> Model:
     """The model of a rig; InputError for a rig that leaves open what sums cannot hold."""
-    rig.require_turning("fleet")
     model = load_model(rig.model)
     require_case(rig, model)
     if rig.unknown or rig.estimate:
-        open_ = few(sorted({*rig.unknown, *rig.estimate}))
+        open_ = rig.axis.said(few(sorted({*rig.unknown, *rig.estimate})))
         raise InputError(
             f"{rig.path}: values are required by a fleet, {open_} is left to be estimated: fit one log of"
             " the joint and enter what it finds"
@@ -130,7 +134,8 @@ def require_rig(rig: Rig) -> Model:
             f"{rig.path}: input_delay_s: 0 is required by a fleet, received {rig.alignment.input_delay_s:g}"
         )
     if missing := sorted(load_letters(model) - set(rig.known) - {"M_l"}):
-        raise InputError(f"{rig.path}: [known] {few(missing)} is required by {model.name}, received none")
+        letters = rig.axis.said(few(missing))
+        raise InputError(f"{rig.path}: [known] {letters} is required by {model.name}, received none")
     return model
 
 

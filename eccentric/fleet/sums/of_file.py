@@ -25,10 +25,10 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Coverage:
-    """What a file covers: rows, seconds in motion, the part of them forward, speeds [rad/s], temperatures.
+    """What a file covers: rows, seconds in motion, the part of them forward, speeds, temperatures.
 
-    `low` and `high` are the slowest and the fastest window of the motor; temperatures [deg C], the mean and
-    the range in motion, are NaN where none is logged.
+    `low` and `high` are the slowest and the fastest window [rad/s, or m/s]; temperatures [deg C], the mean
+    and the range in motion, are NaN where none is logged.
     """
 
     rows: int

@@ -167,7 +167,8 @@ def _drive(channels: Mapping[str, Array], rig: Rig) -> tuple[str, Array]:
     wanted = {None: _DRIVES, "torque": ("torque", "torque_l")}.get(rig.log.drive, (rig.log.drive,))
     name = next((name for name in wanted if name in channels), None)
     if name is None:
-        raise InputError(f"{rig.path}: a log with current, torque or voltage is required, received none")
+        drives = rig.axis.said("current, torque or voltage")
+        raise InputError(f"{rig.path}: a log with {drives} is required, received none")
     if name == "torque_l":
         return "torque", channels[name] * rig.value("mu")
     return name, channels[name]
