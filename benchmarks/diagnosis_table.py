@@ -75,6 +75,7 @@ def details(results: Sequence[Result]) -> list[str]:
     seconds = sorted(r.seconds for r in results if r.seconds) or [float("nan")]
     named = _excess([r for r in single if r.named == r.truth], lambda r, balance: r.rmse[balance])
     pair = _of(results, "pair")
+    shown = [r for r in pair if r.oracle is not None and r.oracle.over_less > PROVABLE]
     missed = (
         [r for r in single if r.ranked[:1] != r.truth],
         [r for r in pair if not set(r.truth) <= set(r.named)],
@@ -86,6 +87,9 @@ def details(results: Sequence[Result]) -> list[str]:
             )
             for what, own in zip(("not first", "not both of two"), missed, strict=True)
         },
+        f"both of two effects named where a fit that lacks either predicts worse by z > {PROVABLE:g}": share(
+            sum(set(r.truth) <= set(r.named) for r in shown), len(shown)
+        ),
         "a wrong name, further names counted too": share(
             sum(bool(set(r.named) - set(r.truth)) for r in single), len(single)
         ),

@@ -9,7 +9,7 @@ import numpy as np
 
 from eccentric.diagnosis import Diagnosis
 from eccentric.effects import library
-from eccentric.fitting import refit
+from eccentric.fitting import Refit, refit
 
 STRETCHES = 20
 
@@ -20,13 +20,15 @@ class Oracle:
 
     balance: the one that shows the first of them; rmse: held out, with all of them [N m];
     over_paper, over_answer: by how many standard errors the truth predicts the held-out part better than the
-    paper's model, and than the extended model of the diagnosis.
+    paper's model, and than the extended model of the diagnosis; over_less: than what is left of the truth
+    without one of its effects, the one that is missed least.
     """
 
     balance: str
     rmse: float
     over_paper: float
     over_answer: float
+    over_less: float
 
 
 def oracle(found: Diagnosis, families: Collection[str]) -> Oracle | None:
@@ -53,12 +55,24 @@ def oracle(found: Diagnosis, families: Collection[str]) -> Oracle | None:
     if wanted:
         return None
     balance, fitted = shown or "mechanical", refit(found.models.base, tuple(adopted), found.data)
-    paper, score = found.models.paper, fitted.data.rows.score
-    over = [
-        _z((other.residuals[balance] ** 2 - fitted.residuals[balance] ** 2)[score])
-        for other in (paper, found.models.extended)
+    paper = found.models.paper
+    less = [
+        refit(found.models.base, tuple(one for k, one in enumerate(adopted) if k != left_out), found.data)
+        for left_out in range(len(adopted))
     ]
-    return Oracle(balance, min(fitted.held_out(balance), paper.held_out(balance)), *over)
+    return Oracle(
+        balance,
+        min(fitted.held_out(balance), paper.held_out(balance)),
+        _over(fitted, paper, balance),
+        _over(fitted, found.models.extended, balance),
+        min(max(_over(fitted, other, b) for b in fitted.residuals) for other in less),
+    )
+
+
+def _over(fitted: Refit, other: Refit, balance: str) -> float:
+    """By how many standard errors the first predicts the held-out part of a balance better."""
+    score = fitted.data.rows.score
+    return _z((other.residuals[balance] ** 2 - fitted.residuals[balance] ** 2)[score])
 
 
 def _z(gain: np.ndarray) -> float:
