@@ -98,17 +98,22 @@ def groups(case: str) -> tuple[tuple[Effect, ...], ...]:
         seen = case == "C2" and effects("C1").get(effect.id) == effect
         if seen or (effect.evidence.repeats and effect.id not in ORDERS):
             continue
-        changes = bool(effect.change.scales or effect.change.replaces)
         for members in found:
-            # Two variants of a family share their names; of factors on friction one is enough.
+            # Two variants of a family share their names.
             if len(members) < 5 and effect.family not in {e.family for e in members}:
-                if changes and any(e.change.scales or e.change.replaces for e in members):
+                if _changes(effect) and any(map(_changes, members)):
                     continue
                 members.append(effect)
                 break
         else:
             found.append([effect])
     return tuple(map(tuple, found))
+
+
+def _changes(effect: Effect) -> bool:
+    """Whether an effect makes all of the model longer: two of them are checked for minutes."""
+    warm, geared = "temperature" in effect.evidence.needs, effect.family == "kinematic_error"
+    return bool(effect.change.scales or effect.change.replaces) or warm or geared
 
 
 def joined(case: str, number: int, values: dict[str, float]) -> Model:
