@@ -34,7 +34,7 @@ run: $(DERIVED)
 test: $(TEST)
 	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m "not slow"
 
-# What `make test` samples, in full.
+# What `make test` samples; of some of it `make bench` has more.
 test-slow: $(TEST)
 	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m slow
 

@@ -20,8 +20,8 @@ class Oracle:
 
     balance: the one that shows the first of them; rmse: held out, with all of them [N m];
     over_paper, over_answer: by how many standard errors the truth predicts the held-out part better than the
-    paper's model, and than the extended model of the diagnosis; over_less: than what is left of the truth
-    without one of its effects, the one that is missed least.
+    paper's model, and than the extended model of the diagnosis; over_less: the least, over the effects of a
+    pair, of that over the truth without the effect, in the balance that shows it best.
     """
 
     balance: str
@@ -58,14 +58,14 @@ def oracle(found: Diagnosis, families: Collection[str]) -> Oracle | None:
     paper = found.models.paper
     less = [
         refit(found.models.base, tuple(one for k, one in enumerate(adopted) if k != left_out), found.data)
-        for left_out in range(len(adopted))
+        for left_out in (range(len(adopted)) if len(adopted) > 1 else ())
     ]
     return Oracle(
         balance,
         min(fitted.held_out(balance), paper.held_out(balance)),
         _over(fitted, paper, balance),
         _over(fitted, found.models.extended, balance),
-        min(max(_over(fitted, other, b) for b in fitted.residuals) for other in less),
+        min((max(_over(fitted, other, b) for b in fitted.residuals) for other in less), default=0.0),
     )
 
 

@@ -92,9 +92,10 @@ def effects(case: str) -> dict[str, Effect]:
 
 @cache
 def groups(case: str) -> tuple[tuple[Effect, ...], ...]:
-    """Return five effects at a time; in C2 those only that C1 does not have just so."""
+    """Return up to five effects at a time; in C2 those only that C1 does not have just so."""
     found: list[list[Effect]] = []
-    for effect in effects(case).values():
+    # Those that no group has two of come first, so that others join them.
+    for effect in sorted(effects(case).values(), key=_changes, reverse=True):
         seen = case == "C2" and effects("C1").get(effect.id) == effect
         if seen or (effect.evidence.repeats and effect.id not in ORDERS):
             continue
@@ -111,7 +112,7 @@ def groups(case: str) -> tuple[tuple[Effect, ...], ...]:
 
 
 def _changes(effect: Effect) -> bool:
-    """Whether an effect makes all of the model longer: two of them are checked for minutes."""
+    """Whether an effect makes all of the model longer: with two in one, its checks take minutes."""
     warm, geared = "temperature" in effect.evidence.needs, effect.family == "kinematic_error"
     return bool(effect.change.scales or effect.change.replaces) or warm or geared
 

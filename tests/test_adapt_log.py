@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import eccentric
+from eccentric.adaptation.course import _elapsed
 from eccentric.adaptation.inputs import inputs_of
 from eccentric.cli import main
 from eccentric.errors import InputError
-from eccentric.model import load_model
+from eccentric.model import TURNING
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 
@@ -116,17 +117,32 @@ def test_bands_end_at_the_bounds_and_the_legend_says_what_grey_is(rig: Any) -> N
     assert ["learned", "not excited: std error above half of the prior's", "start", "alarm"] == words
 
 
-def test_a_torque_serves_for_the_current(rig: Any) -> None:
-    """A log of the torque is followed as one of the current: the drive's constant is in the rig."""
+@pytest.mark.parametrize("beside", [False, True], ids=["alone", "beside a current"])
+@pytest.mark.parametrize("case", ["C1", "C2"])
+def test_a_torque_serves_for_the_current(rig: Any, case: str, beside: bool) -> None:
+    """A log of the torque is followed as one of the current; of both, the one that was fitted."""
     table = log(0.6)
+    if case == "C1":  # without gravity, whose torque is mu M g L sin(mu theta)
+        pull = 0.2 * 0.5 * 9.81 * 0.25 * np.sin(0.2 * table["theta_m_rad"])
+        table["current_A"] = table["current_A"] - pull / KNOWN["k_i"]
+    rig = rig | {"known": rig["known"] | {"case": case}}
     torque = {"time_s": table["time_s"], "theta_m_rad": table["theta_m_rad"]}
     torque["torque_Nm"] = table["current_A"] * KNOWN["k_i"]
+    if beside:  # it is not to be used
+        torque["current_A"] = 3.0 * table["current_A"]
 
     one = eccentric.adapt(table, rig).course
-    other = eccentric.adapt(torque, rig | {"columns": [*torque]}).course
+    other = eccentric.adapt(torque, rig | {"columns": [*torque], "drive": "torque"}).course
 
     assert one.names == other.names
-    assert other.values == pytest.approx(one.values, rel=1e-9, abs=1e-12)
+    assert other.values == pytest.approx(one.values, rel=1e-6, abs=1e-9)
+
+
+def test_runs_whose_time_begins_anew_follow_one_another() -> None:
+    """Times that begin at 0 again, or where the run before ended, go on by a step; others stay."""
+    assert _elapsed(np.array([0.0, 1.0, 2.0, 0.0, 1.0]), 1.0).tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert _elapsed(np.array([5.0, 6.0, 6.0, 7.0]), 1.0).tolist() == [5.0, 6.0, 7.0, 8.0]
+    assert _elapsed(np.array([5.0, 6.0, 9.0, 10.0]), 1.0).tolist() == [5.0, 6.0, 9.0, 10.0]
 
 
 def test_a_log_of_the_voltage_alone_is_refused(rig: Any) -> None:
@@ -148,7 +164,7 @@ def test_a_hidden_state_is_in_no_log(rig: Any) -> None:
     channels = read_channels([log(1.0)], read_rig(rig))
 
     with pytest.raises(InputError, match=r"a model without hidden states is required .*, received heat_P$"):
-        inputs_of(channels, load_model("c2_parallel"), ("theta_m", "heat_P"), "table")
+        inputs_of(channels, TURNING, ("theta_m", "heat_P"), "table")
 
 
 def test_a_current_of_the_wrong_sign_is_refused(rig: Any) -> None:

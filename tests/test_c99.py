@@ -44,7 +44,7 @@ def test_agrees_with_the_paper(libraries: Libraries, name: str, function: str, d
     library = libraries[name, dtype]
     derivative = function in oracle.DERIVATIVES
 
-    @settings(max_examples=8)  # the same bits as NumPy's, which sees more
+    @settings(max_examples=4)  # the same bits as NumPy's, which sees more
     @given(st.data())
     def check(data: st.DataObject) -> None:
         values = data.draw(strategies.parameters(name))

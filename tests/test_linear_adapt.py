@@ -56,6 +56,10 @@ def test_same_bits(tmp_path: Path, name: str, dtype: Any) -> None:
     learned = dict(zip(python.COEFFICIENTS, state.coefficient, strict=True))
     assert learned == {"B": pytest.approx(260.0, abs=3.0), "C": pytest.approx(15.0, abs=0.4)}
     assert ("N s/m", "N") == python.UNITS
+    given = c.ffi.new(f"{name}_parameters *")
+    c["adapt_parameters"](c.state, given)
+    own = python.parameters(state)
+    assert (given.B, given.C) == (own.B, own.C) == tuple(map(float, state.coefficient))
 
 
 def test_the_words_are_those_of_a_carriage(tmp_path: Path) -> None:
@@ -88,6 +92,46 @@ def test_a_log_of_a_force_is_followed(tmp_path: Path) -> None:
     assert course.values[-1] == pytest.approx([240.0, 26.0], rel=0.03)
     assert [kind for at, kind in course.alarms if at > 10.0][:1] == ["more"]
     assert not foreign("\n".join([found.summary(), json.dumps(found.document)]))
+
+
+def test_a_strong_drive_is_within_its_range() -> None:
+    """Of a force in kilonewtons no row is left out for its size: k_f is 1 N/A where a force is logged."""
+    log = logged(2, Carriage(mass=9500.0, B=20300.0, C=2000.0, F_load=0.0, gain=3500.0), seconds=6.0, runs=1)
+    columns = RIG["columns"] | {"force": {"column": "u_V", "gain": "3500 N/V"}}
+
+    course = eccentric.adapt(log, RIG | {"columns": columns, "unknown": {}}).course
+
+    small = eccentric.adapt(
+        logged(2, Carriage(F_load=0.0), seconds=6.0, runs=1), RIG | {"unknown": {}}
+    ).course
+    assert course.used > 0.9 * small.used  # the loop is softer, the moves are the same
+    assert course.values[-1] == pytest.approx([20300.0, 2000.0], rel=0.05)
+
+
+def test_a_path_is_told_as_it_was_given(tmp_path: Path) -> None:
+    """A folder called torque stays one, in the words of a carriage too."""
+    path = tmp_path / "torque" / "fit.json"
+    with pytest.raises(eccentric.InputError, match=r"torque/fit\.json"):
+        eccentric.adapt(logged(0, seconds=3.0, runs=1), RIG, parameters=path)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (
+            {"J": 1.0},
+            r"parameters\.J: linear_axis has no such parameter; it has R, k_f, k_e, mass, B, C, F_load",
+        ),
+        ({"mass": 95.0, "J_m": 1.0}, "parameters: each is required only once, received mass and J_m"),
+        ({"mass": -1.0}, r"parameters\.mass: a "),
+    ],
+)
+def test_a_wrong_parameter_is_told_as_it_was_written(
+    tmp_path: Path, values: dict[str, float], message: str
+) -> None:
+    """Letters of the axis and the general ones are taken, each once."""
+    with pytest.raises(eccentric.InputError, match=message):
+        eccentric.emit("linear_axis", tmp_path / "out", parameters=values)
 
 
 def test_from_the_shell(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,7 +9,11 @@ import numpy as np
 import pytest
 
 import eccentric
-from eccentric.fleet.sums import Columns, sums_of
+from eccentric.fleet.assigned import Assigned
+from eccentric.fleet.doubts import doubts_of
+from eccentric.fleet.periods import History, Period
+from eccentric.fleet.sums import Columns, Coverage, Heading, sums_of
+from eccentric.model import LINEAR
 from eccentric.rigs import read_rig
 from tests.carriage import RIG, Carriage, logged
 from tests.test_linear_words import foreign
@@ -88,3 +92,32 @@ def test_what_a_rig_lacks_is_told_in_its_own_letters(tmp_path: Path) -> None:
 
     with pytest.raises(eccentric.InputError, match=r"\[known\] k_f is required by a fleet driven by current"):
         sums_of(path, Columns(read_rig({**DECLARED, "columns": columns})))
+
+
+def test_a_table_of_rigs_gives_each_carriage_its_own_mass(tmp_path: Path) -> None:
+    """A value of the table takes the place of the file's, whichever of its keys either uses."""
+    (tmp_path / "axis.toml").write_text(RIG_FILE, encoding="utf-8")
+    (tmp_path / "rigs.csv").write_text(
+        "joint,rig,mass_kg\nX1,axis.toml,90\nX2,axis.toml,\n", encoding="utf-8"
+    )
+
+    rigs = Assigned(str(tmp_path / "rigs.csv"))
+
+    assert [90.0, 95.0] == [rigs.rig(joint).known["J_m"] for joint in ("X1", "X2")]
+
+
+def test_doubts_are_in_the_words_of_a_carriage() -> None:
+    """A mass of another joint, and friction of the wrong sign."""
+    headings = (Heading("C", "N", "coulomb"), Heading("scale", "1", "scale"))
+    coverage = Coverage(1000, 60.0, 0.5, 0.01, 0.4, np.nan, np.nan, np.nan)
+    period = Period(
+        *("2025-01", np.array([-20.0, 3.0]), np.diag([1e-2, 1e-4]), 30, np.eye(3), 1000),
+        *((-20.0, 0.1), (1.0, 0.1), np.ones(2), coverage),
+    )
+    history = History("X1", headings, (period,) * 6, LINEAR)
+
+    said = [problem.text for problem in doubts_of(history)]
+
+    assert said[0].startswith("a positive mean friction force is required, received -20 N")
+    assert said[1].startswith("a mass near that of the rig is required, received 3 times as much")
+    assert not foreign("\n".join(said))

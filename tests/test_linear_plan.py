@@ -1,9 +1,8 @@
-"""The plan of a linear axis: limits and reference in its own units; what knows turns only is refused."""
+"""The plan of a linear axis: limits and reference in its own units."""
 
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,7 +11,7 @@ import pytest
 
 import eccentric
 from eccentric import InputError
-from eccentric.model import LINEAR, load_model
+from eccentric.model import LINEAR
 from eccentric.planning import choice, read_bounds
 from tests.carriage import RIG, logged
 
@@ -48,18 +47,6 @@ def test_limits_of_another_kind_are_refused(limits: dict[str, object], message: 
     """Each message has the key as it is written."""
     with pytest.raises(InputError, match=message):
         read_bounds(limits, LINEAR)
-
-
-def test_what_knows_turns_only_refuses_a_carriage(tmp_path: Path) -> None:
-    """`adapt` and the estimator of `emit --adapt` say that they need a drive that turns."""
-    with pytest.raises(InputError, match="adapt requires a drive that turns, received kind = 'linear'"):
-        eccentric.adapt(logged(0, seconds=3.0, runs=1), RIG)
-    found = eccentric.fit(logged(0, seconds=6.0, runs=1), RIG)
-    found.write(tmp_path / "fit")
-    with pytest.raises(InputError, match="estimator of its friction requires a drive that turns"):
-        eccentric.emit(
-            load_model("linear_axis"), tmp_path / "c", parameters=tmp_path / "fit" / "fit.json", adapt=True
-        )
 
 
 def test_a_force_that_is_too_small_is_told_in_newtons() -> None:

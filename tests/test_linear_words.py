@@ -23,6 +23,7 @@ from tests.compiled import FLAGS, REAL, run
 
 FOREIGN = re.compile(
     r"\brad\b|\bN ?m\b|\bkg m|_rad|_Nm\b|[Tt]orque|\bF_N\b|theta_m|omega|alpha_m|\bJ_m\b|\bk_i\b|B_m\b"
+    r"|\b[Ii]nertia|\bB_lN\b"
     r"|normal force|unbalanced|(?<!not )\blink\b|[ωα]|\\u03c9|motor (?:side|angle|velocity)|paper's"
 )
 """Units, letters and words of a drive that swings an unbalanced mass."""

@@ -13,7 +13,7 @@ EXAMPLES = SHARED / "examples"
 @pytest.mark.slow
 @pytest.mark.skipif(not EXAMPLES.is_dir(), reason="the shared example logs are not beside this clone")
 def test_other_bandwidths_and_wrong_constants_leave_the_name() -> None:
-    """Nine of ten rig files or more give the same verdict and leading family: one log of nine."""
+    """Nine of ten rig files or more give the same verdict and leading family, of one of the logs."""
     found = answers(*paths(SHARED, "example2"))
     changed = [answer for answer in found if answer.changed]
 

@@ -93,7 +93,7 @@ def replayed(
     files = render(model)
     source = render_adapt(model, files, prior, asked)[f"{model.name}_adapt.py"]
     estimator = executed_beside(load_module(model), model.name, source)
-    inputs = inputs_of(channels, model, estimator.INPUTS, log)
+    inputs = inputs_of(channels, model.axis, estimator.INPUTS, log)
     state = estimator.init()
     step = float(np.median(np.diff(channels.time.t)))
     t = _elapsed(channels.time.t, step)
@@ -127,6 +127,6 @@ def replayed(
 
 
 def _elapsed(t: Array, step: float) -> Array:
-    """The time [s] (m,), with runs whose own begins anew one after another."""
-    back = np.minimum(np.diff(t, prepend=t[0]), 0.0)
-    return t - np.cumsum(np.where(back < 0.0, back - step, 0.0))
+    """The time [s] (m,), with runs one after another whose own begins anew: within a run it increases."""
+    passed = np.diff(t, prepend=t[0] - step)
+    return t + np.cumsum(np.where(passed > 0.0, 0.0, step - passed))

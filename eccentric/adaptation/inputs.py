@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
-from eccentric.model import Model, spoken_quantity
+from eccentric.model import AxisKind, spoken_quantity
 from eccentric.model import vocabulary as v
 from eccentric.signals import Channels
 
@@ -19,10 +19,8 @@ _CHANNELS = {CURRENT: "current", "u": "voltage", "temperature": "temperature"}
 """What a log may lack, by the letter of the input."""
 
 
-def inputs_of(channels: Channels, model: Model, names: Sequence[str], log: str) -> list[Array]:
+def inputs_of(channels: Channels, axis: AxisKind, names: Sequence[str], log: str) -> list[Array]:
     """The inputs of these names; unusable rows are NaN: the estimator leaves them out.
-
-    Where a torque or force is logged, the current is the one that the model has for it.
 
     Raises:
         InputError: as `require_logged`.
@@ -31,13 +29,10 @@ def inputs_of(channels: Channels, model: Model, names: Sequence[str], log: str) 
     require_logged(channels, names, log)
     moved = {v.theta_m: motion.theta_m, v.omega_m: motion.omega_m, v.alpha_m: motion.alpha_m}
     known = {
-        **{spoken_quantity(model.axis, q).name: x for q, x in moved.items()},
+        **{spoken_quantity(axis, q).name: x for q, x in moved.items()},
         "t": channels.time.t,
         **_logged(channels),
     }
-    if motor.current is None and motor.torque is not None:
-        values = {q.symbol: float(q.default) for q in model.parameters if q.default is not None}
-        known[CURRENT] = motor.torque / values[v.k_i.symbol]
     if unknown := [name for name in names if name not in known]:
         raise InputError(
             f"{log}: a model without hidden states is required to follow friction along a log, received"
@@ -59,9 +54,9 @@ def require_logged(channels: Channels, names: Iterable[str], log: str) -> None:
         log: its name.
     """
     found = _logged(channels)
-    by_torque = channels.motor.torque is not None
-    lacking = [name for name in names if name in found and found[name] is None]
-    lacking = [name for name in lacking if name != CURRENT or not by_torque]
+    by_torque = channels.motor.measured_by == "torque"
+    served = {CURRENT} if by_torque else set()
+    lacking = [name for name in names if name in found and found[name] is None and name not in served]
     if lacking:
         there = [_CHANNELS[name] for name, x in found.items() if x is not None]
         there += ["torque"] if by_torque else []

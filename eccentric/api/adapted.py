@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,11 +31,11 @@ from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable
 from eccentric.emission import Adaptation, document_of, read_parameters, with_fitted
 from eccentric.errors import InputError
+from eccentric.fitting import Drive, fit_document
 from eccentric.fitting import fit as fit_channels
-from eccentric.fitting import fit_document
 from eccentric.places import given_path
 from eccentric.rigs import read_rig
-from eccentric.signals import read_channels
+from eccentric.signals import Channels, read_channels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -67,7 +68,7 @@ def adapt(
     """
     asked = asked_adaptation(True, forgetting, false_alarms, settle)
     sources, rig = sources_of(log), read_rig(rig)
-    with in_words_of(rig, sources):
+    with in_words_of(rig, [*sources, parameters, model]):
         read = read_logs(sources)
         channels = read_channels(read, rig)
         base = model_of(channels.rig.model if model is None else model)
@@ -75,6 +76,7 @@ def adapt(
         require_logged(channels, [CURRENT], names)
         fitted = fit_channels(channels, channels.rig, base, names)
         document: Any = fit_document(fitted, names_of(read))
+        warnings = tuple(document["warnings"])
         if parameters is not None:
             document = document_of(given_path(parameters, "parameters"))
         given = read_parameters(document)
@@ -83,13 +85,29 @@ def adapt(
                 f"{given.source}: parameters of a log that fits its rig are required to start from"
             )
         start = with_fitted(base, given, base.name)
-        course = replayed(fitted.problem.drive.channels, start, document, asked, names)
+        driven = _with_current(fitted.problem.drive, given.values)
+        course = replayed(driven, start, document, asked, names)
     return AdaptResult(
         course=course,
         lines=tuple(course_lines(course, names)),
-        warnings=tuple(rig.axis.told(fitted.warnings, (*rig.own_names, *names_of(read)))),
+        warnings=warnings,
         document=course_document(course, names),
     )
+
+
+def _with_current(drive: Drive, values: Mapping[str, float]) -> Channels:
+    """The channels; where a torque measures the drive, with the current that these parameters have for it.
+
+    Raises:
+        InputError: the parameters have no torque constant.
+    """
+    channels, motor = drive.channels, drive.channels.motor
+    if motor.measured_by != "torque":
+        return channels
+    if missing := sorted(drive.machine.torque_letters - set(values)):
+        raise InputError(f"parameters.{missing[0]}: a value is required to follow a torque, received none")
+    current = drive.machine.current_of_torque(values, motor.measured)
+    return replace(channels, motor=replace(motor, current=current))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

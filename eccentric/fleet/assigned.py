@@ -17,8 +17,9 @@ from typing import Any
 
 from eccentric.entries import read_document, read_table, read_utf8, refuse_unknown
 from eccentric.errors import InputError, few
+from eccentric.model import AXES, TURNING, AxisKind
 from eccentric.places import given_path, readable
-from eccentric.rigs import KNOWNS, Rig, read_rig
+from eccentric.rigs import Rig, knowns_of, read_rig
 
 __all__ = ["Assigned"]
 
@@ -67,20 +68,22 @@ class Assigned:
         if path not in self._files:
             self._files[path] = read_document(path, "a rig file")
         content = dict(self._files[path])
-        content["known"] = _with_own(read_table(content.get("known", {}), f"{path}: known"), own)
+        axis = AXES.get(str(content.get("kind")), TURNING)
+        content["known"] = _with_own(read_table(content.get("known", {}), f"{path}: known"), own, axis)
         content["name"] = joint
         return content
 
 
-def _with_own(known: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+def _with_own(known: Mapping[str, Any], own: Mapping[str, Any], axis: AxisKind) -> dict[str, Any]:
     """The values of a rig file with those of a joint in their place, whichever of its keys either uses."""
-    letters = {_letter(key) for key in own}
-    return {key: value for key, value in known.items() if _letter(key) not in letters} | dict(own)
+    letters = {_letter(key, axis) for key in own}
+    return {key: value for key, value in known.items() if _letter(key, axis) not in letters} | dict(own)
 
 
-def _letter(key: str) -> str:
+def _letter(key: str, axis: AxisKind) -> str:
     """The letter of a key such as M_kg; a key that is none is left to the reader of rigs."""
-    return next((known.name for known in KNOWNS if key in {known.key, known.name}), key)
+    names = ((known.name, {known.key, known.name, axis.said(known.name)}) for known in knowns_of(axis))
+    return next((name for name, keys in names if key in keys), key)
 
 
 def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:

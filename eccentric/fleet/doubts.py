@@ -9,7 +9,6 @@ from eccentric.fleet.limits import LEAST_PERIODS, MOST_SCALE
 from eccentric.fleet.periods import History
 from eccentric.fleet.problems import NOT_TESTED, OTHER_RIG, FleetProblem
 from eccentric.fleet.sums import SCALE
-from eccentric.model import TURNING
 
 __all__ = ["doubts_of"]
 
@@ -23,18 +22,15 @@ def doubts_of(history: History) -> list[FleetProblem]:
         found.append((NOT_TESTED, text))
     if (level := level_of(history)) <= 0.0:
         text = f"a positive mean friction torque is required, received {level:.3g} N m: a wrong sign?"
-        found.append(("no friction", history.axis.said(text)))
+        found.append(("no friction", text))
     place = next((k for k, heading in enumerate(history.headings) if heading.name == SCALE), None)
     if count and place is not None:
         scale = float(np.median([period.values[place] for period in history.periods]))
         reach = float(np.median([period.reach * period.errors[place] for period in history.periods]))
         if scale + reach < 1.0 / MOST_SCALE or scale - reach > MOST_SCALE:
-            cause = (
-                "masses, lengths, gear and torque constant" if history.axis is TURNING else "mass and scale"
-            )
             text = (
-                f"{history.axis.said('inertia')} and gravity near those of the rig are required,"
-                f" received {scale:.3g} times as much: {cause} of another joint?"
+                f"inertia and gravity near those of the rig are required, received {scale:.3g} times as much:"
+                " masses, lengths, gear and torque constant of another joint?"
             )
             found.append((OTHER_RIG, text))
-    return [FleetProblem(history.joint, "", "", kind, text) for kind, text in found]
+    return [FleetProblem(history.joint, "", "", kind, history.axis.said(text)) for kind, text in found]

@@ -180,7 +180,8 @@ def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
     before, after, unit = changed.before, changed.after, suspect.rig.axis.said("N m")
     if names:
         sensor = all(kind in NOT_FRICTION for kind in changed.kinds)
-        parts = [f"{_KINDS[kind]} ({name})" for kind, name in zip(changed.kinds, names, strict=True)]
+        said = suspect.rig.axis.said
+        parts = [f"{said(_KINDS[kind])} ({name})" for kind, name in zip(changed.kinds, names, strict=True)]
         what = " and ".join(parts)
     elif examined.gain_percent >= EFFECT_PERCENT:
         names, what = examined.families, "new: " + ", ".join(examined.effects)

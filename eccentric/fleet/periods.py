@@ -97,7 +97,7 @@ def history_of(
         if weak := dependent(merged(chosen)):
             names = ", ".join(headings[k].name for k in weak)
             text = f"motion that tells {names} apart is required: more speeds, angles, both directions"
-            problems.append(FleetProblem(joint, period, "", "singular", text))
+            problems.append(FleetProblem(joint, period, "", "singular", axis.said(text)))
             continue
         found.append(_period(period, chosen, headings, coverage, windows))
     return History(joint, headings, tuple(found), axis), problems

@@ -23,9 +23,9 @@ __all__ = ["changes_csv", "document_of", "write_coefficients"]
 def write_coefficients(found: FleetFound, folder: Path) -> None:
     """Write coefficients/period=P.parquet below a folder, for each period: a row for each coefficient.
 
-    Columns: joint, name, unit, kind, value, std_error, lower, upper (95 %), and what the period covers:
-    seconds in motion, speeds [rad/s], temperatures [deg C], friction and residual [N m]; of a
-    carriage m/s and N.
+    Columns: joint, axis (turning, linear), name, unit, kind, value, std_error, lower, upper (95 %), and what
+    the period covers: seconds in motion, speeds [rad/s], temperatures [deg C], friction and residual [N m];
+    of a linear axis m/s and N.
     """
     arrow, parquet = arrow_of()
     rows: dict[str, list[dict[str, Any]]] = {}
@@ -53,6 +53,7 @@ def _rows(history: History, period: Period) -> list[dict[str, Any]]:
     return [
         {
             "joint": history.joint,
+            "axis": history.axis.name,
             "name": heading.name,
             "unit": heading.unit,
             "kind": heading.kind,

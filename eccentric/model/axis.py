@@ -218,6 +218,8 @@ LINEAR = AxisKind(
         "torque's": "force's",
         "inertia": "mass",
         "inertias": "masses",
+        "inertia and gravity near those of the rig are required": "a mass near that of the rig is required",
+        "masses, lengths, gear and torque constant": "mass, force constant or gain",
         "moment of inertia": "mass",
         # Motion.
         ', mu, and the zero angle (theta_zero_rad = "estimate" estimates it)': "",

@@ -56,19 +56,24 @@ def with_values(
     """
     axis = model.axis
     known = {q.name: axis.said(q.name) for q in model.parameters}
-    values = {axis.general(letter): value for letter, value in values.items()}
-    if unknown := sorted(set(values) - set(known)):
+    own = {letter: letter if letter in known else axis.general(letter) for letter in values}
+    if unknown := sorted(letter for letter, name in own.items() if name not in known):
         raise InputError(
-            f"{source}: parameters.{axis.said(unknown[0])}: {model.name} has no such parameter;"
+            f"{source}: parameters.{unknown[0]}: {model.name} has no such parameter;"
             f" it has {', '.join(known.values())}"
         )
+    if len(set(own.values())) < len(own):
+        twice = " and ".join(letter for letter, name in own.items() if list(own.values()).count(name) > 1)
+        raise InputError(f"{source}: parameters: each is required only once, received {twice}")
+    values = {own[letter]: value for letter, value in values.items()}
+    notes = {axis.general(letter): note for letter, note in (notes or {}).items()}
     parameters = []
     for q in model.parameters:
         if q.name in values:
             value = values[q.name]
             _require_valid(q, value, f"{source}: parameters.{known[q.name]}")
             q = replace(q, default=sp.Rational(repr(float(value))))  # noqa: PLW2901 - the same letter
-        note = (notes or {}).get(q.name)
+        note = notes.get(q.name)
         parameters.append(replace(q, meaning=f"{q.meaning}; {note}") if note else q)
     return replace(
         model,

@@ -28,8 +28,8 @@ def ranged_inputs(model: Model, routines: Mapping[str, Routine]) -> list[dict[st
         {
             "name": q.name,
             "doc": plain(f"{q.meaning} [{q.unit}]"),
-            "low": limits(q)[0],
-            "high": limits(q)[1],
+            "low": limits(q, model.axis)[0],
+            "high": limits(q, model.axis)[1],
         }
         for q in quantities
     ]

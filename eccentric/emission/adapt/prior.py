@@ -27,8 +27,9 @@ _LEAST_SHARE = 0.1
 _NOISE = 0.05
 """Without a fit: noise as a share of the mean friction."""
 _MOVING, _SPEED = {TURNING: 1.0, LINEAR: 0.005}, {TURNING: 20.0, LINEAR: 0.1}
-"""Without a fit: the least speed, and a medium speed [rad/s, m/s]."""
+"""Without a fit: the least speed, and a medium speed [rad/s, m/s]; with a screw of 30 mm both are alike."""
 _LEAST_SPEED = {TURNING: 1e-3, LINEAR: 1e-6}
+"""Least speed at which a row is used whatever the fit says [rad/s, m/s]: no encoder resolves less."""
 _NONE = 1e-12
 """The size of a column that is 0."""
 _FARTHEST = 20.0

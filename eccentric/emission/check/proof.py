@@ -26,6 +26,8 @@ _RANGES = {
     "temperature": (-60.0, 3e2),
     "dt": (-1e2, 1e2),
 }
+# Where a force is logged, k_f is 1 N/A, and a current is as large as the force.
+_OF_A_CARRIAGE = {**_RANGES, "i": (-1e6, 1e6)}
 # Those of a hidden state, by its unit; it is not proved that the state stays within them. Averaged losses are
 # negative only by noise.
 _SLOPE = 2 * _CURRENT / float(SHORTEST)
@@ -74,7 +76,7 @@ def view(
     return {
         "command": proof_command(model.name, source, real="double" if joints > _IN_FLOAT else "float"),
         "precisions": _IN_DOUBLE if joints > _IN_FLOAT else _IN_BOTH,
-        "inputs": [_input(known[x]) for x in inputs],
+        "inputs": [_input(known[x], axis) for x in inputs],
         "joints": joints,
         "velocity": axis.said(v.omega_m.name),
         "states": [q.name for q in states],
@@ -100,15 +102,16 @@ def proof_command(name: str, source: str, states: str = "", real: str = "float")
     ]
 
 
-def limits(q: Quantity) -> tuple[float, float]:
+def limits(q: Quantity, axis: AxisKind = TURNING) -> tuple[float, float]:
     """The lowest and highest value of an input or hidden state for which the C is proved, in SI units."""
-    low, high = _RANGES.get(q.name) or _RANGES_BY_UNIT.get(q.unit, _OTHER_RANGE)
+    ranges = _RANGES if axis.wraps else _OF_A_CARRIAGE
+    low, high = ranges.get(q.name) or _RANGES_BY_UNIT.get(q.unit, _OTHER_RANGE)
     return 0.0 if q.domain == "nonnegative" else low, high
 
 
-def _input(q: Quantity) -> dict[str, str]:
+def _input(q: Quantity, axis: AxisKind) -> dict[str, str]:
     """An input or hidden state, and the range that is proved."""
-    low, high = limits(q)
+    low, high = limits(q, axis)
     return {"name": q.name, "doc": plain(f"{q.meaning} [{q.unit}]"), "range": f"{low:g}, {high:g}"}
 
 
