@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from eccentric.emission.adapt import prior_of
 from eccentric.errors import InputError
-from eccentric.model import Model, load_model
+from eccentric.model import Model, load_model, with_values
 from tests.adapted import DRIVE, Estimator, emitted, module, motion, python_bits
 from tests.extended import effects
 
@@ -77,3 +78,15 @@ def test_a_coefficient_of_unknown_size_is_refused(tmp_path: Path, kind: str, nam
     """At the start its column is 0, by the time or a hidden state: without a value nothing tells its size."""
     with pytest.raises(InputError, match=f"a value of {name} other than 0 is required, since nothing else"):
         emitted(tmp_path, extended(kind, **{name: 0.0}), DRIVE)
+
+
+def test_stribeck_friction_may_move_by_a_share_of_its_size() -> None:
+    """At a medium speed nothing is left of it, and that says nothing of its size: 30 % of 0.05 N m it is."""
+    model = with_values(load_model("c2_parallel"), DRIVE, "c2_parallel")
+    (coefficient, speed) = effects("C2")["stribeck[d=2]"].parameters
+    values = {coefficient.name: 0.05, speed.name: 2.0}
+
+    prior = prior_of(effects("C2")["stribeck[d=2]"].extend(model, values))
+
+    deviations = dict(zip((c.name for c in prior.columns), prior.deviations, strict=True))
+    assert deviations[coefficient.name] == pytest.approx(0.3 * 0.05, rel=1e-6)

@@ -56,10 +56,10 @@ def test_same_bits(tmp_path: Path, name: str, dtype: Any) -> None:
     learned = dict(zip(python.COEFFICIENTS, state.coefficient, strict=True))
     assert learned == {"B": pytest.approx(260.0, abs=3.0), "C": pytest.approx(15.0, abs=0.4)}
     assert ("N s/m", "N") == python.UNITS
-    given = c.ffi.new(f"{name}_parameters *")
-    c["adapt_parameters"](c.state, given)
+    written: Any = c.ffi.new(f"{name}_parameters *")
+    c["adapt_parameters"](c.state, written)
     own = python.parameters(state)
-    assert (given.B, given.C) == (own.B, own.C) == tuple(map(float, state.coefficient))
+    assert (written.B, written.C) == (own.B, own.C) == tuple(map(float, state.coefficient))
 
 
 def test_the_words_are_those_of_a_carriage(tmp_path: Path) -> None:

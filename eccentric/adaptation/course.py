@@ -31,7 +31,7 @@ class Replay:
         start, prior: values and standard deviations that the estimator began with (n,).
         lowest, highest: bounds that it keeps the coefficients within (n,).
         alarms: time [s], as in t, and kind, "more" or "less" friction.
-        used, still, out_of_range: numbers of samples.
+        used, still, out_of_range, unusable: numbers of samples; unusable are those that no fit would use.
         step: seconds between two samples.
         noise: standard deviation of the innovations in motion over the assumed one.
         correlation: of two innovations in a row.
@@ -55,6 +55,7 @@ class Replay:
     used: int
     still: int
     out_of_range: int
+    unusable: int
     step: float
     noise: float
     correlation: float
@@ -95,6 +96,7 @@ def replayed(
     estimator = executed_beside(load_module(model), model.name, source)
     inputs = inputs_of(channels, model.axis, estimator.INPUTS, log)
     state = estimator.init()
+    unusable = np.any(np.isnan(inputs), axis=0)
     step = float(np.median(np.diff(channels.time.t)))
     t = _elapsed(channels.time.t, step)
     every = max(1, -(-len(t) // _ENTRIES))
@@ -115,7 +117,8 @@ def replayed(
         alarms=tuple((float(t[k]), "more" if flags[k] & estimator.MORE else "less") for k in at),
         used=int(np.count_nonzero(flags & estimator.UPDATED)),
         still=int(np.count_nonzero(flags & estimator.STILL)),
-        out_of_range=int(np.count_nonzero(flags & estimator.RANGE)),
+        out_of_range=int(np.count_nonzero((flags & estimator.RANGE > 0) & ~unusable)),
+        unusable=int(np.count_nonzero(unusable)),
         step=step,
         noise=float(state.square) ** 0.5,
         correlation=float(state.rho),

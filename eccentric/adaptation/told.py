@@ -22,7 +22,8 @@ def course_lines(course: Replay, log: str) -> list[str]:
     """What was learned, what was not seen, and what was announced; `log` is the name of the log."""
     lines = [
         f"{log}: {course.used} samples learned from, {course.still} at rest or after a reversal"
-        + (f", {course.out_of_range} out of range or unusable" if course.out_of_range else "")
+        + (f", {course.unusable} that no fit uses" if course.unusable else "")
+        + (f", {course.out_of_range} beyond the range of an input" if course.out_of_range else "")
     ]
     width = max(map(len, course.names))
     lines.append(f"  {'':{width}}  {'start':>10}  {'end':>10}  {'std error':>10}  unit")
@@ -62,7 +63,12 @@ def course_document(course: Replay, log: str) -> dict[str, Any]:
         "log": log,
         "asked": dataclasses.asdict(course.asked),
         "alarm_rows": dict(course.alarm),
-        "samples": {"learned": course.used, "still": course.still, "out_of_range": course.out_of_range},
+        "samples": {
+            "learned": course.used,
+            "still": course.still,
+            "out_of_range": course.out_of_range,
+            "unusable": course.unusable,
+        },
         "step_s": course.step,
         course.axis.said("assumed_noise_Nm"): course.assumed,
         "innovation": {"over_assumed": course.noise, "correlation": course.correlation},

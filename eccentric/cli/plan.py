@@ -20,8 +20,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--limits",
         metavar="LIMITS",
         required=True,
-        help=".toml or .json with speed_rad_s, acceleration_rad_s2, current_A, time_s; optional: angle_rad,"
-        " speed_loop_Hz",
+        help=".toml or .json with speed_rad_s, acceleration_rad_s2, current_A, time_s (of a carriage"
+        " speed_m_s, acceleration_m_s2, force_N or current_A, time_s);"
+        " optional: angle_rad (position_m), speed_loop_Hz",
     )
     parser.add_argument(
         "--diagnosis",

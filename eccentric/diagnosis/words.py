@@ -214,7 +214,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
             shown = {"base" if name == "paper" else name: x for name, x in shown.items() if name != "linear"}
         out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(shown)}")
         if balance == "mechanical" and found.band is not None:
-            out.append(found.band.words("extended" if adopted else "paper"))
+            plain = "base" if found.rig.axis.model else "paper"
+            out.append(found.band.words("extended" if adopted else plain))
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, found.unit)
     out += filter(None, [closest_sentence(found), sibling_sentence(found)])

@@ -94,12 +94,15 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     axis = AXES.get(str(content.get("kind", TURNING.name)), TURNING)
     values = content.get("parameters")
     if not isinstance(values, Mapping) or not values:
-        raise InputError(f"{where}: an object `parameters` of numbers by the paper's letters is required")
+        raise InputError(f"{where}: an object `parameters` of numbers by their letters is required")
     values = {letter: value for letter, value in values.items() if value is not None}
     for letter, value in values.items():
         if not _is_number(value):
             raise InputError(f"{where}: parameters.{letter}: a finite number is required, received {value!r}")
-    values = {axis.general(letter): value for letter, value in values.items()}
+    letters = [axis.general(letter) for letter in values]
+    if twice := [letter for letter in values if letters.count(axis.general(letter)) > 1]:
+        raise InputError(f"{where}: parameters: each is required only once, received {' and '.join(twice)}")
+    values = dict(zip(letters, values.values(), strict=True))
     notes, identified_on = content.get("parameter_notes", {}), content.get("identified_range", "")
     if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
         raise InputError(f"{where}: `parameter_notes` by letter and `identified_range` as text are required")

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from eccentric.errors import InputError, meant
+from eccentric.model.axis import LINEAR
 from eccentric.model.model import Model
 from eccentric.places import derivation, folder
 from eccentric.scripts import asks, run_script
@@ -62,8 +63,9 @@ def _find(name_or_path: str | os.PathLike[str]) -> Path:
     if not path.is_file():
         if Path(name_or_path).suffix == ".py":
             raise InputError(f"{name_or_path}: no such derivation script")
+        known = (*model_names(), LINEAR.model, LINEAR.screw)
         raise InputError(
-            f"model {str(name_or_path)!r} is unknown; known are {', '.join(model_names())}, or a path.py"
-            + meant(name_or_path, model_names())
+            f"model {str(name_or_path)!r} is unknown; known are {', '.join(known)}, or a path.py"
+            + meant(name_or_path, known)
         )
     return path

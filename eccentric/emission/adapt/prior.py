@@ -82,8 +82,8 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
     fit = fit or {}
     axis = model.axis
     columns = regressor(spoken(model))
-    speed = _speed(fit, axis)
-    values, bases, friction = _seen(model, speed)
+    moving = max(_number(fit, axis.said("moving_threshold_rad_s")) or _MOVING[axis], _LEAST_SPEED[axis])
+    values, bases, friction = _seen(model, _speed(fit, axis), moving)
     if not friction > 0.0:
         raise InputError(
             f"model {model.name}: a friction coefficient above 0 is required for an estimator to start from,"
@@ -102,7 +102,6 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
     lows = [-math.inf if c.bounds[0] is None else c.bounds[0] for c in columns]
     highs = [math.inf if c.bounds[1] is None else c.bounds[1] for c in columns]
     noise = _number(fit, axis.said("rmse_holdout_Nm"), "paper")
-    moving = _number(fit, axis.said("moving_threshold_rad_s"))
     from_fit = "the fit" if fit.get("coefficients") else "no fit"
     return Prior(
         columns=columns,
@@ -112,7 +111,7 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
         lowest=np.maximum(lows, values - _FARTHEST * deviations),
         highest=np.minimum(highs, values + _FARTHEST * deviations),
         noise=noise or _NOISE * friction,
-        moving=max(moving, _LEAST_SPEED[axis]) if moving else _MOVING[axis],
+        moving=moving,
         friction=friction,
         origin=(
             f"standard deviations: those of {from_fit}, and a change of {CHANGE:.0%} of each coefficient; "
@@ -159,19 +158,29 @@ def _not_yet(model: Model, bases: np.ndarray) -> list[int]:
     return [j for j, one in columns if bases[j] <= _NONE and one.basis.free_symbols & later]
 
 
-def _seen(model: Model, speed: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Coefficients, mean size of their columns (n,) and of the friction, at that speed over both turns."""
+def _seen(model: Model, speed: float, slow: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Coefficients, size of their columns (n,), mean size of the friction, in both directions over a turn.
+
+    Friction is that at a medium speed. The size of a column is its mean there or at a slow speed, the larger:
+    what Stribeck friction hangs on is nothing at a medium one.
+    """
     module = load_module(model)
     mu = next((float(q.default) for q in model.parameters if q.name == "mu" and q.default is not None), 1.0)
     angle = np.linspace(0.0, 2 * math.pi / mu, 48, endpoint=False)
-    theta_m, omega_m = (x.ravel() for x in np.meshgrid(angle, [-speed, -speed / 2, speed / 2, speed]))
-    at = {v.theta_m: theta_m, v.omega_m: omega_m}
-    known = {spoken_quantity(model.axis, q).name: x for q, x in at.items()}
-    known["temperature"] = np.full_like(theta_m, 25.0)
-    inputs = [known.get(name, np.zeros_like(theta_m)) for name in inputs_of(module.regressor)]
-    columns = np.asarray(module.regressor(*inputs))
     values = np.asarray(module.friction_coefficients(), float)
-    return values, np.maximum(np.mean(np.abs(columns), 0), _NONE), float(np.mean(np.abs(columns @ values)))
+
+    def columns(*speeds: float) -> np.ndarray:
+        both = [sign * w for w in speeds for sign in (-1.0, 1.0)]
+        theta_m, omega_m = (x.ravel() for x in np.meshgrid(angle, both))
+        at = {v.theta_m: theta_m, v.omega_m: omega_m}
+        known = {spoken_quantity(model.axis, q).name: x for q, x in at.items()}
+        known["temperature"] = np.full_like(theta_m, 25.0)
+        inputs = [known.get(name, np.zeros_like(theta_m)) for name in inputs_of(module.regressor)]
+        return np.asarray(module.regressor(*inputs))
+
+    medium = columns(speed / 2, speed)
+    sizes = (np.mean(np.abs(x), 0) for x in (medium, columns(slow)))
+    return values, np.maximum(np.maximum(*sizes), _NONE), float(np.mean(np.abs(medium @ values)))
 
 
 def inputs_of(function: Any) -> list[str]:
