@@ -69,6 +69,7 @@ def candidate(
     lower: tuple[float, ...] = (-np.inf,),
     special_of: tuple[str, ...] = (),
     repeats: bool = False,
+    second_order: tuple[str, ...] = (),
     ridge: float = 0.0,
     balance: str = "mechanical",
 ) -> Candidate:
@@ -78,7 +79,9 @@ def candidate(
         id=f"{family}[{member}]" if member else family,
         family=family,
         balance=balance,
-        evidence=Evidence((f"of_{family}",), special_of=special_of, repeats=repeats),
+        evidence=Evidence(
+            (f"of_{family}",), special_of=special_of, repeats=repeats, second_order=second_order
+        ),
         columns=of or (lambda _: fixed),
         shapes=shapes,
         lower=lower,

@@ -309,3 +309,20 @@ def test_every_variable_has_a_measurement_that_a_person_can_do(variable: str) ->
     assert (True, ".") == (sentence[0].isupper(), sentence[-1])
     assert "alone, in five steps" not in sentence
     assert 1 == [measurement_of(other) for other in VARIABLES].count(sentence)
+
+
+@pytest.mark.parametrize(
+    ("second", "declared", "expected"),
+    [(1.5, True, ["first"]), (1.5, False, ["first", "second"]), (2.5, True, ["first", "second"])],
+    ids=["4 % of the first", "the same of no such family", "6 %"],
+)
+def test_what_the_record_of_an_effect_leaves_out_is_no_second_effect(
+    second: float, declared: bool, expected: list[str]
+) -> None:
+    """Beside it, a family that looks like its second order is named from 5 % of its RMS on."""
+    first = candidate("first", {2: 1.0}, second_order=("second",) if declared else ())
+
+    found = verdict({2: 40.0, 3: second}, first, candidate("second", {3: 1.0}))
+
+    assert expected == [a.variant.candidate.family for a in found.adopted]
+    assert all(one.probability < 0.5 for one in found.candidates if one.family not in expected)

@@ -52,6 +52,8 @@ class Evidence:
         aliases: families that are exactly the same within the base model.
         special_of: families of which this one is a special case.
         repeats: whether another effect of the family may join it (harmonics of other orders).
+        second_order: families that look like what its record leaves out: terms of second order, or a bound
+            that it has not.
     """
 
     depends_on: tuple[str, ...]
@@ -59,6 +61,7 @@ class Evidence:
     aliases: tuple[str, ...] = ()
     special_of: tuple[str, ...] = ()
     repeats: bool = False
+    second_order: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

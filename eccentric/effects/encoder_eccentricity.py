@@ -19,6 +19,14 @@ sine_read = quantity("eccentric_sin", "1", "sine of the angle that the encoder r
 cosine_part = quantity("eccentric_c", "rad", "true angle minus the one read, by its cosine", letter="e_1")
 sine_part = quantity("eccentric_s", "rad", "true angle minus the one read, by its sine", letter="e_2")
 REFERENCE = "X.-D. Lu, R. Graetz, D. Amin-Shahidi and K. Smeds, CIRP Annals 59(1), 2010"
+SECOND_ORDER = (
+    "kinematic_error",
+    "cogging",
+    "kt_ripple",
+    "motor_harmonic_friction",
+    "link_harmonic_friction",
+)
+"""An error by the true angle has, by the one that is read, half of its square twice per turn."""
 WORDS = Words(
     title="Encoder eccentricity",
     meaning=(
@@ -84,7 +92,7 @@ def _of(where: str, rate: sp.Expr, variable: str, setting: Setting) -> Effect:
             (*known, *sloping, *read),
             inputs=(v.theta_m,),
         ),
-        evidence=Evidence(depends_on=(variable, "velocity", "acceleration")),
+        evidence=Evidence(depends_on=(variable, "velocity", "acceleration"), second_order=SECOND_ORDER),
         coefficients=(cosine_part, sine_part),
         words=replace(WORDS, headline=f"an encoder whose error repeats once per turn of the {where}"),
     )

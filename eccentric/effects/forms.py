@@ -63,6 +63,7 @@ def addition(
     aliases: tuple[str, ...] = (),
     special_of: tuple[str, ...] = (),
     repeats: bool = False,
+    second_order: tuple[str, ...] = (),
     words: Words | None = None,
     corrects: Correction | None = None,
 ) -> Effect:
@@ -75,7 +76,7 @@ def addition(
         load: the load that the friction is proportional to.
         kind: of the terms without a role, see `eccentric.model.KINDS`.
         bounds: of each coefficient; by default at least 0 if its domain says so, else open.
-        depends_on, needs, aliases, special_of, repeats: as in `Evidence`.
+        depends_on, needs, aliases, special_of, repeats, second_order: as in `Evidence`.
         definitions, states, inputs: as in `eccentric.model.Change`.
     """
     roles = [role] * len(columns) if isinstance(role, Role) else role
@@ -93,7 +94,7 @@ def addition(
         formula=formula,
         reference=reference,
         change=Change({balance: terms}, definitions, states, inputs),
-        evidence=Evidence(depends_on, needs, aliases, special_of, repeats),
+        evidence=Evidence(depends_on, needs, aliases, special_of, repeats, second_order),
         coefficients=tuple(q for q, _ in columns),
         shapes=shapes,
         words=words or Words(),

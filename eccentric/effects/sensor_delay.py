@@ -56,7 +56,11 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             formula="i(t + d), to second order i + d di/dt + q d2i/dt2, for i",
             reference=REFERENCE,
             change=Change(terms, states=states),
-            evidence=Evidence(depends_on=("history", "current"), needs=("current", "voltage")),
+            evidence=Evidence(
+                depends_on=("history", "current"),
+                needs=("current", "voltage"),
+                second_order=("inertia_mismatch",),
+            ),
             coefficients=(delay, square),
             words=WORDS,
         ),

@@ -64,6 +64,7 @@ class Search:
             if len(self.best.variants) == 1:
                 tried += self.pairs()
             tried = [f for f in tried if self.confirmed(f) and self._keeps_all_names(f)]
+            tried = [f for f in tried if not self._is_remainder(self.best, f)]
             self.tried += tried
             tried = [f for f in tried if self.worth_it(self.best, f) and self.clears(self.best, f)]
             if not tried:
@@ -82,9 +83,17 @@ class Search:
         gain = before.score - after.score
         return (
             gain > limits.LEAST_PART * (self.base.score - after.score)
+            and not self._is_remainder(before, after)
             and gain > self.screen.rows * (limits.LEAST_SHARE * self.screen.balance.scale) ** 2
             and self.deviance(before, after, screen) > self.required
         )
+
+    def _is_remainder(self, before: Fitted, after: Fitted) -> bool:
+        """Whether what is added may be what the record of an effect beside it leaves out."""
+        added = {v.candidate.family for v in after.variants} - {v.candidate.family for v in before.variants}
+        alike = any(added & set(v.candidate.evidence.second_order) for v in after.variants)
+        least = limits.LEAST_PART_OF_SECOND_ORDER * (self.base.score - after.score)
+        return alike and before.score - after.score <= least
 
     def confirmed(self, fitted: Fitted) -> bool:
         """Whether every variant gains on its instrument what it gains on its own signals, or a good part."""

@@ -46,6 +46,7 @@ __all__ = [
     "LEAST_MOTION",
     "LEAST_OTHERS",
     "LEAST_PART",
+    "LEAST_PART_OF_SECOND_ORDER",
     "LEAST_SHARE",
     "LEAST_SHARE_OF_LOAD",
     "LEVEL",
@@ -107,6 +108,8 @@ sampling of voltage and current cause errors of that size."""
 LEAST_PART = 0.0003
 """The same squared, as a fraction of all the structure found so far: a small remainder beside a large effect
 is an error in that effect's form."""
+LEAST_PART_OF_SECOND_ORDER = 0.003
+"""The same for a family that looks like what the record of another effect leaves out: 5 % of its RMS."""
 LAGS = 46
 """Lags of the measured current at which the noise of the electrical balance is looked for, over the range of
 `sensor_delay`, 2 ms apart, half a row of most logs: what is fast and real cancels at the true one only."""
