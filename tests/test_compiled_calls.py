@@ -146,11 +146,13 @@ def _python_calls(call: Callable[[], Any]) -> list[str]:
         if event == "call":
             seen.append(frame.f_code.co_name)
 
+    gc.disable()  # libraries are told of a collection by Python functions of theirs
     sys.setprofile(profile)
     try:
         call()
     finally:
         sys.setprofile(None)
+        gc.enable()
     return seen[1:]
 
 

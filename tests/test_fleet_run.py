@@ -325,6 +325,7 @@ def test_a_worker_killed_from_outside_in_the_middle_costs_nothing(
     """All sums of a run are there, and the same, although one of its two workers was killed on the way."""
     logs = find(str(fleet / "logs"))[0][:48]
     plan = plan_of(logs, Assigned(str(fleet / "rigs.csv")), tmp_path)
+    cluster.wait_for_workers(2, timeout=60)  # one of an earlier test may still be starting
     victims = list(cluster.run(os.getpid).values())
 
     def told(part: float, _: str) -> None:
