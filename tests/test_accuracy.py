@@ -32,7 +32,11 @@ DRIVES: dict[str, dict[str, str]] = {
     "exact velocity": {"M": "0.5", "M_l": "0.5", "L": "0.5", "mu": "1.25", "g": "6.25"},
 }
 TABLE_1 = ("mu = 1/5", "mu = 1/30")
-every_drive = pytest.mark.parametrize("drive", DRIVES)
+SELDOM = {"mu = 1", "mu = 3", "little unbalance"}
+"""Between the others, or easier: slow tests."""
+every_drive = pytest.mark.parametrize(
+    "drive", [pytest.param(drive, marks=pytest.mark.slow if drive in SELDOM else ()) for drive in DRIVES]
+)
 
 
 def bound(name: str, function: str, drive: str) -> int:

@@ -27,7 +27,9 @@ def test_a_set_is_measured_and_within_what_is_asked(case: str, real: str) -> Non
         assert CODE[f"{figure} {real}"].reached(float(np.max(errors[figure, who]))), (figure, who)
 
 
-@pytest.mark.parametrize("figure", ["force", "friction", "gradient"])
+@pytest.mark.parametrize(
+    "figure", ["force", *(pytest.param(x, marks=pytest.mark.slow) for x in ("friction", "gradient"))]
+)
 @pytest.mark.parametrize("real", accuracy.PRECISIONS)
 def test_the_peers_are_measured_at_the_same_states(real: str, figure: str) -> None:
     """Every peer has its errors, and the closed form misses the bound that the emitted code holds."""

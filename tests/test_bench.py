@@ -70,7 +70,13 @@ def test_the_strength_stated_is_found_in_the_log(
 
 # Backlash acts reversal by reversal: on a short log its strength comes in steps. It has a test of its own,
 # and so has an encoder, whose error is bounded.
-@pytest.mark.parametrize("family", sorted(EFFECTS.keys() - {"backlash", "encoder_eccentricity"}))
+@pytest.mark.parametrize(
+    "family",
+    [
+        pytest.param(family, marks=pytest.mark.slow if k % 3 else ())
+        for k, family in enumerate(sorted(EFFECTS.keys() - {"backlash", "encoder_eccentricity"}))
+    ],
+)
 def test_every_family_reaches_the_strength_asked_for(family: str) -> None:
     """Each family alone, at 5 % of the friction on a short trajectory, is present as requested."""
     run = simulate(drawn_scenario(effects=[family], strength=0.05, log_type="traj"))

@@ -32,7 +32,13 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     return object_file
 
 
-@pytest.mark.parametrize("variant", [(), ("-DECCENTRIC_LIBM",)], ids=["polynomials", "libm"])
+@pytest.mark.parametrize(
+    "variant",
+    [
+        pytest.param((), id="polynomials"),
+        pytest.param(("-DECCENTRIC_LIBM",), marks=pytest.mark.slow, id="libm"),
+    ],
+)
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @both_precisions
 @every_model

@@ -56,6 +56,7 @@ def test_the_python_runs_as_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert (100 * 4, 1)[number] == int(done.stdout)
 
 
+@pytest.mark.slow
 def test_the_first_result_is_what_make_prints(tmp_path: Path) -> None:
     """Words exactly, numbers to 2 %, for the two commands that `make` runs on the bundled log."""
     (tmp_path / "examples").symlink_to(ROOT / "examples")

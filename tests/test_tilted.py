@@ -87,6 +87,7 @@ def test_what_the_model_describes_lacks_nothing(tmp_path: Path, tilt: str) -> No
     assert ("phi" in fitted.estimates) == (tilt == OPEN)
 
 
+@pytest.mark.slow
 @declared_or_open
 def test_an_effect_is_named_alone(tmp_path: Path, tilt: str) -> None:
     """Friction that varies over the turn is named, and an open tilt estimated beside it."""
