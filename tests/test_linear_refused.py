@@ -26,6 +26,10 @@ def changed(**entries: Any) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("rig", "message"),
     [
+        (
+            {key: x for key, x in RIG.items() if key != "kind"},
+            'rig: force: kind = "linear" is required with it',
+        ),
         (changed(kind="liner"), "rig: kind: one of turning, linear is required, received 'liner'; did you"),
         (changed(kind=3), "rig: kind: one of turning, linear is required, received 3"),
         (
@@ -84,9 +88,12 @@ def test_a_bad_rig_is_refused_in_one_line(rig: dict[str, Any], message: str) -> 
 
 
 def test_keys_of_a_linear_axis_are_none_of_a_turning_one() -> None:
-    """Without its kind, a rig of a carriage is not understood."""
+    """Without its kind, a rig of a carriage is told to name it; with the other one, its keys are unknown."""
+    rig = {"known": {"case": "C1"}, "columns": RIG["columns"]}
+    with pytest.raises(InputError, match=r'rig: force: kind = "linear" is required with it'):
+        read_rig(rig)
     with pytest.raises(InputError, match=r"\[columns\]: unknown key 'position'"):
-        read_rig({"known": {"case": "C1"}, "columns": RIG["columns"]})
+        read_rig({**rig, "kind": "turning"})
 
 
 def test_keys_of_another_table_are_sent_where_they_belong() -> None:

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 from eccentric.errors import InputError, MissingValueError, few, meant
 from eccentric.logs import parse_value
-from eccentric.model import AXES, TURNING, AxisKind
+from eccentric.model import AXES, LINEAR, TURNING, AxisKind
 from eccentric.places import given_path, shown
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names, read_number, refuse_unknown
 from eccentric.rigs.file import read_file
 from eccentric.rigs.known import mass_alone, read_knowns
 from eccentric.rigs.limits import LEAST_LOW_PASS_HZ
 from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
-from eccentric.rigs.sources import read_columns
+from eccentric.rigs.sources import channels_of, read_columns
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -202,12 +202,22 @@ def _doubts(known: Mapping[str, float]) -> list[str]:
 def _axis(content: Mapping[str, Any], where: str) -> AxisKind:
     """Return the kind of axis that the rig names, by default one that turns."""
     kind = content.get("kind", TURNING.name)
+    if "kind" not in content and (own := _of_a_carriage_alone(content)):
+        raise InputError(f'{where}: {own}: kind = "linear" is required with it, received no kind')
     if not isinstance(kind, str) or kind not in AXES:
         raise InputError(
             f"{where}: kind: one of {', '.join(AXES)} is required, received {kind!r}"
             + (meant(kind, AXES) if isinstance(kind, str) else "")
         )
     return AXES[kind]
+
+
+def _of_a_carriage_alone(content: Mapping[str, Any]) -> str:
+    """A key or channel that only the rig of a carriage has, "" for none."""
+    columns = content.get("columns")
+    keys = sorted(content.keys() & (keys_of(LINEAR).keys() - keys_of(TURNING).keys()))
+    channels = {LINEAR.said(name) for name in channels_of(LINEAR)} - channels_of(TURNING).keys()
+    return next(iter([*keys, *sorted(channels & set(columns if isinstance(columns, dict) else ()))]), "")
 
 
 def _counts(content: Mapping[str, Any], where: str) -> float | None:
