@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.errors import InputError
-from eccentric.model import AXES, TURNING, Model, with_values
+from eccentric.model import AXES, TURNING, Model, in_general_letters, with_values
 from eccentric.places import readable
 
 
@@ -99,10 +99,7 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     for letter, value in values.items():
         if not _is_number(value):
             raise InputError(f"{where}: parameters.{letter}: a finite number is required, received {value!r}")
-    letters = [axis.general(letter) for letter in values]
-    if twice := [letter for letter in values if letters.count(axis.general(letter)) > 1]:
-        raise InputError(f"{where}: parameters: each is required only once, received {' and '.join(twice)}")
-    values = dict(zip(letters, values.values(), strict=True))
+    values = in_general_letters(values, axis, where)
     notes, identified_on = content.get("parameter_notes", {}), content.get("identified_range", "")
     if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
         raise InputError(f"{where}: `parameter_notes` by letter and `identified_range` as text are required")

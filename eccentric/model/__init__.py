@@ -29,7 +29,7 @@ from eccentric.model.chain import (
     with_numbers,
 )
 from eccentric.model.change import Change, Extension
-from eccentric.model.defaults import with_values
+from eccentric.model.defaults import in_general_letters, with_values
 from eccentric.model.definition import Definition, State
 from eccentric.model.equation import Equation, Identity
 from eccentric.model.extension import extended
@@ -111,6 +111,7 @@ __all__ = [
     "extended",
     "friction_units",
     "identity_of",
+    "in_general_letters",
     "letters_of",
     "load_model",
     "meaning",

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TypeVar
 
 import sympy as sp
 
 from eccentric.errors import InputError
+from eccentric.model.axis import AxisKind
 from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity
+
+T = TypeVar("T")
 
 _RIGHT_ANGLE = 1.5707964  # also one that was rounded up to single precision
 _SMALLEST, _LARGEST = 1e-12, 1e12
@@ -25,6 +29,18 @@ def _require_valid(q: Quantity, value: float, where: str) -> None:
     if abs(value) > _LARGEST or (q.domain == "positive" and value < _SMALLEST):
         sizes = f"of size {_SMALLEST:g} to" if q.domain == "positive" else "of size up to"
         raise InputError(f"{where}: a number {sizes} {_LARGEST:g} is required, received {value!r}")
+
+
+def in_general_letters(values: Mapping[str, T], axis: AxisKind, source: str) -> dict[str, T]:
+    """Values by the letters of a turning drive, from ones by these or by the names of their axis.
+
+    Raises:
+        InputError: two names are of one parameter.
+    """
+    general = [axis.general(letter) for letter in values]
+    if twice := [letter for letter in values if general.count(axis.general(letter)) > 1]:
+        raise InputError(f"{source}: parameters: each is required only once, received {' and '.join(twice)}")
+    return dict(zip(general, values.values(), strict=True))
 
 
 def with_values(
@@ -56,16 +72,12 @@ def with_values(
     """
     axis = model.axis
     known = {q.name: axis.said(q.name) for q in model.parameters}
-    own = {letter: letter if letter in known else axis.general(letter) for letter in values}
-    if unknown := sorted(letter for letter, name in own.items() if name not in known):
+    if unknown := sorted(letter for letter in values if axis.general(letter) not in known):
         raise InputError(
             f"{source}: parameters.{unknown[0]}: {model.name} has no such parameter;"
             f" it has {', '.join(known.values())}"
         )
-    if len(set(own.values())) < len(own):
-        twice = " and ".join(letter for letter, name in own.items() if list(own.values()).count(name) > 1)
-        raise InputError(f"{source}: parameters: each is required only once, received {twice}")
-    values = {own[letter]: value for letter, value in values.items()}
+    values = in_general_letters(values, axis, source)
     notes = {axis.general(letter): note for letter, note in (notes or {}).items()}
     parameters = []
     for q in model.parameters:
