@@ -60,6 +60,7 @@ def test_bad_scenarios_are_refused_by_name(options: dict[str, object], names: st
         ["--effect", "stribeck[n=2]"],
         ["--effect", "cogging[n=3]"],
         ["--effect", "unheard_of"],
+        ["--effect", "stribeck=0.3", "--seconds", "40"],  # the motor cannot move it
         ["--seed", "-1"],
         ["--mu", "-1"],
         ["--seconds", "2"],

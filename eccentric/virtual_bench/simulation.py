@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from eccentric.errors import InputError
+
 from .controller import servo, supply
 from .effects import Law, PlantedEffect
 from .motion import Motion
@@ -36,15 +38,18 @@ def simulate(scenario: Scenario, *, again: bool = False) -> BenchRun:
     Args:
         scenario: what to run.
         again: whether the rig is that of another run, on another course: amplitudes stay as they are.
+
+    Raises:
+        InputError: the motor cannot move the drive, whose friction at rest the effects make too high.
     """
-    raw = _run(scenario)
+    raw = _moved(scenario)
     powers = [1.0] * len(scenario.effects)
     for _ in range(0 if again else _MOST_RUNS - 1):
         effects = _corrected(scenario.effects, _fractions(raw), powers)
         if effects == scenario.effects:
             break
         before, scenario = (scenario, raw), replace(scenario, effects=effects)
-        raw = _run(scenario)
+        raw = _moved(scenario)
         powers = _powers(before, (scenario, raw), powers)
     columns = _log(scenario, raw)
     return BenchRun(columns, _rig(scenario, columns, raw), _truth(scenario, raw), scenario)
@@ -65,6 +70,18 @@ class _Raw:
     torques: np.ndarray  # (rows, effects)
     moving: np.ndarray
     threshold: float
+
+
+def _moved(scenario: Scenario) -> _Raw:
+    """The run of a drive that moves; InputError if it stands still."""
+    raw = _run(scenario)
+    if raw.moving.any():
+        return raw
+    given = " and ".join(f"{effect.family}={effect.strength:g}" for effect in scenario.effects) or "none"
+    raise InputError(
+        f"effect {given}: a drive that moves is required, received one that the motor cannot move against its"
+        " friction at rest: choose a smaller strength, or another seed"
+    )
 
 
 def _run(scenario: Scenario) -> _Raw:
