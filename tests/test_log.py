@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.logs import read_log
+from eccentric.logs import log_names, read_log
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -138,3 +138,15 @@ def test_missing_column_lists_the_columns(tmp_path: Path) -> None:
     path.write_text(TEXT)
     with pytest.raises(InputError, match="column 'speed' is required, the log has time_s, run, current_A"):
         read_log(path).numbers("speed")
+
+
+def test_logs_of_one_name_are_told_apart_by_their_folders(tmp_path: Path) -> None:
+    """A file is called by its name; beside another of that name, by as many folders as make a difference."""
+    paths = [tmp_path / at / "log.csv" for at in ("may/one", "june/one", "june/two")]
+    for path in paths:
+        path.parent.mkdir(parents=True)
+        path.write_text(TEXT)
+    first, second, third = (read_log(path) for path in paths)
+    assert log_names([first]) == ("log.csv",)
+    assert log_names([second, third]) == ("one/log.csv", "two/log.csv")
+    assert log_names([first, second]) == ("may/one/log.csv", "june/one/log.csv")

@@ -23,7 +23,6 @@ from eccentric.api.inputs import (
     RigSource,
     in_words_of,
     model_of,
-    names_of,
     read_logs,
     sources_of,
 )
@@ -33,6 +32,7 @@ from eccentric.emission import Adaptation, document_of, read_parameters, with_fi
 from eccentric.errors import InputError
 from eccentric.fitting import Drive, fit_document
 from eccentric.fitting import fit as fit_channels
+from eccentric.logs import log_names
 from eccentric.places import given_path
 from eccentric.rigs import read_rig
 from eccentric.signals import Channels, read_channels
@@ -72,10 +72,10 @@ def adapt(
         read = read_logs(sources)
         channels = read_channels(read, rig)
         base = model_of(channels.rig.model if model is None else model)
-        names = ", ".join(names_of(read))
+        names = ", ".join(log_names(read))
         require_logged(channels, [CURRENT], names)
         fitted = fit_channels(channels, channels.rig, base, names)
-        document: Any = fit_document(fitted, names_of(read))
+        document: Any = fit_document(fitted, log_names(read))
         warnings = tuple(document["warnings"])
         if parameters is not None:
             document = document_of(given_path(parameters, "parameters"))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from eccentric.api.inputs import LogSources, names_of, read_logs
+from eccentric.api.inputs import LogSources, read_logs
 from eccentric.arms import read_arm
 from eccentric.drafting import Draft, Proposal, RigLine, draft_of, draft_of_arm, log_complaints, toml_of
 from eccentric.errors import InputError, MissingValueError, few
@@ -16,7 +16,7 @@ from eccentric.fitting import fit as fit_channels
 from eccentric.fitting import fit_sentence
 from eccentric.joints import arm_fit_lines
 from eccentric.joints import fit_arm as fit_joints
-from eccentric.logs import Log
+from eccentric.logs import Log, log_names
 from eccentric.model import load_model, with_numbers
 from eccentric.output import whole_file
 from eccentric.rigs import Rig, arm_rig_complaints, knowns_of, names_arm, read_rig, rig_complaints
@@ -119,7 +119,7 @@ def draft_rig(
         chain = with_numbers(read_arm(Path(arm)))
         place = Path(os.path.relpath(arm, beside)).as_posix()
         draft = draft_of_arm(_same_columns(read), chain, place, reading or (lambda _: None))
-    title = name or names_of([_longest(read)])[0].split(".")[0]
+    title = name or log_names([_longest(read)])[0].split(".")[0]
     proposals = tuple(replace(p, channel=draft.axis.said(p.channel)) for p in draft.proposals)
     return RigDraft(toml_of(draft, title), proposals, draft.left_out, draft.doubts, draft.questions)
 
@@ -164,7 +164,7 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
     for log in read:
         found += [line for line in log_complaints(usable, log, draft) if line not in found]
     asked, estimated, warnings = _tried(read, usable, rest, found)
-    axis, own = usable.axis, (*usable.own_names, *names_of(read))
+    axis, own = usable.axis, (*usable.own_names, *log_names(read))
     asked, estimated, warnings = (axis.told(lines, own) for lines in (asked, estimated, warnings))
     found += [line for line in asked if line not in found]
     return RigCheck(tuple(found), () if found else estimated, warnings)
@@ -178,7 +178,7 @@ def _checked_arm(logs: Sequence[Log], source: str | os.PathLike[str] | Mapping[s
     if rig is None or found:
         return RigCheck(tuple(found), (), ())
     try:
-        fit = fit_joints(read_long_joints(logs, rig), rig, names_of(logs), lambda _: None)
+        fit = fit_joints(read_long_joints(logs, rig), rig, log_names(logs), lambda _: None)
     except InputError as error:
         return RigCheck((str(error),), (), ())
     head, *lines = arm_fit_lines(fit)
@@ -215,7 +215,7 @@ def _tried(
         tried = _named(read_rig(given), rig.path)
         try:
             channels = read_channels(logs, tried)
-            fit = fit_channels(channels, channels.rig, load_model(channels.rig.model), few(names_of(logs)))
+            fit = fit_channels(channels, channels.rig, load_model(channels.rig.model), few(log_names(logs)))
         except InputError as error:
             letter = error.letter if isinstance(error, MissingValueError) else ""
             here = tried.axis.said

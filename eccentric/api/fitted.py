@@ -14,7 +14,6 @@ from eccentric.api.inputs import (
     RigSource,
     in_words_of,
     model_of,
-    names_of,
     origin_of,
     sources_of,
 )
@@ -30,6 +29,7 @@ from eccentric.fitting import (
     plot_fit,
 )
 from eccentric.fitting import fit as fit_channels
+from eccentric.logs import log_names
 from eccentric.model import Model
 from eccentric.rigs import read_rig
 from eccentric.signals import FIT_POINTS, read_channels, read_long
@@ -69,7 +69,7 @@ def fit(
         channels = read_channels(read, rig)
         chosen = channels.rig.model if model is None else model
         base = model_of(chosen)
-        names, axis = names_of(read), rig.axis
+        names, axis = log_names(read), rig.axis
         found = fit_channels(channels, channels.rig, base, ", ".join(names))
     estimates = axis.estimates({**found.coefficients, **found.searched})
     document = fit_document(found, names)

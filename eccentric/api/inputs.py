@@ -26,7 +26,6 @@ __all__ = [
     "is_arm",
     "model_of",
     "names_given",
-    "names_of",
     "origin_of",
     "read_logs",
     "sources_of",
@@ -77,11 +76,6 @@ def sources_of(logs: LogSources) -> list[Any]:
             what = source if isinstance(source, str | os.PathLike) else f"table {k + 1}"
             raise InputError(f"{what}: each log is required only once, received it twice")
     return sources
-
-
-def names_of(logs: Sequence[Log]) -> list[str]:
-    """The names of logs in messages and results: those of their files, without folders."""
-    return [Path(log.path).name for log in logs]
 
 
 def model_of(model: ModelSource) -> Model:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from eccentric.api.diagnosed import DiagnosisResult, result_of
-from eccentric.api.inputs import LogSources, names_given, names_of, sources_of
+from eccentric.api.inputs import LogSources, names_given, sources_of
 from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable
 from eccentric.diagnosis import SearchRequest
@@ -28,6 +28,7 @@ from eccentric.joints import (
 )
 from eccentric.joints import diagnose_arm as diagnose_logs
 from eccentric.joints import fit_arm as fit_logs
+from eccentric.logs import log_names
 from eccentric.output import whole_folder
 from eccentric.places import given_path
 from eccentric.report import arm_page
@@ -64,7 +65,7 @@ def fit_arm(
     """
     sources, rig = sources_of(logs), read_arm_rig(rig)
     read = read_long_joints(sources, rig, FIT_POINTS, reading)
-    found = fit_logs(read, rig, names_of(read), progress or (lambda _: None))
+    found = fit_logs(read, rig, log_names(read), progress or (lambda _: None))
     return ArmFitResult(
         fit=found,
         lines=tuple(arm_fit_lines(found)),
@@ -98,7 +99,7 @@ def diagnose_arm(
     offered = None if effects is None else given_path(effects, "effects")
     request = SearchRequest((), names_given(without), names_given(only))
     told = progress or (lambda _: None)
-    found = diagnose_logs(read, rig, names_of(read), offered, request, told)
+    found = diagnose_logs(read, rig, log_names(read), offered, request, told)
     return ArmDiagnosisResult(
         diagnosis=found,
         own={} if offered is None else {offered.name: offered.read_text(encoding="utf-8")},

@@ -17,7 +17,7 @@ from eccentric.diagnosis.stage import Stage, stage_of
 from eccentric.errors import InputError, few
 from eccentric.estimation import improvement, r_squared, rms
 from eccentric.fitting import DRIVE_UNITS, Refit, drive_noise, refit
-from eccentric.logs import Log
+from eccentric.logs import Log, log_names
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig
 from eccentric.signals import read_channels
@@ -78,7 +78,7 @@ class _Field:
 
     def stage(self, model: Model) -> Stage:
         if id(model) not in self.stages:
-            where = ", ".join(Path(log.path).name for log in self.logs)
+            where = ", ".join(log_names(self.logs))
             channels = read_channels(self.logs, self.rig)
             self.stages[id(model)] = stage_of(channels, model, self.effects, where)
         return self.stages[id(model)]
@@ -124,7 +124,7 @@ def contest(
         )
     drive = own.data.drive
     return Contest(
-        tuple(Path(log.path).name for log in logs),
+        log_names(logs),
         Path(rig.path).name,
         DRIVE_UNITS[channels.motor.measured_by] if linear.scale else drive.unit,
         int(np.count_nonzero(scored)),

@@ -31,7 +31,7 @@ from eccentric.diagnosis.siblings import better_sibling
 from eccentric.diagnosis.stage import Stage, stage_of
 from eccentric.errors import InputError
 from eccentric.fitting import drive_noise, residual_samples
-from eccentric.logs import LogSource
+from eccentric.logs import LogSource, log_names
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
 from eccentric.search import AT_FLOOR, CONFIRMED, LEAST_DEVIANCE, Attribution, attribute, variables_of
@@ -97,7 +97,7 @@ def _read(
     channels = read_channels(read, rig)
     given = channels.rig.model if model is None else model
     plain = given if isinstance(given, Model) else load_model(given)
-    return channels, given, plain, tuple(Path(log.path).name for log in read)
+    return channels, given, plain, log_names(read)
 
 
 def diagnosed(

@@ -9,7 +9,7 @@ May import: `errors`.  A new format is one more file beside `csv_file.py` and on
 from eccentric.logs.arithmetic import evaluate
 from eccentric.logs.arrow import arrow_columns
 from eccentric.logs.batches import LogStream, stream_log
-from eccentric.logs.log import Excerpt, Log, LogSource, read_log
+from eccentric.logs.log import Excerpt, Log, LogSource, log_names, read_log
 from eccentric.logs.units import Unit, parse_unit, parse_value, require_unit
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "Unit",
     "arrow_columns",
     "evaluate",
+    "log_names",
     "parse_unit",
     "parse_value",
     "read_log",

@@ -33,7 +33,7 @@ from eccentric.logs.recordings.ulog_file import read_ulog
 from eccentric.places import given_path, readable, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
 
 @dataclass(frozen=True)
@@ -127,6 +127,16 @@ READERS: dict[str, Callable[[Path], Read]] = {
 
 
 LogSource: TypeAlias = str | os.PathLike[str] | Log | TableLike
+
+
+def log_names(logs: Sequence[Log]) -> tuple[str, ...]:
+    """What messages and results call logs: their file names, with the folders that tell them apart."""
+    paths = [Path(log.path) for log in logs]
+    for count in range(1, max((len(path.parts) for path in paths), default=0) + 1):
+        names = tuple(Path(*path.parts[-count:]).as_posix() for path in paths)
+        if len(set(names)) == len(names):
+            return names
+    return tuple(path.name for path in paths)
 
 
 def read_log(source: LogSource, name: str = "table") -> Log:
