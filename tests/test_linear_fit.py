@@ -64,6 +64,31 @@ def test_a_wrong_gain_is_a_wrong_mass() -> None:
         assert two.estimates[name].value == pytest.approx(2.0 * one.estimates[name].value, rel=1e-6)
 
 
+def test_a_voltage_without_a_scale_is_the_force_over_its_gain() -> None:
+    """Neither mass nor force constant known: all is times R/k_f in volts, for a fit and for an effect."""
+    log = logged(3, Carriage(stribeck=12.0), seconds=12.0, runs=1)
+    columns = {name: column for name, column in RIG["columns"].items() if name != "force"}
+    unscaled = RIG | {"columns": {**columns, "voltage": "u_V"}}
+    force, volts = eccentric.fit(log, RIG), eccentric.fit(log, unscaled)
+    pairs = zip(
+        (volts.estimates[name] for name in ("mass*R/k_f", "B*R/k_f + k_e", "C*R/k_f", "R*F_load/k_f")),
+        (force.estimates[name] for name in ("mass", "B", "C", "F_load")),
+        strict=True,
+    )
+    found, scaled = (eccentric.diagnose(log, rig, only="stribeck").document for rig in (unscaled, RIG))
+    (effect,), (same,) = found["effects"], scaled["effects"]
+
+    assert [e.unit for e in volts.estimates.values()] == ["V s/m", "V", "V s^2/m", "V"]
+    assert all(Carriage().gain * one.value == pytest.approx(two.value, rel=1e-6) for one, two in pairs)
+    assert {name: p["unit"] for name, p in effect["parameters"].items()} == {
+        "stribeck_A": "V",
+        "stribeck_v": "m/s",
+    }
+    for name, gain in (("stribeck_A", Carriage().gain), ("stribeck_v", 1.0)):
+        one, two = effect["parameters"][name]["value"], same["parameters"][name]["value"]
+        assert gain * one == pytest.approx(two, rel=1e-3)
+
+
 def test_units_of_a_log_do_not_matter() -> None:
     """Millimetres, kilonewtons and milliseconds give what metres, newtons and seconds give."""
     log = logged(4, seconds=8.0, runs=1)

@@ -86,6 +86,20 @@ def test_the_right_rig_has_no_complaint(known: dict[str, Any], columns: dict[str
     assert complaints(known, **columns) == ""
 
 
+@pytest.mark.parametrize(
+    "force",
+    ["u_V", {"column": "u_V", "unit": "N"}, {"column": "u_V", "unit": "V"}],
+    ids=str,
+)
+def test_a_reference_in_volts_asks_for_its_gain(force: str | dict[str, str]) -> None:
+    """With no unit, that of a force, or its own: one complaint, which shows how the gain is written."""
+    found = complaints({}, force=force)
+
+    assert found.count("\n") == 0
+    assert found.startswith("rig: [columns] force:")
+    assert 'gain = "35 N/V"' in found
+
+
 def test_a_voltage_tells_the_position_from_the_mass() -> None:
     """With R and k_e known and a current logged, one cause explains all: the position, and nothing else."""
     speed = np.gradient(log()["q_m"], log()["t_s"])

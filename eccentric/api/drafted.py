@@ -162,7 +162,7 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
     except InputError:
         draft = None  # what could not be drafted can still be described by hand
     for log in read:
-        found += [line for line in log_complaints(usable, log, draft) if line not in found]
+        found += [line for line in log_complaints(usable, log, draft, found) if line not in found]
     asked, estimated, warnings = _tried(read, usable, rest, found)
     axis, own = usable.axis, (*usable.own_names, *log_names(read))
     asked, estimated, warnings = (axis.told(lines, own) for lines in (asked, estimated, warnings))
@@ -278,13 +278,15 @@ def _determined(fit: Any, rig: Rig) -> list[str]:
         "J": "the acceleration", "J_m": "the acceleration", "J_l": "the acceleration",
         "k_i": "gravity and inertia against the current", "M_l": "the load of the bearing", "L": "gravity",
         "phi": "gravity", "T_load": "what is constant in both directions",
-        "1": "gravity and inertia against the drive", "theta_zero_rad": "the phase of gravity",
+        "1": "gravity and inertia against the drive", "R/k_i": "gravity and inertia against the drive",
+        "theta_zero_rad": "the phase of gravity",
         "input_delay_s": "the lag of the motion", "voltage_offset_V": "what is constant in both directions",
     }  # fmt: skip
     for name, e in {**fit.coefficients, **fit.searched}.items():
         low, high = e.interval
-        # A scaled one, such as J/k_i or J*R/k_i, is of its first letter; 1/k_i of k_i.
-        source = meaning.get(name.replace("/", "*").partition("*")[0], "the friction of moving rows")
+        # A scaled one, such as J/k_i or J*R/k_i, is of its own letter.
+        letters = (name, *name.partition("/")[0].split("*"))
+        source = next((meaning[x] for x in letters if x in meaning), "the friction of moving rows")
         lines.append(f"{name} = {e.value:.4g} {e.unit}, 95 % interval {low:.4g} to {high:.4g}, from {source}")
     lines += [f"{name}: estimated along with the fit" for name in sorted(rig.estimate)]
     given = [known.name for known in knowns_of(rig.axis) if known.name in rig.known]

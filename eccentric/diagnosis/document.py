@@ -11,6 +11,7 @@ from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.words import diagnosis_sentence, tied_families
 from eccentric.effects import Effect
 from eccentric.estimation import Estimate
+from eccentric.fitting import in_drive_unit
 from eccentric.model import TURNING
 
 __all__ = ["diagnosis_document"]
@@ -184,7 +185,8 @@ def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
     parameters = {}
     for q in effect.parameters:
         estimate = found.models.extended.estimates.get(q.name)
-        parameters[q.name] = {"value": values[q.name], **_uncertainty(estimate), "unit": q.unit}
+        unit = in_drive_unit(q.unit, found.unit)
+        parameters[q.name] = {"value": values[q.name], **_uncertainty(estimate), "unit": unit}
     equation = effect.equation()
     return {
         "id": effect.id,

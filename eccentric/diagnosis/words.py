@@ -14,7 +14,7 @@ from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.score import OverRuns
 from eccentric.effects import Correction, Effect, Words
 from eccentric.errors import few
-from eccentric.fitting import Emitted
+from eccentric.fitting import Emitted, in_drive_unit
 
 __all__ = [
     "closest_sentence",
@@ -272,7 +272,8 @@ def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
         if estimate is not None:
             endless = math.isinf(estimate.std_error)
             error = " (not determined)" if endless else f" (std error {estimate.std_error:.2g})"
-        shown.append(f"{q.name} = {own[q.name]:.4g}{'' if q.unit == '1' else ' ' + q.unit}{error}")
+        unit = "" if q.unit == "1" else f" {in_drive_unit(q.unit, found.unit)}"
+        shown.append(f"{q.name} = {own[q.name]:.4g}{unit}{error}")
     share = 100 * found.models.extended.shares.get(effect.id, 0.0)
     variants = stability_words(found, effect)
     where = f", {variants}" if variants else ""

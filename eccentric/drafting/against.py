@@ -4,27 +4,29 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from eccentric.drafting.draft import Draft
 from eccentric.drafting.proposal import Proposal
+from eccentric.drafting.words import read_name
 from eccentric.errors import InputError, few, meant
 from eccentric.logs import Log, evaluate, parse_unit
-from eccentric.rigs import CHANNELS, Rig, channels_of
+from eccentric.rigs import CHANNELS, Rig, channels_of, gains_of
 
 __all__ = ["log_complaints"]
 
 _SIDES = ({"theta_m", "theta_l"}, {"omega_m", "omega_l"}, {"torque", "torque_l"})
 
 
-def log_complaints(rig: Rig, log: Log, draft: Draft | None) -> list[str]:
+def log_complaints(rig: Rig, log: Log, draft: Draft | None, told: Collection[str] = ()) -> list[str]:
     """What is wrong with the columns of a rig for this log, one line each, with the mend.
 
     Args:
         draft: of the same log, None where none could be made; only what it is sure of counts.
+        told: what is wrong with the rig by itself: a column that it refuses is not missing as well.
     """
-    found = [*_missing(rig, log)]
+    found = [*_missing(rig, log, told), *_without_gain(rig, log)]
     if draft is not None:
         found += [*_contradicted(rig, draft), *_values(rig, draft)]
     return found
@@ -36,7 +38,7 @@ def _sources(rig: Rig, log: Log) -> dict[str, str]:
     return {c: source.text for c, source in rig.log.columns.items()}
 
 
-def _missing(rig: Rig, log: Log) -> Iterator[str]:
+def _missing(rig: Rig, log: Log, told: Collection[str]) -> Iterator[str]:
     sources = _sources(rig, log)
     for channel, text in sources.items():
         if text in log.columns:
@@ -61,11 +63,29 @@ def _missing(rig: Rig, log: Log) -> Iterator[str]:
         ("theta_m", "theta_l", "omega_m", "omega_l"),
         ("current", "torque", "torque_l", "voltage"),
     ):
-        if not any(channel in sources for channel in choice):
-            there = channels_of(rig.axis)
-            called = " or ".join(rig.axis.said(channel) for channel in choice if channel in there)
+        names = [rig.axis.said(channel) for channel in choice if channel in channels_of(rig.axis)]
+        refused = any(f"[columns] {name}:" in line for name in names for line in told)
+        if not refused and not any(channel in sources for channel in choice):
+            called = " or ".join(names)
             yield (
                 f"{rig.path}: [columns]: {called} is required, received none; the log has {few(log.columns)}"
+            )
+
+
+def _without_gain(rig: Rig, log: Log) -> Iterator[str]:
+    """A force that is the reference of an amplifier by the unit in its header, and has no gain."""
+    for channel, source in (rig.log.columns or {}).items():
+        per = gains_of(channels_of(rig.axis)[channel][1])
+        plain = source.text.removeprefix("-").strip("` ")
+        if source.gain is not None or not per or plain not in log.columns:
+            continue
+        unit = read_name(plain, log.units.get(plain, "")).unit
+        if gain := next((of for of in per if unit and of.endswith(f"/{unit[-1]}")), ""):
+            called = rig.axis.said(channel)
+            column = json.dumps(source.text, ensure_ascii=False)
+            yield (
+                f"{rig.path}: [columns] {called}: {plain!r} is in {unit} by its header: give the gain of the"
+                f' amplifier, as in {called} = {{ column = {column}, gain = "35 {gain}" }}'
             )
 
 

@@ -10,7 +10,7 @@ import sympy as sp
 
 from eccentric.errors import InputError, MissingValueError
 from eccentric.estimation import Coefficient
-from eccentric.fitting.drive import LOAD, Drive
+from eccentric.fitting.drive import LOAD, Drive, in_drive_unit
 from eccentric.model import Column, Model, Role, meaning, regressor
 from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS
@@ -115,8 +115,10 @@ def combinations_of(drive: Drive, rig: Rig, model: Model, scale: sp.Expr | None)
         bounds = {"lower": s_low * low, "upper": s_high * high}
         letters = {"letter": "J", "mechanical_unit": "kg m^2", "parameter": machine.rotor}
         add(s * J, role="inertia", unit=_scaled("kg m^2", unit), **bounds, **letters)
-    gravity = model.balance("mechanical").sum_of("gravity", "conservative")
-    if scale is not None and (gravity != 0 or inertia is not None):
+    torque = model.balance("mechanical").sum_of("gravity", "conservative")
+    beside = torque.subs({x: 0 for x in torque.free_symbols if x.name == LOAD})
+    # A scale shows by what the rig knows in newton metres, which a load to be estimated is not.
+    if scale is not None and (beside != 0 or inertia is not None or rig.known.get(LOAD)):
         bounds = {"lower": s_low, "upper": s_high}
         add(scale, role="scale", unit=f"{unit}/(N m)", **bounds, letter=str(scale), mechanical_unit="1")
     if LOAD in rig.unknown:
@@ -185,15 +187,8 @@ def _plain(expression: sp.Expr) -> sp.Expr:
 
 def _scaled(unit: str, drive: str) -> str:
     """The unit of a mechanical coefficient times the scale, for a drive in volts or amperes."""
-    if drive == "N m":
-        return unit
-    return {
-        "N m": drive,
-        "N m s/rad": f"{drive} s/rad",
-        "m": f"{drive}/N",
-        "m s/rad": f"{drive} s/(N rad)",
-        "kg m^2": f"{drive} s^2/rad",
-    }.get(unit, f"{unit} {drive}/(N m)")
+    scaled = in_drive_unit(unit, drive)
+    return f"{unit} {drive}/(N m)" if drive != "N m" and scaled == unit else scaled
 
 
 def bounded_letters(coefficients: Sequence[Combination], machine: Machine) -> set[str]:

@@ -14,6 +14,7 @@ the result is in the unit of the drive.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -29,7 +30,7 @@ from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.signals import Channels
 
-__all__ = ["DRIVE_UNITS", "LOAD", "Drive", "inputs_of", "load_gain", "loaded_model"]
+__all__ = ["DRIVE_UNITS", "LOAD", "Drive", "in_drive_unit", "inputs_of", "load_gain", "loaded_model"]
 
 Array = NDArray[np.float64]
 
@@ -37,6 +38,19 @@ DRIVE_UNITS = {"torque": "N m", "current": "A", "voltage": "V"}
 """The unit of each signal that measures the drive."""
 LOAD = constant_load.coefficients[0].name
 """The parameter of a constant load on the link: not an effect to be found, but part of the base model."""
+
+
+def in_drive_unit(unit: str, drive: str) -> str:
+    """The unit of a parameter where torques are in volts or amperes; one without a torque keeps its own.
+
+    Args:
+        unit: as if torques were in newton metres: of a torque, of friction per load, or of an inertia.
+        drive: the unit of torques, "N m", "V" or "A"; the scale of the latter is one.
+    """
+    if drive == "N m":
+        return unit
+    loaded = {"m": f"{drive}/N", "m s/rad": f"{drive} s/(N rad)", "kg m^2": f"{drive} s^2/rad"}
+    return loaded.get(unit, re.sub(r"^N m(?![A-Za-z])", drive, unit))
 
 
 @dataclass(frozen=True)

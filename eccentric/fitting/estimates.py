@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from eccentric.effects import Shape
 from eccentric.estimation import TWO_SIDED, Coefficient, Estimate, Nonlinear, rms, slopes_between
+from eccentric.fitting.drive import in_drive_unit
 from eccentric.fitting.extended import Extended, Step
 from eccentric.fitting.limits import LEAST_TILT, SHAPE_STEP
 from eccentric.model import Model
@@ -62,7 +63,7 @@ def _of_balance(
         None if narrowed is None else (fit.design(balance, point), narrowed.design(balance, point)),
     )
     names = [c.name for c in solution.design.coefficients]
-    units = {q.name: q.unit for q in fit.model.parameters}
+    units = {q.name: in_drive_unit(q.unit, drive.unit) for q in fit.model.parameters}
     unit = np.eye(len(names) + len(shapes))
     # All torques are divided by the scale, so that its error is theirs as well.
     roles = [c.role for c in solution.design.coefficients]
@@ -76,7 +77,9 @@ def _of_balance(
             letters = point.values
             gear = machine.inertia_per(machine.link, letters)
             slope = (unit[k] - machine.inertia({**letters, machine.rotor: drive.rotor}) * shared) / gear
-            found[machine.link] = error.estimate(letters[machine.link], slope, c.unit, (c.lower, c.upper))
+            found[machine.link] = error.estimate(
+                letters[machine.link], slope, units[machine.link], (c.lower, c.upper)
+            )
             slopes.append(slope)
         elif c.name in units:
             slope = unit[k] - value * shared

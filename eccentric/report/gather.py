@@ -21,7 +21,7 @@ from eccentric.diagnosis import (
     stability_words,
 )
 from eccentric.effects import Effect
-from eccentric.fitting import Refit
+from eccentric.fitting import Refit, in_drive_unit
 from eccentric.model import spoken
 from eccentric.report.balance import balance_of
 from eccentric.report.data import (
@@ -182,9 +182,8 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
         # A coefficient that is inseparable from another is not fitted: the other represents their sum.
         if value is None or (origin == "friction" and estimates and q.name not in estimates):
             continue
-        row = Parameter(
-            q.name, q.meaning, q.unit, value, origin, letter=typeset(letters[axis.said(q.name)].symbol)
-        )
+        unit, letter = in_drive_unit(q.unit, found.unit), typeset(letters[axis.said(q.name)].symbol)
+        row = Parameter(q.name, q.meaning, unit, value, origin, letter=letter)
         if e := estimates.get(q.name):
             error = e.std_error if math.isfinite(e.std_error) else None
             ends = e.interval if all(map(math.isfinite, e.interval)) else None

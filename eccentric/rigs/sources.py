@@ -42,6 +42,11 @@ _GAINS = {"N": ("N/V", "N/A")}
 """Units of a gain, by the unit of what it gives: a force from the reference of an amplifier."""
 
 
+def gains_of(required: str) -> tuple[str, ...]:
+    """The units of a gain for a channel of this unit; none where it takes no gain."""
+    return _GAINS.get(required, ())
+
+
 def channels_of(axis: AxisKind) -> dict[str, tuple[str, str]]:
     """The channels of an axis, as CHANNELS; a rig file calls them by the words of the axis."""
     return _BY_AXIS[axis]
@@ -95,12 +100,22 @@ def read_columns(
         if "gain" in entry:
             parsed, gain = _gain(entry["gain"], unit, required, at)
         else:
-            parsed = None if unit is None else require_unit(unit, required, at, counts)
+            parsed = None if unit is None else _own_unit(unit, required, at, counts)
         columns[channel] = ColumnSource(text.strip(), parsed, gain)
     for left, right in (("theta_m", "theta_l"), ("omega_m", "omega_l"), ("torque", "torque_l")):
         if left in columns and right in columns:
             raise InputError(f"{where}: only one of {left} and {right} is required, received both")
     return columns, []
+
+
+def _own_unit(unit: str, required: str, where: str, counts: float | None) -> Unit:
+    """The unit of a column without a gain; InputError says where a gain would do."""
+    try:
+        return require_unit(unit, required, where, counts)
+    except InputError as error:
+        per = next((of for of in gains_of(required) if of.endswith(f"/{unit[-1:]}")), "")
+        hint = f'; of an amplifier\'s reference give the gain, as in gain = "35 {per}"' if per else ""
+        raise InputError(f"{error}{hint}") from None
 
 
 def _gain(gain: object, unit: str | None, required: str, where: str) -> tuple[Unit, ForceGain]:
