@@ -12,7 +12,7 @@ import eccentric
 from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.doubts import doubts_of
 from eccentric.fleet.periods import History, Period
-from eccentric.fleet.sums import Columns, Coverage, Heading, sums_of
+from eccentric.fleet.sums import Columns, Coverage, Heading, require_rig, sums_of
 from eccentric.model import LINEAR
 from eccentric.rigs import read_rig
 from tests.carriage import RIG, Carriage, logged
@@ -83,15 +83,19 @@ def test_the_carriage_whose_seal_wears_is_named(tmp_path: Path) -> None:
     assert (tmp_path / "out" / one.report).is_file()
 
 
-def test_what_a_rig_lacks_is_told_in_its_own_letters(tmp_path: Path) -> None:
-    """A current without its constant is one line that asks for k_f."""
-    log = logged(1, seconds=3.0, runs=1)
-    path = written(tmp_path / "log.csv", log)
+def test_what_a_rig_lacks_is_told_once_in_its_own_letters(tmp_path: Path) -> None:
+    """A current without its constant is one line that asks for k_f, before any of its files is read."""
     columns = {**DECLARED["columns"], "current": {"column": "u_V", "unit": "A"}}
     del columns["force"]
 
     with pytest.raises(eccentric.InputError, match=r"\[known\] k_f is required by a fleet driven by current"):
-        sums_of(path, Columns(read_rig({**DECLARED, "columns": columns})))
+        require_rig(read_rig({**DECLARED, "columns": columns}))
+    log = written(tmp_path / "log.csv", logged(1, seconds=3.0, runs=1))
+    text = log.read_text(encoding="utf-8").replace("t_s,q_m,u_V", "time_s,position_m,current_A")
+    log.write_text(text, encoding="utf-8")
+    headed = Columns(read_rig({key: value for key, value in DECLARED.items() if key != "columns"}))
+    with pytest.raises(eccentric.InputError, match=r"\[known\] k_f is required by a fleet driven by current"):
+        sums_of(log, headed)
 
 
 def test_a_table_of_rigs_gives_each_carriage_its_own_mass(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ offset     a constant torque: an offset of the sensor, or a constant load
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -24,12 +24,13 @@ from eccentric.fitting import LOAD, Emitted, Machine, load_gain, load_letters, r
 from eccentric.model import Load, Model, Role, load_model, regressor, spoken
 from eccentric.rigs import Rig
 
-__all__ = ["OFFSET", "SCALE", "Columns", "Heading", "require_rig"]
+__all__ = ["OFFSET", "SCALE", "Columns", "Heading", "drive_channel", "require_rig"]
 
 Array = NDArray[np.float64]
 Kind = Literal["viscous", "coulomb", "load", "friction", "inertia", "scale", "offset"]
 
 SCALE, OFFSET = "scale", "offset"
+_DRIVES = ("current", "torque", "torque_l", "voltage")
 
 
 @dataclass(frozen=True)
@@ -87,15 +88,7 @@ class Columns:
 
     def require_drive(self, measured_by: str) -> None:
         """Raise InputError if the rig does not give what makes a torque of the measured drive."""
-        letters = set[str]() if measured_by == "torque" else set(self._machine.torque_letters)
-        if measured_by == "voltage":
-            letters |= self._machine.resistance_letters | self._machine.back_emf_letters
-        if missing := sorted(letters - set(self._known)):
-            said = self.rig.axis.said
-            raise InputError(
-                f"{self.rig.path}: [known] {said(few(missing))} is required by a fleet driven by"
-                f" {said(measured_by)}, received none"
-            )
+        _require_motor(self.rig, self._machine, set(self._known), measured_by)
 
     def rows(self, theta: Array, omega: Array, alpha: Array, torque: Array) -> Array:
         """X and the target (m, k + 1) from the motion of the motor and the drive torque, each (m,)."""
@@ -119,6 +112,24 @@ class Columns:
         return found
 
 
+def drive_channel(channels: Collection[str], rig: Rig) -> str | None:
+    """What measures the drive torque: by the rig, else the first channel that is there; None without any."""
+    wanted = {None: _DRIVES, "torque": ("torque", "torque_l")}.get(rig.log.drive, (rig.log.drive,))
+    return next((name for name in wanted if name in channels), None)
+
+
+def _require_motor(rig: Rig, machine: Machine, known: Collection[str], measured_by: str) -> None:
+    letters = set[str]() if measured_by in ("torque", "torque_l") else set(machine.torque_letters)
+    if measured_by == "voltage":
+        letters |= machine.resistance_letters | machine.back_emf_letters
+    if missing := sorted(letters - set(known)):
+        said = rig.axis.said
+        raise InputError(
+            f"{rig.path}: [known] {said(few(missing))} is required by a fleet driven by {said(measured_by)},"
+            " received none"
+        )
+
+
 def require_rig(rig: Rig) -> Model:
     """The model of a rig; InputError for a rig that leaves open what sums cannot hold."""
     model = load_model(rig.model)
@@ -136,6 +147,9 @@ def require_rig(rig: Rig) -> Model:
     if missing := sorted(load_letters(model) - set(rig.known) - {"M_l"}):
         letters = rig.axis.said(few(missing))
         raise InputError(f"{rig.path}: [known] {letters} is required by {model.name}, received none")
+    # Without [columns] the header of each log decides what measures the drive.
+    if drive := drive_channel(rig.log.columns or (), rig):
+        _require_motor(rig, Machine(model), with_own(rig, model).known, drive)
     return model
 
 

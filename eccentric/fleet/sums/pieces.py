@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError
 from eccentric.fleet.limits import LEAST_STEPS
+from eccentric.fleet.sums.columns import drive_channel
 from eccentric.fleet.sums.windows import SHARES, share_of
 from eccentric.logs import stream_log
 from eccentric.rigs import Rig
@@ -31,8 +32,6 @@ from eccentric.signals import (
 __all__ = ["Piece", "pieces"]
 
 Array = NDArray[np.float64]
-
-_DRIVES = ("current", "torque", "torque_l", "voltage")
 
 
 @dataclass(frozen=True)
@@ -164,8 +163,7 @@ def _quantum(logged: Table, rig: Rig) -> float:
 
 def _drive(channels: Mapping[str, Array], rig: Rig) -> tuple[str, Array]:
     """What measures the drive torque, by the rig, else the first that is logged, and its signal (n,)."""
-    wanted = {None: _DRIVES, "torque": ("torque", "torque_l")}.get(rig.log.drive, (rig.log.drive,))
-    name = next((name for name in wanted if name in channels), None)
+    name = drive_channel(channels, rig)
     if name is None:
         drives = rig.axis.said("current, torque or voltage")
         raise InputError(f"{rig.path}: a log with {drives} is required, received none")
