@@ -115,4 +115,6 @@ def run(arguments: argparse.Namespace) -> int:
         )
     names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written)
     print(f"{arguments.out}: {names}")
+    if arguments.adapt and arguments.parameters is None:
+        print("the estimator starts with the uncertainty of no fit: --parameters FIT.json gives it that of one")
     return 0
