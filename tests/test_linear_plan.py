@@ -84,3 +84,18 @@ def test_the_plan_is_a_motion_of_the_carriage() -> None:
     assert (np.abs(v).max() <= 0.4, np.abs(a).max() <= 3.0) == (True, True)
     np.testing.assert_allclose(plan.plan.current[np.abs(v) > 0.01], force[np.abs(v) > 0.01], atol=1.0)
     assert not any(word in plan.summary() + plan.to_json() for word in (" rad", "_rad", "N m", "motor"))
+
+
+def test_a_limit_of_the_current_needs_amperes() -> None:
+    """A voltage without R and k_f says nothing of the current: no plan compares it with a limit."""
+    log = logged(2, seconds=6.0, runs=1)
+    columns = {name: column for name, column in RIG["columns"].items() if name != "force"}
+    rig = RIG | {"columns": {**columns, "voltage": "u_V"}}
+    limits = {**{key: x for key, x in LIMITS.items() if key != "force_N"}, "current_A": 20.0}
+    message = (
+        r"rig: \[known\] R and k_f are required to keep the limit of the current, since the log has a voltage"
+    )
+    with pytest.raises(InputError, match=message):
+        eccentric.plan(log, rig, limits)
+    with pytest.raises(InputError, match=r"\[known\] R is required to keep the limit of the current"):
+        eccentric.plan(log, {**rig, "known": {"k_f_N_per_A": 35.0}}, limits)

@@ -11,6 +11,7 @@ import numpy as np
 
 from eccentric.diagnosis import Diagnosis
 from eccentric.errors import InputError
+from eccentric.fitting import Drive
 from eccentric.model import TURNING, AxisKind
 from eccentric.planning.bounds import FORCE, Bounds
 from eccentric.planning.chance import Pairs, expected
@@ -73,7 +74,8 @@ def planned(
     """Plan the motion that tells the rivals of a diagnosis apart, or that determines its model best.
 
     Raises:
-        InputError: the log does not fit the rig, or no motion stays within the bounds.
+        InputError: the log does not fit the rig, has no current and the rig nothing that makes one of its
+            voltage or torque, or no motion stays within the bounds.
     """
     question = found if isinstance(found, Question) else question_of(found)
     channels, axis = question.data.drive.channels, question.data.drive.channels.rig.axis
@@ -81,6 +83,7 @@ def planned(
     if not axis.wraps and by_force != bounds.by_force:
         needed, given = (FORCE, "current_A") if by_force else ("current_A", FORCE)
         raise InputError(f"limits: {needed} is required, which the log has, received {given}")
+    _require_amperes(question.data.drive, bounds)
     rivals, separation = question.rivals, Separation(question)
     tell(f"open: {', '.join(rival.headline for rival in rivals)}")
     segments, ground, apart = chosen(separation, bounds, SEED, tell)
@@ -123,6 +126,21 @@ def planned(
         follows=question.follows,
         axis=axis,
     )
+
+
+def _require_amperes(drive: Drive, bounds: Bounds) -> None:
+    """InputError if a limit of the current cannot be kept, since nothing tells how large the current is."""
+    rig, by = drive.channels.rig, drive.channels.motor.measured_by
+    letters = drive.machine.torque_letters
+    if drive.unit != "N m":
+        letters |= drive.machine.resistance_letters
+    missing = sorted(letters - set(rig.known))
+    if missing and by != "current" and not bounds.by_force:
+        verb = "are" if len(missing) > 1 else "is"
+        raise InputError(
+            f"{rig.path}: [known] {' and '.join(map(rig.axis.said, missing))} {verb} required to keep the"
+            f" limit of the current, since the log has a {rig.axis.said(by)} only, received none"
+        )
 
 
 def _errors(information: np.ndarray) -> np.ndarray:
