@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from eccentric.diagnosis import leave_runs_out
+from eccentric.diagnosis import diagnose, diagnosis_sentence, leave_runs_out
 from eccentric.diagnosis.models import Models, confirms, contradiction
 from eccentric.diagnosis.score import score
 from eccentric.fitting import FitData, drive_of, fit_data_of, refit
 from eccentric.model import Model, load_model
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
+from eccentric.virtual_bench import simulate
 from tests.extended import effects
 from tests.swing import Array, Swing, driven, write_rig, write_runs
+from tests.virtual import drawn_scenario
 
 RIG = Swing()
 WEIGHT = RIG.M * RIG.g
@@ -158,3 +160,36 @@ def test_fewer_than_five_runs_are_not_left_out(tmp_path: Path) -> None:
     """Four runs say too little of a fifth."""
     one, base = data(tmp_path, 4)
     assert leave_runs_out(base, refit(base, (), one), one) is None
+
+
+def test_what_accelerates_the_drive_passes_the_low_pass_once(tmp_path: Path) -> None:
+    """A ripple of 30 Hz accelerates the drive, the motion is filtered: the true balance leaves nothing."""
+    channels = data(tmp_path, 3)[0].drive.channels
+    ripple = np.sin(2.0 * np.pi * 30.0 * channels.time.t)
+    moving = channels.smooth(-ripple)  # no torque of the drive: J alpha = -ripple
+    residual = -moving - ripple
+
+    assert np.max(np.abs(channels.smooth_residual(residual, moving))) < 1e-12
+    assert np.std(channels.smooth(residual)) > 0.05
+
+
+@pytest.mark.slow
+def test_a_ripple_above_the_low_pass_is_not_held_against_its_name() -> None:
+    """Six periods a turn of a fast motor: below 25 Hz they explain the log, row by row they add error."""
+    fast = drawn_scenario(
+        6, case="C1", mu=1 / 30, effects=[("cogging[n=6]", 0.08)], noise=0.004, seconds=60.0
+    )
+    run = simulate(fast)
+    found = diagnose([run.columns], run.rig)
+    motion, true = found.score.below, run.truth["effects"][0]
+    amplitude = np.hypot(*(found.models.extended.values[f"cogging_{part}6"] for part in "cs"))
+
+    assert ("named", ["cogging[n=6]"]) == (
+        found.attribution.verdict,
+        [e.id for e, _ in found.models.extended.effects],
+    )
+    assert amplitude == pytest.approx(true["amplitude"], rel=0.02)
+    assert found.score.percent < 0.0
+    assert motion is not None
+    assert motion.interval[0] > 0.0
+    assert f"below the {motion.cut_hz:g} Hz low pass" in diagnosis_sentence(found)

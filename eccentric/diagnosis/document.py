@@ -60,6 +60,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
             "percent": found.score.percent,
             "interval_95": list(found.score.interval),
         },
+        "improvement_below_low_pass": _below(found),
         "closest_effect": _closest(found),
         "better_model": _sibling(found),
         f"noise_floor_{_suffix(found)}": found.noise_floor,
@@ -87,6 +88,11 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "warnings": list(found.warnings),
     }
     return axis.told(document, (*found.asked.logs, *found.channels.own_names))
+
+
+def _below(found: Diagnosis) -> dict[str, Any] | None:
+    motion = found.score.below
+    return motion and {"percent": motion.percent, "interval_95": list(motion.interval)}
 
 
 def _unconfirmed(found: Diagnosis) -> dict[str, Any]:

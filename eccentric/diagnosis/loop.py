@@ -35,7 +35,7 @@ from eccentric.logs import LogSource, log_names
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
 from eccentric.search import AT_FLOOR, CONFIRMED, LEAST_DEVIANCE, Attribution, attribute, variables_of
-from eccentric.signals import Channels, band_of, read_channels, read_long
+from eccentric.signals import Channels, read_channels, read_long
 
 __all__ = ["diagnose", "diagnosed", "staged_log"]
 
@@ -129,7 +129,6 @@ def diagnosed(
     base, data = stage.base, stage.data
     chosen = asked.request.restricted(stage.offered)
     found, models, score, refused = fitted_models(found, chosen, base, data, tell)
-    noise = drive_noise(data)
     return Diagnosis(
         asked=asked,
         data=data,
@@ -142,8 +141,8 @@ def diagnosed(
         closest=closest_effect(found, chosen, models),
         differing=stage.differing,
         sibling=better_sibling(stage.plain, models),
-        noise_floor=noise,
-        band=band_of(models.extended.residuals["mechanical"], data.rows, data.drive.channels, noise),
+        noise_floor=drive_noise(data),
+        band=models.extended.band,
         orders=orders_of(data, residual_samples(models.extended)),
     )
 

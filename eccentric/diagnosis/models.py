@@ -115,12 +115,9 @@ def contradiction(models: Models, data: FitData) -> tuple[str, float, tuple[floa
 
     Below the low pass of the angle: row by row, the model of a ripple above it only adds error.
     """
-    smooth, scored = data.drive.channels.smooth, data.rows.score
-    for balance, before in models.paper.residuals.items():
-        pair = before, models.extended.residual_like(models.paper, balance)
-        if data.rows.operator is None:
-            pair = tuple(map(smooth, pair))
-        paper, extended = (residual[scored] for residual in pair)
+    fits, scored, smooth = (models.paper, models.extended), data.rows.score, data.rows.operator is None
+    for balance in models.paper.residuals:
+        paper, extended = (m.residual_like(models.paper, balance, smooth=smooth)[scored] for m in fits)
         if np.array_equal(paper, extended):
             continue
         percent, interval = improvement(paper, extended)

@@ -13,7 +13,7 @@ from eccentric.estimation import improvement, improvement_over_runs, rms
 from eccentric.fitting import FitData, Refit, refit
 from eccentric.model import Model
 
-__all__ = ["OverRuns", "Score", "leave_runs_out", "score"]
+__all__ = ["Below", "OverRuns", "Score", "below", "leave_runs_out", "score"]
 
 Array = np.ndarray
 
@@ -32,12 +32,28 @@ class OverRuns:
 
 
 @dataclass(frozen=True)
+class Below:
+    """The held-out error below the low pass of the angle: RMSE of the paper's and the extended model.
+
+    `percent` and `interval` are the gain. Row by row, a model of a ripple above the cut-off only adds error:
+    the acceleration that it causes is not in the motion any more.
+    """
+
+    cut_hz: float
+    before: float
+    after: float
+    percent: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Score:
     """What the held-out part says.
 
     rmse: balance -> model -> held-out RMSE [N m, or the unit of the drive]; per_drive: the same of the
     mechanical balance in the unit of the drive while the motor is on, if the torque is not measured;
-    free: held-out RMSE [N m] while the motor is off; `percent` and `interval` are those of `balance`.
+    free: held-out RMSE [N m] while the motor is off; `percent` and `interval` are those of `balance`;
+    below: the same below the low pass, None where rows are averages or nothing was adopted.
     """
 
     rmse: Mapping[str, Mapping[str, float]]
@@ -47,6 +63,7 @@ class Score:
     percent: float
     interval: tuple[float, float]
     over_runs: OverRuns | None
+    below: Below | None = None
 
     @property
     def confirms(self) -> bool:
@@ -79,7 +96,18 @@ def score(linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs:
     on = rows.score & ~off
     per_drive = {n: rms(m.residuals["mechanical"][on]) * (m.scale or 1.0) for n, m in models.items()}
     per_drive = per_drive if scaled and np.any(on) else {}
-    return Score(rmse, per_drive, free, balance, percent, interval, over_runs)
+    return Score(
+        rmse, per_drive, free, balance, percent, interval, over_runs, below(paper, extended, balance)
+    )
+
+
+def below(paper: Refit, extended: Refit, balance: str) -> Below | None:
+    """The gain below the low pass; None where rows are averages or nothing was adopted."""
+    rows, rig = paper.data.rows, paper.data.drive.channels.rig
+    if rows.operator is not None or extended is paper:
+        return None
+    before, after = (m.residual_like(extended, balance, smooth=True)[rows.score] for m in (paper, extended))
+    return Below(rig.sampling.low_pass_hz, rms(before), rms(after), *improvement(before, after))
 
 
 def leave_runs_out(base: Model, extended: Refit, data: FitData, bounds: bool = True) -> OverRuns | None:

@@ -144,7 +144,8 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
 def _band(problem: Problem, paper: Solution) -> Band | None:
     drive = problem.aligned(paper.at)
     noise = white_noise(drive.torque(), drive.channels.time.segment)
-    return band_of(*problem.compared(paper), drive.channels, noise)
+    residual, rows = problem.compared(paper)
+    return band_of(residual, problem.moving(paper), rows, drive.channels, noise)
 
 
 def _require_rows(problem: Problem, where: str) -> None:

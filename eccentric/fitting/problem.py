@@ -135,6 +135,12 @@ class Problem:
         design = judged.design(solution.at)
         return design.target - design.columns @ solution.values, judged.rows
 
+    def moving(self, solution: Solution) -> Array:
+        """What accelerates the inertia (n,), in the unit of the residual."""
+        of = {c.role: value for c, value in zip(self.coefficients, solution.values, strict=True)}
+        known = self.drive.machine.inertia(self._values(solution.at)) * of.get("scale", 1.0)
+        return of.get("inertia", known) * self.aligned(solution.at).channels.motion.alpha_m
+
     @property
     def unit(self) -> str:
         """Unit of target and residual."""

@@ -12,9 +12,10 @@ from eccentric.estimation import Estimate, rms
 from eccentric.fitting.estimates import estimates, shares
 from eccentric.fitting.expressions import alike, base_coefficients
 from eccentric.fitting.extended import Adopted, Extended
-from eccentric.fitting.fit_data import FitData, Values
+from eccentric.fitting.fit_data import FitData, Values, drive_noise
 from eccentric.fitting.limits import CONVERGED
 from eccentric.model import Model
+from eccentric.signals import Band, band_of
 
 __all__ = ["Refit", "refit", "residual_samples"]
 
@@ -61,12 +62,34 @@ class Refit:
         """Held-out RMSE of a balance [N m]."""
         return rms(self.residuals[balance][self.data.rows.score])
 
-    def residual_like(self, other: Refit, balance: str = "mechanical") -> Array:
-        """The residual (rows,) at the scale of another fit.
+    def smooth_residual(self, balance: str = "mechanical") -> Array:
+        """The residual (n,) [N m at this fit's own scale] below the low pass, where rows are samples."""
+        residual = self.residuals[balance]
+        moving = self._moving if balance == "mechanical" else np.zeros_like(residual)
+        return self.data.drive.channels.smooth_residual(residual, moving)
+
+    @property
+    def band(self) -> Band | None:
+        """The band of the held-out error; None where rows are averages."""
+        rows, channels = self.data.rows, self.data.drive.channels
+        if rows.operator is not None:
+            return None
+        return band_of(self.residuals["mechanical"], self._moving, rows, channels, drive_noise(self.data))
+
+    @property
+    def _moving(self) -> Array:
+        """What accelerates the drive (n,) [N m]: its inertia, and the other bodies of a chain."""
+        drive = self.data.drive
+        moving = drive.machine.inertia(self.values) * drive.channels.motion.alpha_m
+        return moving if drive.along is None else moving + drive.along.torque
+
+    def residual_like(self, other: Refit, balance: str = "mechanical", *, smooth: bool = False) -> Array:
+        """The residual (rows,) at the scale of another fit; with `smooth`, below the low pass.
 
         Models that identify different scales are compared in the unit of the drive.
         """
-        return self.residuals[balance] * ((self.scale or 1.0) / (other.scale or 1.0))
+        residual = self.smooth_residual(balance) if smooth else self.residuals[balance]
+        return residual * ((self.scale or 1.0) / (other.scale or 1.0))
 
 
 def refit(

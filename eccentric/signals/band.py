@@ -50,16 +50,16 @@ class Band:
         )
 
 
-def band_of(residual: Array, rows: Rows, channels: Channels, noise: float) -> Band | None:
+def band_of(residual: Array, moving: Array, rows: Rows, channels: Channels, noise: float) -> Band | None:
     """The parts of a held-out residual; None where rows are averages.
 
-    residual (n,) on all rows; noise: RMS of the white noise of the drive in a row, in the unit of the
-    residual.
+    residual, moving (n,) on all rows, as in `Channels.smooth_residual`; noise: RMS of the white noise of the
+    drive in a row, in the unit of the residual.
     """
     if rows.operator is not None or not np.any(rows.score):
         return None
     held_out = np.flatnonzero(rows.score)
-    below = float(np.sqrt(np.mean(channels.smooth(residual)[held_out] ** 2)))
+    below = float(np.sqrt(np.mean(channels.smooth_residual(residual, moving)[held_out] ** 2)))
     whole = float(np.sqrt(np.mean(residual[held_out] ** 2)))
     impulse = np.zeros(len(residual))
     impulse[held_out[len(held_out) // 2]] = 1.0

@@ -159,6 +159,13 @@ class Channels:
         """A signal (n,) after the low pass that the angle has passed."""
         return self.low_pass(self.rig)(x)
 
+    def smooth_residual(self, residual: Array, moving: Array) -> Array:
+        """A residual (n,) after that low pass, with `moving` (n,), what accelerates the drive, filtered once.
+
+        It comes from the angle, which has passed the low pass: the residual is a torque less this.
+        """
+        return self.smooth(residual + moving) - moving
+
     def low_pass(self, rig: Rig) -> LowPass:
         """The low pass of a rig for all signals of the log."""
         time = self.time
