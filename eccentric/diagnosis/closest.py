@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from eccentric.diagnosis.models import Models
+from eccentric.diagnosis.score import Below, below
 from eccentric.effects import Effect
 from eccentric.estimation import improvement, rms
 from eccentric.fitting import refit
@@ -20,7 +21,7 @@ class Closest:
 
     effect: it; balance: the one that shows it; before, after: held-out RMSE of the paper's model and of the
     model with this effect, in the unit of the balance; percent: 100 (1 - after/before), with its 95 %
-    `interval`.
+    `interval`; below: the same below the low pass, as in `Score`.
     """
 
     effect: Effect
@@ -29,6 +30,7 @@ class Closest:
     after: float
     percent: float
     interval: tuple[float, float]
+    below: Below | None
 
 
 def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models) -> Closest | None:
@@ -47,4 +49,5 @@ def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models
     with_it = refit(models.base, ((effect, dict(variant.values)),), paper.data)
     rows, balance = paper.data.rows.score, best.screen.balance.name
     before, after = paper.residual_like(with_it, balance)[rows], with_it.residuals[balance][rows]
-    return Closest(effect, balance, rms(before), rms(after), *improvement(before, after))
+    motion = below(paper, with_it, balance)
+    return Closest(effect, balance, rms(before), rms(after), *improvement(before, after), motion)

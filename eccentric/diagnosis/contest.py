@@ -35,6 +35,7 @@ class Entry:
         name: as it was given.
         effects: ids of the effects that extend it.
         rmse: held-out RMSE in the unit of the contest.
+        below: the same below the low pass of the angle, None where rows are averages.
         r_squared: of the drive on the held-out rows.
         parameters: number of values that were estimated from the log.
         percent, interval: gain over Coulomb + viscous friction, with its 95 % interval.
@@ -43,6 +44,7 @@ class Entry:
     name: str
     effects: tuple[str, ...]
     rmse: float
+    below: float | None
     r_squared: float
     parameters: int
     percent: float
@@ -53,6 +55,7 @@ class Entry:
 class Contest:
     """Entries, best first; `rows` held-out rows; `noise_floor` of the sensors; errors are in `unit`.
 
+    `low_pass_hz` is the cut-off of the low pass of the angle.
     `excerpt` says which windows of a long log these are, "" for one that was read whole.
     """
 
@@ -62,6 +65,7 @@ class Contest:
     rows: int
     holdout: str
     noise_floor: float
+    low_pass_hz: float
     entries: tuple[Entry, ...]
     warnings: tuple[str, ...]
     excerpt: str = ""
@@ -107,7 +111,16 @@ def contest(
     target = _in_drive_unit(linear, own.data.rows.mean(own.data.drive.torque()))[scored]
     before = _residual(linear)[scored]
     entries = [
-        Entry(BASELINE, (), rms(before), r_squared(before, target), len(linear.estimates), 0.0, (0.0, 0.0))
+        Entry(
+            BASELINE,
+            (),
+            rms(before),
+            _below(linear, scored),
+            r_squared(before, target),
+            len(linear.estimates),
+            0.0,
+            (0.0, 0.0),
+        )
     ]
     for name, fit in zip(names, fits, strict=True):
         after = _residual(fit)[scored]
@@ -117,6 +130,7 @@ def contest(
                 name,
                 effects_of,
                 rms(after),
+                _below(fit, scored),
                 r_squared(after, target),
                 len(fit.estimates),
                 *improvement(before, after),
@@ -130,6 +144,7 @@ def contest(
         int(np.count_nonzero(scored)),
         channels.selection.holdout.rule,
         float(_in_drive_unit(linear, np.array([drive_noise(own.data)]))[0]),
+        channels.rig.sampling.low_pass_hz,
         tuple(sorted(entries, key=lambda entry: entry.rmse)),
         (*channels.intake.warnings, *drive.warnings),
         channels.excerpt,
@@ -168,6 +183,12 @@ def _residual(fit: Refit) -> np.ndarray:
     return _in_drive_unit(fit, fit.residuals["mechanical"])
 
 
+def _below(fit: Refit, scored: np.ndarray) -> float | None:
+    """The held-out RMSE below the low pass; None where rows are averages."""
+    averaged = fit.data.rows.operator is not None
+    return None if averaged else rms(_in_drive_unit(fit, fit.smooth_residual())[scored])
+
+
 def _in_drive_unit(fit: Refit, torque: np.ndarray) -> np.ndarray:
     """Models that identify different scales are compared in the unit of the drive."""
     return torque * (fit.scale or 1.0)
@@ -184,11 +205,13 @@ def contest_document(found: Contest) -> dict[str, Any]:
         **({"excerpt": found.excerpt} if found.excerpt else {}),
         "holdout": {"rule": found.holdout, "rows": found.rows},
         f"noise_floor_{unit}": found.noise_floor,
+        "low_pass_hz": found.low_pass_hz,
         "models": [
             {
                 "name": e.name,
                 "effects": list(e.effects),
                 f"rmse_holdout_{unit}": e.rmse,
+                f"rmse_below_low_pass_{unit}": e.below,
                 "r_squared_holdout": e.r_squared,
                 "parameters": e.parameters,
                 "improvement": {"percent": e.percent, "interval_95": list(e.interval)},
@@ -201,12 +224,13 @@ def contest_document(found: Contest) -> dict[str, Any]:
 
 def contest_lines(found: Contest) -> list[str]:
     """The table for a terminal."""
-    rows = [("model", f"held-out RMSE [{found.unit}]", "R^2", "parameters", f"gain over {BASELINE}")]
-    rows += [
-        (_called(e), f"{e.rmse:.4g}", f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e))
-        for e in found.entries
-    ]
-    widths = [max(len(row[k]) for row in rows) for k in range(5)]
+    samples = any(e.below is not None for e in found.entries)
+    below = [f"below {found.low_pass_hz:g} Hz"] if samples else []
+    rows = [["model", f"held-out RMSE [{found.unit}]", *below, "R^2", "parameters", f"gain over {BASELINE}"]]
+    for e in found.entries:
+        motion = [f"{e.below:.4g}"] if samples else []
+        rows.append([_called(e), f"{e.rmse:.4g}", *motion, f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e)])
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     head = f"{few(found.logs)}: {found.rows} held-out rows ({found.holdout})"
     table = [
         "  ".join([row[0].ljust(widths[0]), *(x.rjust(w) for x, w in zip(row[1:], widths[1:], strict=True))])

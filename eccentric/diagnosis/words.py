@@ -95,13 +95,16 @@ def closest_sentence(found: Diagnosis) -> str:
     if (best := found.closest) is None:
         return ""
     what = _headline(best.effect.words, best.effect.id)
-    low, high = best.interval
-    interval = f"95 % interval {low:.1f} to {high:.1f} %"
-    if best.percent <= 0.0:
-        return f"Best effect: {what}; it does not predict the held-out part better ({interval} of gain)."
     rest = "is not the whole story" if found.attribution.verdict == "unexplained" else "is not proved"
+    motion, percent, (low, high), where = best.below, best.percent, best.interval, ""
+    if percent <= 0.0 and motion is not None and motion.percent > 0.0:
+        percent, (low, high) = motion.percent, motion.interval
+        where = f" below the {motion.cut_hz:g} Hz low pass of the angle"
+    interval = f"95 % interval {low:.1f} to {high:.1f} %"
+    if percent <= 0.0:
+        return f"Best effect: {what}; it does not predict the held-out part better ({interval} of gain)."
     return (
-        f"Best effect: {what} takes out {best.percent:.1f} % of the held-out error ({interval}) and {rest}."
+        f"Best effect: {what} takes out {percent:.1f} % of the held-out error{where} ({interval}) and {rest}."
     )
 
 
