@@ -8,6 +8,7 @@ import pytest
 
 import eccentric
 from eccentric.api import FitResult
+from eccentric.fitting import in_drive_unit
 from tests.carriage import RIG, SLIDE, TRUTH, Carriage, logged
 
 SEEDS = 20
@@ -87,6 +88,24 @@ def test_a_voltage_without_a_scale_is_the_force_over_its_gain() -> None:
     for name, gain in (("stribeck_A", Carriage().gain), ("stribeck_v", 1.0)):
         one, two = effect["parameters"][name]["value"], same["parameters"][name]["value"]
         assert gain * one == pytest.approx(two, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("unit", "volts"),
+    [
+        ("N m", "V"),
+        ("N m s^3/rad^3", "V s^3/rad^3"),
+        ("N m/K", "V/K"),
+        ("m s/rad", "V s/(N rad)"),
+        ("kg m^2", "V s^2/rad"),
+        ("1/(N m)", "1/V"),
+        ("rad/s", "rad/s"),
+        ("1/K", "1/K"),
+    ],
+)
+def test_a_torque_in_volts_changes_the_units_with_a_torque(unit: str, volts: str) -> None:
+    """By the dimension: each torque of a newton metre is a volt."""
+    assert (unit, volts) == (in_drive_unit(unit, "N m"), in_drive_unit(unit, "V"))
 
 
 def test_units_of_a_log_do_not_matter() -> None:

@@ -92,10 +92,8 @@ def test_a_limit_of_the_current_needs_amperes() -> None:
     columns = {name: column for name, column in RIG["columns"].items() if name != "force"}
     rig = RIG | {"columns": {**columns, "voltage": "u_V"}}
     limits = {**{key: x for key, x in LIMITS.items() if key != "force_N"}, "current_A": 20.0}
-    message = (
-        r"rig: \[known\] R and k_f are required to keep the limit of the current, since the log has a voltage"
-    )
+    message = r"rig: \[known\] R and k_f are required, received none: a voltage alone gives no current"
     with pytest.raises(InputError, match=message):
         eccentric.plan(log, rig, limits)
-    with pytest.raises(InputError, match=r"\[known\] R is required to keep the limit of the current"):
+    with pytest.raises(InputError, match=r"\[known\] R is required, received none: a voltage alone"):
         eccentric.plan(log, {**rig, "known": {"k_f_N_per_A": 35.0}}, limits)

@@ -88,11 +88,11 @@ def test_the_right_rig_has_no_complaint(known: dict[str, Any], columns: dict[str
 
 @pytest.mark.parametrize(
     "force",
-    ["u_V", {"column": "u_V", "unit": "N"}, {"column": "u_V", "unit": "V"}],
+    ["u_V", {"column": "u_V", "unit": "V"}],
     ids=str,
 )
 def test_a_reference_in_volts_asks_for_its_gain(force: str | dict[str, str]) -> None:
-    """With no unit, that of a force, or its own: one complaint, which shows how the gain is written."""
+    """With no unit, or its own: one complaint, which shows how the gain is written."""
     found = complaints({}, force=force)
 
     assert found.count("\n") == 0

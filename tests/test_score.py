@@ -8,16 +8,17 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
+import eccentric
 from eccentric.diagnosis import diagnose, diagnosis_sentence, leave_runs_out
 from eccentric.diagnosis.models import Models, confirms, contradiction
-from eccentric.diagnosis.score import score
+from eccentric.diagnosis.score import BelowLowPass, Score, score
 from eccentric.fitting import FitData, drive_of, fit_data_of, refit
 from eccentric.model import Model, load_model
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from eccentric.virtual_bench import simulate
 from tests.extended import effects
-from tests.swing import Array, Swing, driven, write_rig, write_runs
+from tests.swing import Array, Swing, driven, sines, write_rig, write_runs
 from tests.virtual import drawn_scenario
 
 RIG = Swing()
@@ -163,14 +164,52 @@ def test_fewer_than_five_runs_are_not_left_out(tmp_path: Path) -> None:
 
 
 def test_what_accelerates_the_drive_passes_the_low_pass_once(tmp_path: Path) -> None:
-    """A ripple of 30 Hz accelerates the drive, the motion is filtered: the true balance leaves nothing."""
-    channels = data(tmp_path, 3)[0].drive.channels
-    ripple = np.sin(2.0 * np.pi * 30.0 * channels.time.t)
-    moving = channels.smooth(-ripple)  # no torque of the drive: J alpha = -ripple
-    residual = -moving - ripple
+    """A shake of 30 Hz, above the cut-off: torque and inertia are known, so that below it nothing is left."""
+    t, theta, omega, alpha = sines(np.random.default_rng(3), seconds=20.0)
+    shake = 2.0 * np.pi * 30.0
+    theta = theta + 2e-3 * np.sin(shake * t)
+    omega = omega + 2e-3 * shake * np.cos(shake * t)
+    alpha = alpha - 2e-3 * shake**2 * np.sin(shake * t)
+    torque = RIG.torque(theta, omega, alpha)
+    log = tmp_path / "log.csv"
+    table = np.column_stack([t, theta, torque])
+    np.savetxt(log, table, delimiter=",", header="time_s,theta_m_rad,torque_Nm", comments="")
+    rig = write_rig(tmp_path / "rig.toml", KNOWN, "low_pass_hz = 25.0")
+    channels = read_channels([log], read_rig(rig))
+    model = load_model(channels.rig.model)
+    one = fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model)
+    fit, rows = refit(model, (), one), one.rows.score
+    whole, below = fit.residuals["mechanical"][rows], fit.smooth_residual()[rows]
+    twice = channels.smooth(fit.residuals["mechanical"])[rows]
 
-    assert np.max(np.abs(channels.smooth_residual(residual, moving))) < 1e-12
-    assert np.std(channels.smooth(residual)) > 0.05
+    assert 4.0 * np.std(below) < np.std(twice) < np.std(whole)
+    band = eccentric.fit(log, rig).document["error_band"]
+    assert band["below"] == pytest.approx(np.sqrt(np.mean(below**2)), rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("rows", "below", "confirmed", "only"),
+    [
+        ((10.0, (5.0, 15.0)), (12.0, (6.0, 18.0)), True, False),
+        ((-1.0, (-3.0, 1.0)), (40.0, (30.0, 50.0)), True, True),
+        ((-80.0, (-90.0, -70.0)), (40.0, (30.0, 50.0)), True, True),
+        ((-1.0, (-3.0, 1.0)), (2.0, (-3.0, 5.0)), False, False),
+        ((2.0, (-3.0, 6.0)), (-10.0, (-15.0, -5.0)), False, False),
+        ((2.0, (-3.0, 6.0)), None, True, False),
+    ],
+    ids=str,
+)
+def test_a_clear_gain_below_the_low_pass_confirms(
+    rows: tuple[float, tuple[float, float]],
+    below: tuple[float, tuple[float, float]] | None,
+    confirmed: bool,
+    only: bool,
+) -> None:
+    """A gain of all rows does, too, unless below the low pass there is a clear loss."""
+    motion = below and BelowLowPass(25.0, 1.0, 0.5, *below)
+    found = Score({}, {}, {}, "mechanical", *rows, None, motion)
+
+    assert (confirmed, only) == (found.confirms, found.only_below)
 
 
 @pytest.mark.slow

@@ -94,10 +94,14 @@ class CompareResult(Printed):
         return self.contest.unit
 
     def table(self) -> ResultTable:
-        """A row for each model: error, R^2, number of parameters, gain and its 95 % interval in percent."""
-        names = ("model", "rmse", "r_squared", "parameters", "percent", "lower", "upper")
+        """A row for each model: errors, R^2, number of parameters, gain and its 95 % interval in percent.
+
+        The second error is that below the low pass of the angle, None where rows are averages.
+        """
+        names = ("model", "rmse", "rmse_below", "r_squared", "parameters", "percent", "lower", "upper")
         rows = (
-            (e.name, e.rmse, e.r_squared, e.parameters, e.percent, *e.interval) for e in self.contest.entries
+            (e.name, e.rmse, e.below, e.r_squared, e.parameters, e.percent, *e.interval)
+            for e in self.contest.entries
         )
         return ResultTable(names, tuple(rows))
 

@@ -119,7 +119,7 @@ def draft_rig(
         chain = with_numbers(read_arm(Path(arm)))
         place = Path(os.path.relpath(arm, beside)).as_posix()
         draft = draft_of_arm(_same_columns(read), chain, place, reading or (lambda _: None))
-    title = name or log_names([_longest(read)])[0].split(".")[0]
+    title = name or Path(_longest(read).path).name.split(".")[0]
     proposals = tuple(replace(p, channel=draft.axis.said(p.channel)) for p in draft.proposals)
     return RigDraft(toml_of(draft, title), proposals, draft.left_out, draft.doubts, draft.questions)
 
@@ -278,7 +278,7 @@ def _determined(fit: Any, rig: Rig) -> list[str]:
         "J": "the acceleration", "J_m": "the acceleration", "J_l": "the acceleration",
         "k_i": "gravity and inertia against the current", "M_l": "the load of the bearing", "L": "gravity",
         "phi": "gravity", "T_load": "what is constant in both directions",
-        "1": "gravity and inertia against the drive", "R/k_i": "gravity and inertia against the drive",
+        **dict.fromkeys(("1", "R/k_i"), "what the rig gives of gravity, inertia and load, against the drive"),
         "theta_zero_rad": "the phase of gravity",
         "input_delay_s": "the lag of the motion", "voltage_offset_V": "what is constant in both directions",
     }  # fmt: skip

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from eccentric.diagnosis.models import Models
-from eccentric.diagnosis.score import Below, below
+from eccentric.diagnosis.score import BelowLowPass, below_low_pass
 from eccentric.effects import Effect
 from eccentric.estimation import improvement, rms
 from eccentric.fitting import refit
@@ -30,7 +30,7 @@ class Closest:
     after: float
     percent: float
     interval: tuple[float, float]
-    below: Below | None
+    below: BelowLowPass | None
 
 
 def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models) -> Closest | None:
@@ -49,5 +49,11 @@ def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models
     with_it = refit(models.base, ((effect, dict(variant.values)),), paper.data)
     rows, balance = paper.data.rows.score, best.screen.balance.name
     before, after = paper.residual_like(with_it, balance)[rows], with_it.residuals[balance][rows]
-    motion = below(paper, with_it, balance)
-    return Closest(effect, balance, rms(before), rms(after), *improvement(before, after), motion)
+    return Closest(
+        effect,
+        balance,
+        rms(before),
+        rms(after),
+        *improvement(before, after),
+        below_low_pass(paper, with_it, balance),
+    )

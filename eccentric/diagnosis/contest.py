@@ -225,7 +225,7 @@ def contest_document(found: Contest) -> dict[str, Any]:
 def contest_lines(found: Contest) -> list[str]:
     """The table for a terminal."""
     samples = any(e.below is not None for e in found.entries)
-    below = [f"below {found.low_pass_hz:g} Hz"] if samples else []
+    below = [f"below {found.low_pass_hz:g} Hz [{found.unit}]"] if samples else []
     rows = [["model", f"held-out RMSE [{found.unit}]", *below, "R^2", "parameters", f"gain over {BASELINE}"]]
     for e in found.entries:
         motion = [f"{e.below:.4g}"] if samples else []

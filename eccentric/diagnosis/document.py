@@ -91,8 +91,8 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
 
 
 def _below(found: Diagnosis) -> dict[str, Any] | None:
-    motion = found.score.below
-    return motion and {"percent": motion.percent, "interval_95": list(motion.interval)}
+    below = found.score.below
+    return below and {"percent": below.percent, "interval_95": list(below.interval)}
 
 
 def _unconfirmed(found: Diagnosis) -> dict[str, Any]:
@@ -151,6 +151,7 @@ def _errors(found: Diagnosis) -> dict[str, Any]:
                 name: {"percent": percent, "interval_95": list(interval), "better_runs": better}
                 for name, (percent, interval, better) in over.gains.items()
             },
+            "below_low_pass": over.below and {"percent": over.below[0], "interval_95": list(over.below[1])},
         }
     return said
 

@@ -115,9 +115,9 @@ def contradiction(models: Models, data: FitData) -> tuple[str, float, tuple[floa
 
     Below the low pass of the angle: row by row, the model of a ripple above it only adds error.
     """
-    fits, scored, smooth = (models.paper, models.extended), data.rows.score, data.rows.operator is None
+    fits, scored = (models.paper, models.extended), data.rows.score
     for balance in models.paper.residuals:
-        paper, extended = (m.residual_like(models.paper, balance, smooth=smooth)[scored] for m in fits)
+        paper, extended = (m.residual_like(models.paper, balance, smooth=True)[scored] for m in fits)
         if np.array_equal(paper, extended):
             continue
         percent, interval = improvement(paper, extended)

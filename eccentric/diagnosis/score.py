@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -13,7 +14,7 @@ from eccentric.estimation import improvement, improvement_over_runs, rms
 from eccentric.fitting import FitData, Refit, refit
 from eccentric.model import Model
 
-__all__ = ["Below", "OverRuns", "Score", "below", "leave_runs_out", "score"]
+__all__ = ["BelowLowPass", "OverRuns", "Score", "below_low_pass", "leave_runs_out", "only_below", "score"]
 
 Array = np.ndarray
 
@@ -33,7 +34,7 @@ class OverRuns:
 
 
 @dataclass(frozen=True)
-class Below:
+class BelowLowPass:
     """The held-out error below the low pass of the angle: RMSE of the paper's and the extended model.
 
     `percent` and `interval` are the gain. Row by row, a model of a ripple above the cut-off only adds error:
@@ -64,20 +65,33 @@ class Score:
     percent: float
     interval: tuple[float, float]
     over_runs: OverRuns | None
-    below: Below | None = None
+    below: BelowLowPass | None = None
 
     @property
     def confirms(self) -> bool:
         """Whether the extended model predicts better held out, and run by run.
 
-        It may do so clearly below the low pass instead: row by row, a model of faster ripple adds error.
+        It may do so clearly below the low pass instead, since row by row a model of faster ripple adds error,
+        and must not be clearly worse there.
         """
         over = self.over_runs
         if over is not None:
-            lowest = [over.gains["extended"][1][0], *([over.below[1][0]] if over.below else [])]
-            if max(lowest) <= 0.0:
+            best = max(over.gains["extended"][1][0], -math.inf if over.below is None else over.below[1][0])
+            if best <= 0.0:
                 return False
-        return self.percent > 0.0 or (self.below is not None and self.below.interval[0] > 0.0)
+        if self.below is not None and self.below.interval[1] < 0.0:
+            return False
+        return self.percent > 0.0 or self.only_below
+
+    @property
+    def only_below(self) -> bool:
+        """Whether the gain is clear below the low pass, and not row by row."""
+        return only_below(self.interval, self.below)
+
+
+def only_below(interval: tuple[float, float], below: BelowLowPass | None) -> bool:
+    """Whether a gain is clear below the low pass, and row by row, with this `interval`, it is not."""
+    return below is not None and interval[0] <= 0.0 < below.interval[0]
 
 
 def score(linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs: OverRuns | None) -> Score:
@@ -104,17 +118,17 @@ def score(linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs:
     per_drive = {n: rms(m.residuals["mechanical"][on]) * (m.scale or 1.0) for n, m in models.items()}
     per_drive = per_drive if scaled and np.any(on) else {}
     return Score(
-        rmse, per_drive, free, balance, percent, interval, over_runs, below(paper, extended, balance)
+        rmse, per_drive, free, balance, percent, interval, over_runs, below_low_pass(paper, extended, balance)
     )
 
 
-def below(paper: Refit, extended: Refit, balance: str) -> Below | None:
+def below_low_pass(paper: Refit, extended: Refit, balance: str) -> BelowLowPass | None:
     """The gain below the low pass; None where rows are averages or nothing was adopted."""
     rows, rig = paper.data.rows, paper.data.drive.channels.rig
     if rows.operator is not None or extended is paper:
         return None
     before, after = (m.residual_like(extended, balance, smooth=True)[rows.score] for m in (paper, extended))
-    return Below(rig.sampling.low_pass_hz, rms(before), rms(after), *improvement(before, after))
+    return BelowLowPass(rig.sampling.low_pass_hz, rms(before), rms(after), *improvement(before, after))
 
 
 def leave_runs_out(base: Model, extended: Refit, data: FitData, bounds: bool = True) -> OverRuns | None:
@@ -134,14 +148,13 @@ def leave_runs_out(base: Model, extended: Refit, data: FitData, bounds: bool = T
     models = {"linear": ((), {"bounds": bounds, "linear": True}), "paper": ((), {"bounds": bounds})}
     if shapes:
         models["extended"] = (shapes, {})
-    squares, below = ({name: np.zeros(len(runs)) for name in models} for _ in range(2))
-    samples = rows.operator is None
+    squares, smooth = ({name: np.zeros(len(runs)) for name in models} for _ in range(2))
     for k, run in enumerate(runs):
         own = used & (rows.run == run)
         for name, (effects, options) in models.items():
             found = refit(base, effects, data, without=int(run), **options)
             squares[name][k] = float(np.sum(found.residual_like(extended)[own] ** 2))
-            below[name][k] = float(np.sum(found.residual_like(extended, smooth=samples)[own] ** 2))
+            smooth[name][k] = float(np.sum(found.residual_like(extended, smooth=True)[own] ** 2))
     gains = {
         after: (
             *improvement_over_runs(squares[before], squares[after]),
@@ -152,5 +165,7 @@ def leave_runs_out(base: Model, extended: Refit, data: FitData, bounds: bool = T
     }
     count = int(np.count_nonzero(used))
     rmse = {n: float(np.sqrt(s.sum() / count)) for n, s in squares.items()}
-    motion = improvement_over_runs(below["paper"], below["extended"]) if samples and shapes else None
-    return OverRuns(rmse, gains, len(runs), motion)
+    below = None
+    if shapes and rows.operator is None:
+        below = improvement_over_runs(smooth["paper"], smooth["extended"])
+    return OverRuns(rmse, gains, len(runs), below)

@@ -38,7 +38,7 @@ def better_sibling(plain: Model, models: Models) -> Sibling | None:
     rows, rig = data.rows.score, data.drive.channels.rig
     before = found.residuals["mechanical"][rows]
     # Row by row, a ripple that was found above the low pass of the angle only adds error.
-    smooth = found.smooth_residual()[rows] if data.rows.operator is None else before
+    smooth = found.smooth_residual()[rows]
     for name in model_names():
         model = load_model(name)
         if name == plain.name or _case(model) != _case(plain):
@@ -50,7 +50,7 @@ def better_sibling(plain: Model, models: Models) -> Sibling | None:
         fit = refit(model, (), own)
         after = fit.residual_like(found)[rows]
         percent, interval = improvement(before, after)
-        below = fit.residual_like(found, smooth=data.rows.operator is None)[rows]
+        below = fit.residual_like(found, smooth=True)[rows]
         if interval[0] > 0.0 and improvement(smooth, below)[1][0] > 0.0:
             better.append(Sibling(name, rms(after), percent, interval))
     return min(better, key=lambda sibling: sibling.rmse, default=None)

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from eccentric.diagnosis.limits import PROVABLE, ROUNDING
 from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name
 from eccentric.diagnosis.outcome import Diagnosis
-from eccentric.diagnosis.score import OverRuns
+from eccentric.diagnosis.score import OverRuns, only_below
 from eccentric.effects import Correction, Effect, Words
 from eccentric.errors import few
 from eccentric.fitting import Emitted, in_drive_unit
@@ -96,10 +96,10 @@ def closest_sentence(found: Diagnosis) -> str:
         return ""
     what = _headline(best.effect.words, best.effect.id)
     rest = "is not the whole story" if found.attribution.verdict == "unexplained" else "is not proved"
-    motion, percent, (low, high), where = best.below, best.percent, best.interval, ""
-    if percent <= 0.0 and motion is not None and motion.percent > 0.0:
-        percent, (low, high) = motion.percent, motion.interval
-        where = f" below the {motion.cut_hz:g} Hz low pass of the angle"
+    percent, (low, high), where = best.percent, best.interval, ""
+    if best.below is not None and only_below(best.interval, best.below):
+        percent, (low, high) = best.below.percent, best.below.interval
+        where = f" below the {best.below.cut_hz:g} Hz low pass of the angle"
     interval = f"95 % interval {low:.1f} to {high:.1f} %"
     if percent <= 0.0:
         return f"Best effect: {what}; it does not predict the held-out part better ({interval} of gain)."
@@ -135,14 +135,16 @@ def _gain(found: Diagnosis) -> str:
     score = found.score
     before, after = (score.rmse[score.balance][model] for model in ("paper", "extended"))
     whole = _falls(before, after, found.unit, score.percent, score.interval)
-    motion = score.below
-    if motion is None or score.interval[1] >= 0.0 or motion.percent <= 0.0:
+    if score.below is None or not score.only_below:
         return f"the held-out error {whole}"
-    below = _falls(motion.before, motion.after, found.unit, motion.percent, motion.interval)
+    cut, first = score.below.cut_hz, score.below
+    below = _falls(first.before, first.after, found.unit, first.percent, first.interval)
+    goes, why = "goes", ""
+    if score.interval[1] < 0.0:
+        goes, why = "rises", ", since the low pass removes the acceleration that faster ripple causes"
     return (
-        f"the held-out error below the {motion.cut_hz:g} Hz low pass of the angle {below}; row by row it"
-        f" rises from {before:.4g} to {after:.4g} {found.unit}, since the low pass takes the acceleration"
-        " that faster ripple causes, and not the ripple itself"
+        f"the held-out error below the {cut:g} Hz low pass of the angle {below}; row by row it {goes}"
+        f" from {before:.4g} to {after:.4g} {found.unit}{why}"
     )
 
 
@@ -324,5 +326,11 @@ def _over_runs(over: OverRuns, unit: str) -> list[str]:
         out.append(
             f"  {name} against {than}: {abs(percent):.1f} % {'less' if percent > 0 else 'more'} error"
             f" (95 % interval of the gain {low:.1f} to {high:.1f} %, {better} of {over.runs} runs better)"
+        )
+    if over.below is not None and over.gains["extended"][1][0] <= 0.0 < over.below[1][0]:
+        percent, (low, high) = over.below
+        out.append(
+            f"  below the low pass of the angle: {percent:.1f} % less error"
+            f" (95 % interval of the gain {low:.1f} to {high:.1f} %)"
         )
     return out

@@ -77,7 +77,8 @@ def _without_gain(rig: Rig, log: Log) -> Iterator[str]:
     for channel, source in (rig.log.columns or {}).items():
         per = gains_of(channels_of(rig.axis)[channel][1])
         plain = source.text.removeprefix("-").strip("` ")
-        if source.gain is not None or not per or plain not in log.columns:
+        # A unit that the rig states outranks a name.
+        if source.gain is not None or source.unit is not None or not per or plain not in log.columns:
             continue
         unit = read_name(plain, log.units.get(plain, "")).unit
         if gain := next((of for of in per if unit and of.endswith(f"/{unit[-1]}")), ""):

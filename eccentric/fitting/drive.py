@@ -41,15 +41,20 @@ LOAD = constant_load.coefficients[0].name
 
 
 def in_drive_unit(unit: str, drive: str) -> str:
-    """The unit of a parameter where torques are in volts or amperes; one without a torque keeps its own.
+    """The unit of a fitted parameter where torques are in volts or amperes; without a torque, its own.
 
     Args:
-        unit: as if torques were in newton metres: of a torque, of friction per load, or of an inertia.
+        unit: as if torques were in newton metres: of a torque, of friction per load ("m"), or of an inertia.
         drive: the unit of torques, "N m", "V" or "A"; the scale of the latter is one.
     """
     if drive == "N m":
         return unit
-    loaded = {"m": f"{drive}/N", "m s/rad": f"{drive} s/(N rad)", "kg m^2": f"{drive} s^2/rad"}
+    loaded = {
+        "m": f"{drive}/N",
+        "m s/rad": f"{drive} s/(N rad)",
+        "kg m^2": f"{drive} s^2/rad",
+        "1/(N m)": f"1/{drive}",
+    }
     return loaded.get(unit, re.sub(r"^N m(?![A-Za-z])", drive, unit))
 
 

@@ -30,6 +30,7 @@ from eccentric.estimation import (
     search,
 )
 from eccentric.fitting.combinations import combinations, identified_letters
+from eccentric.fitting.drive import LOAD
 from eccentric.fitting.limits import LEAST_R_SQUARED
 from eccentric.fitting.problem import Problem, pose
 from eccentric.signals import LEAST_HELD_OUT, Band, band_of, require_rows, white_noise
@@ -134,9 +135,10 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
     require_rank(found.design.columns[problem.rows.train], names, where)
     for c, value in zip(problem.coefficients, found.values, strict=True):
         if c.role in positive and value <= 0.0:
+            load = f", and that of {LOAD}" if problem.rig.known.get(LOAD) else ""
             raise InputError(
                 f"{where}: {c.name} ({c.role} of the drive) above 0 is required, received {value:.3g}: do the"
-                f" signs of {problem.drive.channels.motor.measured_by} and angle agree?"
+                f" signs of {problem.drive.channels.motor.measured_by} and angle agree{load}?"
             )
     return found
 

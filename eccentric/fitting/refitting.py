@@ -14,6 +14,7 @@ from eccentric.fitting.expressions import alike, base_coefficients
 from eccentric.fitting.extended import Adopted, Extended
 from eccentric.fitting.fit_data import FitData, Values, drive_noise
 from eccentric.fitting.limits import CONVERGED
+from eccentric.fitting.machine import Machine
 from eccentric.model import Model
 from eccentric.signals import Band, band_of
 
@@ -63,8 +64,10 @@ class Refit:
         return rms(self.residuals[balance][self.data.rows.score])
 
     def smooth_residual(self, balance: str = "mechanical") -> Array:
-        """The residual (n,) [N m at this fit's own scale] below the low pass, where rows are samples."""
+        """The residual (rows,) [N m at this fit's scale] below the low pass; rows that are averages stay."""
         residual = self.residuals[balance]
+        if self.data.rows.operator is not None:
+            return residual
         moving = self._moving if balance == "mechanical" else np.zeros_like(residual)
         return self.data.drive.channels.smooth_residual(residual, moving)
 
@@ -80,7 +83,7 @@ class Refit:
     def _moving(self) -> Array:
         """What accelerates the drive (n,) [N m]: its inertia, and the other bodies of a chain."""
         drive = self.data.drive
-        moving = drive.machine.inertia(self.values) * drive.channels.motion.alpha_m
+        moving = Machine(self.model).inertia(self.values) * drive.channels.motion.alpha_m
         return moving if drive.along is None else moving + drive.along.torque
 
     def residual_like(self, other: Refit, balance: str = "mechanical", *, smooth: bool = False) -> Array:

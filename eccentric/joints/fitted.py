@@ -75,11 +75,11 @@ class JointFit:
     @property
     def friction(self) -> dict[str, Estimate]:
         """Coefficients of friction by the loads that it follows, per `unit` of torque."""
-        letters = {q.name for q in self.followed.model.friction_parameters}
+        units = {q.name: q.unit for q in self.followed.model.friction_parameters}
         return {
-            name: replace(e, unit=_unit_of(name, e.unit, self.unit))
+            name: replace(e, unit=_unit_of(name, units[name], self.unit))
             for name, e in self.followed.estimates.items()
-            if name in letters
+            if name in units
         }
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from eccentric.diagnosis import Diagnosis
 from eccentric.errors import InputError
-from eccentric.fitting import Drive
+from eccentric.fitting import with_own
 from eccentric.model import TURNING, AxisKind
 from eccentric.planning.bounds import FORCE, Bounds
 from eccentric.planning.chance import Pairs, expected
@@ -83,7 +83,7 @@ def planned(
     if not axis.wraps and by_force != bounds.by_force:
         needed, given = (FORCE, "current_A") if by_force else ("current_A", FORCE)
         raise InputError(f"limits: {needed} is required, which the log has, received {given}")
-    _require_amperes(question.data.drive, bounds)
+    _require_amperes(question, bounds)
     rivals, separation = question.rivals, Separation(question)
     tell(f"open: {', '.join(rival.headline for rival in rivals)}")
     segments, ground, apart = chosen(separation, bounds, SEED, tell)
@@ -128,18 +128,19 @@ def planned(
     )
 
 
-def _require_amperes(drive: Drive, bounds: Bounds) -> None:
+def _require_amperes(question: Question, bounds: Bounds) -> None:
     """InputError if a limit of the current cannot be kept, since nothing tells how large the current is."""
+    drive = question.data.drive
     rig, by = drive.channels.rig, drive.channels.motor.measured_by
     letters = drive.machine.torque_letters
     if drive.unit != "N m":
         letters |= drive.machine.resistance_letters
-    missing = sorted(letters - set(rig.known))
+    missing = sorted(letters - set(with_own(rig, question.model).known))
     if missing and by != "current" and not bounds.by_force:
         verb = "are" if len(missing) > 1 else "is"
         raise InputError(
-            f"{rig.path}: [known] {' and '.join(map(rig.axis.said, missing))} {verb} required to keep the"
-            f" limit of the current, since the log has a {rig.axis.said(by)} only, received none"
+            f"{rig.path}: [known] {' and '.join(map(rig.axis.said, missing))} {verb} required, received none:"
+            f" a {rig.axis.said(by)} alone gives no current to compare with the limit current_A"
         )
 
 

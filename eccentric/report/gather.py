@@ -141,6 +141,12 @@ def _further(found: Diagnosis) -> list[Errors]:
     if score.free:
         note = "These rows contain no electrical effect: only mechanical terms predict them."
         further.append(Errors("with the motor switched off", found.unit, of(score.free), note=note))
+    if score.below is not None and score.only_below:
+        below = score.below
+        note = "Row by row, a model of ripple above the low pass adds error."
+        rmse = {"paper": below.before, "extended": below.after}
+        title = f"below the {below.cut_hz:g} Hz low pass of the angle"
+        further.append(Errors(title, found.unit, rmse, below.interval, note))
     if over := score.over_runs:
         gains = [
             f"Gain of the {name} model on {_WORSE[name]}: {number(percent, 3)} % (95 % interval"
@@ -182,7 +188,9 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
         # A coefficient that is inseparable from another is not fitted: the other represents their sum.
         if value is None or (origin == "friction" and estimates and q.name not in estimates):
             continue
-        unit, letter = in_drive_unit(q.unit, found.unit), typeset(letters[axis.said(q.name)].symbol)
+        fitted = origin in {"effect", "friction", "bench"}
+        unit = in_drive_unit(q.unit, found.unit) if fitted else q.unit
+        letter = typeset(letters[axis.said(q.name)].symbol)
         row = Parameter(q.name, q.meaning, unit, value, origin, letter=letter)
         if e := estimates.get(q.name):
             error = e.std_error if math.isfinite(e.std_error) else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from eccentric.errors import InputError
@@ -113,7 +114,7 @@ def _own_unit(unit: str, required: str, where: str, counts: float | None) -> Uni
     try:
         return require_unit(unit, required, where, counts)
     except InputError as error:
-        per = next((of for of in gains_of(required) if of.endswith(f"/{unit[-1:]}")), "")
+        per = next((of for of in gains_of(required) if re.fullmatch(f"[a-zµ]?{of[-1]}", unit)), "")
         hint = f'; of an amplifier\'s reference give the gain, as in gain = "35 {per}"' if per else ""
         raise InputError(f"{error}{hint}") from None
 

@@ -162,7 +162,8 @@ class Channels:
     def smooth_residual(self, residual: Array, moving: Array) -> Array:
         """A residual (n,) after that low pass, with `moving` (n,), what accelerates the drive, filtered once.
 
-        It comes from the angle, which has passed the low pass: the residual is a torque less this.
+        It comes from the angle, which has passed the low pass: the residual is a torque less this. What
+        follows the velocity passes twice; above the cut-off, the acceleration is the larger part.
         """
         return self.smooth(residual + moving) - moving
 

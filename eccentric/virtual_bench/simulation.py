@@ -77,10 +77,10 @@ def _moved(scenario: Scenario) -> _Raw:
     raw = _run(scenario)
     if raw.moving.any():
         return raw
-    given = " and ".join(f"{effect.family}={effect.strength:g}" for effect in scenario.effects) or "none"
+    given = " and ".join(f"{effect.id}={effect.strength:g}" for effect in scenario.effects) or "none"
     raise InputError(
-        f"effect {given}: a drive that moves is required, received one that the motor cannot move against its"
-        " friction at rest: choose a smaller strength, or another seed"
+        f"effect {given}: friction at rest that the motor can overcome is required, received more: choose a"
+        " smaller strength, or another seed"
     )
 
 
