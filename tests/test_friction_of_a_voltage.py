@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import eccentric
+from eccentric.virtual_bench import simulate
 from tests import paper
 from tests.compiled import FLAGS
 from tests.planted import (
@@ -34,6 +35,7 @@ from tests.planted import (
     written,
 )
 from tests.swing import VOLTAGE, Swing, log_of, write_rig, write_runs
+from tests.virtual import drawn_scenario
 
 OF_CURRENT = {"current", "mechanical_residual", "electrical_residual"}
 WITHOUT_BACK_EMF = {"mechanical_friction_torque", *OF_CURRENT}
@@ -217,3 +219,20 @@ def test_a_fit_without_a_scale_begins_with_the_drive(
 
     assert f"Begin with arm_{drive}," in (tmp_path / "arm" / "arm.h").read_text(encoding="utf-8")
     assert getattr(found.module, drive)(omega, alpha) == pytest.approx(signal[::997], rel=1e-2, abs=1e-2)
+
+
+def test_without_a_scale_the_rotor_stands_for_all_of_the_inertia() -> None:
+    """In volts there is J R/k_i; nothing in kg m^2, such as M L^2 of the link, is subtracted from it."""
+    run = simulate(drawn_scenario(3, case="C1", log_type="traj", noise=0.004, seconds=60.0))
+    plant = run.scenario.plant
+    known = {"case": "C1", "mu": plant.mu, "M_kg": plant.M, "M_l_kg": plant.M_l, "L_m": plant.L}
+    rig = {"known": known, "encoder_counts_per_rev": run.rig["encoder_counts_per_rev"]}
+    log = {name: run.columns[name] for name in ("time_s", "theta_m_rad", "voltage_V")}
+    found = eccentric.diagnose(log, rig, only="stribeck").document["rig_identified"]
+
+    assert list(found) == ["J_m"]
+    assert found["J_m"]["unit"] == "V s^2/rad"
+    assert found["J_m"]["value"] == pytest.approx(plant.inertia * plant.R / plant.k_i, rel=0.002)
+    assert found["J_m"]["value"] == pytest.approx(
+        eccentric.fit(log, rig).estimates["J*R/k_i"].value, rel=1e-6
+    )

@@ -116,5 +116,5 @@ def run(arguments: argparse.Namespace) -> int:
     names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written)
     print(f"{arguments.out}: {names}")
     if arguments.adapt and arguments.parameters is None:
-        print("the estimator starts without a fit; --parameters FIT.json gives it that fit's uncertainty")
+        print("the estimator starts from 30 % of each coefficient; a fit's own errors: --parameters FIT.json")
     return 0

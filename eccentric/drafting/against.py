@@ -26,9 +26,11 @@ def log_complaints(rig: Rig, log: Log, draft: Draft | None, told: Collection[str
         draft: of the same log, None where none could be made; only what it is sure of counts.
         told: what is wrong with the rig by itself: a column that it refuses is not missing as well.
     """
-    found = [*_missing(rig, log, told), *_without_gain(rig, log)]
+    without_gain = [*_without_gain(rig, log)]
+    found = [*_missing(rig, log, told), *(line for _, line in without_gain)]
     if draft is not None:
-        found += [*_contradicted(rig, draft), *_values(rig, draft)]
+        ungained = {channel for channel, _ in without_gain}
+        found += [*_contradicted(rig, draft, ungained), *_values(rig, draft)]
     return found
 
 
@@ -64,7 +66,8 @@ def _missing(rig: Rig, log: Log, told: Collection[str]) -> Iterator[str]:
         ("current", "torque", "torque_l", "voltage"),
     ):
         names = [rig.axis.said(channel) for channel in choice if channel in channels_of(rig.axis)]
-        refused = any(f"[columns] {name}:" in line for name in names for line in told)
+        ends = tuple(f"[columns] {name}{end}" for name in names for end in (":", " "))
+        refused = any(end in line for line in told for end in ends)
         if not refused and not any(channel in sources for channel in choice):
             called = " or ".join(names)
             yield (
@@ -72,8 +75,8 @@ def _missing(rig: Rig, log: Log, told: Collection[str]) -> Iterator[str]:
             )
 
 
-def _without_gain(rig: Rig, log: Log) -> Iterator[str]:
-    """A force that is the reference of an amplifier by the unit in its header, and has no gain."""
+def _without_gain(rig: Rig, log: Log) -> Iterator[tuple[str, str]]:
+    """A force column whose header says volts or amperes, without a gain."""
     for channel, source in (rig.log.columns or {}).items():
         per = gains_of(channels_of(rig.axis)[channel][1])
         plain = source.text.removeprefix("-").strip("` ")
@@ -84,19 +87,20 @@ def _without_gain(rig: Rig, log: Log) -> Iterator[str]:
         if gain := next((of for of in per if unit and of.endswith(f"/{unit[-1]}")), ""):
             called = rig.axis.said(channel)
             column = json.dumps(source.text, ensure_ascii=False)
-            yield (
+            line = (
                 f"{rig.path}: [columns] {called}: {plain!r} is in {unit} by its header: give the gain of the"
                 f' amplifier, as in {called} = {{ column = {column}, gain = "35 {gain}" }}'
             )
+            yield channel, line
 
 
-def _contradicted(rig: Rig, draft: Draft) -> Iterator[str]:
+def _contradicted(rig: Rig, draft: Draft, told: Collection[str]) -> Iterator[str]:
     """Channels and units that the log shows otherwise, where it leaves no doubt."""
     sources, here = rig.log.columns or {}, rig.axis.said
     by_column = {p.source: p for p in draft.proposals}
     for channel, source in sources.items():
         proposal = by_column.get(source.text.strip("`"))
-        if proposal is None or proposal.doubt:
+        if proposal is None or proposal.doubt or channel in told:
             continue
         if not _same(channel, proposal.channel):
             yield (

@@ -52,20 +52,26 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     s = found.get("scale", 1.0)
     scale = None if problem.drive.scale is None else problem.drive.scale * s
     known = _needed(channels, rig, base, machine)
-    if open_inertia:
+    unit = "N m" if problem.has("scale") else problem.drive.unit
+    rotor = None
+    if open_inertia and unit == "N m":
         known |= _inertias(rig, machine, found["inertia"] / s)
+        rotor = rig.known.get(machine.rotor)
+    elif open_inertia:
+        # Volts have no part in kg m^2 that could be subtracted: the rotor stands for all of the inertia.
+        known |= {machine.rotor: found["inertia"]} | ({machine.link: 0.0} if machine.link else {})
     opened, adjusts = _open(channels, rig, problem, open_inertia)
     return Drive(
         machine,
         channels.realigned(rig, dataclasses.replace(channels.alignment, **aligned)),
         known,
         scale,
-        "N m" if problem.has("scale") else problem.drive.unit,
+        unit,
         opened,
         adjusts,
-        _identified(first, scale, machine if open_inertia else None, rig),
+        _identified(first, scale if unit == "N m" else None, machine if open_inertia else None, rig),
         tuple(w for w in problem.warnings if w not in channels.intake.warnings),
-        rig.known.get(machine.rotor) if open_inertia else None,
+        rotor,
     )
 
 

@@ -130,13 +130,15 @@ LogSource: TypeAlias = str | os.PathLike[str] | Log | TableLike
 
 
 def log_names(logs: Sequence[Log]) -> tuple[str, ...]:
-    """What messages and results call logs: their file names, with the folders that tell them apart."""
+    """What messages and results call logs: their file names, equal ones with folders that tell them apart."""
     paths = [Path(log.path) for log in logs]
-    for count in range(1, max((len(path.parts) for path in paths), default=0) + 1):
-        names = tuple(Path(*path.parts[-count:]).as_posix() for path in paths)
-        if len(set(names)) == len(names):
-            return names
-    return tuple(path.name for path in paths)
+    names = [path.name for path in paths]
+    for count in range(2, max((len(path.parts) for path in paths), default=0) + 1):
+        names = [
+            Path(*path.parts[-count:]).as_posix() if names.count(name) > 1 else name
+            for path, name in zip(paths, names, strict=True)
+        ]
+    return tuple(names)
 
 
 def read_log(source: LogSource, name: str = "table") -> Log:

@@ -74,15 +74,16 @@ def planned(
     """Plan the motion that tells the rivals of a diagnosis apart, or that determines its model best.
 
     Raises:
-        InputError: the log does not fit the rig, has no current and the rig nothing that makes one of its
-            voltage or torque, or no motion stays within the bounds.
+        InputError: the log does not fit the rig; it has no current, and the rig lacks the constants that
+            give one of a voltage or torque; no motion stays within the bounds.
     """
     question = found if isinstance(found, Question) else question_of(found)
     channels, axis = question.data.drive.channels, question.data.drive.channels.rig.axis
     by_force = channels.motor.measured_by == "torque"
     if not axis.wraps and by_force != bounds.by_force:
         needed, given = (FORCE, "current_A") if by_force else ("current_A", FORCE)
-        raise InputError(f"limits: {needed} is required, which the log has, received {given}")
+        has = "a force" if by_force else "no force"
+        raise InputError(f"limits: {needed} is required, since the log has {has}, received {given}")
     _require_amperes(question, bounds)
     rivals, separation = question.rivals, Separation(question)
     tell(f"open: {', '.join(rival.headline for rival in rivals)}")

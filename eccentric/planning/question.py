@@ -93,9 +93,15 @@ def question_from(
     if not said["fits_the_rig"]:
         raise _unfit(rig.path, "")
     stage, names = staged_log(logs, rig, model)
-    for key, own in (("logs", list(names)), ("model", stage.plain.name)):
-        if said[key] != own:
-            raise InputError(f"{where}: {key}: that of these logs, {own}, is required, received {said[key]}")
+    # The folders of logs with one name are as they were typed, here and there.
+    if [Path(name).name for name in names] != [Path(str(name)).name for name in said["logs"]]:
+        raise InputError(
+            f"{where}: logs: that of these logs, {list(names)}, is required, received {said['logs']}"
+        )
+    if said["model"] != stage.plain.name:
+        raise InputError(
+            f"{where}: model: that of these logs, {stage.plain.name}, is required, received {said['model']}"
+        )
     adopted = tuple(said["extended_by"]) if said["verdict"] in {"not_identifiable", "named"} else ()
     tied, family = tuple(said["tied"]), {c["id"]: c["family"] for c in said["candidates"]}
     # Beside a name, what else it left open.

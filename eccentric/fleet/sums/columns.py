@@ -123,10 +123,10 @@ def _require_motor(rig: Rig, machine: Machine, known: Collection[str], measured_
     if measured_by == "voltage":
         letters |= machine.resistance_letters | machine.back_emf_letters
     if missing := sorted(letters - set(known)):
-        said = rig.axis.said
+        said, verb = rig.axis.said, "are" if len(missing) > 1 else "is"
         raise InputError(
-            f"{rig.path}: [known] {said(few(missing))} is required by a fleet driven by {said(measured_by)},"
-            " received none"
+            f"{rig.path}: [known] {' and '.join(map(said, missing))} {verb} required by a fleet driven by"
+            f" {said(measured_by)}, received none"
         )
 
 
