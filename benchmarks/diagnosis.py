@@ -95,7 +95,11 @@ def run(job: Job, folder: Path) -> Result:
     result.note = (
         f"{case} mu={mu:.3g} {log_type} noise={noise}{'' if job.drive == 'fine' else ' ordinary drive'}"
     )
-    simulated = simulate(scenario)
+    try:
+        simulated = simulate(scenario)
+    except InputError as error:  # the motor cannot move the drive with this effect: counted as missed
+        result.note += f" {error}"
+        return result
     result.truth = [e["family"] for e in simulated.truth["effects"]]
     result.beyond = [e.get("rms_fraction_beyond_the_paper", 1.0) for e in simulated.truth["effects"]]
     if job.outside is not None:

@@ -82,7 +82,10 @@ def run(seed: int) -> Result:
         rng, case=case, mu=mu, log_type=log_type, effects=[(planted, 0.1)], noise=noise, drive=drive
     )
     note = f"{seed} {case} mu={mu:.3g} {log_type} noise={noise} {drive} {planted}"
-    simulated = simulate(scenario)
+    try:
+        simulated = simulate(scenario)
+    except InputError as error:
+        return Result(note, {}, f"{error}")
     (only,) = simulated.truth["effects"]
     name, parameters = effect_of(only)
     plant = scenario.plant
