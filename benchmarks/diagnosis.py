@@ -99,6 +99,7 @@ def run(job: Job, folder: Path) -> Result:
         simulated = simulate(scenario)
     except InputError as error:  # the motor cannot move the drive with this effect: counted as missed
         result.note += f" {error}"
+        result.truth, result.beyond = [family for family, _ in job.effects], [1.0] * len(job.effects)
         return result
     result.truth = [e["family"] for e in simulated.truth["effects"]]
     result.beyond = [e.get("rms_fraction_beyond_the_paper", 1.0) for e in simulated.truth["effects"]]
