@@ -216,6 +216,7 @@ def test_threads_do_not_disturb_each_other() -> None:
         assert all(pool.map(several, range(len(sets))))
 
 
+@pytest.mark.slow
 def test_calls_keep_nothing() -> None:
     """After any kind of call, taken or refused, what was given is referred to as often as before."""
     f, g = compiled().friction_torque, compiled().friction_torque_gradient

@@ -96,6 +96,7 @@ def test_zero_angle_and_offset_are_told_once_as_they_were_planted(tmp_path: Path
         assert f"{said[name]['value']:.4g}" == shown[label].split()[0]
 
 
+@pytest.mark.slow
 def test_logs_may_begin_at_any_time(tmp_path: Path) -> None:
     """Two logs, the later one with earlier time stamps, are two runs and not an error."""
     rig = rig_with(tmp_path, ("holdout_intervals_s", "# holdout_intervals_s"))

@@ -60,6 +60,7 @@ def test_the_coefficients_of_a_file_are_those_of_the_carriage(tmp_path: Path) ->
     assert {**friction, "scale [1]": pytest.approx(1.0, rel=0.01), **load} == found["declared"]
 
 
+@pytest.mark.slow
 def test_the_carriage_whose_seal_wears_is_named(tmp_path: Path) -> None:
     """Of three carriages over six months one loses a third of its Coulomb friction: it alone is named."""
     for k in range(3):

@@ -42,6 +42,7 @@ def arm() -> tuple[dict[str, Any], dict[str, Any]]:
     return arm_log_of(by_load, seconds=120.0), arm_rig_of(planar_arm())
 
 
+@pytest.mark.slow
 def test_an_arm_is_fitted_on_windows(
     arm: tuple[dict[str, Any], dict[str, Any]], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -125,6 +125,7 @@ def test_a_wrong_tilt_is_corrected(tmp_path: Path) -> None:
     assert "the right value of phi, 0.6998 rad where" in diagnosis_sentence(found)
 
 
+@pytest.mark.slow
 def test_the_right_tilt_is_one_that_a_rig_file_takes(tmp_path: Path) -> None:
     """A plane declared upright is tilted by 0.3 rad, not by -0.3; a mass 4.5 % too large looks the same."""
     found = diagnosed(tmp_path, Tilted(tilt=0.3), 'case = "C2"\n', "rotating_link")
