@@ -95,6 +95,23 @@ def test_a_rig_in_volts_has_no_newton_metres() -> None:
 
 
 @pytest.mark.usefixtures("undrawn")
+def test_a_gain_that_is_clear_below_the_low_pass_only_is_shown_there() -> None:
+    """The figures beside the verdict are those of its sentence; no fall is claimed of the rows."""
+    data = sample(50)
+    below = Errors(
+        "below the 25 Hz low pass of the angle", "N m", {"paper": 0.5, "extended": 0.1}, (70.0, 90.0)
+    )
+    text = Reader(page(replace(data, errors=replace(data.errors, below=below)))).text
+
+    assert "held-out error below the 25 Hz low pass of the angle" in text
+    assert "0.5 → 0.1 N m" in text
+    assert "reduction (95 % interval 70 to 90 %)" in text
+    assert "80 %" in text
+    assert "falls by" in Reader(page(data)).text
+    assert "falls by" not in text
+
+
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("n", [50, 5000])
 @pytest.mark.parametrize("verdict", VERDICTS)
 def test_every_verdict_has_a_report(verdict: str, n: int) -> None:

@@ -122,7 +122,9 @@ def _scale_line(fit: Fit) -> list[str]:
         combined = (f"{name} = {fit.combinations[name].value:.4g}" for name in names)
         return [f"in newton metres: {', '.join(combined)}"]
     if problem.scale is not None:
-        return [f"no scale to newton metres (no inertia, gravity or load is known): all is times {problem.scale}"]
+        return [
+            f"no scale to newton metres (no inertia, gravity or load is known): all is times {problem.scale}"
+        ]
     return []
 
 

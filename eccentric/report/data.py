@@ -230,12 +230,14 @@ class HeldOutErrors:
             one with an extended model.
         gain: None if nothing was adopted.
         further: errors on other parts of the log, or in another unit.
+        below: those below the low pass of the angle, where the gain is clear there only.
     """
 
     holdout: str
     balances: tuple[BalanceResiduals, ...]
     gain: Gain | None
     further: tuple[Errors, ...]
+    below: Errors | None = None
 
 
 @dataclass(frozen=True)

@@ -84,6 +84,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
             balances=tuple(balance_of(found, name) for name in names),
             gain=Gain(score.balance, score.percent, score.interval) if found.models.adopted else None,
             further=tuple(_further(found)),
+            below=_below(found),
         ),
         search=SearchTable(tuple(_candidates(found)), attribution.tied, attribution.deviance),
         extended=ExtendedModel(
@@ -126,6 +127,15 @@ def _added(effect: Effect, found: Diagnosis) -> AddedEffect:
     )
 
 
+def _below(found: Diagnosis) -> Errors | None:
+    below = found.score.below
+    if below is None or not found.score.only_below:
+        return None
+    name, rmse = f"below the {below.cut_hz:g} Hz low pass of the angle", (below.before, below.after)
+    note = "Row by row, a model of ripple above the low pass adds error."
+    return Errors(name, found.unit, dict(zip(("paper", "extended"), rmse, strict=True)), below.interval, note)
+
+
 def _further(found: Diagnosis) -> list[Errors]:
     """Errors that only some logs have: in the drive's unit, of free motion, over whole runs."""
     score = found.score
@@ -141,12 +151,6 @@ def _further(found: Diagnosis) -> list[Errors]:
     if score.free:
         note = "These rows contain no electrical effect: only mechanical terms predict them."
         further.append(Errors("with the motor switched off", found.unit, of(score.free), note=note))
-    if score.below is not None and score.only_below:
-        below = score.below
-        note = "Row by row, a model of ripple above the low pass adds error."
-        rmse = {"paper": below.before, "extended": below.after}
-        title = f"below the {below.cut_hz:g} Hz low pass of the angle"
-        further.append(Errors(title, found.unit, rmse, below.interval, note))
     if over := score.over_runs:
         gains = [
             f"Gain of the {name} model on {_WORSE[name]}: {number(percent, 3)} % (95 % interval"

@@ -145,13 +145,16 @@ def _traces(drawn: _Figures, balance: BalanceResiduals) -> list[dict[str, Any]]:
 
 
 def _key_figures(data: ReportData) -> list[tuple[str, str]]:
-    first = data.errors.balances[0]
-    paper, after = first.rmse["paper"], first.rmse.get("extended", first.rmse["paper"])
+    first, gain, below = data.errors.balances[0], data.errors.gain, data.errors.below
+    rmse = first.rmse if below is None else below.rmse
+    paper, after = rmse["paper"], rmse.get("extended", rmse["paper"])
     found = []
-    if data.errors.gain:
-        found.append(("held-out error", f"{number(paper, 3)} → {number(after, 3)} {first.unit}"))
-        interval = range_of(data.errors.gain.interval, 3)
-        found.append((f"reduction (95 % interval {interval} %)", f"{number(data.errors.gain.percent, 3)} %"))
+    if gain:
+        where = "" if below is None else f" {below.name}"
+        found.append((f"held-out error{where}", f"{number(paper, 3)} → {number(after, 3)} {first.unit}"))
+        own = gain.interval if below is None or below.interval is None else below.interval
+        percent = gain.percent if below is None else 100.0 * (1.0 - after / paper)
+        found.append((f"reduction (95 % interval {range_of(own, 3)} %)", f"{number(percent, 3)} %"))
     else:
         found.append(("held-out error", f"{number(paper, 3)} {first.unit}"))
     adopted = [c.probability for c in data.search.candidates if c.adopted]
@@ -170,7 +173,8 @@ def _errors(data: ReportData) -> list[dict[str, Any]]:
         interval = gain.interval if gain and gain.balance == b.name else None
         rmse = {m: x for m, x in b.rmse.items() if m != "extended" or gain}
         given.append((Errors(f"{b.name} balance", b.unit, rmse, interval), b.noise_floor))
-    given += [(errors, None) for errors in data.errors.further]
+    below = [] if data.errors.below is None else [data.errors.below]
+    given += [(errors, None) for errors in (*below, *data.errors.further)]
     tops: dict[str, float] = {}
     for errors, noise in given:
         own = max([*errors.rmse.values(), noise or 0.0, *_ends(errors)])
