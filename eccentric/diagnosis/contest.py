@@ -228,8 +228,8 @@ def contest_lines(found: Contest) -> list[str]:
     below = [f"below {found.low_pass_hz:g} Hz [{found.unit}]"] if samples else []
     rows = [["model", f"held-out RMSE [{found.unit}]", *below, "R^2", "parameters", f"gain over {BASELINE}"]]
     for e in found.entries:
-        motion = [f"{e.below:.4g}"] if samples else []
-        rows.append([_called(e), f"{e.rmse:.4g}", *motion, f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e)])
+        own = [f"{e.below:.4g}"] if samples else []
+        rows.append([_called(e), f"{e.rmse:.4g}", *own, f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e)])
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     head = f"{few(found.logs)}: {found.rows} held-out rows ({found.holdout})"
     table = [

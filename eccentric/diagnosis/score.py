@@ -24,7 +24,8 @@ class OverRuns:
     """Every run left out of the fit once and predicted; effects and their shapes stay fixed.
 
     rmse: model -> RMSE over all runs, as in `Score.rmse`; gains: "paper" over linear, "extended" over paper
-    -> percent, 95 % interval by drawing whole runs, and how many of the `runs` improve.
+    -> percent, 95 % interval by drawing whole runs, and how many of the `runs` improve; below: percent and
+    interval of "extended" below the low pass, None as in `Score.below`.
     """
 
     rmse: Mapping[str, float]

@@ -137,14 +137,14 @@ def _gain(found: Diagnosis) -> str:
     whole = _falls(before, after, found.unit, score.percent, score.interval)
     if score.below is None or not score.only_below:
         return f"the held-out error {whole}"
-    cut, first = score.below.cut_hz, score.below
-    below = _falls(first.before, first.after, found.unit, first.percent, first.interval)
+    below = score.below
+    falls = _falls(below.before, below.after, found.unit, below.percent, below.interval)
     goes, why = "goes", ""
     if score.interval[1] < 0.0:
         goes, why = "rises", ", since the low pass removes the acceleration that faster ripple causes"
     return (
-        f"the held-out error below the {cut:g} Hz low pass of the angle {below}; row by row it {goes}"
-        f" from {before:.4g} to {after:.4g} {found.unit}{why}"
+        f"the held-out error below the {below.cut_hz:g} Hz low pass of the angle {falls}; row by row it"
+        f" {goes} from {before:.4g} to {after:.4g} {found.unit}{why}"
     )
 
 

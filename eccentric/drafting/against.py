@@ -12,7 +12,7 @@ from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.words import read_name
 from eccentric.errors import InputError, few, meant
 from eccentric.logs import Log, evaluate, parse_unit
-from eccentric.rigs import CHANNELS, Rig, channels_of, gains_of
+from eccentric.rigs import CHANNELS, Rig, channels_of, gain_of
 
 __all__ = ["log_complaints"]
 
@@ -78,13 +78,12 @@ def _missing(rig: Rig, log: Log, told: Collection[str]) -> Iterator[str]:
 def _without_gain(rig: Rig, log: Log) -> Iterator[tuple[str, str]]:
     """A force column whose header says volts or amperes, without a gain."""
     for channel, source in (rig.log.columns or {}).items():
-        per = gains_of(channels_of(rig.axis)[channel][1])
         plain = source.text.removeprefix("-").strip("` ")
         # A unit that the rig states outranks a name.
-        if source.gain is not None or source.unit is not None or not per or plain not in log.columns:
+        if source.gain is not None or source.unit is not None or plain not in log.columns:
             continue
         unit = read_name(plain, log.units.get(plain, "")).unit
-        if gain := next((of for of in per if unit and of.endswith(f"/{unit[-1]}")), ""):
+        if gain := gain_of(channels_of(rig.axis)[channel][1], unit):
             called = rig.axis.said(channel)
             column = json.dumps(source.text, ensure_ascii=False)
             line = (

@@ -15,7 +15,7 @@ from eccentric.rigs.entries import plain_entries, read_pair
 from eccentric.rigs.known import KNOWNS, Known, knowns_of, mass_alone
 from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
 from eccentric.rigs.rig import KEYS, Rig, alignment_of, read_rig
-from eccentric.rigs.sources import CHANNELS, ColumnSource, ForceGain, channels_of, gains_of
+from eccentric.rigs.sources import CHANNELS, ColumnSource, ForceGain, channels_of, gain_of
 
 __all__ = [
     "ALIGNMENT",
@@ -35,7 +35,7 @@ __all__ = [
     "alignment_of",
     "arm_rig_complaints",
     "channels_of",
-    "gains_of",
+    "gain_of",
     "knowns_of",
     "mass_alone",
     "names_arm",

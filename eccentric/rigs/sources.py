@@ -43,9 +43,10 @@ _GAINS = {"N": ("N/V", "N/A")}
 """Units of a gain, by the unit of what it gives: a force from the reference of an amplifier."""
 
 
-def gains_of(required: str) -> tuple[str, ...]:
-    """The units of a gain for a channel of this unit; none where it takes no gain."""
-    return _GAINS.get(required, ())
+def gain_of(required: str, unit: str) -> str:
+    """The unit of the gain that makes this unit, of volts or amperes, the required one; "" for none."""
+    per = _GAINS.get(required, ())
+    return next((of for of in per if re.fullmatch(f"[a-zµ]?{of[-1]}", unit)), "")
 
 
 def channels_of(axis: AxisKind) -> dict[str, tuple[str, str]]:
@@ -114,7 +115,7 @@ def _own_unit(unit: str, required: str, where: str, counts: float | None) -> Uni
     try:
         return require_unit(unit, required, where, counts)
     except InputError as error:
-        per = next((of for of in gains_of(required) if re.fullmatch(f"[a-zµ]?{of[-1]}", unit)), "")
+        per = gain_of(required, unit)
         hint = f'; of an amplifier\'s reference give the gain, as in gain = "35 {per}"' if per else ""
         raise InputError(f"{error}{hint}") from None
 
