@@ -36,8 +36,9 @@ class Search:
     base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
     smoothed: smooth terms beside the adopted ones; alternatives: per adopted variant, family -> (probability,
         fit); tried: other models that were compared with the best; required: deviance that an addition has to
-        gain; stability: of the adopted effects; by_torque: of
-        effects on the flux that this balance leaves open, family -> deviance of the torque that shows it.
+        gain; stability: of the adopted effects; by_both: of
+        effects on the flux that this balance leaves open, family -> deviance by which torque and voltage
+        together prefer it.
     """
 
     screen: Screen
@@ -50,7 +51,7 @@ class Search:
     tried: list[Fitted] = field(default_factory=list)
     required: float = limits.LEAST_DEVIANCE
     stability: Stability = field(default_factory=Stability)
-    by_torque: dict[str, float] = field(default_factory=dict)
+    by_both: dict[str, float] = field(default_factory=dict)
 
     def run(self) -> None:
         """Adopt, compare, then fit the smooth terms to what is left."""
@@ -202,9 +203,9 @@ class Search:
         # A family beside it, found once more in its place, is no alternative to it.
         beside = {v.candidate.family for v in self.best.variants} - {family}
         open_to = {other: chance for other, (chance, _) in options.items() if other not in beside}
-        if family in self.by_torque:
+        if family in self.by_both:
             most = self.stability.most if self.stability.variants else 1.0
-            return {family: min(most, float(expit(0.5 * self.by_torque[family])))}
+            return {family: min(most, float(expit(0.5 * self.by_both[family])))}
         if self.stability.variants:
             return self.stability.chances(family, [other for other in open_to if other != family])
         return {other: chance / sum(open_to.values()) for other, chance in open_to.items()}
@@ -212,7 +213,7 @@ class Search:
     def clear(self, place: int) -> bool:
         """Whether an adopted effect is clearly ahead of what could be in its place."""
         family = self.best.variants[place].candidate.family
-        if family in self.by_torque:
+        if family in self.by_both:
             return True
         return self.chances(place)[family] >= limits.SURE and self.stability.nearly_all(family)
 

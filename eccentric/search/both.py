@@ -18,7 +18,7 @@ import numpy as np
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant, bounds_of
 from eccentric.search.joint import Beside, BothBalances
-from eccentric.search.limits import CONFIRMED, HIDES, LEAST_DEVIANCE, MOST_BESIDE, POSSIBLE, TINY_COLUMN
+from eccentric.search.limits import CONFIRMED, HIDES, HINTED, LEAST_DEVIANCE, MOST_BESIDE, POSSIBLE, TINY_COLUMN
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
 from eccentric.signals import BalanceDesign
@@ -79,7 +79,8 @@ def search_all(
                 # Without a family that could be in its place, nothing is compared.
                 least = min((found.deviance(rival.best, found.best) for rival in rivals), default=0.0)
                 if least > LEAST_DEVIANCE:
-                    electrical.by_torque[family] = least
+                    electrical.by_both[family] = least
+            _by_the_circuit(found, electrical)
             return {"electrical": electrical, "mechanical": found}
     # Beside what else the mechanical balance shows, and without the torque of the ripple for which the
     # circuit took it: alone, it would take on a part of a larger effect.
@@ -143,7 +144,7 @@ def _of_the_flux(electrical: Search) -> list[Candidate]:
         if fitted.last.family in likely:
             return electrical.deviance(electrical.base, fitted) > CONFIRMED
         beside = screen.refine(screen.fit([*best.variants, fitted.variants[-1]]), only_last=True)
-        return electrical.deviance(best, beside) > CONFIRMED
+        return electrical.deviance(best, beside) > HINTED
 
     adopted = [variant for variant in electrical.best.variants if variant.candidate.joint]
     families = {variant.candidate.family for variant in electrical.best.variants}
@@ -156,6 +157,32 @@ def _of_the_flux(electrical: Search) -> list[Candidate]:
         and shown(fitted)
     ]
     return [*(v.candidate.in_the("mechanical", v.values) for v in adopted if v.candidate.also), *faint]
+
+
+def _by_the_circuit(mechanical: Search, electrical: Search) -> None:
+    """Add to what the torque says of effects on the flux what the circuit says, too faint to be adopted there.
+
+    What could be in their place is friction, of which the circuit would show nothing.
+    """
+    adopted = {variant.candidate.family for variant in electrical.best.variants}
+    for place, variant in enumerate(mechanical.best.variants):
+        candidate = variant.candidate
+        if not candidate.joint or candidate.family in adopted or mechanical.clear(place):
+            continue
+        likely = {f for f, chance in mechanical.chances(place).items() if chance > POSSIBLE}
+        rivals = [
+            fitted
+            for family, (_, fitted) in mechanical.alternatives[place].items()
+            if family in likely | set(mechanical.instead(candidate.family)) and family != candidate.family
+        ]
+        there = [fitted for fitted in electrical.ranked if fitted.last.id == candidate.id]
+        if not rivals or not there or any(fitted.last.joint for fitted in rivals):
+            continue
+        beside = electrical.screen.fit([*electrical.best.variants, there[0].variants[-1]])
+        whole = electrical.deviance(electrical.best, beside)
+        whole += min(mechanical.deviance(rival, mechanical.best) for rival in rivals)
+        if whole > LEAST_DEVIANCE:
+            mechanical.by_both[candidate.family] = whole
 
 
 @dataclass(frozen=True)

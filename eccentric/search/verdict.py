@@ -260,7 +260,8 @@ def _variables(searches: dict[str, Search], unexplained: float) -> tuple[list[tu
     for name, search in searches.items():
         for fitted in search.smoothed:
             part = (search.best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
-            if part > unexplained and search.explains(search.best, fitted):
+            enough = part > unexplained or _outlines(search, fitted)
+            if enough and search.explains(search.best, fitted):
                 left.append((part, fitted.last.variable, name))
         least = min([search.best.score, *(fitted.score for fitted in search.smoothed)])
         structure = max(search.base.score - least, 1e-300)
@@ -271,6 +272,21 @@ def _variables(searches: dict[str, Search], unexplained: float) -> tuple[list[tu
     return [(v, name) for _, v, name in sorted(left, reverse=True)], [
         v for _, v in sorted(depends, reverse=True)
     ]
+
+
+def _outlines(search: Search, smooth: Fitted) -> bool:
+    """Whether several effects of one variable only outline what a smooth term of it follows.
+
+    Two laws together come close to many a course that neither is a part of: what they leave is small beside
+    the structure, but not noise, and follows the same variable.
+    """
+    variable, best = smooth.last.variable, search.best
+    several = sum(variant.candidate.variable == variable for variant in best.variants) > 1
+    return (
+        several
+        and best.score > limits.HIDES * search.screen.floor
+        and best.score - smooth.score > limits.CLEARS * (best.score - search.screen.floor)
+    )
 
 
 def next_measurement(verdict: str, tied: Sequence[tuple[str, Words]], variables: Sequence[str]) -> str:
