@@ -1,4 +1,6 @@
-"""Do planned motions decide? Tied logs of the virtual bench, each motion on the same rig, both logs diagnosed.
+"""Do plans decide? Tied logs of the virtual bench, each motion on the same rig, both logs diagnosed.
+
+A plan that says that more mass on the link makes a decision likelier is followed: the mass is added.
 
 Run: python benchmarks/planned.py [LOGS [FIRST_SEED]]
 """
@@ -57,36 +59,44 @@ class Settled:
     broken: tuple[str, ...]
     after: Outcome
     peers: dict[str, Outcome]
+    added_kg: float
 
 
 def settled(tied: Tied) -> Settled:
     """The plan for a log and its outcome, beside those of the peers."""
     started = time.process_time()
     plan = planned(tied.found, tied.bounds)
+    same = plan.same
+    if plan.heavier is not None and plan.heavier.probability > (plan.probability or 0.0):
+        plan = planned(tied.found, tied.bounds, added=plan.heavier.added_kg)
     took = time.process_time() - started
-    following = _following(tied, plan.motion.t, plan.motion.omega)
+    following = _following(tied, plan.motion.t, plan.motion.omega, plan.added)
     return Settled(
         tied,
         plan.probability or 0.0,
-        plan.same,
+        same,
         took,
         broken_limits(following, tied.bounds),
-        _outcome(tied, following),
+        _outcome(tied, following, plan.added),
         {
             name: _outcome(tied, _following(tied, *peer(tied.bounds, tied.seed)))
             for name, peer in PEERS.items()
         },
+        plan.added,
     )
 
 
-def _following(tied: Tied, t: np.ndarray, omega: np.ndarray) -> Scenario:
-    """The same rig on a motion from where the mass hangs lowest, with other noise."""
-    return on_reference(tied.run.scenario, t, omega, 0.0)
+def _following(tied: Tied, t: np.ndarray, omega: np.ndarray, added: float = 0.0) -> Scenario:
+    """The same rig, with a mass [kg] added, on a motion from where the mass hangs lowest, with other noise."""
+    scenario = on_reference(tied.run.scenario, t, omega, 0.0)
+    p = scenario.plant
+    return replace(scenario, plant=replace(p, M=p.M + added, J_l=p.J_l + added * p.L**2))
 
 
-def _outcome(tied: Tied, following: Scenario) -> Outcome:
+def _outcome(tied: Tied, following: Scenario, added: float = 0.0) -> Outcome:
     new = simulate(following, again=True)
-    both = diagnose([tied.run.columns, new.columns], tied.run.rig).attribution
+    rig = {**tied.run.rig, **({"added": {"table 2": f"{added!r} kg"}} if added else {})}
+    both = diagnose([tied.run.columns, new.columns], rig).attribution
     return Outcome(both.verdict, tuple(a.variant.candidate.family for a in both.adopted), both.tied)
 
 
@@ -149,6 +159,7 @@ def measured(quick: bool, first: int = FIRST_SEED, logs: int = LOGS) -> Part:
             break
     took = time.process_time() - began
     count = len(found)
+    heavier = sum(one.added_kg > 0.0 for one in found)
     happened = sum(one.after.right(one.tied.truth) for one in found)
     stated = float(np.mean([one.probability for one in found]))
     broken = sum(bool(one.broken) for one in found)
@@ -170,6 +181,7 @@ def measured(quick: bool, first: int = FIRST_SEED, logs: int = LOGS) -> Part:
         [
             *_HEAD,
             f"{scanned} logs were tried, {took / 60:.0f} min of processor time in all."
+            f" {heavier} plans added half as much mass again to the link."
             f" Of the {len(left)} that the planned motion left open, the plan said of {same} that the true effect and"
             " another predict the same torque within the limits."
             + (f" `diagnose` failed on seeds {failed}." if failed else ""),
@@ -190,10 +202,11 @@ _HEAD = [
 
 def _table(found: list[Settled]) -> list[str]:
     return [
-        f"| seed | truth | tied | stated | after both logs | {' | '.join(PEERS)} | limits |",
-        "|---" * (6 + len(PEERS)) + "|",
+        f"| seed | truth | tied | mass added [kg] | stated | after both logs | {' | '.join(PEERS)} | limits |",
+        "|---" * (7 + len(PEERS)) + "|",
         *(
-            f"| {s.tied.seed} | {s.tied.truth} | {', '.join(s.tied.found.attribution.tied)} | {s.probability:.2f} |"
+            f"| {s.tied.seed} | {s.tied.truth} | {', '.join(s.tied.found.attribution.tied)} | {s.added_kg:.2g} |"
+            f" {s.probability:.2f} |"
             f" {s.after.words} | {' | '.join(one.words for one in s.peers.values())} |"
             f" {', '.join(s.broken) or 'kept'} |"
             for s in found

@@ -323,7 +323,10 @@ def test_a_current_that_moves_nothing_is_refused(
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        (0.9, "With 0.2 kg more on the link, this motion decides with a probability of 90 %"),
+        (
+            0.9,
+            "With 0.2 kg more on the link, this motion would decide with a probability of 90 %: plan it with --added",
+        ),
         (0.3, "0.2 kg more on the link would not decide either."),
     ],
 )

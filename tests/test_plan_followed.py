@@ -15,6 +15,7 @@ from eccentric.planning.followed import Met, extremes
 from eccentric.planning.limits import INTEGRAL_PER_S, SPEED_FILTER_HZ
 from eccentric.planning.motion import joined, pieces
 from eccentric.planning.separation import Separation
+from eccentric.rigs import AddedMass
 from eccentric.virtual_bench import BenchRun, Scenario, random_scenario, simulate
 from eccentric.virtual_bench.course import Course
 
@@ -150,8 +151,8 @@ def test_more_mass_is_what_the_rig_would_have(bench: BenchRun, contest: Separati
     motion = joined([next(pieces(bounds, 10.0, np.random.default_rng(0)))], bounds)
     plant = bench.scenario.plant
     heavier = replace(plant, M=plant.M + 0.2, J_l=plant.J_l + 0.2 * plant.L**2)
-    known = {"M": heavier.M, "J_l": heavier.J_l}
-    for own, met in ((plant, contest.ground(motion).met), (heavier, contest.ground(motion, known).met)):
+    carrying = Separation(contest.question, AddedMass(0.2))
+    for own, met in ((plant, contest.ground(motion).met), (heavier, carrying.ground(motion).met)):
         assert met is not None
         zero = contest.question.data.drive.channels.alignment.theta_zero_rad
         gravity = [own.gravity_torque(own.mu * x - zero) for x in motion.theta]

@@ -68,6 +68,8 @@ def adapt(
     """
     asked = asked_adaptation(True, forgetting, false_alarms, settle)
     sources, rig = sources_of(log), read_rig(rig)
+    if rig.added:
+        raise InputError(f"{rig.path}: [added]: a log of one mass is required to follow its parameters")
     with in_words_of(rig, [*sources, parameters, model]):
         read = read_logs(sources)
         channels = read_channels(read, rig)

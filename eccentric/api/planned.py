@@ -26,7 +26,7 @@ from eccentric.planning import (
     question_of,
     read_bounds,
 )
-from eccentric.rigs import read_rig
+from eccentric.rigs import read_mass, read_rig
 from eccentric.signals import read_long
 
 if TYPE_CHECKING:
@@ -45,6 +45,7 @@ def plan(
     progress: Callable[[str], None] | None = None,
     reading: Callable[[float], None] | None = None,
     diagnosis: str | os.PathLike[str] | Mapping[str, Any] | None = None,
+    added: str | None = None,
 ) -> PlanResult:
     """Plan the motion that tells apart what a diagnosis of logs left open.
 
@@ -60,14 +61,17 @@ def plan(
         reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read.
         diagnosis: what `diagnose` has found in these logs, its diagnosis.json or a mapping like it: what
             is open is taken from there, and no search is run.
+        added: a mass that the link is to carry beside its own, as "0.2 kg"; `[added]` of the rig then says
+            which run has it, and both logs are diagnosed together.
 
     Raises:
         InputError: as `diagnose` does; the diagnosis is of other logs or another model; the log
-            does not fit the rig; limits are missing or not positive; or
-            no motion stays within them.
+            does not fit the rig; limits are missing or not positive; no motion stays within them; or the
+            mass to be added has no unit or no place on a link.
     """
     sources, rig = sources_of(logs), read_rig(rig)
     bounds = read_bounds(limits, rig.axis)
+    mass = 0.0 if added is None else read_mass(added, "--added")
     with in_words_of(rig, sources):
         read = read_long(sources, rig, tell=reading)
         if diagnosis is None:
@@ -77,7 +81,7 @@ def plan(
             question = question_from(diagnosis, read, rig, by_name(model))
             channels = question.data.drive.channels
             warnings = (*channels.intake.warnings, *question.data.drive.warnings)
-        made = planned(question, bounds, progress or (lambda _: None))
+        made = planned(question, bounds, progress or (lambda _: None), mass)
     own_names = (*map(str, sources), *question.data.drive.channels.own_names)
     return PlanResult(
         plan=made,

@@ -29,6 +29,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="JSON",
         help="what `diagnose` wrote of these logs, diagnosis.json: what is open is taken from it",
     )
+    parser.add_argument(
+        "--added",
+        metavar="MASS",
+        help='a mass that the link is to carry beside its own, as "0.2 kg": motions are planned with it',
+    )
     add_folder(parser, "the reference, as CSV and C, and its picture")
 
 
@@ -37,7 +42,16 @@ def run(args: argparse.Namespace) -> int:
     own_folder(args.out)
     if arm_of(args.rig, {"--model": args.model}):
         raise InputError(f"{args.rig}: plan requires the rig of a single drive, received that of an arm")
-    found = eccentric.plan(args.logs, args.rig, args.limits, args.model, progress(), bar(), args.diagnosis)
+    found = eccentric.plan(
+        args.logs,
+        args.rig,
+        args.limits,
+        args.model,
+        progress(),
+        bar(),
+        args.diagnosis,
+        args.added,
+    )
     names = [path.name for path in found.write(args.out)]
     print_warnings(found.warnings)
     print(found.summary())

@@ -30,11 +30,13 @@ IN_C1 = {"ki_mismatch": "a factor on the inertia: inertia_mismatch"}
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """The one effect of the family, for torque computed with a declared k_i.
 
-    Declared inertia and gravity together show it; in case C1 it is a factor on the inertia alone.
+    Declared inertia and gravity together show it; in case C1 it is a factor on the inertia alone. So it is
+    where one of both is left open. A known mass that some runs carry shows it in every case.
     k_i (1 + r) instead of k_i makes every torque too large by 1 + r: friction, which is fitted, absorbs this;
     inertia and gravity, which are declared, are both too small by r.
     """
-    if setting.case == "C1" or not setting.scaled or {"inertia", "gravity"} & set(setting.left_open):
+    hidden = setting.case == "C1" or {"inertia", "gravity"} & set(setting.left_open)
+    if not setting.scaled or (hidden and not setting.masses):
         return ()
     effect = addition(
         "ki_mismatch",

@@ -10,7 +10,11 @@ from eccentric.model import Gated, quantity
 from eccentric.model import vocabulary as v
 
 ratio = quantity(
-    "inertia_ratio", "1", "true inertia on the motor side over the declared one, minus 1", letter="r"
+    "inertia_ratio",
+    "1",
+    "true inertia on the motor side over the declared one, minus 1",
+    letter="r",
+    part_of=v.J,
 )
 WORDS = Words(
     headline="a correction of the declared inertia",
@@ -25,7 +29,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     if "inertia" in setting.left_open:
         return ()
     aliases = ("mass_mismatch",) if setting.case == "C1" else ()
-    if setting.scaled and (setting.case == "C1" or "gravity" in setting.left_open):
+    if setting.scaled and not setting.masses and (setting.case == "C1" or "gravity" in setting.left_open):
         # A wrong k_i scales inertia and gravity: here only the inertia would show it.
         aliases += ("ki_mismatch",)
     effect = addition(

@@ -12,8 +12,10 @@ from eccentric.model import Change, Definition, quantity
 from eccentric.model import vocabulary as v
 
 M, L, J_l = v.M.symbol, v.L.symbol, v.J_l.symbol
-ratio = quantity("mass_ratio", "1", "true mass over the declared one, minus 1", letter="r")
-more = quantity("mass_torque", "1", "true gravity torque over the declared one, minus 1", letter="r")
+ratio = quantity("mass_ratio", "1", "true mass over the declared one, minus 1", letter="r", part_of=v.M)
+more = quantity(
+    "mass_torque", "1", "true gravity torque over the declared one, minus 1", letter="r", part_of=v.M
+)
 M_true = quantity("M_true", "kg", "true unbalanced mass", "", "nonnegative", letter="M^*")
 J_l_true = quantity(
     "J_l_true", "kg m^2", "inertia of the link with the true mass", "", "nonnegative", letter="J_l^*"
@@ -40,7 +42,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     if setting.case == "C1":
         return ()
     # A wrong k_i scales inertia and gravity: if the inertia is not declared, only gravity would show it.
-    aliases = ("ki_mismatch",) if setting.scaled and "inertia" in setting.left_open else ()
+    hidden = "inertia" in setting.left_open and not setting.masses
+    aliases = ("ki_mismatch",) if setting.scaled and hidden else ()
     true_mass = Definition(M_true, M * (1 + ratio.symbol))
     true_inertia = Definition(J_l_true, J_l + M * L**2 * ratio.symbol)
     replacing = [

@@ -34,6 +34,7 @@ class Setting:
         mean_square_A2: mean square of the current [A^2]; 0 where nobody asks for it.
         turns: range of the motor angle over the log, in turns.
         orders: periods per turn of the motor that stand out in what a first fit leaves, the strongest first.
+        masses: whether runs carry different known masses: their difference is in newton metres for certain.
 
     Raises:
         ValueError: a range is not positive.
@@ -57,6 +58,7 @@ class Setting:
     mean_square_A2: float = 0.0
     turns: float = 0.0
     orders: tuple[float, ...] = ()
+    masses: bool = False
 
     def __post_init__(self) -> None:
         for name in ("mu", "w_min", "w_max", "current_max", "duration_s", "mean_loss_W"):

@@ -118,7 +118,7 @@ def combinations_of(drive: Drive, rig: Rig, model: Model, scale: sp.Expr | None)
     torque = model.balance("mechanical").sum_of("gravity", "conservative")
     beside = torque.subs({x: 0 for x in torque.free_symbols if x.name == LOAD})
     # A scale shows by what the rig knows in newton metres, which a load to be estimated is not.
-    if scale is not None and (beside != 0 or inertia is not None or rig.known.get(LOAD)):
+    if scale is not None and (beside != 0 or inertia is not None or rig.known.get(LOAD) or rig.added):
         bounds = {"lower": s_low, "upper": s_high}
         add(scale, role="scale", unit=f"{unit}/(N m)", **bounds, letter=str(scale), mechanical_unit="1")
     if LOAD in rig.unknown:

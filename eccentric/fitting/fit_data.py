@@ -95,8 +95,17 @@ def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
     if channels.time.one_clock:
         starts = (0,)
     dt[[start - 1 for start in starts if start > 0]] = float(np.median(dt))
+    # A mass that only some runs carry loads the bearing there.
+    seen = seen_columns(model, {} if drive.channels.carried else known)
     signals = Signals(
-        values, dt, starts, known, friction=seen_columns(model, known), base=model, bridged=_bridged(channels)
+        values,
+        dt,
+        starts,
+        known,
+        friction=seen,
+        base=model,
+        bridged=_bridged(channels),
+        link=drive.link(known),
     )
     gravity, slope = _gravity(model, signals)
     signals = replace(signals, open=drive.columns(gravity, slope))

@@ -44,7 +44,14 @@ def following_letters(model: Model) -> dict[str, sp.Expr]:
 
 
 def require_case(rig: Rig, model: Model) -> None:
-    """Raise InputError for a model of another axis or case than the rig's; one with a tilt fits each case."""
+    """Raise InputError for a model of another axis or case than the rig's; one with a tilt fits each case.
+
+    And for one without an unbalanced mass, where runs carry more of it.
+    """
+    if rig.added and not {v.M.name, v.L.name} <= {q.symbol.name for q in model.parameters}:
+        raise InputError(
+            f"{rig.path}: [added]: a model with an unbalanced mass is required, received {model.name}"
+        )
     if model.axis is not rig.axis:
         raise InputError(
             f"{rig.path}: model {model.name} requires kind = {model.axis.name!r}, received {rig.axis.name!r};"

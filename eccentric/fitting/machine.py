@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from eccentric.fitting.expressions import evaluated
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
+from eccentric.rigs import AddedMass
 
 __all__ = ["Machine"]
 
 Values = Mapping[str, float]
+Carried = Sequence[tuple[NDArray[np.bool_], AddedMass]]
+"""Masses that some runs carry, each with its rows (n,)."""
 
 
 class Machine:
@@ -107,6 +112,22 @@ class Machine:
     def inertia(self, values: Values) -> float:
         """The total inertia at the motor [kg m^2]: J_m + mu^2 J_l."""
         return float(evaluated(self._model.inertia, values))
+
+    def inertia_along(self, values: Values, carried: Carried) -> Any:
+        """The same along a log with masses that some runs carry: a number without any, else (n,)."""
+        found: Any = self.inertia(values)
+        for rows, added in carried:
+            found = np.where(rows, self.inertia(self.carrying(values, added)), found)
+        return found
+
+    def carrying(self, values: Values, added: AddedMass) -> dict[str, float]:
+        """The values with a mass on the link; what is relative to a declared value remains a part of that."""
+        found = {**values, **added.on(values)}
+        for q in self._model.parameters:
+            if q.part_of is not None and values.get(q.name):
+                declared = self._model.expand(q.part_of)
+                found[q.name] = values[q.name] * evaluated(declared, values) / evaluated(declared, found)
+        return found
 
     def inertia_per(self, letter: str, values: Values) -> float:
         """Its derivative by one of them: 1, mu^2."""

@@ -138,8 +138,11 @@ class Problem:
     def moving(self, solution: Solution) -> Array:
         """What accelerates the inertia (n,), in the unit of the residual."""
         of = {c.role: value for c, value in zip(self.coefficients, solution.values, strict=True)}
-        known = self.drive.machine.inertia(self._values(solution.at)) * of.get("scale", 1.0)
-        return of.get("inertia", known) * self.aligned(solution.at).channels.motion.alpha_m
+        drive, values = self.aligned(solution.at), self._values(solution.at)
+        channels, machine, scale = drive.channels, drive.machine, of.get("scale", 1.0)
+        inertia = machine.inertia(values)
+        carried = machine.inertia_along(values, channels.carried) - inertia
+        return (of.get("inertia", inertia * scale) + carried * scale) * channels.motion.alpha_m
 
     @property
     def unit(self) -> str:
@@ -199,7 +202,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
         on = on or f" on {rows.description}, and its error taken on {compared}"
         warnings.append(f"the log is fitted{on}")
     coefficients = combinations_of(drive, rig, model, scale)
-    kept = seen_columns(model, rig.known)
+    kept = seen_columns(model, {} if drive.channels.carried else rig.known)
     gone = [c.letter for k, c in enumerate(coefficients) if c.role == "friction" and k not in kept]
     if gone:
         warnings.append(f"no unbalanced mass: {', '.join(gone)} have no effect and are omitted")

@@ -83,7 +83,8 @@ class Refit:
     def _moving(self) -> Array:
         """What accelerates the drive (n,) [N m]: its inertia, and the other bodies of a chain."""
         drive = self.data.drive
-        moving = Machine(self.model).inertia(self.values) * drive.channels.motion.alpha_m
+        inertia = Machine(self.model).inertia_along(self.values, drive.channels.carried)
+        moving = inertia * drive.channels.motion.alpha_m
         return moving if drive.along is None else moving + drive.along.torque
 
     def residual_like(self, other: Refit, balance: str = "mechanical", *, smooth: bool = False) -> Array:

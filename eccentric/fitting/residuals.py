@@ -69,7 +69,10 @@ class Residuals:
             return found
         if (along := self._drive.along) is not None:
             found = found + self._rows.mean(along.torque) - self._rows.plain_mean(along.torque)
-        return found if self._once is None else found + self._machine.inertia(values) * self._once
+        if self._once is None:
+            return found
+        inertia = self._machine.inertia_along(values, self._drive.channels.carried)
+        return found + self._rows.of_each_run(inertia) * self._once
 
     def samples(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The same on the samples.
@@ -78,6 +81,14 @@ class Residuals:
         residual contains only the effects of the armature.
         """
         inputs = self.inputs if current is None else self.inputs | {"i": current}
+        found = self._alike(balance, inputs, values)
+        for rows, added in self._drive.channels.carried:
+            carrying = self._alike(balance, inputs, self._machine.carrying(values, added))
+            found = np.where(rows, carrying, found)
+        return found
+
+    def _alike(self, balance: str, inputs: Mapping[str, Array], values: Mapping[str, float]) -> Array:
+        """A residual on the samples (n,), all of them with the same parameters."""
         parameters = self._emitted.parameters(values)
         found = self._emitted(f"{balance}_residual", inputs, parameters)
         if balance == "mechanical" and self._drive.by_voltage:

@@ -39,7 +39,7 @@ class Assigned:
         content = read_document(path, "a rig file, or a table of rigs")
         self._table = _of_toml(content["joints"], path) if "joints" in content else None
         if self._table is None:
-            read_rig(path)
+            self.rig("")
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -50,12 +50,13 @@ class Assigned:
         """The rig of a joint. InputError for one that the table lacks, or whose rig cannot be read."""
         content = self.content(joint)
         if content is None:
-            return read_rig(self._path)
+            return _of_one_mass(read_rig(self._path))
         where = f"{self._path} (joint {joint})"
         try:
-            return dataclasses.replace(read_rig(content), path=where)
+            rig = dataclasses.replace(read_rig(content), path=where)
         except InputError as error:
             raise InputError(f"{where}: {str(error).removeprefix('rig: ')}") from None
+        return _of_one_mass(rig)
 
     def content(self, joint: str) -> Mapping[str, Any] | None:
         """The rig file of a joint with its own values; None where one file holds for all. Raises as `rig`."""
@@ -72,6 +73,13 @@ class Assigned:
         content["known"] = _with_own(read_table(content.get("known", {}), f"{path}: known"), own, axis)
         content["name"] = joint
         return content
+
+
+def _of_one_mass(rig: Rig) -> Rig:
+    """The rig. InputError for one with masses that some runs carry: the sums of a fleet are of one link."""
+    if rig.added:
+        raise InputError(f"{rig.path}: [added]: logs of one mass are required in a fleet")
+    return rig
 
 
 def _with_own(known: Mapping[str, Any], own: Mapping[str, Any], axis: AxisKind) -> dict[str, Any]:

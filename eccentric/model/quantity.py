@@ -28,6 +28,7 @@ class Quantity:
         domain: of valid values: "positive", "nonnegative", "real" or "tilt" (0 to a right angle).
         default: the paper's value as a decimal, or an expression in other parameters; None if there is none.
         letter: its form in a formula, if different from its name: "eta_2", "B_m^+", "Delta t", "i^'".
+        part_of: what it is a part of, for one that is relative to a declared value; None for all others.
     """
 
     symbol: sp.Symbol
@@ -37,6 +38,7 @@ class Quantity:
     domain: str = "real"
     default: sp.Expr | None = None
     letter: str = ""
+    part_of: sp.Symbol | None = None
 
     @property
     def name(self) -> str:
@@ -52,6 +54,7 @@ def quantity(
     domain: str = "real",
     default: str | sp.Expr | None = None,
     letter: str = "",
+    part_of: Quantity | None = None,
 ) -> Quantity:
     """Make a quantity; a decimal default such as "0.25" is kept exact (1/4).
 
@@ -63,7 +66,8 @@ def quantity(
     if domain not in _ASSUMPTIONS:
         raise ValueError(f"{name}: domain: one of {', '.join(_ASSUMPTIONS)} is required, received {domain!r}")
     value = sp.Rational(default) if isinstance(default, str) else default
-    return Quantity(sp.Symbol(name, **_ASSUMPTIONS[domain]), unit, meaning, equation, domain, value, letter)
+    symbol, whole = sp.Symbol(name, **_ASSUMPTIONS[domain]), None if part_of is None else part_of.symbol
+    return Quantity(symbol, unit, meaning, equation, domain, value, letter, whole)
 
 
 def symbols(*quantities: Quantity) -> tuple[sp.Symbol, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from itertools import permutations
 
 import numpy as np
@@ -78,17 +78,16 @@ def kept(
     parts: Sequence[Segment],
     bounds: Bounds,
     least: float = 0.0,
-    known: Mapping[str, float] | None = None,
 ) -> Offer | None:
     """The same motion, slower where needed for true drives to keep the limits.
 
-    None if less than this part of its speed would be left; `known`: parameters of the rig that were changed.
+    None if less than this part of its speed would be left.
     """
     scale = 1.0
     for _ in range(RESCALED):
         slower = [part.scaled(scale) for part in parts]
         motion = joined(slower, bounds)
-        ground = separation.ground(motion, known)
+        ground = separation.ground(motion)
         if ground.met is None:
             return None
         used = extremes(motion, ground.met, bounds.loop_hz).beyond(bounds)

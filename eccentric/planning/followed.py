@@ -3,8 +3,9 @@
 A reference within its limits is not a motion within them: a speed loop lags behind a ramp and overshoots
 its end, gravity and the reversal of friction disturb it, and mass and friction of the drive are not those of
 the fit. So the loop is simulated with each of them off by `OFF`, both ways: a speed controller, proportional
-and integral, tuned for the fitted inertia, behind the filter of its speed; friction holds what is below its
-level. Load and friction are those along the reference: where the drive is elsewhere, it is by little.
+and integral, behind the filter of its speed. It is tuned for the fitted inertia, and a mass that is added for
+one log leaves it so. Friction holds what is below its level. Load and friction are those along the reference:
+where the drive is elsewhere, it is by little.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ class Met:
     Attributes:
         inertia: [kg m^2]; load: gravity and the like (n,) [N m]; friction: along the motion (n,) [N m].
         torque_constant: torque [N m] of one ampere; noise: what the loop adds to the current [A].
+        tuned_for: the inertia that the speed loop was tuned for [kg m^2], None for this one.
     """
 
     inertia: float
@@ -39,6 +41,7 @@ class Met:
     friction: Array
     torque_constant: float
     noise: float = 0.0
+    tuned_for: float | None = None
 
 
 @dataclass(frozen=True)
@@ -93,7 +96,7 @@ def _followed(
     dt = 1.0 / (RATE_HZ * LOOP_STEPS)
     inertia, load = mass * met.inertia, (mass * met.load).tolist()
     dry = (friction * _size(motion, met.friction)).tolist()
-    gain = 2.0 * math.pi * loop_hz * met.inertia
+    gain = 2.0 * math.pi * loop_hz * (met.inertia if met.tuned_for is None else met.tuned_for)
     per_step, pole = gain * INTEGRAL_PER_S * dt, 1.0 - math.exp(-2.0 * math.pi * SPEED_FILTER_HZ * dt)
     step, speed, seen, integral, away = dt / inertia, 0.0, 0.0, load[0], 0.0
     fastest = strongest = low = high = 0.0

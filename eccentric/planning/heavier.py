@@ -1,6 +1,6 @@
 """What a change of the rig would decide where no motion does: the same motion with more mass on the link.
 
-A diagnosis takes logs of one rig: the log with another mass is judged alone, without the first one.
+The log with another mass is judged together with the first one: `[added]` in a rig file has both diagnosed.
 """
 
 from __future__ import annotations
@@ -8,15 +8,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from eccentric.errors import InputError
 from eccentric.model import vocabulary as v
 from eccentric.planning.bounds import Bounds
 from eccentric.planning.chance import expected
 from eccentric.planning.choice import kept, pairs
 from eccentric.planning.limits import HEAVIER, STEPS
 from eccentric.planning.motion import Segment
+from eccentric.planning.question import Question
 from eccentric.planning.separation import Separation
+from eccentric.rigs import AddedMass
 
-__all__ = ["Heavier", "with_more_mass"]
+__all__ = ["Heavier", "require_link", "with_more_mass"]
 
 
 @dataclass(frozen=True)
@@ -25,6 +28,16 @@ class Heavier:
 
     added_kg: float
     probability: float
+
+
+def require_link(question: Question) -> None:
+    """InputError if the mass on the link and its distance, beside which one is added, are not known."""
+    rig = question.data.drive.channels.rig
+    if missing := [q.symbol.name for q in (v.M, v.L) if not rig.known.get(q.symbol.name)]:
+        verb = "are" if len(missing) > 1 else "is"
+        raise InputError(
+            f"{rig.path}: [known] {' and '.join(missing)} {verb} required to add a mass, received none"
+        )
 
 
 def with_more_mass(
@@ -45,10 +58,10 @@ def with_more_mass(
     if not mass or not length or link not in known:
         return None
     added = HEAVIER * mass
-    more = {v.M.symbol.name: mass + added, link: known[link] + added * length**2}
-    offer = kept(separation, parts, bounds, known=more)
+    heavy = Separation(separation.question, AddedMass(added))
+    offer = kept(heavy, parts, bounds)
     if offer is None:
         return None
-    found = pairs(separation, [offer[1]], STEPS)
+    found = pairs(heavy, [heavy.log, offer[1]], STEPS)
     chances = {rival.family: rival.chance for rival in separation.rivals}
     return Heavier(added, expected({pair: d * worth[pair] for pair, d in found.items()}, chances))

@@ -16,12 +16,13 @@ from eccentric.model import TURNING, AxisKind
 from eccentric.planning.bounds import FORCE, Bounds
 from eccentric.planning.chance import Pairs, expected
 from eccentric.planning.choice import chosen
-from eccentric.planning.heavier import Heavier, with_more_mass
+from eccentric.planning.heavier import Heavier, require_link, with_more_mass
 from eccentric.planning.limits import DECIDES, HARDLY, RATE_HZ, SAME_TORQUE, UNDECIDED, WORTH_A_RUN
 from eccentric.planning.motion import Reference, joined
 from eccentric.planning.question import Question, question_of
 from eccentric.planning.rivals import Rival
 from eccentric.planning.separation import Separation
+from eccentric.rigs import AddedMass
 
 __all__ = ["MeasurementPlan", "plan_document", "plan_lines", "planned"]
 
@@ -42,6 +43,7 @@ class MeasurementPlan:
         same: pairs of families that predict the same torque on log and motion, whichever is true.
         probability: that the new log decides between the rivals; None for one alone.
         heavier: the same with another mass on the link, where the motion is not enough and there is a mass.
+        added: mass on the link [kg] that the motion is for, besides the rig's own.
         narrower: of one alone: coefficient -> expected standard error over that on the log.
         otherwise: a measurement that needs more than a motion, "" where none is known.
         follows: variables of the structure that no effect explains, for a log with some.
@@ -61,6 +63,7 @@ class MeasurementPlan:
     otherwise: str
     follows: tuple[str, ...]
     axis: AxisKind = TURNING
+    added: float = 0.0
 
     @property
     def strength(self) -> tuple[str, str]:
@@ -69,13 +72,19 @@ class MeasurementPlan:
 
 
 def planned(
-    found: Diagnosis | Question, bounds: Bounds, tell: Callable[[str], None] = lambda _: None
+    found: Diagnosis | Question,
+    bounds: Bounds,
+    tell: Callable[[str], None] = lambda _: None,
+    added: float = 0.0,
 ) -> MeasurementPlan:
     """Plan the motion that tells the rivals of a diagnosis apart, or that determines its model best.
 
+    added: mass [kg] that the link is to carry beside the rig's own.
+
     Raises:
         InputError: the log does not fit the rig; it has no current, and the rig lacks the constants that
-            give one of a voltage or torque; no motion stays within the bounds.
+            give one of a voltage or torque; no motion stays within the bounds; a mass is to be added to a
+            link whose own is not known.
     """
     question = found if isinstance(found, Question) else question_of(found)
     channels, axis = question.data.drive.channels, question.data.drive.channels.rig.axis
@@ -85,7 +94,9 @@ def planned(
         has = "a force" if by_force else "no force"
         raise InputError(f"limits: {needed} is required, since the log has {has}, received {given}")
     _require_amperes(question, bounds)
-    rivals, separation = question.rivals, Separation(question)
+    if added:
+        require_link(question)
+    rivals, separation = question.rivals, Separation(question, AddedMass(added) if added else None)
     tell(f"open: {', '.join(rival.headline for rival in rivals)}")
     segments, ground, apart = chosen(separation, bounds, SEED, tell)
     motion = joined(segments, bounds)
@@ -109,7 +120,7 @@ def planned(
     apart = {pair: d * worth[pair] for pair, d in apart.items()}
     probability = None if alone else expected(apart, chances)
     heavier = None
-    if probability is not None and probability < DECIDES:
+    if probability is not None and probability < DECIDES and not added:
         tell("judging the same motion with more mass")
         heavier = with_more_mass(separation, segments, bounds, worth)
     return MeasurementPlan(
@@ -126,6 +137,7 @@ def planned(
         otherwise=question.otherwise,
         follows=question.follows,
         axis=axis,
+        added=added,
     )
 
 
@@ -186,8 +198,8 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         if (more := plan.heavier) is not None:
             kg = f"{more.added_kg:.2g} kg more on the link"
             said.append(
-                f"With {kg}, this motion decides with a probability of {100 * more.probability:.0f} %:"
-                " diagnose that log alone, with its own rig file."
+                f"With {kg}, this motion would decide with a probability of {100 * more.probability:.0f} %:"
+                f' plan it with --added "{more.added_kg:.2g} kg".'
                 if more.probability > plan.probability
                 else f"{kg} would not decide either."
             )
@@ -203,6 +215,11 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         if min(plan.narrower.values(), default=0.0) > HARDLY:
             said.append("Within these limits hardly any motion adds to what the log shows: widen them.")
     moved, bounds = plan.motion, plan.bounds
+    if plan.added:
+        said.append(
+            f"All of this is with {plan.added:g} kg more on the link: name the run under [added] in the rig"
+            f' file (RUN = "{plan.added:g} kg"), and diagnose both logs.'
+        )
     said.append(f"Motion of {moved.seconds:.1f} s at {RATE_HZ:g} Hz, from rest at {moved.theta[0]:.4g} rad:")
     said += [f"  {len(tuple(same))} x {words}" for words, same in groupby(plan.parts)]
     said.append("Largest values, beside the limits (motor side):")
@@ -238,6 +255,7 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
         ],
         "same_torque": [list(pair) for pair in plan.same],
         "relative_std_error": plan.narrower,
+        "added_kg": plan.added,
         "heavier": None if plan.heavier is None else vars(plan.heavier),
         "otherwise": plan.otherwise,
         "residual_depends_on": list(plan.follows),

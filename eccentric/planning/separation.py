@@ -22,6 +22,7 @@ from eccentric.planning.limits import COARSE, INFORMATIVE_HZ, NOISE_PEAK, RATE_H
 from eccentric.planning.motion import Reference
 from eccentric.planning.question import Question
 from eccentric.planning.rivals import Rival
+from eccentric.rigs import AddedMass
 from eccentric.search import Candidate, Screen, Variant, bounded_solve, candidate_of, refined
 from eccentric.signals import BalanceDesign, Rows, balance_design, white_noise
 
@@ -81,10 +82,10 @@ class Ground:
 
 
 class Separation:
-    """The rivals of a question on its log, and on any motion."""
+    """The rivals of a question on its log, and on any motion; the link may carry more mass there."""
 
-    def __init__(self, question: Question) -> None:
-        self.question, self.rivals = question, question.rivals
+    def __init__(self, question: Question, added: AddedMass | None = None) -> None:
+        self.question, self.rivals, self._added = question, question.rivals, added
         own = {v.candidate.id: v.candidate for rival in self.rivals for v in rival.variants}
         offered = question.screen.candidates
         # What a declared value may be off by is part of every rival.
@@ -103,9 +104,9 @@ class Separation:
         per_row = min(self._information * seconds / screen.rows, 1.0 / variance)
         self.log = Ground(screen, own, np.ones(screen.rows, bool), per_row, np.empty(0))
 
-    def ground(self, motion: Reference, known: Mapping[str, float] | None = None) -> Ground:
-        """A motion as the rivals see it; `known`: parameters of the rig that were changed for it."""
-        signals, base, load, current = self._signals(motion, known or {})
+    def ground(self, motion: Reference) -> Ground:
+        """A motion as the rivals see it."""
+        signals, base, load, current = self._signals(motion)
         balance = self._balance(signals, base, motion)
         drive = self.question.data.drive
         only = "mechanical" if drive.by_voltage else None
@@ -144,7 +145,14 @@ class Separation:
         friction = way * np.max([way * own for own in frictions], axis=0)
         one = float(drive.machine.current_of_torque(known, 1.0))
         noise = white_noise(drive.torque(), drive.channels.time.segment) * abs(one)
-        return Met(inertia, load - inertia * motion.alpha, friction, 1.0 / one, NOISE_PEAK * noise)
+        return Met(
+            inertia,
+            load - inertia * motion.alpha,
+            friction,
+            1.0 / one,
+            NOISE_PEAK * noise,
+            tuned_for=drive.machine.inertia(drive.known),
+        )
 
     def apart(self, truth: Rival, other: Rival, grounds: Sequence[Ground], steps: int = 0) -> float:
         """Twice the expected log-likelihood ratio of a true rival over another on these grounds.
@@ -203,12 +211,13 @@ class Separation:
         """The variants, and what the declared values may be off by."""
         return [*variants, *(Variant(candidate, {}) for candidate in self.declared)]
 
-    def _signals(
-        self, motion: Reference, changed: Mapping[str, float]
-    ) -> tuple[Signals, Array, Array, Array]:
+    def _signals(self, motion: Reference) -> tuple[Signals, Array, Array, Array]:
         """Signals of a motion, its base columns (n, p), load [N m] and current [A] (n,) without effects."""
         data, model = self.question.data, self.question.model
-        old = replace(data.signals, known={**data.signals.known, **changed})
+        own = data.signals.known
+        old = replace(
+            data.signals, known={**own, **({} if self._added is None else self._added.on(own))}, link={}
+        )
         n, dt = len(motion.t), 1.0 / RATE_HZ
         # The machine counts its angle from where it likes, the model from where the mass hangs lowest.
         theta = motion.theta - data.drive.channels.alignment.theta_zero_rad / old.known["mu"]

@@ -1,13 +1,14 @@
 """What the user knows about the test bench: a rig in, checked values in SI units out.
 
 In: the path of a TOML or JSON file, or its content.  Out: a `Rig`, composed of what the log holds (`LogMap`,
-with a `ColumnSource` for each channel that it maps), `Sampling`, `NamedHoldout` and `Alignment`; the tables
-of what a rig file may contain (`KEYS`, `KNOWNS`, `CHANNELS`, `ALIGNMENT`). A rig that names an arm: an
-`ArmRig`, with a `Rig` for each joint. `rig_complaints` and `arm_rig_complaints` list all that is wrong at
-once.
+with a `ColumnSource` for each channel that it maps), `Sampling`, `NamedHoldout` and `Alignment`, and with an
+`AddedMass` for runs that carry one; the tables of what a rig file may contain (`KEYS`, `KNOWNS`, `CHANNELS`,
+`ALIGNMENT`). A rig that names an arm: an `ArmRig`, with a `Rig` for each joint. `rig_complaints` and
+`arm_rig_complaints` list all that is wrong at once.
 May import: `logs` for units, `model` for the vocabulary and chains, `arms` for their files.
 """
 
+from eccentric.rigs.added import AddedMass, read_mass
 from eccentric.rigs.arm_complaints import arm_rig_complaints
 from eccentric.rigs.arm_rig import NUMBER, ArmRig, names_arm, read_arm_rig
 from eccentric.rigs.complaints import rig_complaints
@@ -23,6 +24,7 @@ __all__ = [
     "KEYS",
     "KNOWNS",
     "NUMBER",
+    "AddedMass",
     "Alignment",
     "ArmRig",
     "ColumnSource",
@@ -41,6 +43,7 @@ __all__ = [
     "names_arm",
     "plain_entries",
     "read_arm_rig",
+    "read_mass",
     "read_pair",
     "read_rig",
     "rig_complaints",

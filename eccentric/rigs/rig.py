@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from eccentric.errors import InputError, MissingValueError, few, meant
 from eccentric.logs import parse_value
 from eccentric.model import AXES, LINEAR, TURNING, AxisKind
 from eccentric.places import given_path, shown
+from eccentric.rigs.added import AddedMass, read_added
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names, read_number, refuse_unknown
 from eccentric.rigs.file import read_file
 from eccentric.rigs.known import mass_alone, read_knowns
@@ -31,11 +32,11 @@ DRIVES = ("current", "voltage", "torque")
 KEYS = (
     *("format", "name", "log_type", "kind", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
     *("sample_rate_hz", "low_pass_hz", "moving_threshold_rad_s", "holdout_intervals_s", "holdout_runs"),
-    *("runs", "average_over"),
+    *("runs", "average_over", "added"),
     *ALIGNMENT,
 )
 """Keys at the top level of a rig file."""
-_OF_A_TURN = frozenset({"encoder_counts_per_rev", "theta_zero_rad"})
+_OF_A_TURN = frozenset({"encoder_counts_per_rev", "theta_zero_rad", "added"})
 _OF_A_CARRIAGE = frozenset({"encoder_step_m"})
 
 
@@ -70,6 +71,7 @@ class Rig:
         estimate: names of those that the fit has to find.
         warnings: what is unusual about the rig.
         axis: what moves; it says what all of these are called.
+        added: masses that some runs carry, by the run or a pattern of runs.
     """
 
     path: str
@@ -84,6 +86,7 @@ class Rig:
     estimate: frozenset[str]
     warnings: tuple[str, ...]
     axis: AxisKind = TURNING
+    added: Mapping[str, AddedMass] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         plane = f"case {self.case}" if self.case else "a tilted plane"
@@ -181,6 +184,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
         estimate=estimate,
         warnings=(*warnings, *(_doubts(known) if axis is TURNING else ())),
         axis=axis,
+        added=read_added(content, where, known),
     )
 
 

@@ -50,7 +50,10 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
     mechanical = balance_design("mechanical", rows, coefficients, target, columns, target)
     # What the rig leaves open is as good as known, whatever its sign.
     mechanical = mechanical.without_bounds(but=("friction",))
-    mechanical = _once_filtered(mechanical, channels.motion.alpha_m, drive.machine.inertia(known), "inertia")
+    inertia = drive.machine.inertia_along(known, channels.carried)
+    mechanical = _once_filtered(
+        mechanical, channels.motion.alpha_m, mechanical.rows.of_each_run(inertia), "inertia"
+    )
     mechanical = _with_bodies(mechanical, data)
     if drive.by_voltage:
         turning = np.where(drive.off, 0.0, channels.motion.omega_m)
@@ -96,11 +99,12 @@ def _row_noise(signal: Array, rows: Rows) -> float:
 
 
 def _once_filtered(
-    balance: BalanceDesign, signal: Array, factor: float, role: ColumnRole | None = None
+    balance: BalanceDesign, signal: Array, factor: Array | float, role: ColumnRole | None = None
 ) -> BalanceDesign:
     """The balance with a signal (samples,) that has passed the low pass already, and is not to pass it twice.
 
-    The target holds minus `factor` times the signal, the column of this role the signal itself.
+    The target holds minus `factor`, a number or one for each row, times the signal; the column of this role
+    is the signal itself.
     """
     rows = balance.rows
     if rows.smooth is None:
@@ -169,6 +173,7 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         friction={c.name: float(x) for c, x in zip(columns, own, strict=True)},
         by_voltage=data.drive.by_voltage,
         scaled=data.drive.scale is None and channels.motor.measured_by in {"current", "voltage"},
+        masses=bool(channels.carried),
         left_open=tuple(sorted({*(c.role for c in data.drive.open), *channels.rig.estimate, *_bodies(data)})),
         mean_force=_mean_force(data),
         turns=turns,

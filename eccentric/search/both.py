@@ -18,7 +18,15 @@ import numpy as np
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant, bounds_of
 from eccentric.search.joint import Beside, BothBalances
-from eccentric.search.limits import CONFIRMED, HIDES, HINTED, LEAST_DEVIANCE, MOST_BESIDE, POSSIBLE, TINY_COLUMN
+from eccentric.search.limits import (
+    CONFIRMED,
+    HIDES,
+    HINTED,
+    LEAST_DEVIANCE,
+    MOST_BESIDE,
+    POSSIBLE,
+    TINY_COLUMN,
+)
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
 from eccentric.signals import BalanceDesign
@@ -160,7 +168,7 @@ def _of_the_flux(electrical: Search) -> list[Candidate]:
 
 
 def _by_the_circuit(mechanical: Search, electrical: Search) -> None:
-    """Add to what the torque says of effects on the flux what the circuit says, too faint to be adopted there.
+    """Add to what the torque says of effects on the flux what the circuit says, too faint to adopt there.
 
     What could be in their place is friction, of which the circuit would show nothing.
     """

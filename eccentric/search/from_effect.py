@@ -61,6 +61,8 @@ def candidate_of(
         ]
         for balance, terms in effect.change.terms.items()
     }
+    # Of what is relative to a declared value, the coefficient is the same in every run.
+    parts = [seen.part(q.part_of) for q in effect.coefficients]
     # The search bounds coefficients by 0 alone. Of one that may have either sign it refuses what lies beyond
     # its bounds; the upper end of the others may be one of scale, which the fit on the emitted module keeps.
     ranges = tuple(
@@ -75,7 +77,12 @@ def candidate_of(
     def columns_of(*balances: str) -> Callable[[Values], Array]:
         def columns(values: Values) -> Array:
             series = states(values)
-            every = [np.column_stack([column(values, series) for column in own[b]]) for b in balances]
+            every = [
+                np.column_stack(
+                    [part * column(values, series) for part, column in zip(parts, own[b], strict=True)]
+                )
+                for b in balances
+            ]
             return np.sum(every, axis=0)
 
         return columns

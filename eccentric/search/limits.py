@@ -105,7 +105,8 @@ Controls of the bench stay below 22; `nulltest.null_quantile` gives the level of
 """
 LEAST_SHARE = 0.0015
 """RMS that an addition must remove from the residual, as a fraction of the balance's scale: filters and the
-sampling of voltage and current cause errors. On 248 controls of the bench nothing beyond chance removed 0.001."""
+sampling of voltage and current cause errors. On 248 controls of the bench nothing beyond chance removed
+0.001."""
 LEAST_PART = 0.0003
 """The same squared, as a fraction of all the structure found so far: a small remainder beside a large effect
 is an error in that effect's form."""

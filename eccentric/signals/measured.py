@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,7 @@ from eccentric.signals.motion import motion_of
 from eccentric.signals.stretches import joined
 
 if TYPE_CHECKING:
-    from eccentric.rigs import Rig
+    from eccentric.rigs import AddedMass, Rig
     from eccentric.signals.finding import Finding
     from eccentric.signals.holdout import Holdout
 
@@ -171,6 +172,15 @@ class Channels:
         """The low pass of a rig for all signals of the log."""
         time = self.time
         return low_pass_of(time.t, time.segment, rig.sampling.low_pass_hz, alike=bool(np.any(time.skipped)))
+
+    @property
+    def carried(self) -> tuple[tuple[Mask, AddedMass], ...]:
+        """The masses that some runs carry beside that of the rig, each with its rows (n,)."""
+        names = self.time.run_names
+        return tuple(
+            (np.isin(self.time.run, [k for k, name in enumerate(names) if fnmatchcase(name, runs)]), added)
+            for runs, added in self.rig.added.items()
+        )
 
     @property
     def phased(self) -> bool:

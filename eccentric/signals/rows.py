@@ -88,6 +88,10 @@ class Rows:
         """The same without `smooth`, for signals that have passed that low pass, such as the acceleration."""
         return np.asarray(x, float) if self.operator is None else self.operator @ x
 
+    def of_each_run(self, x: Array | float) -> Array | float:
+        """The same of what is one number in each run (n,), or in all of them."""
+        return x if np.ndim(x) == 0 else self.plain_mean(np.asarray(x))
+
     def acceleration(self, channels: Channels) -> Array:
         """Motor acceleration [rad/s^2] (m,): integrated by parts from the logged angle, or its mean."""
         if self.rate_operator is not None:

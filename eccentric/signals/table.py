@@ -73,7 +73,22 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
                 f"{log.path}: the same channels are required in every log, {differ} is not in all of them"
             )
     joined = tables[0] if len(tables) == 1 else _joined(tables)
-    return _chosen(joined, rig) if rig.log.runs else joined
+    chosen = _chosen(joined, rig) if rig.log.runs else joined
+    _require_carriers(chosen.run_names, rig)
+    return chosen
+
+
+def _require_carriers(run_names: Sequence[str], rig: Rig) -> None:
+    """InputError for an added mass that no run carries, and for a run with two."""
+    carried: dict[str, str] = {}
+    for pattern in rig.added:
+        for name in matching([pattern], run_names, f"{rig.path}: [added]"):
+            if name in carried:
+                raise InputError(
+                    f"{rig.path}: [added]: one mass for a run is required, received {carried[name]!r} and"
+                    f" {pattern!r} for {name!r}"
+                )
+            carried[name] = pattern
 
 
 def _joined(tables: Sequence[Table]) -> Table:
