@@ -325,7 +325,7 @@ def test_a_current_that_moves_nothing_is_refused(
     [
         (
             0.9,
-            "With 0.2 kg more on the link, this motion would decide with a probability of 90 %: plan it with --added",
+            "With 0.2 kg more on the link, this motion would decide with a probability of 90 %: plan it with",
         ),
         (0.3, "0.2 kg more on the link would not decide either."),
     ],
