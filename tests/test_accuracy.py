@@ -69,6 +69,7 @@ def test_steady(case: str, drive: str, dtype: Real) -> None:
                 assert worst <= bound(name, function, drive), (name, function, at.name)
 
 
+@pytest.mark.slow
 @both_precisions
 @every_drive
 def test_beside_every_top(drive: str, dtype: Real) -> None:

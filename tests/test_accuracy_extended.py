@@ -177,6 +177,7 @@ def columns(one: extended.Extended, name: str, at: accuracy.Set, p: Parameters) 
     return [*accuracy.jacobian(name, at, p, own), *added]
 
 
+@pytest.mark.slow
 @both_precisions
 @some_drives
 @pytest.mark.parametrize("case", extended.CASES)

@@ -58,6 +58,7 @@ def extended(kind: str, **values: float) -> Model:
     return dataclasses.replace(wide, name=NAME)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_same_bits(tmp_path: Path, kind: str) -> None:
     """Flags and every number of the state agree, in both precisions."""

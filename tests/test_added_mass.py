@@ -95,6 +95,7 @@ def test_a_known_mass_gives_the_torque_constant_where_gravity_does_not() -> None
     assert without["k_i"] == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", WRONG)
 def test_what_is_wrong_with_the_link_is_not_wrong_with_the_added_mass(family: str) -> None:
     """A declared value 7 % too large is found so, beside a mass that is known: with both, the model fits."""

@@ -165,6 +165,7 @@ def test_what_a_script_reads_is_read_every_time(tmp_path: Path) -> None:
     assert not _is_found(reads)
 
 
+@pytest.mark.slow
 def test_a_changed_toolkit_derives_again(tmp_path: Path) -> None:
     """Be it a source, a template or a derivation that ships."""
     for name in ("eccentric", "templates", "derivations"):
@@ -268,6 +269,7 @@ def test_a_library_that_cannot_be_loaded_is_built_again(
     assert 1 == len(refused)
 
 
+@pytest.mark.slow
 def test_processes_at_the_same_time_do_not_clash(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each receives its module, and the cache they leave is complete, with nothing half-written in it."""
     own = _own(tmp_path, "0.02")

@@ -319,6 +319,7 @@ def test_a_worker_that_is_killed_is_survived(cluster: Any, tmp_path: Path) -> No
     assert "every worker that took it died" in str(results["always"])
 
 
+@pytest.mark.slow
 def test_a_worker_killed_from_outside_in_the_middle_costs_nothing(
     cluster: Any, fleet: Path, found: tuple[Path, Any], tmp_path: Path
 ) -> None:
@@ -341,6 +342,7 @@ def test_a_worker_killed_from_outside_in_the_middle_costs_nothing(
         np.testing.assert_array_equal(mine.sums.windows, theirs.sums.windows)
 
 
+@pytest.mark.slow
 def test_a_worker_whose_memory_is_nearly_full_goes_on() -> None:
     """Nine tenths of it are kept: what comes next is done all the same, by the same process."""
     with connected(None, 1) as client:

@@ -60,6 +60,7 @@ def test_a_rig_with_a_byte_order_mark_is_read() -> None:
     assert TARGETS["rig .toml"].take(b"\xef\xbb\xbf[known]\ncase = 'C2'\n") == "accepted"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TARGETS)
 def test_the_fuzz_reaches_both_ends(name: str) -> None:
     """Of the inputs of each target some are accepted and some refused."""
