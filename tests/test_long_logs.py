@@ -31,7 +31,7 @@ def rig_of(**more: Any) -> Rig:
 
 def surveyed(log: Columns, rig: Rig | None = None) -> LogSurvey:
     """One pass over a log."""
-    return survey(stream_log(log), rig or rig_of(), True, lambda _: None)
+    return survey(stream_log(log), rig or rig_of(), "log", True, lambda _: None)
 
 
 def chosen_times(log: Columns, rig: Rig, most: int) -> list[tuple[float, float]]:

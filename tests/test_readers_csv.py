@@ -139,5 +139,5 @@ def test_runs_of_two_logs_keep_names_that_differ(tmp_path: Path) -> None:
     assert set(channels.time.run[channels.selection.held_out].tolist()) == {1}
 
     alike = [logs[0], part("a", slice(half, None), "two/data.csv")]
-    channels = read_channels(alike, read_rig({**rig, "holdout_runs": ["data#2/*"]}))
-    assert ("data/a", "data#2/a") == channels.time.run_names
+    channels = read_channels(alike, read_rig({**rig, "holdout_runs": ["two/data/*"]}))
+    assert ("one/data/a", "two/data/a") == channels.time.run_names

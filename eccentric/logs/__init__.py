@@ -9,7 +9,7 @@ May import: `errors`.  A new format is one more file beside `csv_file.py` and on
 from eccentric.logs.arithmetic import evaluate
 from eccentric.logs.arrow import arrow_columns
 from eccentric.logs.batches import LogStream, stream_log
-from eccentric.logs.log import Excerpt, Log, LogSource, log_names, read_log
+from eccentric.logs.log import Excerpt, Log, LogSource, log_names, log_stems, read_log
 from eccentric.logs.units import Unit, parse_unit, parse_value, require_unit
 
 __all__ = [
@@ -21,6 +21,7 @@ __all__ = [
     "arrow_columns",
     "evaluate",
     "log_names",
+    "log_stems",
     "parse_unit",
     "parse_value",
     "read_log",

@@ -10,8 +10,8 @@ import os
 import zlib
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,7 +129,16 @@ READERS: dict[str, Callable[[Path], Read]] = {
 LogSource: TypeAlias = str | os.PathLike[str] | Log | TableLike
 
 
-def log_names(logs: Sequence[Log]) -> tuple[str, ...]:
+class Named(Protocol):
+    """What has the path of a log."""
+
+    @property
+    def path(self) -> str:
+        """As messages show it."""
+        ...
+
+
+def log_names(logs: Sequence[Named]) -> tuple[str, ...]:
     """What messages and results call logs: their file names, equal ones with folders that tell them apart."""
     paths = [Path(log.path) for log in logs]
     names = [path.name for path in paths]
@@ -139,6 +148,14 @@ def log_names(logs: Sequence[Log]) -> tuple[str, ...]:
             for path, name in zip(paths, names, strict=True)
         ]
     return tuple(names)
+
+
+def log_stems(logs: Sequence[Named]) -> tuple[str, ...]:
+    """The same without suffixes, as the names of runs have them; those that are still equal are numbered."""
+    paths = [PurePosixPath(name) for name in log_names(logs)]
+    stems = [(path.parent / path.name.split(".")[0]).as_posix() for path in paths]
+    count = [stems[: k + 1].count(stem) for k, stem in enumerate(stems)]
+    return tuple(stem if n == 1 else f"{stem}#{n}" for stem, n in zip(stems, count, strict=True))
 
 
 def read_log(source: LogSource, name: str = "table") -> Log:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
-from eccentric.logs import Log, LogSource, read_log
+from eccentric.logs import Log, LogSource, log_stems, read_log
 from eccentric.rigs import Rig
 from eccentric.signals.converted import converted, named_apart
 from eccentric.signals.finding import Finding
@@ -57,14 +56,10 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
     if not logs:
         raise InputError("a log is required, received none")
     tables: list[Table] = []
-    stems: list[str] = []
     read = [read_log(log) for log in logs]
     own = named_apart([[log] for log in read], rig)
-    for log in read:
-        stem = Path(log.path).name.split(".")[0]
-        stems.append(stem)
-        name = stem if stems.count(stem) == 1 else f"{stem}#{stems.count(stem)}"
-        tables.append(_one(log, rig, name, alone=own))
+    for log, stem in zip(read, log_stems(read), strict=True):
+        tables.append(_one(log, rig, stem, alone=own))
     names = set(tables[0].channels)
     for log, table in zip(read, tables, strict=True):
         if set(table.channels) != names:

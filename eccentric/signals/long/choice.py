@@ -136,13 +136,12 @@ def _counts(run: str, rig: Rig) -> bool:
 
 
 def _must(windows: Sequence[Window], candidates: Sequence[int], rig: Rig, most: int) -> set[int]:
-    """The first and the last window, one of each run that the rig holds out, and of every run if few."""
+    """The first and the last window, one of each run that the rig names, and of every run if few."""
     first_of: dict[str, int] = {}
     for k in candidates:
         first_of.setdefault(windows[k].run, k)
-    held = {
-        k for run, k in first_of.items() if any(fnmatch.fnmatchcase(run, name) for name in rig.holdout.runs)
-    }
+    named = [*rig.holdout.runs, *rig.added]
+    held = {k for run, k in first_of.items() if any(fnmatch.fnmatchcase(run, name) for name in named)}
     # A pattern may hold out hundreds of runs, all alike.
     held = held if len(held) <= RUNS_PART * most else set(_spread(sorted(held), round(RUNS_PART * most)))
     every = set(first_of.values()) if len(first_of) <= RUNS_PART * most else set()

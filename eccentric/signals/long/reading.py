@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from eccentric.errors import few
-from eccentric.logs import Excerpt, Log, LogSource, LogStream, stream_log
+from eccentric.logs import Excerpt, Log, LogSource, LogStream, log_stems, stream_log
 from eccentric.rigs import ArmRig, Rig
 from eccentric.signals.converted import named_apart, run_column
 from eccentric.signals.joint_columns import require_columns
@@ -130,7 +130,10 @@ class _Chosen:
 def _chosen(
     streams: Sequence[LogStream], rig: Rig, points: int, alone: bool, went: Callable[[int], None]
 ) -> _Chosen:
-    surveys = [survey(stream, rig, alone, went) for stream in streams]
+    surveys = [
+        survey(stream, rig, name, alone, went)
+        for stream, name in zip(streams, log_stems(streams), strict=True)
+    ]
     every = [window for found in surveys for window in found.windows]
     step = float(np.median([found.step_s for found in surveys if found.step_s] or [1.0 / POINT_RATE_HZ]))
     seconds = points * max(step, 1.0 / POINT_RATE_HZ)

@@ -13,7 +13,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,12 +85,13 @@ class LogSurvey:
     scales: tuple[float, ...] = ()
 
 
-def survey(stream: LogStream, rig: Rig, alone: bool, tell: Callable[[int], None]) -> LogSurvey:
+def survey(stream: LogStream, rig: Rig, name: str, alone: bool, tell: Callable[[int], None]) -> LogSurvey:
     """Go over a log once.
 
     Args:
         stream: the log.
         rig: what is known about it.
+        name: of its run, or before those of its runs.
         alone: whether its runs are named by their column alone.
         tell: called with the number of rows after every batch.
 
@@ -100,7 +100,7 @@ def survey(stream: LogStream, rig: Rig, alone: bool, tell: Callable[[int], None]
     """
     columns = stream_columns(stream, rig)
     found = LogSurvey(stream, columns)
-    reader = _Reader(found, rig, alone)
+    reader = _Reader(found, rig, name, alone)
     for batch in stream.batches(columns):
         reader.take(batch)
         tell(batch.rows)
@@ -113,8 +113,8 @@ def survey(stream: LogStream, rig: Rig, alone: bool, tell: Callable[[int], None]
 class _Reader:
     """The state of a pass: the run and the window that the last batch ended in."""
 
-    def __init__(self, found: LogSurvey, rig: Rig, alone: bool) -> None:
-        self._found, self._rig, self._alone = found, rig, alone
+    def __init__(self, found: LogSurvey, rig: Rig, name: str, alone: bool) -> None:
+        self._found, self._rig, self._name, self._alone = found, rig, name, alone
         self._runs: set[str] = set()
         self._run = ""
         self._start = self._last = -math.inf
@@ -125,7 +125,7 @@ class _Reader:
         """Add a batch."""
         found, offset = converted(batch, self._rig), self._found.rows
         self._found.rows += batch.rows
-        numbers, names = found.runs(Path(batch.path).name.split(".")[0], self._alone)
+        numbers, names = found.runs(self._name, self._alone)
         kept = self._kept(batch, found, numbers)
         if not len(kept):
             return
