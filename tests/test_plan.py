@@ -351,7 +351,7 @@ def test_more_mass_is_told_where_it_helps_and_where_not(contest: Separation, mor
 def test_a_plan_with_more_mass_says_what_to_do_with_it(
     tied: tuple[dict[str, np.ndarray], dict[str, object]], contest: Separation
 ) -> None:
-    """The mass is in the document and beside the motion, where the rig file takes it from; none is judged again."""
+    """It is in the document, and beside the motion as the rig file takes it; more is not judged again."""
     bounds = read_bounds(LIMITS)
     plan = planned(contest.question, bounds, added=0.2)
     assert plan.heavier is None
@@ -362,10 +362,9 @@ def test_a_plan_with_more_mass_says_what_to_do_with_it(
 
     link = contest.question.data.drive.channels.rig
     known = {name: value for name, value in link.known.items() if name != "L"}
+    unplaced = replace(contest.question, data=_with_rig(contest, replace(link, known=known)))
     with pytest.raises(InputError, match=r"\[known\] L is required to add a mass, received none"):
-        planned(
-            replace(contest.question, data=_with_rig(contest, replace(link, known=known))), bounds, added=0.2
-        )
+        planned(unplaced, bounds, added=0.2)
     for mass in ("0.2 m", "-1 kg", "0 kg"):
         with pytest.raises(InputError, match="--added: ") as error:
             eccentric.plan([tied[0]], tied[1], LIMITS, added=mass)
