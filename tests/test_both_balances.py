@@ -75,3 +75,38 @@ def test_what_both_show_is_estimated_beside_what_else_the_torque_shows() -> None
 
     assert ["ripple"] == [v.candidate.id for v in found["mechanical"].best.variants]
     assert true == pytest.approx(own.values["x"], abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("voltage", "expected"),
+    [
+        (0.107, ("named", {"flux"})),
+        (-0.107, ("not_identifiable", {"flux", "friction"})),
+        (0.0, ("named", {"friction"})),
+    ],
+    ids=["with its voltage", "with the opposite", "without"],
+)
+def test_the_circuit_adds_what_is_too_faint_to_be_adopted_there(
+    voltage: float, expected: tuple[str, set[str]]
+) -> None:
+    """Friction has nearly the same torque, 2 apart in deviance, and no voltage; that of the flux gains 23."""
+    flux = replace(
+        candidate("flux", {2: 1.0}, balance="electrical"),
+        also=lambda _: mixed({5: 6.0 / 0.107})[:, None],
+        joint=True,
+    )
+    friction = candidate("friction", {5: 1.0, 6: 0.0052})
+    t, none = mixed({0: 1.0}), np.empty((N, 0))
+    circuit = replace(design({2: voltage}), name="electrical", coefficients=(), columns=none, samples=none)
+
+    found = search_all(
+        [design({5: 6.0}), circuit],
+        [flux, friction],
+        Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True),
+        {},
+        lambda _: None,
+    )
+    verdict = decided(found)
+    named = verdict.tied or [one.variant.candidate.id for one in verdict.adopted]
+    assert found["electrical"].best.variants == ()
+    assert expected == (verdict.verdict, set(named))

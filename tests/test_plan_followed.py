@@ -160,6 +160,22 @@ def test_more_mass_is_what_the_rig_would_have(bench: BenchRun, contest: Separati
         np.testing.assert_allclose(met.load, gravity, atol=0.01 * np.max(np.abs(gravity)))
 
 
+def test_what_the_declared_values_may_be_off_by_leaves_the_added_mass(
+    bench: BenchRun, contest: Separation
+) -> None:
+    """An inertia that is off concerns the rig's own, a torque constant all of the load."""
+    bounds = _bounds(bench, 2.0)
+    motion = joined([next(pieces(bounds, 10.0, np.random.default_rng(0)))], bounds)
+    grounds = [s.ground(motion) for s in (contest, Separation(contest.question, AddedMass(0.2)))]
+    of_the_inertia, of_the_constant = (
+        [ground.candidates[name].columns({})[:, 0] for ground in grounds]
+        for name in ("inertia_mismatch", "ki_mismatch")
+    )
+    np.testing.assert_allclose(*of_the_inertia, rtol=1e-12)
+    larger = [float(np.max(np.abs(column))) for column in of_the_constant]
+    assert larger[1] > 1.1 * larger[0]
+
+
 def test_a_drive_that_sticks_counts_with_what_the_motion_asks_for() -> None:
     """Its loop is too slow to break loose within the stroke: the current is that of a drive that moves."""
     t = np.arange(400) / 200.0

@@ -151,6 +151,7 @@ class PlanResult(Printed):
             axes.set_ylabel(self.plan.axis.said(name))
             axes.margins(x=0.0)
         title = self.plan.axis.said("planned motion (motor side), limits dashed")
+        title += f", with {self.plan.added:g} kg added" if self.plan.added else ""
         figure.axes[0].set_title(title, loc="left", fontsize="medium")
         figure.axes[-1].set_xlabel("time [s]")
 
@@ -169,6 +170,7 @@ class PlanResult(Printed):
             count=len(points),
             rate=FIRMWARE_HZ,
             said=self.plan.axis.said,
+            added=f"{self.plan.added:g}" if self.plan.added else "",
             points=[[f"{x:.6e}" for x in point] for point in points],
         )
 

@@ -84,6 +84,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         },
         "rows": found.channels.counts,
         **({"excerpt": found.channels.excerpt} if found.channels.excerpt else {}),
+        **({"added_kg": found.rig.added_kg} if found.rig.added else {}),
         "settled": not found.models.unsettled,
         "warnings": list(found.warnings),
     }

@@ -215,13 +215,12 @@ def _grave(found: Diagnosis) -> str:
 
 
 def diagnosis_lines(found: Diagnosis) -> list[str]:
-    """At most twenty-three lines for a terminal."""
+    """At most twenty-four lines for a terminal."""
     a, adopted = found.attribution, found.models.adopted
     out = [f"{few(found.asked.logs)}: {found.models.base.name}, verdict {a.verdict}"]
     if words := found.asked.request.words:
         out.append(f"as asked: {words}")
-    if found.channels.excerpt:
-        out.append(found.channels.excerpt)
+    out += filter(None, (found.channels.excerpt, found.rig.added_words))
     out.append(diagnosis_sentence(found))
     out += [
         _effect(found, effect, own) for effect, own in (*found.effects, *found.undecided, *found.clear)[:3]

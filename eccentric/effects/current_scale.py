@@ -30,8 +30,8 @@ IN_C1 = {"ki_mismatch": "a factor on the inertia: inertia_mismatch"}
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """The one effect of the family, for torque computed with a declared k_i.
 
-    Declared inertia and gravity together show it; in case C1 it is a factor on the inertia alone. So it is
-    where one of both is left open. A known mass that some runs carry shows it in every case.
+    Declared inertia and gravity together show it; in case C1 it is a factor on the inertia alone. Likewise
+    where one of the two is left open. A known mass that some runs carry shows it in every case.
     k_i (1 + r) instead of k_i makes every torque too large by 1 + r: friction, which is fitted, absorbs this;
     inertia and gravity, which are declared, are both too small by r.
     """

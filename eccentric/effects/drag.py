@@ -63,11 +63,12 @@ IN_C1 = {
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """Quadratic, cubic and degressive drag, and windage in either direction.
 
-    In case C1 the first two are already columns of the model, see `IN_C1`, unless
-    there is no mass.
+    In case C1 the first two are already columns of the model, see `IN_C1`, unless there is no mass, or runs
+    carry different ones: F_N follows the mass, drag does not.
     """
     found = [_sqrt_speed(setting), *_oneway()]
-    if setting.case == "C2" or setting.known.get("M", 1.0) * setting.known.get("L", 1.0) == 0.0:
+    unloaded = setting.known.get("M", 1.0) * setting.known.get("L", 1.0) == 0.0
+    if setting.case == "C2" or setting.masses or unloaded:
         found += [
             addition(
                 "quadratic_drag",

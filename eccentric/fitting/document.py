@@ -6,6 +6,7 @@ std_error null if an active bound, its own or another value's, determines the in
     format, model, rig, logs, kind (of an axis that does not turn: names and units are then its own),
     drive (current, voltage, torque), unit (of target and error: N m, V or A)
     known             letter: value in SI, from the rig
+    added_kg          run or pattern: mass that it carries besides M; only where the rig has one
     coefficients      name: estimate, the columns of the fit as they were fitted
     correlation       names, matrix: of the errors of coefficients and unknown; null without a standard error
     combinations      name: estimate, coefficients of columns that are not a single letter; in newton metres
@@ -100,6 +101,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "fits_the_rig": fit.fits_the_rig,
         "rows": channels.counts,
         **({"excerpt": channels.excerpt} if channels.excerpt else {}),
+        **({"added_kg": rig.added_kg} if rig.added else {}),
         "moving_threshold_rad_s": channels.selection.moving_threshold_rad_s,
         "fitted_on": {
             "what": counted.description,

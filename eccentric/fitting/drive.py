@@ -118,14 +118,6 @@ class Drive:
         alignment = replace(self.channels.alignment, **values)
         return replace(self, channels=self.channels.realigned(rig, alignment))
 
-    def link(self, values: Mapping[str, float]) -> dict[str, Array]:
-        """M and J_l along the log (n,), where some runs carry more mass; nothing where none does."""
-        found: dict[str, Array] = {}
-        for rows, added in self.channels.carried:
-            for name, value in added.on(values).items():
-                found[name] = np.where(rows, value, found.get(name, values.get(name, 0.0)))
-        return found
-
     @property
     def by_voltage(self) -> bool:
         """Whether the torque comes from the voltage alone."""

@@ -44,7 +44,8 @@ class Signals:
         open: what the rig leaves open, coefficient -> column of torque [N m]; part of every base.
         friction: positions of the columns of the regressor that are not identically zero.
         base: the model whose definitions are signals.
-        link: parameters that differ along the log, name -> (samples,), in place of those in `known`.
+        by_row: parameters that differ along the log, where runs carry more mass: name -> (samples,), in place
+            of those in `known`.
         bridged: of the starts, those of a window of a long log, with the steps since the sample before; what
             warms up goes on from there.
     """
@@ -57,7 +58,7 @@ class Signals:
     friction: tuple[int, ...] | None = None
     base: Model | None = None
     bridged: Mapping[int, int] = field(default_factory=dict)
-    link: Mapping[str, Array] = field(default_factory=dict)
+    by_row: Mapping[str, Array] = field(default_factory=dict)
 
     def columns(self, model: Model) -> tuple[Column, ...]:
         """The friction columns of a model that the log can show."""
@@ -76,7 +77,7 @@ class Signals:
         A definition with the name of something else that expressions use is omitted, and so expanded.
         """
         found: dict[sp.Symbol, tuple[sp.Expr, Array]] = {}
-        given = {**self.known, **self.link, **self.values}
+        given = {**self.known, **self.by_row, **self.values}
         others = {*given, "dt"}
         for definition in () if self.base is None else self.base.definitions:
             function, arguments = _function_of(meaning(definition.value))
@@ -90,14 +91,19 @@ class Signals:
     @cached_property
     def _own(self) -> dict[str, Any]:
         defined = {symbol.name: values for symbol, (_, values) in self.defined.items()}
-        return {**self.known, **self.link, **defined, **self.values, "dt": self.dt}
+        return {**self.known, **self.by_row, **defined, **self.values, "dt": self.dt}
 
     def part(self, whole: sp.Symbol | None) -> Array | float:
-        """The declared part of a quantity along the log (samples,): the rest is what some runs carry."""
-        if whole is None or not self.link or self.base is None:
+        """The declared part of a quantity along the log (samples,): the rest is what some runs carry.
+
+        1 where there is nothing to have a part of.
+        """
+        if whole is None or not self.by_row or self.base is None:
             return 1.0
         value = self.base.expand(whole)
-        return evaluated(value, self.known) / evaluated(value, {**self.known, **self.link})
+        own = np.full(self.size, float(evaluated(value, self.known)))
+        all_of_it = np.broadcast_to(evaluated(value, {**self.known, **self.by_row}), (self.size,))
+        return np.divide(own, all_of_it, out=np.ones(self.size), where=all_of_it != 0.0)
 
     def given(self, shape: Mapping[str, Array | float], series: Mapping[str, Array]) -> dict[str, Any]:
         """Everything that an expression may use, by name."""
@@ -141,7 +147,7 @@ def compiled(
 ) -> Callable[[Mapping[str, float], Mapping[str, Array]], Array]:
     """An expression as a function of shape values and state series, over all samples."""
     function, arguments = lambdified(model, expression, signals, names)
-    parts = {q.name: signals.part(q.part_of) for q in model.parameters if q.name in names and signals.link}
+    parts = {q.name: signals.part(q.part_of) for q in model.parameters if q.name in names and signals.by_row}
 
     def evaluate(shape: Mapping[str, float], series: Mapping[str, Array]) -> Array:
         given = signals.given({name: x * parts.get(name, 1.0) for name, x in shape.items()}, series)

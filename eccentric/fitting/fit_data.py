@@ -20,6 +20,7 @@ from eccentric.fitting.expressions import (
     seen_columns,
 )
 from eccentric.fitting.limits import MOSTLY_OFF
+from eccentric.fitting.machine import Machine
 from eccentric.fitting.residuals import Residuals
 from eccentric.fitting.states import state_series
 from eccentric.model import Model, meaning
@@ -105,7 +106,7 @@ def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
         friction=seen,
         base=model,
         bridged=_bridged(channels),
-        link=drive.link(known),
+        by_row=Machine(model).along(known, channels.carried),
     )
     gravity, slope = _gravity(model, signals)
     signals = replace(signals, open=drive.columns(gravity, slope))

@@ -17,6 +17,7 @@ from eccentric.rigs import AddedMass
 
 __all__ = ["Machine"]
 
+Array = NDArray[np.float64]
 Values = Mapping[str, float]
 Carried = Sequence[tuple[NDArray[np.bool_], AddedMass]]
 """Masses that some runs carry, each with its rows (n,)."""
@@ -122,11 +123,27 @@ class Machine:
 
     def carrying(self, values: Values, added: AddedMass) -> dict[str, float]:
         """The values with a mass on the link; what is relative to a declared value remains a part of that."""
-        found = {**values, **added.on(values)}
-        for q in self._model.parameters:
-            if q.part_of is not None and values.get(q.name):
-                declared = self._model.expand(q.part_of)
-                found[q.name] = values[q.name] * evaluated(declared, values) / evaluated(declared, found)
+        whole = {**values, **added.on(values)}
+        parts = {
+            q.name: values[q.name] * self.part(q.part_of, values, whole)
+            for q in self._model.parameters
+            if q.part_of is not None and values.get(q.name)
+        }
+        return whole | parts
+
+    def part(self, declared: sp.Symbol, values: Values, whole: Values) -> float:
+        """A declared quantity over the same with more mass; 1 where both are 0."""
+        own, all_of_it = (float(evaluated(self._model.expand(declared), given)) for given in (values, whole))
+        return own / all_of_it if all_of_it else 1.0
+
+    def along(self, values: Values, carried: Carried) -> dict[str, Array]:
+        """What differs along a log where some runs carry more mass: parameter -> (n,); nothing without."""
+        found: dict[str, Array] = {}
+        for rows, added in carried:
+            for name, value in self.carrying(values, added).items():
+                before = values.get(name, 0.0)
+                if value != before:
+                    found[name] = np.where(rows, value, found.get(name, before))
         return found
 
     def inertia_per(self, letter: str, values: Values) -> float:

@@ -81,7 +81,7 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     what = f"{np.count_nonzero(rows.train)} {rows.description} fitted"
     head = f"{few(logs)}: {problem.model.name}, driven by {channels.motor.measured_by}; {what}, "
     head += f"{np.count_nonzero(rows.score)} held out ({channels.selection.holdout.brief})"
-    above = [head, *([channels.excerpt] if channels.excerpt else [])]
+    above = [head, *filter(None, (channels.excerpt, problem.rig.added_words))]
     table = estimate_table(axis.estimates({**fit.coefficients, **fit.searched}))
     out = _scale_line(fit)
     shown = {"paper": _called(fit)} if problem.is_baseline else {"linear": "linear", "paper": _called(fit)}

@@ -28,7 +28,8 @@ class Quantity:
         domain: of valid values: "positive", "nonnegative", "real" or "tilt" (0 to a right angle).
         default: the paper's value as a decimal, or an expression in other parameters; None if there is none.
         letter: its form in a formula, if different from its name: "eta_2", "B_m^+", "Delta t", "i^'".
-        part_of: what it is a part of, for one that is relative to a declared value; None for all others.
+        part_of: the declared quantity that it is a fraction of; with an added mass it applies to the declared
+            part alone. None for all others.
     """
 
     symbol: sp.Symbol

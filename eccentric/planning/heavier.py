@@ -9,15 +9,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from eccentric.errors import InputError
+from eccentric.model import TURNING, Model
 from eccentric.model import vocabulary as v
 from eccentric.planning.bounds import Bounds
 from eccentric.planning.chance import expected
 from eccentric.planning.choice import kept, pairs
 from eccentric.planning.limits import HEAVIER, STEPS
 from eccentric.planning.motion import Segment
-from eccentric.planning.question import Question
 from eccentric.planning.separation import Separation
-from eccentric.rigs import AddedMass
+from eccentric.rigs import AddedMass, Rig
 
 __all__ = ["Heavier", "require_link", "with_more_mass"]
 
@@ -30,14 +30,19 @@ class Heavier:
     probability: float
 
 
-def require_link(question: Question) -> None:
-    """InputError if the mass on the link and its distance, beside which one is added, are not known."""
-    rig = question.data.drive.channels.rig
-    if missing := [q.symbol.name for q in (v.M, v.L) if not rig.known.get(q.symbol.name)]:
+def require_link(rig: Rig, model: Model) -> None:
+    """InputError if there is no link, or none whose mass and its distance are known, to add a mass to."""
+    if rig.axis is not TURNING:
+        raise InputError(f"{rig.path}: --added: a drive that turns is required, received a carriage")
+    letters = [q.symbol.name for q in (v.M, v.L)]
+    if missing := [name for name in letters if name not in rig.known]:
         verb = "are" if len(missing) > 1 else "is"
+        received = "a range" if set(missing) & set(rig.unknown) else "none"
         raise InputError(
-            f"{rig.path}: [known] {' and '.join(missing)} {verb} required to add a mass, received none"
+            f"{rig.path}: [known] {' and '.join(missing)} {verb} required to add a mass, received {received}"
         )
+    if not set(letters) <= {q.name for q in model.parameters}:
+        raise InputError(f"--added: a model with an unbalanced mass is required, received {model.name}")
 
 
 def with_more_mass(

@@ -95,7 +95,7 @@ def planned(
         raise InputError(f"limits: {needed} is required, since the log has {has}, received {given}")
     _require_amperes(question, bounds)
     if added:
-        require_link(question)
+        require_link(question.data.drive.channels.rig, question.model)
     rivals, separation = question.rivals, Separation(question, AddedMass(added) if added else None)
     tell(f"open: {', '.join(rival.headline for rival in rivals)}")
     segments, ground, apart = chosen(separation, bounds, SEED, tell)

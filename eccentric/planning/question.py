@@ -84,8 +84,8 @@ def question_from(
     how large the noise is.
 
     Raises:
-        InputError: it is no such document, or of other logs, another model or effects of one's own; its log
-            does not fit the rig; or the logs do not show what it names.
+        InputError: it is no such document, or of other logs or masses, another model or effects of one's
+            own; its log does not fit the rig; or the logs do not show what it names.
     """
     where = "diagnosis" if isinstance(document, Mapping) else str(given_path(document, "diagnosis"))
     said = document if isinstance(document, Mapping) else read_document(Path(where), "a diagnosis.json")
@@ -97,6 +97,11 @@ def question_from(
     if [Path(name).name for name in names] != [Path(str(name)).name for name in said["logs"]]:
         raise InputError(
             f"{where}: logs: that of these logs, {list(names)}, is required, received {said['logs']}"
+        )
+    if said.get("added_kg", {}) != rig.added_kg:
+        raise InputError(
+            f"{where}: added_kg: the masses of the rig, {rig.added_kg or 'none'}, are required, received"
+            f" {said.get('added_kg', 'none')}"
         )
     if said["model"] != stage.plain.name:
         raise InputError(

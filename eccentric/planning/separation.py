@@ -16,7 +16,7 @@ import numpy as np
 
 from eccentric.effects import Effect
 from eccentric.estimation import Coefficient, ColumnRole
-from eccentric.fitting import Signals, base_coefficients, base_columns, load_torque
+from eccentric.fitting import Machine, Signals, base_coefficients, base_columns, load_torque
 from eccentric.planning.followed import Met
 from eccentric.planning.limits import COARSE, INFORMATIVE_HZ, NOISE_PEAK, RATE_HZ, STEPS, TRAINED
 from eccentric.planning.motion import Reference
@@ -137,7 +137,9 @@ class Separation:
     ) -> Met:
         """What the drive meets: of all rivals the largest friction, at least that of the base model."""
         drive = self.question.data.drive
-        inertia = drive.machine.inertia({**drive.known, **known})
+        tuned_for = inertia = drive.machine.inertia({**drive.known, **known})
+        if self._added is not None:
+            inertia = drive.machine.inertia(drive.machine.carrying({**drive.known, **known}, self._added))
         frictions = [base @ self.question.friction]
         if self.rivals[0].balance == "mechanical":
             frictions += [ground.predicted(rival) for rival in self.rivals]
@@ -151,7 +153,7 @@ class Separation:
             friction,
             1.0 / one,
             NOISE_PEAK * noise,
-            tuned_for=drive.machine.inertia(drive.known),
+            tuned_for=tuned_for,
         )
 
     def apart(self, truth: Rival, other: Rival, grounds: Sequence[Ground], steps: int = 0) -> float:
@@ -214,11 +216,9 @@ class Separation:
     def _signals(self, motion: Reference) -> tuple[Signals, Array, Array, Array]:
         """Signals of a motion, its base columns (n, p), load [N m] and current [A] (n,) without effects."""
         data, model = self.question.data, self.question.model
-        own = data.signals.known
-        old = replace(
-            data.signals, known={**own, **({} if self._added is None else self._added.on(own))}, link={}
-        )
-        n, dt = len(motion.t), 1.0 / RATE_HZ
+        n, dt, own = len(motion.t), 1.0 / RATE_HZ, data.signals.known
+        every = () if self._added is None else ((np.ones(n, bool), self._added),)
+        old = replace(data.signals, by_row=Machine(model).along(own, every))
         # The machine counts its angle from where it likes, the model from where the mass hangs lowest.
         theta = motion.theta - data.drive.channels.alignment.theta_zero_rad / old.known["mu"]
         values = {

@@ -58,6 +58,8 @@ def facts_of(found: Diagnosis) -> list[Fact]:
     ]
     if channels.excerpt:
         facts.insert(1, Fact("windows of a long log", f"{counts['used']} rows", channels.excerpt))
+    if found.rig.added:
+        facts.insert(1, Fact("added masses", found.rig.added_words))
     if words := found.asked.request.words:
         facts.insert(0, Fact("effects, as asked", words))
     noise, left = found.noise_floor, found.score.rmse["mechanical"]["extended"]

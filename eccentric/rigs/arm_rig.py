@@ -26,7 +26,10 @@ NUMBER = "{j}"
 """What stands for the number of a joint in a pattern."""
 INERTIAL = ("mass", "centre", "inertia")
 """What may be known of the bodies where the rest is open."""
-_OF_ONE_JOINT = {"known", "unknown", "log_type", "theta_zero_rad", "input_delay_s", "voltage_offset_V"}
+_OF_ONE_JOINT = {
+    *("known", "unknown", "added", "log_type"),
+    *("theta_zero_rad", "input_delay_s", "voltage_offset_V"),
+}
 _KEYS = ("arm", "joints", "drives", *(key for key in KEYS if key not in _OF_ONE_JOINT))
 _MOTION = ("theta_m", "theta_l", "omega_m", "omega_l")
 _DRIVE = ("torque", "torque_l", "current", "voltage")

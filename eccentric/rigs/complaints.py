@@ -22,7 +22,7 @@ from eccentric.rigs.sources import channels_of
 __all__ = ["rig_complaints"]
 
 Place = tuple[str, str]
-_TABLES = ("known", "unknown", "columns")
+_TABLES = ("known", "unknown", "columns", "added")
 _CASE = {"case": "C2"}
 
 
@@ -93,6 +93,8 @@ def _entries(content: Mapping[str, Any]) -> Iterator[Place]:
 def _home(place: Place, axis: AxisKind) -> str:
     """Where a key of another table belongs; empty where it is right, or known nowhere on this axis."""
     table, key = place
+    if table == "added":  # names of runs
+        return ""
     letters = {name for known in knowns_of(axis) for name in (known.letter or known.name, known.key)}
     if axis is TURNING:
         letters |= {*_CASE}
@@ -117,7 +119,7 @@ def _only(content: Mapping[str, Any], places: list[Place] | tuple[Place, ...]) -
 
 
 def _alone(content: Mapping[str, Any], places: list[Place] | tuple[Place, ...]) -> dict[str, Any]:
-    """A rig with these entries and what they need to be read: a case, and the counts that are a unit."""
+    """A rig with these entries and what they need to be read: a case, a mass, the counts that are a unit."""
     kept = _only(content, places)
     known, unknown = kept.get("known", {}), kept.get("unknown", {})
     kind = content.get("kind")
@@ -125,6 +127,10 @@ def _alone(content: Mapping[str, Any], places: list[Place] | tuple[Place, ...]) 
         return {"kind": kind, **kept}
     if isinstance(known, dict) and not ({"case", "phi", "phi_rad"} & {*known, *unknown}):
         kept["known"] = {**known, **_CASE}
+    if "added" in kept and isinstance(own := kept.get("known", {}), dict):
+        # Whether the mass that it is added to is known shows in the whole.
+        placed = {f"{letter}_{unit}": 1.0 for letter, unit in (("M", "kg"), ("L", "m"))}
+        kept["known"] = {**own, **{k: x for k, x in placed.items() if not {k, k[0]} & {*own}}}
     if "columns" in kept and "encoder_counts_per_rev" in content:
         try:
             read_rig({"known": _CASE, "encoder_counts_per_rev": content["encoder_counts_per_rev"]})

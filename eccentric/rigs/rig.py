@@ -101,6 +101,17 @@ class Rig:
         return self.known[name]
 
     @property
+    def added_kg(self) -> dict[str, float]:
+        """The masses that some runs carry [kg], by the run or a pattern of runs."""
+        return {runs: added.mass for runs, added in self.added.items()}
+
+    @property
+    def added_words(self) -> str:
+        """Which runs carry what besides M, in words; "" where none does."""
+        carried = [f"{runs} carries {added.mass:g} kg" for runs, added in self.added.items()]
+        return f"besides M, {', '.join(carried)}" if carried else ""
+
+    @property
     def own_names(self) -> tuple[str, ...]:
         """What a person has named: the file, the rig, its columns. The words of the axis leave them alone."""
         columns = self.log.columns or {}

@@ -36,9 +36,8 @@ class Search:
     base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
     smoothed: smooth terms beside the adopted ones; alternatives: per adopted variant, family -> (probability,
         fit); tried: other models that were compared with the best; required: deviance that an addition has to
-        gain; stability: of the adopted effects; by_both: of
-        effects on the flux that this balance leaves open, family -> deviance by which torque and voltage
-        together prefer it.
+        gain; stability: of the adopted effects; by_both: of effects that this balance alone leaves open,
+        family -> deviance by which the other one, or both together, prefer it.
     """
 
     screen: Screen

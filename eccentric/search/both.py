@@ -6,6 +6,7 @@ else the mechanical balance shows. An angle that is read wrongly shows in both: 
 back-EMF varies over a turn as with a ripple of the flux. In the electrical balance both have the same
 columns, so the mechanical balance decides; the search then begins again without what the misread angle adds.
 It decides too where the circuit cannot tell an effect that has a torque from one that has another, or none.
+Where the torque cannot tell an effect on the flux from friction, what the circuit says of it is added.
 """
 
 from __future__ import annotations
@@ -170,27 +171,29 @@ def _of_the_flux(electrical: Search) -> list[Candidate]:
 def _by_the_circuit(mechanical: Search, electrical: Search) -> None:
     """Add to what the torque says of effects on the flux what the circuit says, too faint to adopt there.
 
-    What could be in their place is friction, of which the circuit would show nothing.
+    What could be in their place is friction, of which the circuit would show nothing. The circuit is asked
+    about the effect as the torque has it: a voltage of another sign or phase speaks against it.
     """
     adopted = {variant.candidate.family for variant in electrical.best.variants}
+    shown = {fitted.last.id: fitted.variants[-1] for fitted in electrical.ranked}
     for place, variant in enumerate(mechanical.best.variants):
-        candidate = variant.candidate
-        if not candidate.joint or candidate.family in adopted or mechanical.clear(place):
+        own, options = variant.candidate, mechanical.alternatives[place]
+        if not own.joint or own.id not in shown or own.family in adopted or mechanical.clear(place):
             continue
-        likely = {f for f, chance in mechanical.chances(place).items() if chance > POSSIBLE}
-        rivals = [
-            fitted
-            for family, (_, fitted) in mechanical.alternatives[place].items()
-            if family in likely | set(mechanical.instead(candidate.family)) and family != candidate.family
-        ]
-        there = [fitted for fitted in electrical.ranked if fitted.last.id == candidate.id]
-        if not rivals or not there or any(fitted.last.joint for fitted in rivals):
+        likely = {family for family, chance in mechanical.chances(place).items() if chance > POSSIBLE}
+        rivals = (likely | set(mechanical.instead(own.family))) - {own.family}
+        if not rivals or not rivals <= set(options) or any(options[r][1].last.joint for r in rivals):
             continue
-        beside = electrical.screen.fit([*electrical.best.variants, there[0].variants[-1]])
-        whole = electrical.deviance(electrical.best, beside)
-        whole += min(mechanical.deviance(rival, mechanical.best) for rival in rivals)
-        if whole > LEAST_DEVIANCE:
-            mechanical.by_both[candidate.family] = whole
+        if not mechanical.stability.nearly_all(own.family, *rivals):
+            continue
+        there = Variant(shown[own.id].candidate, variant.values)
+        left = electrical.screen.residual(electrical.best)
+        predicted = electrical.screen.columns(there) @ mechanical.screen.own(mechanical.best)[place]
+        gain = float(np.log(np.sum(left**2) / np.sum((left - predicted) ** 2)))
+        circuit = electrical.screen.effective(electrical.best) * gain
+        torque = min(mechanical.deviance(options[r][1], mechanical.best) for r in rivals)
+        if circuit > HINTED and circuit + torque > LEAST_DEVIANCE:
+            mechanical.by_both[own.family] = circuit + torque
 
 
 @dataclass(frozen=True)

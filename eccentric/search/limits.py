@@ -106,7 +106,7 @@ Controls of the bench stay below 22; `nulltest.null_quantile` gives the level of
 LEAST_SHARE = 0.0015
 """RMS that an addition must remove from the residual, as a fraction of the balance's scale: filters and the
 sampling of voltage and current cause errors. On 248 controls of the bench nothing beyond chance removed
-0.001."""
+0.001; half as much again is the margin."""
 LEAST_PART = 0.0003
 """The same squared, as a fraction of all the structure found so far: a small remainder beside a large effect
 is an error in that effect's form."""
@@ -199,8 +199,8 @@ MOST_BESIDE = 2
 """Mechanical effects beside which one of both balances is estimated: each costs a search."""
 
 HINTED = 4.0
-"""Deviance in the circuit from which an effect on the flux is offered to the mechanical search: twice its two
-coefficients. More would leave its torque to friction without a rival."""
+"""Deviance in the circuit from which an effect on the flux is offered to the mechanical search: by Akaike's
+criterion, 2 for each coefficient of a ripple. At twice as much, its torque was named friction."""
 
 # Orders of the motor that stand out.
 

@@ -275,15 +275,15 @@ def _variables(searches: dict[str, Search], unexplained: float) -> tuple[list[tu
 
 
 def _outlines(search: Search, smooth: Fitted) -> bool:
-    """Whether several effects of one variable only outline what a smooth term of it follows.
+    """Whether effects of several families, of one variable, only outline what a smooth term of it follows.
 
-    Two laws together come close to many a course that neither is a part of: what they leave is small beside
-    the structure, but not noise, and follows the same variable.
+    Two laws together can imitate a curve that contains neither: what they leave is small beside the
+    structure, but not noise, and follows the same variable.
     """
     variable, best = smooth.last.variable, search.best
-    several = sum(variant.candidate.variable == variable for variant in best.variants) > 1
+    own = [variant.candidate for variant in best.variants]
     return (
-        several
+        len({candidate.family for candidate in own if candidate.variable == variable}) > 1
         and best.score > limits.HIDES * search.screen.floor
         and best.score - smooth.score > limits.CLEARS * (best.score - search.screen.floor)
     )

@@ -14,11 +14,12 @@ from eccentric.errors import InputError, few
 from eccentric.signals.limits import FEWEST_RUNS_HELD_OUT, HELD_OUT_BLOCKS, HELD_OUT_PART
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from eccentric.rigs import Rig
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 _ORDINALS = ("first", "second", "third", "fourth", "fifth")
 
 
@@ -43,8 +44,8 @@ def hold_out(
 
     If the rig names intervals (in every run) or runs, those are held out. Otherwise it is every fifth run
     from the third on if there are three or more, else five contiguous blocks, the middle fifth of each fifth
-    of the rows. If that would take all rows with the motor off, or all with it on, to one side, every fifth
-    run is counted from another one.
+    of the rows. If that would take all rows with the motor off, or all with it on, to one side, or hold out
+    all that carry an added mass, or all that do not, every fifth run is counted from another one.
 
     Raises InputError for a run that is not in the log, and for intervals without rows.
     """
@@ -53,7 +54,7 @@ def hold_out(
         if not rig.holdout.runs and len(run_names) == 1:
             return Holdout(rows, rule, rig.holdout.intervals_s)
     elif len(run_names) >= FEWEST_RUNS_HELD_OUT:
-        first, rows = _every_fifth(run, len(run_names), off)
+        first, rows = _every_fifth(run, len(run_names), off, carriers(run, run_names, rig.added))
         names = ", ".join(run_names[k] for k in np.unique(run[rows]))
         rule = f"whole runs, every fifth from the {_ORDINALS[first]} on: {names}"
     else:
@@ -63,21 +64,30 @@ def hold_out(
     return Holdout(rows, rule, _intervals(t, run, rows))
 
 
-def _every_fifth(run: NDArray[np.int64], count: int, off: NDArray[np.bool_]) -> tuple[int, NDArray[np.bool_]]:
-    """The first of every fifth of `count` runs, and their rows: the third, unless that splits `off` badly.
+def carriers(run: NDArray[np.int64], run_names: Sequence[str], patterns: Iterable[str]) -> Mask:
+    """Rows (n,) of the runs that match any of the names or patterns."""
+    named = [k for k, name in enumerate(run_names) if any(fnmatch.fnmatchcase(name, p) for p in patterns)]
+    return np.isin(run, named)
+
+
+def _every_fifth(run: NDArray[np.int64], count: int, off: Mask, carrying: Mask) -> tuple[int, Mask]:
+    """The first of every fifth of `count` runs, and their rows: the third, unless that splits them badly.
 
     Only rows with the motor off separate back-EMF from viscous friction, and only driven ones are scored.
+    Only rows of two masses show what their difference does.
     """
+
+    def suits(rows: Mask) -> bool:
+        swings = not np.any(off) or bool(np.any(off & ~rows) and np.any(rows & ~off) and np.any(~off & ~rows))
+        loads = not np.any(carrying) or np.all(carrying)
+        return swings and bool(loads or (np.any(carrying & ~rows) and np.any(~carrying & ~rows)))
+
     every = {
         first: np.isin(run, range(first, count, round(1.0 / HELD_OUT_PART)))
         for first in (2, 3, 4, 0, 1)
         if first < count
     }
-    suited = (
-        first
-        for first, rows in every.items()
-        if not np.any(off) or (np.any(off & ~rows) and np.any(rows & ~off) and np.any(~off & ~rows))
-    )
+    suited = (first for first, rows in every.items() if suits(rows))
     chosen = next(suited, 2)
     return chosen, every[chosen]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from eccentric.errors import InputError
 from eccentric.rigs import Alignment
 from eccentric.signals.filters import LowPass, low_pass_of
+from eccentric.signals.holdout import carriers
 from eccentric.signals.limits import NARROWER
 from eccentric.signals.motion import motion_of
 from eccentric.signals.stretches import joined
@@ -176,11 +176,8 @@ class Channels:
     @property
     def carried(self) -> tuple[tuple[Mask, AddedMass], ...]:
         """The masses that some runs carry beside that of the rig, each with its rows (n,)."""
-        names = self.time.run_names
-        return tuple(
-            (np.isin(self.time.run, [k for k, name in enumerate(names) if fnmatchcase(name, runs)]), added)
-            for runs, added in self.rig.added.items()
-        )
+        run, names = self.time.run, self.time.run_names
+        return tuple((carriers(run, names, [runs]), added) for runs, added in self.rig.added.items())
 
     @property
     def phased(self) -> bool:

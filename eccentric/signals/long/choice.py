@@ -136,16 +136,25 @@ def _counts(run: str, rig: Rig) -> bool:
 
 
 def _must(windows: Sequence[Window], candidates: Sequence[int], rig: Rig, most: int) -> set[int]:
-    """The first and the last window, one of each run that the rig names, and of every run if few."""
+    """The first and the last window, one of each run that the rig holds out, and of every run if few.
+
+    And one that carries each added mass.
+    """
     first_of: dict[str, int] = {}
     for k in candidates:
         first_of.setdefault(windows[k].run, k)
-    named = [*rig.holdout.runs, *rig.added]
-    held = {k for run, k in first_of.items() if any(fnmatch.fnmatchcase(run, name) for name in named)}
+    held = {
+        k for run, k in first_of.items() if any(fnmatch.fnmatchcase(run, name) for name in rig.holdout.runs)
+    }
+    # One for each mass: without a run that carries it, a name in [added] would be refused.
+    carriers = {
+        next((k for run, k in first_of.items() if fnmatch.fnmatchcase(run, name)), candidates[0])
+        for name in rig.added
+    }
     # A pattern may hold out hundreds of runs, all alike.
     held = held if len(held) <= RUNS_PART * most else set(_spread(sorted(held), round(RUNS_PART * most)))
     every = set(first_of.values()) if len(first_of) <= RUNS_PART * most else set()
-    return {candidates[0], candidates[-1]} | held | every
+    return {candidates[0], candidates[-1]} | held | every | carriers
 
 
 def _held(windows: Sequence[Window], candidates: Sequence[int], rig: Rig, budget: int) -> set[int]:

@@ -56,7 +56,7 @@ def means_of(c: Channels, rig: Rig) -> Means | None:
     """Return the means of blocks of consecutive rows; None if there are too few."""
     motion, motor = c.motion, c.motor
     known = np.isfinite(motion.alpha_m) & np.isfinite(motion.omega_m)
-    for carrying, _ in c.carried:  # the rig has no balance for these
+    for carrying, _ in c.carried:  # J and M g L of the rig are those without it
         known = known & ~carrying
     rows = np.flatnonzero(c.selection.fit_rows & ~motor.off & known)
     steps = np.diff(c.time.t)[np.diff(c.time.segment) == 0]
