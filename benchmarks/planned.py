@@ -90,7 +90,11 @@ def _following(tied: Tied, t: np.ndarray, omega: np.ndarray, added: float = 0.0)
     """The same rig, with a mass [kg] added, on a motion from where the mass hangs lowest, with other noise."""
     scenario = on_reference(tied.run.scenario, t, omega, 0.0)
     p = scenario.plant
-    return replace(scenario, plant=replace(p, M=p.M + added, J_l=p.J_l + added * p.L**2))
+    heavy = replace(p, M=p.M + added, J_l=p.J_l + added * p.L**2)
+    # The bench plants these as fractions of the whole; what is wrong is the rig's own, not the added mass.
+    own = {"mass_mismatch": p.M / heavy.M, "inertia_mismatch": p.inertia / heavy.inertia}
+    effects = tuple(replace(e, amplitude=e.amplitude * own.get(e.family, 1.0)) for e in scenario.effects)
+    return replace(scenario, plant=heavy, effects=effects)
 
 
 def _outcome(tied: Tied, following: Scenario, added: float = 0.0) -> Outcome:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import permutations
+from itertools import permutations, product
 
 import numpy as np
 
@@ -28,8 +28,9 @@ from eccentric.planning.limits import (
 )
 from eccentric.planning.motion import Segment, joined, pieces
 from eccentric.planning.separation import Ground, Separation
+from eccentric.search import IN_A_DRAW
 
-__all__ = ["chosen", "kept", "pairs"]
+__all__ = ["chosen", "judged", "kept"]
 
 Offer = tuple[tuple[Segment, ...], Ground]
 
@@ -70,7 +71,7 @@ def chosen(
         raise InputError(_too_tight(separation, bounds))
     parts, ground = max(found, key=lambda one: _worth(separation, [separation.log, one[1]]))
     tell("judging the motion")
-    return parts, ground, pairs(separation, [separation.log, ground], STEPS)
+    return parts, ground, judged(separation, ground)
 
 
 def kept(
@@ -136,6 +137,21 @@ def pairs(separation: Separation, grounds: Sequence[Ground], steps: int = 0) -> 
         (truth.family, other.family): separation.apart(truth, other, grounds, steps)
         for truth, other in permutations(separation.rivals, 2)
     }
+
+
+def judged(separation: Separation, ground: Ground) -> dict[tuple[str, str], float]:
+    """The same for the log and a motion, refined, with each declared value as another explanation.
+
+    A variant of the log charges an effect for its parameter, and a value within its tolerance for none.
+    """
+    grounds = [separation.log, ground]
+    others = {
+        (truth.family, other.family): max(
+            separation.apart(truth, other, grounds, STEPS) - 2.0 * IN_A_DRAW, 0.0
+        )
+        for truth, other in product(separation.rivals, separation.besides)
+    }
+    return pairs(separation, grounds, STEPS) | others
 
 
 def _worth(separation: Separation, grounds: Sequence[Ground]) -> float:

@@ -13,8 +13,8 @@ from eccentric.model import TURNING, Model
 from eccentric.model import vocabulary as v
 from eccentric.planning.bounds import Bounds
 from eccentric.planning.chance import expected
-from eccentric.planning.choice import kept, pairs
-from eccentric.planning.limits import HEAVIER, STEPS
+from eccentric.planning.choice import judged, kept
+from eccentric.planning.limits import HEAVIER
 from eccentric.planning.motion import Segment
 from eccentric.planning.separation import Separation
 from eccentric.rigs import AddedMass, Rig
@@ -50,7 +50,9 @@ def with_more_mass(
 ) -> Heavier | None:
     """The motion with more mass, slower where the limits require it; None where it cannot be judged.
 
-    That is without a known mass and its distance, or where the limits leave no motion.
+    That is without a known mass and its distance, where the limits leave no motion, and where gravity does
+    not load the drive: with two masses the torque constant may be what is off, which the log alone does not
+    offer as an explanation there.
 
     Args:
         separation: the rivals.
@@ -60,13 +62,14 @@ def with_more_mass(
     """
     known, link = separation.question.data.signals.known, separation.question.data.drive.machine.link
     mass, length = (known.get(q.symbol.name, 0.0) for q in (v.M, v.L))
-    if not mass or not length or link not in known:
+    gravity = separation.question.model.balance("mechanical").sum_of("gravity")
+    if not mass or not length or link not in known or gravity == 0:
         return None
     added = HEAVIER * mass
     heavy = Separation(separation.question, AddedMass(added))
     offer = kept(heavy, parts, bounds)
     if offer is None:
         return None
-    found = pairs(heavy, [heavy.log, offer[1]], STEPS)
+    found = judged(heavy, offer[1])
     chances = {rival.family: rival.chance for rival in separation.rivals}
     return Heavier(added, expected({pair: d * worth[pair] for pair, d in found.items()}, chances))

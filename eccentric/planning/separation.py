@@ -21,7 +21,7 @@ from eccentric.planning.followed import Met
 from eccentric.planning.limits import COARSE, INFORMATIVE_HZ, NOISE_PEAK, RATE_HZ, STEPS, TRAINED
 from eccentric.planning.motion import Reference
 from eccentric.planning.question import Question
-from eccentric.planning.rivals import Rival
+from eccentric.planning.rivals import Rival, rival_of
 from eccentric.rigs import AddedMass
 from eccentric.search import Candidate, Screen, Variant, bounded_solve, candidate_of, refined
 from eccentric.signals import BalanceDesign, Rows, balance_design, white_noise
@@ -91,6 +91,11 @@ class Separation:
         # What a declared value may be off by is part of every rival.
         self.declared = [c for c in offered if c.tolerance and c.changes is None and c.id not in own]
         own |= {c.id: c for c in self.declared}
+        # And each of them may be all that is wrong: a diagnosis compares it with the rivals.
+        beside = self.rivals[0].variants[:-1]
+        self.besides = tuple(
+            rival_of(question.screen, (*beside, Variant(candidate, {})), None) for candidate in self.declared
+        )
         self._effects: dict[str, Effect] = {e.id: e for e in question.effects if e.id in own}
         self._kept: dict[tuple[object, ...], Sums] = {}
         screen = question.screen
@@ -166,7 +171,7 @@ class Separation:
             """Loss and coefficients."""
             every = [self._sums(ground, truth, variants) for ground in grounds]
             matrix = np.sum([s.matrix for s in every], axis=0)
-            matrix = matrix + np.diag(self._prior(len(matrix)))
+            matrix = matrix + np.diag(self._prior(variants, len(matrix)))
             vector, total = np.sum([s.vector for s in every], axis=0), sum(s.square for s in every)
             c = bounded_solve(matrix, vector, every[0].lower)
             return max(total + float(c @ matrix @ c - 2.0 * c @ vector), 0.0), c
@@ -176,7 +181,7 @@ class Separation:
             rows = [
                 ground.left(ground.predicted(truth), self._with_declared(variants), c) for ground in grounds
             ]
-            return np.concatenate([*rows, np.sqrt(self._prior(len(c))) * c])
+            return np.concatenate([*rows, np.sqrt(self._prior(variants, len(c))) * c])
 
         options = [(*other.variants[:-1], last) for last in _near(other.variants[-1])]
         losses = [fit(variants)[0] for variants in options]
@@ -189,17 +194,17 @@ class Separation:
 
     def by_names(self, truth: str, other: str, grounds: Sequence[Ground]) -> float:
         """`apart` of two rivals by their families, refined."""
-        own = {rival.family: rival for rival in self.rivals}
+        own = {rival.family: rival for rival in (*self.besides, *self.rivals)}
         return self.apart(own[truth], own[other], grounds, STEPS)
 
     def information(self, rival: Rival, grounds: Sequence[Ground]) -> Array:
         """The information on the coefficients of a rival (k, k), base first, in 1/(their unit)^2."""
         found = np.sum([self._sums(ground, rival, rival.variants).matrix for ground in grounds], axis=0)
-        return found + np.diag(self._prior(len(found)))
+        return found + np.diag(self._prior(rival.variants, len(found)))
 
-    def _prior(self, count: int) -> Array:
+    def _prior(self, variants: Sequence[Variant], count: int) -> Array:
         """What is known of each coefficient (k,): of a declared value its tolerance, else nothing."""
-        declared = [candidate.tolerance**-2 for candidate in self.declared]
+        declared = [v.candidate.tolerance**-2 for v in self._with_declared(variants)[len(variants) :]]
         return np.r_[np.zeros(count - len(declared)), declared]
 
     def _sums(self, ground: Ground, truth: Rival, variants: Sequence[Variant]) -> Sums:
@@ -210,8 +215,9 @@ class Separation:
         return self._kept[key]
 
     def _with_declared(self, variants: Sequence[Variant]) -> list[Variant]:
-        """The variants, and what the declared values may be off by."""
-        return [*variants, *(Variant(candidate, {}) for candidate in self.declared)]
+        """The variants, and what the other declared values may be off by."""
+        own = {variant.candidate.id for variant in variants}
+        return [*variants, *(Variant(c, {}) for c in self.declared if c.id not in own)]
 
     def _signals(self, motion: Reference) -> tuple[Signals, Array, Array, Array]:
         """Signals of a motion, its base columns (n, p), load [N m] and current [A] (n,) without effects."""

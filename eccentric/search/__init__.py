@@ -26,7 +26,15 @@ from eccentric.search.crossval import bounded_solve
 from eccentric.search.fitted_variants import fitted_variants
 from eccentric.search.from_effect import candidate_of
 from eccentric.search.instruments import instruments_of
-from eccentric.search.limits import AT_FLOOR, CONFIRMED, LEAST_DEVIANCE, LEAST_SHARE, STABLE, SURE
+from eccentric.search.limits import (
+    AT_FLOOR,
+    CONFIRMED,
+    IN_A_DRAW,
+    LEAST_DEVIANCE,
+    LEAST_SHARE,
+    STABLE,
+    SURE,
+)
 from eccentric.search.loads import LoadSearch, required_over, searched_loads
 from eccentric.search.offer import offered
 from eccentric.search.refinement import refined
@@ -37,6 +45,7 @@ from eccentric.search.verdict import Adopted, Attribution, Ranked, attribute, un
 __all__ = [
     "AT_FLOOR",
     "CONFIRMED",
+    "IN_A_DRAW",
     "LEAST_DEVIANCE",
     "LEAST_SHARE",
     "STABLE",
