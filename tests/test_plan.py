@@ -18,24 +18,14 @@ import eccentric
 from eccentric.cli import main
 from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document
 from eccentric.errors import InputError
-from eccentric.fitting import FitData
-from eccentric.planning import (
-    Bounds,
-    Reference,
-    plan_document,
-    plan_lines,
-    planned,
-    question_from,
-    question_of,
-    read_bounds,
-)
+from eccentric.planning import Bounds, plan_lines, planned, question_from, question_of, read_bounds
 from eccentric.planning.chance import decided
 from eccentric.planning.heavier import Heavier
 from eccentric.planning.limits import MARGIN, UNDECIDED
 from eccentric.planning.motion import joined, pieces
 from eccentric.planning.rivals import Rival
 from eccentric.planning.separation import Ground, Separation
-from eccentric.rigs import Rig, read_rig
+from eccentric.rigs import read_rig
 from eccentric.search import STABLE, SURE, Variant
 from eccentric.virtual_bench import random_scenario, simulate
 
@@ -346,40 +336,6 @@ def test_more_mass_is_told_where_it_helps_and_where_not(contest: Separation, mor
     said = plan_lines(replace(plan, heavier=Heavier(0.2, more)))
     assert "No motion within the limits is likely to decide." in said
     assert any(line.startswith(words) for line in said)
-
-
-def test_a_plan_with_more_mass_says_what_to_do_with_it(
-    tied: tuple[dict[str, np.ndarray], dict[str, object]], contest: Separation
-) -> None:
-    """It is in the document, and beside the motion as the rig file takes it; more is not judged again."""
-    bounds = read_bounds(LIMITS)
-    plan = planned(contest.question, bounds, added=0.2)
-    assert plan.heavier is None
-    assert plan_document(plan)["added_kg"] == 0.2
-    (said,) = [line for line in plan_lines(plan) if "[added]" in line]
-    assert 'RUN = "0.2 kg"' in said
-    assert np.max(np.abs(plan.current)) > np.max(np.abs(_current(contest, plan.motion)))
-
-    link = contest.question.data.drive.channels.rig
-    known = {name: value for name, value in link.known.items() if name != "L"}
-    unplaced = replace(contest.question, data=_with_rig(contest, replace(link, known=known)))
-    with pytest.raises(InputError, match=r"\[known\] L is required to add a mass, received none"):
-        planned(unplaced, bounds, added=0.2)
-    for mass in ("0.2 m", "-1 kg", "0 kg"):
-        with pytest.raises(InputError, match="--added: ") as error:
-            eccentric.plan([tied[0]], tied[1], LIMITS, added=mass)
-        assert "\n" not in str(error.value)
-
-
-def _current(contest: Separation, motion: Reference) -> np.ndarray:
-    """What the motion takes without the mass [A] (n,)."""
-    return contest.ground(motion).current
-
-
-def _with_rig(contest: Separation, rig: Rig) -> FitData:
-    """The log of the contest, with another rig."""
-    data = contest.question.data
-    return replace(data, drive=replace(data.drive, channels=replace(data.drive.channels, rig=rig)))
 
 
 def test_rivals_that_are_the_same_torque_are_told_as_such(contest: Separation) -> None:

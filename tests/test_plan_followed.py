@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
+import eccentric
 from eccentric.diagnosis import diagnose
-from eccentric.planning import Bounds, Reference, planned, question_of
+from eccentric.errors import InputError
+from eccentric.planning import Bounds, Reference, plan_document, plan_lines, planned, question_of
 from eccentric.planning.choice import kept
 from eccentric.planning.followed import Met, extremes
 from eccentric.planning.limits import INTEGRAL_PER_S, SPEED_FILTER_HZ
@@ -174,6 +176,31 @@ def test_what_the_declared_values_may_be_off_by_leaves_the_added_mass(
     np.testing.assert_allclose(*of_the_inertia, rtol=1e-12)
     larger = [float(np.max(np.abs(column))) for column in of_the_constant]
     assert larger[1] > 1.1 * larger[0]
+
+
+def test_a_plan_with_more_mass_says_what_to_do_with_it(bench: BenchRun, contest: Separation) -> None:
+    """It is in the document, and beside the motion as the rig file takes it; the current is that it needs."""
+    bounds = _bounds(bench, 2.0)
+    plan = planned(contest.question, bounds, added=0.2)
+    assert plan_document(plan)["added_kg"] == 0.2
+    (said,) = [line for line in plan_lines(plan) if "[added]" in line]
+    assert 'RUN = "0.2 kg"' in said
+    assert np.max(np.abs(plan.current)) > np.max(np.abs(contest.ground(plan.motion).current))
+
+
+def test_more_mass_needs_the_place_of_the_one_that_is_there(bench: BenchRun, contest: Separation) -> None:
+    """And a mass; each is one line."""
+    data, bounds = contest.question.data, _bounds(bench, 2.0)
+    rig = data.drive.channels.rig
+    unplaced = replace(rig, known={name: x for name, x in rig.known.items() if name != "L"})
+    drive = replace(data.drive, channels=replace(data.drive.channels, rig=unplaced))
+    question = replace(contest.question, data=replace(data, drive=drive))
+    with pytest.raises(InputError, match=r"\[known\] L is required to add a mass, received none"):
+        planned(question, bounds, added=0.2)
+    for mass in ("0.2 m", "-1 kg", "0 kg"):
+        with pytest.raises(InputError, match="--added: ") as error:
+            eccentric.plan([bench.columns], bench.rig, bounds, added=mass)
+        assert "\n" not in str(error.value)
 
 
 def test_a_drive_that_sticks_counts_with_what_the_motion_asks_for() -> None:
