@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from eccentric.fitting import drive_of, fit_data_of
+from eccentric.fitting import FitData, drive_of, fit_data_of
 from eccentric.logs import read_log
-from eccentric.model import load_model
+from eccentric.model import Model, load_model
 from eccentric.rigs import read_rig
 from eccentric.search import instruments_of, limits
 from eccentric.search.candidate import Candidate
 from eccentric.signals import read_channels
-from eccentric.virtual_bench import simulate
+from eccentric.virtual_bench import BenchRun, simulate
 from tests.searched import NOISE, N, adopted, candidate, mixed, search
 from tests.virtual import drawn_scenario
 
@@ -116,6 +116,13 @@ def test_a_smooth_term_explains_what_its_instrument_shows() -> None:
         assert expected == found.explains(found.base, found.smoothed[0])
 
 
+def fitted_data(run: BenchRun) -> tuple[FitData, Model]:
+    """What a fit of the rig's own model sees of a simulated log."""
+    channels = read_channels([read_log(run.columns)], read_rig(run.rig))
+    model = load_model(channels.rig.model)
+    return fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model), model
+
+
 def test_where_the_sensors_explain_all_that_is_left_there_is_no_structure() -> None:
     """The base leaves 1 + 1 of a squared amplitude; the sensors' noise is just below, or just above it."""
     for part, expected in ((0.97, True), (1.03, False)):
@@ -131,14 +138,12 @@ def test_the_instruments_are_the_signals_that_the_motion_needs() -> None:
     found = {}
     for noise in (0.0, 0.03):
         run = simulate(drawn_scenario(5, log_type="traj", seconds=40.0, noise=noise))
-        channels = read_channels([read_log(run.columns)], read_rig(run.rig))
-        model = load_model(channels.rig.model)
-        data = fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model)
+        data, model = fitted_data(run)
         hidden = run.truth["hidden_parameters"]
         friction = np.array([hidden[c.name] for c in data.signals.columns(model)])
         signals = instruments_of(data, model, friction)
         assert signals is not None
-        found[noise] = channels.selection.usable, signals.values, run.columns
+        found[noise] = data.drive.channels.selection.usable, signals.values, run.columns
 
     rows, quiet, logged = found[0.0]
     for name, column in (("i", "current_A"), ("u", "voltage_V")):
@@ -147,3 +152,15 @@ def test_the_instruments_are_the_signals_that_the_motion_needs() -> None:
     noisy = found[0.03][1]
     assert np.array_equal(quiet["i"], noisy["i"])
     assert np.array_equal(quiet["u"], noisy["u"])
+
+
+def test_the_instruments_keep_the_phase_of_a_ripple() -> None:
+    """Behind a gear the band of the motion leaves out a part of a turn: the ripple is where it was logged."""
+    run = simulate(drawn_scenario(1, mu=1.0 / 30.0, log_type="traj", seconds=40.0))
+    data, model = fitted_data(run)
+    signals = instruments_of(data, model, np.zeros(len(data.signals.columns(model))))
+    assert signals is not None
+
+    rows = data.drive.channels.selection.usable
+    missed = (signals.values["theta_m"] - run.columns["theta_m_rad"])[rows]
+    assert 6.0 * np.sqrt(np.mean(missed**2)) < 0.1

@@ -216,7 +216,6 @@ def variables_of(data: FitData, instruments: Signals | None = None) -> Variables
     slow = instruments.values
     clean = replace(
         own,
-        theta_m=None if own.theta_m is None else slow["theta_m"],
         omega_m=slow["omega_m"],
         alpha_m=slow["alpha_m"],
         current=None if own.current is None else slow["i"],

@@ -3,8 +3,9 @@
 The measured current stands on one side of a balance and inside candidates on the other; noise of the angle
 passes through the speed loop into voltage and current. What such a candidate gains in a search may be the
 noise of its own signals. Its instrument is the same candidate on signals that do not have that noise: the
-motion below the frequency where it ends, and the current and voltage that the fitted model needs for it. An
-effect that is there shows in both; noise that comes back through the loop in one.
+speed below the frequency where the motion ends, and the current and voltage that the fitted model needs for
+it. An effect that is there shows in both; noise that comes back through the loop in one. The angle is that
+of the fit: the loop passes on its derivative, and a slower angle would lose the phase of ripples.
 
 Reference: A. Janot, P.-O. Vandanjon, M. Gautier, "A generic instrumental variable approach for industrial
 robot identification", IEEE Trans. Control Systems Technology 22(1), 2014.
@@ -55,7 +56,7 @@ def instruments_of(data: FitData, model: Model, friction: Array) -> Signals | No
 
 
 def _slow_motion(data: FitData) -> tuple[float, dict[str, Array]] | None:
-    """The least frequency [Hz] that holds the motion; angle, speed and acceleration (samples,) below it."""
+    """The least frequency [Hz] that holds the motion; speed and acceleration (samples,) below it."""
     channels = data.drive.channels
     rows, speed = channels.selection.fit_rows, channels.motion.omega_m
     cut = LOWEST_BAND_HZ
@@ -63,6 +64,6 @@ def _slow_motion(data: FitData) -> tuple[float, dict[str, Array]] | None:
         found, _ = motion_of(channels.time.t, channels.motion.theta_m, channels.time.segment, cut)
         missed = np.sum((found[1] - speed)[rows] ** 2) / np.sum(speed[rows] ** 2)
         if missed < 1.0 - LEAST_MOTION:
-            return cut, dict(zip(("theta_m", "omega_m", "alpha_m"), found, strict=True))
+            return cut, {"omega_m": found[1], "alpha_m": found[2]}
         cut *= 2.0
     return None
