@@ -81,7 +81,7 @@ def test_what_both_show_is_estimated_beside_what_else_the_torque_shows() -> None
     ("voltage", "expected"),
     [
         (0.107, ("named", {"flux"})),
-        (-0.107, ("not_identifiable", {"flux", "friction"})),
+        (-0.107, ("named", {"friction"})),
         (0.0, ("named", {"friction"})),
     ],
     ids=["with its voltage", "with the opposite", "without"],
@@ -110,3 +110,30 @@ def test_the_circuit_adds_what_is_too_faint_to_be_adopted_there(
     named = verdict.tied or [one.variant.candidate.id for one in verdict.adopted]
     assert found["electrical"].best.variants == ()
     assert expected == (verdict.verdict, set(named))
+
+
+@pytest.mark.parametrize(
+    ("voltage", "expected"), [(0.002, "flux"), (0.2, "friction")], ids=["silent", "against"]
+)
+def test_the_torque_names_an_effect_on_the_flux_unless_the_voltage_is_against_it(
+    voltage: float, expected: str
+) -> None:
+    """The flux's effect fits the torque of 6 better; its voltage, `voltage`, is not there."""
+    flux = replace(
+        candidate("flux", {2: 1.0}, balance="electrical"),
+        also=lambda _: mixed({5: 6.0 / voltage})[:, None],
+        joint=True,
+    )
+    friction = candidate("friction", {5: 1.0, 6: 0.2})
+    t, none = mixed({0: 1.0}), np.empty((N, 0))
+    circuit = replace(design({}), name="electrical", coefficients=(), columns=none, samples=none)
+
+    found = search_all(
+        [design({5: 6.0}), circuit],
+        [flux, friction],
+        Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True),
+        {},
+        lambda _: None,
+    )
+
+    assert [expected] == [v.candidate.id for v in found["mechanical"].best.variants]

@@ -6,7 +6,8 @@ else the mechanical balance shows. An angle that is read wrongly shows in both: 
 back-EMF varies over a turn as with a ripple of the flux. In the electrical balance both have the same
 columns, so the mechanical balance decides; the search then begins again without what the misread angle adds.
 It decides too where the circuit cannot tell an effect that has a torque from one that has another, or none.
-Where the torque cannot tell an effect on the flux from friction, what the circuit says of it is added.
+An effect on the flux may show in the torque alone: it is left out only where the circuit is against it. Where
+the torque cannot tell it from friction, what the circuit says of it is added.
 """
 
 from __future__ import annotations
@@ -59,6 +60,15 @@ def search_all(
         progress(f"{balance.name} balance: {names or 'nothing adopted'}")
         return search
 
+    def loaded(balance: BalanceDesign, circuit: Search, but: str = "") -> Search:
+        """The mechanical search, which is offered what acts on the flux; not what the voltage contradicts."""
+        flux = _of_the_flux(circuit)
+        found = searched(balance, but, flux)
+        while against := _against(found, circuit) & {candidate.family for candidate in flux}:
+            flux = [candidate for candidate in flux if candidate.family not in against]
+            found = searched(balance, but, flux)
+        return found
+
     by_name = {balance.name: balance for balance in balances}
     mechanical, circuit = by_name["mechanical"], by_name.get("electrical")
     if circuit is None:
@@ -67,7 +77,7 @@ def search_all(
     misread = _misread(electrical.screen, electrical.best, mechanical, candidates)
     if misread is None:
         corrected, held = _corrected(mechanical, electrical), ()
-        found = searched(corrected, also=_of_the_flux(electrical))
+        found = loaded(corrected, electrical)
         for count in range(1, MOST_BESIDE + 1):
             beside = _beside(found, electrical)
             if _in_the_circuit(found, circuit) is not None or len(beside) < count:
@@ -77,12 +87,12 @@ def search_all(
             if not _differs(again, corrected, found):
                 break
             corrected, held, electrical.best = again, beside[:count], trial.best
-            found = searched(again, also=_of_the_flux(electrical))
+            found = loaded(again, electrical)
         misread = _in_the_circuit(found, circuit)
         if misread is None:
             for place, family in _doubtful(electrical):
                 rivals = [
-                    searched(_corrected(mechanical, other, held), family, _of_the_flux(other))
+                    loaded(_corrected(mechanical, other, held), other, family)
                     for other in _in_place(electrical, place)
                 ]
                 # Without a family that could be in its place, nothing is compared.
@@ -96,17 +106,17 @@ def search_all(
     without = _others(electrical, misread)
     if len(without) < len(electrical.best.variants):
         alone = replace(electrical, best=electrical.screen.fit(without))
-        found = searched(_corrected(mechanical, alone), also=_of_the_flux(alone))
+        found = loaded(_corrected(mechanical, alone), alone)
         misread = _in_the_circuit(found, circuit) or misread
     clean = searched(replace(circuit, target=circuit.target - misread.columns @ misread.coefficients))
     # Beside what else was found there: a large effect would hide the difference.
     screen, others = electrical.screen, _others(electrical, misread)
     if electrical.deviance(clean.screen.fit(others), screen.fit(others)) < CONFIRMED:
-        found = searched(_corrected(mechanical, clean), also=_of_the_flux(clean))
+        found = loaded(_corrected(mechanical, clean), clean)
         if _in_the_circuit(found, circuit) is not None:
             return {"electrical": clean, "mechanical": found}
     # The voltage does not have what such an angle would add.
-    found = searched(_corrected(mechanical, electrical), misread.family, _of_the_flux(electrical))
+    found = loaded(_corrected(mechanical, electrical), electrical, misread.family)
     return {"electrical": electrical, "mechanical": found}
 
 
@@ -141,59 +151,73 @@ def _of_the_flux(electrical: Search) -> list[Candidate]:
     Those that the electrical balance shows too faintly to adopt: what is small beside the armature's voltage
     may be most of what the mechanical balance lacks. And those adopted there, with their shapes: beside
     other effects the torque determines their coefficients better than the first estimate from both did.
-    Not those in whose place another effect was adopted: the voltage would have them, and has not.
+    Not those in whose place another effect was adopted, unless the voltage shows them by themselves.
     """
-    screen, best = electrical.screen, electrical.best
     likely = {
         family for options in electrical.alternatives for family, (p, _) in options.items() if p > POSSIBLE
     }
-
-    def shown(fitted: Fitted) -> bool:
-        """Whether the voltage has it beside what was adopted, or as likely in the place of that."""
-        if fitted.last.family in likely:
-            return electrical.deviance(electrical.base, fitted) > CONFIRMED
-        beside = screen.refine(screen.fit([*best.variants, fitted.variants[-1]]), only_last=True)
-        return electrical.deviance(best, beside) > HINTED
-
     adopted = [variant for variant in electrical.best.variants if variant.candidate.joint]
-    families = {variant.candidate.family for variant in electrical.best.variants}
+    families = _families(electrical.best)
     faint = [
         fitted.last.in_the("mechanical")
         for fitted in electrical.ranked
         if fitted.last.joint
         and fitted.last.also is not None
         and fitted.last.family not in families
-        and shown(fitted)
+        and (fitted.last.family not in likely or electrical.deviance(electrical.base, fitted) > CONFIRMED)
     ]
     return [*(v.candidate.in_the("mechanical", v.values) for v in adopted if v.candidate.also), *faint]
+
+
+def _against(mechanical: Search, electrical: Search) -> set[str]:
+    """The families that the torque shows, of which the voltage says that they are not there."""
+    return {
+        variant.candidate.family
+        for place, variant in enumerate(mechanical.best.variants)
+        if _of_the_circuit(mechanical, place, electrical) < -HINTED
+    }
+
+
+def _of_the_circuit(mechanical: Search, place: int, electrical: Search) -> float:
+    """The deviance by which the voltage is for an effect of the torque, as the torque has it.
+
+    A voltage of another sign or phase speaks against it. 0 for effects that the voltage does not show, and
+    for those adopted there.
+    """
+    variant, best = mechanical.best.variants[place], electrical.best
+    shown = {fitted.last.id: fitted.last for fitted in electrical.ranked if fitted.last.joint}
+    if variant.candidate.id not in shown or variant.candidate.family in _families(best):
+        return 0.0
+    there = Variant(shown[variant.candidate.id], variant.values)
+    left = electrical.screen.residual(best)
+    predicted = electrical.screen.columns(there) @ mechanical.screen.own(mechanical.best)[place]
+    gain = float(np.log(np.sum(left**2) / np.sum((left - predicted) ** 2)))
+    return electrical.screen.effective(best) * gain
+
+
+def _families(fitted: Fitted) -> set[str]:
+    return {variant.candidate.family for variant in fitted.variants}
 
 
 def _by_the_circuit(mechanical: Search, electrical: Search) -> None:
     """Add to what the torque says of effects on the flux what the circuit says, too faint to adopt there.
 
-    What could be in their place is friction, of which the circuit would show nothing. The circuit is asked
-    about the effect as the torque has it: a voltage of another sign or phase speaks against it.
+    What could be in their place is friction, of which the circuit would show nothing.
     """
-    adopted = {variant.candidate.family for variant in electrical.best.variants}
-    shown = {fitted.last.id: fitted.variants[-1] for fitted in electrical.ranked}
     for place, variant in enumerate(mechanical.best.variants):
-        own, options = variant.candidate, mechanical.alternatives[place]
-        if not own.joint or own.id not in shown or own.family in adopted or mechanical.clear(place):
+        family, options = variant.candidate.family, mechanical.alternatives[place]
+        circuit = _of_the_circuit(mechanical, place, electrical)
+        if circuit <= HINTED or mechanical.clear(place):
             continue
-        likely = {family for family, chance in mechanical.chances(place).items() if chance > POSSIBLE}
-        rivals = (likely | set(mechanical.instead(own.family))) - {own.family}
+        likely = {other for other, chance in mechanical.chances(place).items() if chance > POSSIBLE}
+        rivals = (likely | set(mechanical.instead(family))) - {family}
         if not rivals or not rivals <= set(options) or any(options[r][1].last.joint for r in rivals):
             continue
-        if not mechanical.stability.nearly_all(own.family, *rivals):
+        if not mechanical.stability.nearly_all(family, *rivals):
             continue
-        there = Variant(shown[own.id].candidate, variant.values)
-        left = electrical.screen.residual(electrical.best)
-        predicted = electrical.screen.columns(there) @ mechanical.screen.own(mechanical.best)[place]
-        gain = float(np.log(np.sum(left**2) / np.sum((left - predicted) ** 2)))
-        circuit = electrical.screen.effective(electrical.best) * gain
         torque = min(mechanical.deviance(options[r][1], mechanical.best) for r in rivals)
-        if circuit > HINTED and circuit + torque > LEAST_DEVIANCE:
-            mechanical.by_both[own.family] = circuit + torque
+        if circuit + torque > LEAST_DEVIANCE:
+            mechanical.by_both[family] = circuit + torque
 
 
 @dataclass(frozen=True)

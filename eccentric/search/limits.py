@@ -199,8 +199,8 @@ MOST_BESIDE = 2
 """Mechanical effects beside which one of both balances is estimated: each costs a search."""
 
 HINTED = 4.0
-"""Deviance in the circuit from which an effect on the flux is offered to the mechanical search: by Akaike's
-criterion, 2 for each coefficient of a ripple. At twice as much, its torque was named friction."""
+"""Deviance from which the circuit speaks for an effect on the flux that the torque shows, or against it: by
+Akaike's criterion, 2 for each coefficient of a ripple."""
 
 # Orders of the motor that stand out.
 
