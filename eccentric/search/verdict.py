@@ -35,8 +35,8 @@ class Adopted:
     coefficients: of its columns, none if its parameters are all shapes; share: RMS that it removes from the
         residual beside the others, as a fraction of the balance's scale; found: in how many of the `variants`
         of the log its family is part of the best model; instead: family -> in how many it takes the place;
-        alike: families that explain the log equally well, its own among them, best first; none if it is
-        clearly ahead; undecided: whether it is a declared value, and what is alike is an effect: beside the
+        alike: families that explain the log equally well, its own first; none if it is clearly
+        ahead; undecided: whether it is a declared value, and what is alike is an effect: beside the
         name of another the two stay open.
     """
 
@@ -184,9 +184,10 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
                 stability.found(family),
                 stability.variants,
                 search.instead(family),
-                () if clear else _alike(chances),
+                () if clear else _alike(family, chances),
             )
             found.append((one, entry))
+    found.sort(key=lambda pair: -pair[0].share)
     ties = [(entry.family, one.alike) for one, entry in found if one.alike]
     # Several drifts in one balance make up the course of one that none of them has.
     for name in searches:
@@ -197,7 +198,6 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
                 (replace(one, alike=tuple(drifts)) if entry.family in drifts else one, entry)
                 for one, entry in found
             ]
-    found.sort(key=lambda pair: -pair[0].share)
     # Which declared value is off, or whether one is, takes no name from an effect that is clear.
     effects = [one for one, entry in found if entry.family not in declared]
     if any(not one.alike for one in effects):
@@ -222,10 +222,10 @@ def _ranked(candidate: Candidate, balance: str, search: Search, fitted: Fitted, 
     return Ranked(candidate.id, candidate.family, balance, rmse, probability, candidate.words)
 
 
-def _alike(probabilities: Mapping[str, float]) -> tuple[str, ...]:
-    """The families that explain the log equally well, best first: two or more, or none."""
-    ordered = sorted(probabilities, key=lambda family: -probabilities[family])
-    return tuple(f for k, f in enumerate(ordered) if probabilities[f] > limits.POSSIBLE or k < 2)
+def _alike(own: str, chances: Mapping[str, float]) -> tuple[str, ...]:
+    """The families that explain the log equally well, the adopted one first, then the likeliest."""
+    others = sorted((family for family in chances if family != own), key=lambda family: -chances[family])
+    return (own, *(f for k, f in enumerate(others) if chances[f] > limits.POSSIBLE or k == 0))
 
 
 def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -> list[Ranked]:
