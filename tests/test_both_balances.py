@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -11,6 +12,8 @@ import pytest
 from eccentric.effects import Shape
 from eccentric.model import quantity
 from eccentric.search.both import search_all
+from eccentric.search.candidate import Candidate
+from eccentric.search.limits import HINTED
 from eccentric.search.smooth import Variables
 from eccentric.search.verdict import decided
 from tests.searched import Array, N, candidate, design, mixed
@@ -77,63 +80,84 @@ def test_what_both_show_is_estimated_beside_what_else_the_torque_shows() -> None
     assert true == pytest.approx(own.values["x"], abs=0.05)
 
 
-@pytest.mark.parametrize(
-    ("voltage", "expected"),
-    [
-        (0.107, ("named", {"flux"})),
-        (-0.107, ("named", {"friction"})),
-        (0.0, ("named", {"friction"})),
-    ],
-    ids=["with its voltage", "with the opposite", "without"],
-)
-def test_the_circuit_adds_what_is_too_faint_to_be_adopted_there(
-    voltage: float, expected: tuple[str, set[str]]
-) -> None:
-    """Friction has nearly the same torque, 2 apart in deviance, and no voltage; that of the flux gains 23."""
-    flux = replace(
-        candidate("flux", {2: 1.0}, balance="electrical"),
-        also=lambda _: mixed({5: 6.0 / 0.107})[:, None],
+def on_the_flux(ratio: float, *, torque: int = 5, voltage: int = 2, name: str = "flux") -> Candidate:
+    """An effect whose torque is `ratio` times its voltage, each in a column of its own."""
+    return replace(
+        candidate(name, {voltage: 1.0}, balance="electrical"),
+        also=lambda _: mixed({torque: ratio})[:, None],
         joint=True,
     )
-    friction = candidate("friction", {5: 1.0, 6: 0.0052})
-    t, none = mixed({0: 1.0}), np.empty((N, 0))
-    circuit = replace(design({2: voltage}), name="electrical", coefficients=(), columns=none, samples=none)
 
+
+def verdict_of(
+    torque: dict[int, float], voltage: dict[int, float], *candidates: Candidate
+) -> tuple[str, list[str]]:
+    """The verdict on two balances of these columns, with what is named or tied."""
+    t, none = mixed({0: 1.0}), np.empty((N, 0))
+    circuit = replace(design(voltage), name="electrical", coefficients=(), columns=none, samples=none)
     found = search_all(
-        [design({5: 6.0}), circuit],
-        [flux, friction],
+        [design(torque), circuit],
+        candidates,
         Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True),
         {},
         lambda _: None,
     )
     verdict = decided(found)
-    named = verdict.tied or [one.variant.candidate.id for one in verdict.adopted]
-    assert found["electrical"].best.variants == ()
-    assert expected == (verdict.verdict, set(named))
+    return verdict.verdict, sorted(verdict.tied or [one.variant.candidate.id for one in verdict.adopted])
+
+
+FRICTION = candidate("friction", {5: 1.0, 6: 0.2})
 
 
 @pytest.mark.parametrize(
-    ("voltage", "expected"), [(0.002, "flux"), (0.2, "friction")], ids=["silent", "against"]
+    ("ahead", "voltage", "expected"),
+    [
+        ("flux", 0.107, ["flux"]),
+        ("flux", -0.107, ["friction"]),
+        ("flux", 0.0, ["friction"]),
+        ("friction", 0.107, ["flux", "friction"]),
+        ("friction", 0.0, ["friction"]),
+    ],
 )
-def test_the_torque_names_an_effect_on_the_flux_unless_the_voltage_is_against_it(
-    voltage: float, expected: str
+def test_the_circuit_is_asked_where_the_torque_cannot_tell(
+    ahead: str, voltage: float, expected: list[str]
 ) -> None:
-    """The flux's effect fits the torque of 6 better; its voltage, `voltage`, is not there."""
-    flux = replace(
-        candidate("flux", {2: 1.0}, balance="electrical"),
-        also=lambda _: mixed({5: 6.0 / voltage})[:, None],
-        joint=True,
-    )
-    friction = candidate("friction", {5: 1.0, 6: 0.2})
-    t, none = mixed({0: 1.0}), np.empty((N, 0))
-    circuit = replace(design({}), name="electrical", coefficients=(), columns=none, samples=none)
+    """Two in deviance are between them, for either; the voltage that the torque asks for is worth 23."""
+    aside = {5: 1.0, 6: 0.0052}
+    away = {"flux": aside, "friction": aside} | {ahead: {5: 1.0}}
+    flux = replace(on_the_flux(1.0), also=lambda _: (6.0 / 0.107) * mixed(away["flux"])[:, None])
 
-    found = search_all(
-        [design({5: 6.0}), circuit],
-        [flux, friction],
-        Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True),
-        {},
-        lambda _: None,
+    found = verdict_of({5: 6.0}, {2: voltage}, flux, candidate("friction", away["friction"]))
+
+    assert ("named" if len(expected) == 1 else "not_identifiable", expected) == found
+
+
+@pytest.mark.parametrize(("part", "expected"), [(0.97, "flux"), (1.03, "friction")])
+def test_the_torque_names_an_effect_on_the_flux_unless_its_voltage_is_missing(
+    part: float, expected: str
+) -> None:
+    """It fits the torque better than friction. A voltage v that is not there costs N log(1 + v^2)."""
+    predicted = part * math.sqrt(math.expm1(HINTED / N))
+
+    assert ("named", [expected]) == verdict_of({5: 6.0}, {}, on_the_flux(6.0 / predicted), FRICTION)
+
+
+def test_what_the_circuit_shows_besides_is_fitted_beside_the_voltage_of_the_torque() -> None:
+    """Fitted without it, the other effect has taken a part of its voltage, which would then count twice."""
+    other = candidate("other", {2: 1.0, 3: 0.5}, balance="electrical")
+    voltage = {2: 0.2 + 1.0, 3: 0.5}
+
+    assert ("named", ["flux", "other"]) == verdict_of(
+        {5: 6.0}, voltage, on_the_flux(6.0 / 0.2), other, FRICTION
     )
 
-    assert [expected] == [v.candidate.id for v in found["mechanical"].best.variants]
+
+def test_the_circuit_is_against_one_order_and_not_against_its_family() -> None:
+    """The torque is more like the first order, whose voltage is missing; that of the second is there."""
+    orders = [
+        replace(on_the_flux(60.0, voltage=2), id="flux[1]"),
+        replace(on_the_flux(60.0, voltage=3), id="flux[2]"),
+    ]
+    orders[1] = replace(orders[1], also=lambda _: 60.0 * mixed({5: 1.0, 6: 0.02})[:, None])
+
+    assert ("named", ["flux[2]"]) == verdict_of({5: 6.0}, {3: 0.1}, *orders, FRICTION)

@@ -28,6 +28,13 @@ def seen_through(share: float) -> Candidate:
     return replace(candidate("a", {OWN: 1.0}), instrument=lambda _: instrument)
 
 
+def fitted_data(run: BenchRun) -> tuple[FitData, Model]:
+    """What a fit of the rig's own model sees of a simulated log."""
+    channels = read_channels([read_log(run.columns)], read_rig(run.rig))
+    model = load_model(channels.rig.model)
+    return fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model), model
+
+
 def gained(amplitude: float, share: float) -> float:
     """The deviance of the instrument: it leaves 1 + b^2 (1 - share) of 1 + b^2."""
     return N * math.log((1.0 + amplitude**2) / (1.0 + amplitude**2 * (1.0 - share)))
@@ -116,13 +123,6 @@ def test_a_smooth_term_explains_what_its_instrument_shows() -> None:
         assert expected == found.explains(found.base, found.smoothed[0])
 
 
-def fitted_data(run: BenchRun) -> tuple[FitData, Model]:
-    """What a fit of the rig's own model sees of a simulated log."""
-    channels = read_channels([read_log(run.columns)], read_rig(run.rig))
-    model = load_model(channels.rig.model)
-    return fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model), model
-
-
 def test_where_the_sensors_explain_all_that_is_left_there_is_no_structure() -> None:
     """The base leaves 1 + 1 of a squared amplitude; the sensors' noise is just below, or just above it."""
     for part, expected in ((0.97, True), (1.03, False)):
@@ -155,7 +155,7 @@ def test_the_instruments_are_the_signals_that_the_motion_needs() -> None:
 
 
 def test_the_instruments_keep_the_phase_of_a_ripple() -> None:
-    """Behind a gear the band of the motion leaves out a part of a turn: the ripple is where it was logged."""
+    """Behind a gear slow motion leaves out a part of a turn; order 6 stays within a tenth of a radian."""
     run = simulate(drawn_scenario(1, mu=1.0 / 30.0, log_type="traj", seconds=40.0))
     data, model = fitted_data(run)
     signals = instruments_of(data, model, np.zeros(len(data.signals.columns(model))))

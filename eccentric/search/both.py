@@ -6,8 +6,7 @@ else the mechanical balance shows. An angle that is read wrongly shows in both: 
 back-EMF varies over a turn as with a ripple of the flux. In the electrical balance both have the same
 columns, so the mechanical balance decides; the search then begins again without what the misread angle adds.
 It decides too where the circuit cannot tell an effect that has a torque from one that has another, or none.
-An effect on the flux may show in the torque alone: it is left out only where the circuit is against it. Where
-the torque cannot tell it from friction, what the circuit says of it is added.
+Effects on the flux may show in the torque alone (`flux`).
 """
 
 from __future__ import annotations
@@ -19,11 +18,11 @@ import numpy as np
 
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant, bounds_of
+from eccentric.search.flux import as_torques, contradicted, weigh_with_the_circuit
 from eccentric.search.joint import Beside, BothBalances
 from eccentric.search.limits import (
     CONFIRMED,
     HIDES,
-    HINTED,
     LEAST_DEVIANCE,
     MOST_BESIDE,
     POSSIBLE,
@@ -60,12 +59,13 @@ def search_all(
         progress(f"{balance.name} balance: {names or 'nothing adopted'}")
         return search
 
-    def loaded(balance: BalanceDesign, circuit: Search, but: str = "") -> Search:
-        """The mechanical search, which is offered what acts on the flux; not what the voltage contradicts."""
-        flux = _of_the_flux(circuit)
+    def with_flux(balance: BalanceDesign, electrical: Search, but: str = "") -> Search:
+        """The mechanical search, which is offered what acts on the flux unless the circuit is against it."""
+        flux = as_torques(electrical)
         found = searched(balance, but, flux)
-        while against := _against(found, circuit) & {candidate.family for candidate in flux}:
-            flux = [candidate for candidate in flux if candidate.family not in against]
+        # Each pass leaves one out.
+        while (against := contradicted(found, electrical)) in {candidate.id for candidate in flux}:
+            flux = [candidate for candidate in flux if candidate.id != against]
             found = searched(balance, but, flux)
         return found
 
@@ -77,7 +77,7 @@ def search_all(
     misread = _misread(electrical.screen, electrical.best, mechanical, candidates)
     if misread is None:
         corrected, held = _corrected(mechanical, electrical), ()
-        found = loaded(corrected, electrical)
+        found = with_flux(corrected, electrical)
         for count in range(1, MOST_BESIDE + 1):
             beside = _beside(found, electrical)
             if _in_the_circuit(found, circuit) is not None or len(beside) < count:
@@ -87,37 +87,45 @@ def search_all(
             if not _differs(again, corrected, found):
                 break
             corrected, held, electrical.best = again, beside[:count], trial.best
-            found = loaded(again, electrical)
+            found = with_flux(again, electrical)
         misread = _in_the_circuit(found, circuit)
         if misread is None:
             for place, family in _doubtful(electrical):
                 rivals = [
-                    loaded(_corrected(mechanical, other, held), other, family)
+                    # What is on the flux beside it, and no other that could take on its torque.
+                    searched(_corrected(mechanical, other, held), family, _found(found, other))
                     for other in _in_place(electrical, place)
                 ]
                 # Without a family that could be in its place, nothing is compared.
                 least = min((found.deviance(rival.best, found.best) for rival in rivals), default=0.0)
                 if least > LEAST_DEVIANCE:
                     electrical.by_both[family] = least
-            _by_the_circuit(found, electrical)
+            weigh_with_the_circuit(found, electrical)
             return {"electrical": electrical, "mechanical": found}
     # Beside what else the mechanical balance shows, and without the torque of the ripple for which the
     # circuit took it: alone, it would take on a part of a larger effect.
     without = _others(electrical, misread)
     if len(without) < len(electrical.best.variants):
         alone = replace(electrical, best=electrical.screen.fit(without))
-        found = loaded(_corrected(mechanical, alone), alone)
+        found = with_flux(_corrected(mechanical, alone), alone)
         misread = _in_the_circuit(found, circuit) or misread
     clean = searched(replace(circuit, target=circuit.target - misread.columns @ misread.coefficients))
     # Beside what else was found there: a large effect would hide the difference.
     screen, others = electrical.screen, _others(electrical, misread)
     if electrical.deviance(clean.screen.fit(others), screen.fit(others)) < CONFIRMED:
-        found = loaded(_corrected(mechanical, clean), clean)
+        found = with_flux(_corrected(mechanical, clean), clean)
         if _in_the_circuit(found, circuit) is not None:
             return {"electrical": clean, "mechanical": found}
     # The voltage does not have what such an angle would add.
-    found = loaded(_corrected(mechanical, electrical), electrical, misread.family)
+    found = with_flux(_corrected(mechanical, electrical), electrical, misread.family)
     return {"electrical": electrical, "mechanical": found}
+
+
+def _found(mechanical: Search, electrical: Search) -> list[Candidate]:
+    """Of the effects on the flux those that were found, in either balance."""
+    best = (*mechanical.best.variants, *electrical.best.variants)
+    ids = {variant.candidate.id for variant in best}
+    return [candidate for candidate in as_torques(electrical) if candidate.id in ids]
 
 
 def _doubtful(electrical: Search) -> list[tuple[int, str]]:
@@ -143,81 +151,6 @@ def _in_place(electrical: Search, place: int) -> list[Search]:
     without = sorted(likely - set(with_torque))[:1]
     fits = [options[f] for f in [*sorted(with_torque), *without]]
     return [replace(electrical, best=fitted) for fitted in fits]
-
-
-def _of_the_flux(electrical: Search) -> list[Candidate]:
-    """Effects on the flux as torques, for the mechanical search.
-
-    Those that the electrical balance shows too faintly to adopt: what is small beside the armature's voltage
-    may be most of what the mechanical balance lacks. And those adopted there, with their shapes: beside
-    other effects the torque determines their coefficients better than the first estimate from both did.
-    Not those in whose place another effect was adopted, unless the voltage shows them by themselves.
-    """
-    likely = {
-        family for options in electrical.alternatives for family, (p, _) in options.items() if p > POSSIBLE
-    }
-    adopted = [variant for variant in electrical.best.variants if variant.candidate.joint]
-    families = _families(electrical.best)
-    faint = [
-        fitted.last.in_the("mechanical")
-        for fitted in electrical.ranked
-        if fitted.last.joint
-        and fitted.last.also is not None
-        and fitted.last.family not in families
-        and (fitted.last.family not in likely or electrical.deviance(electrical.base, fitted) > CONFIRMED)
-    ]
-    return [*(v.candidate.in_the("mechanical", v.values) for v in adopted if v.candidate.also), *faint]
-
-
-def _against(mechanical: Search, electrical: Search) -> set[str]:
-    """The families that the torque shows, of which the voltage says that they are not there."""
-    return {
-        variant.candidate.family
-        for place, variant in enumerate(mechanical.best.variants)
-        if _of_the_circuit(mechanical, place, electrical) < -HINTED
-    }
-
-
-def _of_the_circuit(mechanical: Search, place: int, electrical: Search) -> float:
-    """The deviance by which the voltage is for an effect of the torque, as the torque has it.
-
-    A voltage of another sign or phase speaks against it. 0 for effects that the voltage does not show, and
-    for those adopted there.
-    """
-    variant, best = mechanical.best.variants[place], electrical.best
-    shown = {fitted.last.id: fitted.last for fitted in electrical.ranked if fitted.last.joint}
-    if variant.candidate.id not in shown or variant.candidate.family in _families(best):
-        return 0.0
-    there = Variant(shown[variant.candidate.id], variant.values)
-    left = electrical.screen.residual(best)
-    predicted = electrical.screen.columns(there) @ mechanical.screen.own(mechanical.best)[place]
-    gain = float(np.log(np.sum(left**2) / np.sum((left - predicted) ** 2)))
-    return electrical.screen.effective(best) * gain
-
-
-def _families(fitted: Fitted) -> set[str]:
-    return {variant.candidate.family for variant in fitted.variants}
-
-
-def _by_the_circuit(mechanical: Search, electrical: Search) -> None:
-    """Add to what the torque says of effects on the flux what the circuit says, too faint to adopt there.
-
-    What could be in their place is friction, of which the circuit would show nothing.
-    """
-    for place, variant in enumerate(mechanical.best.variants):
-        family, options = variant.candidate.family, mechanical.alternatives[place]
-        circuit = _of_the_circuit(mechanical, place, electrical)
-        if circuit <= HINTED or mechanical.clear(place):
-            continue
-        likely = {other for other, chance in mechanical.chances(place).items() if chance > POSSIBLE}
-        rivals = (likely | set(mechanical.instead(family))) - {family}
-        if not rivals or not rivals <= set(options) or any(options[r][1].last.joint for r in rivals):
-            continue
-        if not mechanical.stability.nearly_all(family, *rivals):
-            continue
-        torque = min(mechanical.deviance(options[r][1], mechanical.best) for r in rivals)
-        if circuit + torque > LEAST_DEVIANCE:
-            mechanical.by_both[family] = circuit + torque
 
 
 @dataclass(frozen=True)

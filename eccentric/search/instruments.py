@@ -1,11 +1,14 @@
-"""Signals whose noise is not that of the target: the motion alone, and what the model makes of it.
+"""Signals whose noise is not that of the target: slow motion, and what the model makes of it.
 
 The measured current stands on one side of a balance and inside candidates on the other; noise of the angle
 passes through the speed loop into voltage and current. What such a candidate gains in a search may be the
-noise of its own signals. Its instrument is the same candidate on signals that do not have that noise: the
-speed below the frequency where the motion ends, and the current and voltage that the fitted model needs for
-it. An effect that is there shows in both; noise that comes back through the loop in one. The angle is that
-of the fit: the loop passes on its derivative, and a slower angle would lose the phase of ripples.
+noise of its own signals. Its instrument is the same candidate without that noise: on the speed below the
+frequency where the motion ends, and the current and voltage that the fitted model needs for it. An effect
+that is there shows in both; noise that comes back through the loop in one.
+
+The angle is that of the fit. Its noise is a small part of a turn, and changes a column over the angle with a
+sign that alternates within its period, so that it averages out against the target's; a slower angle would
+lose the phase of ripples.
 
 Reference: A. Janot, P.-O. Vandanjon, M. Gautier, "A generic instrumental variable approach for industrial
 robot identification", IEEE Trans. Control Systems Technology 22(1), 2014.

@@ -199,8 +199,8 @@ MOST_BESIDE = 2
 """Mechanical effects beside which one of both balances is estimated: each costs a search."""
 
 HINTED = 4.0
-"""Deviance from which the circuit speaks for an effect on the flux that the torque shows, or against it: by
-Akaike's criterion, 2 for each coefficient of a ripple."""
+"""Deviance from which the circuit speaks for an effect on the flux that the torque shows, or against it: odds
+of e^2, 7 to 1. Nothing is fitted there: the coefficients are the torque's."""
 
 # Orders of the motor that stand out.
 
