@@ -38,6 +38,7 @@ from tests.swing import VOLTAGE, Swing, log_of, write_rig, write_runs
 from tests.virtual import drawn_scenario
 
 OF_CURRENT = {"current", "mechanical_residual", "electrical_residual"}
+OF_VOLTAGE = {"voltage", "electrical_residual"}
 WITHOUT_BACK_EMF = {"mechanical_friction_torque", *OF_CURRENT}
 PLANTED = SimpleNamespace(M=M, M_l=M_L, L=L, mu=MU, g=9.81, R=R, k_i=K_I, k_e=K_E, **FRICTION)
 SAMPLES = motion()[0][::997], motion()[1][::997]
@@ -101,6 +102,26 @@ def test_a_fit_with_a_current_starts_anew_from_such_a_model(tmp_path: Path) -> N
     expected = resultant() - K_I * K_E / R * SAMPLES[1]
 
     assert module.mechanical_friction_torque(*SAMPLES) == pytest.approx(expected, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("declared", "expected"), [("", set()), (f"R_ohm = {R}\nk_e_Vs_per_rad = {K_E}\n", OF_VOLTAGE)]
+)
+def test_a_current_gives_a_voltage_only_with_the_armature(
+    tmp_path: Path, declared: str, expected: set[str]
+) -> None:
+    """Without R and k_e there is none, and no electrical residual; all else stays."""
+    inertia = f"k_i_Nm_per_A = {K_I}\nJ_m_kgm2 = {INERTIA}\nJ_l_kgm2 = 0.0\n"
+    signal = {"current_A": torque("C2", FRICTION) / K_I}
+    written(tmp_path, f'case = "C2"\n{KNOWN}{inertia}{declared}', signal)
+    found = eccentric.fit(tmp_path / "log.csv", tmp_path / "rig.toml")
+    found.emit(tmp_path / "arm", "arm")
+
+    given = set(dir(found.module))
+    assert given >= {"mechanical_friction_torque", "friction_torque", "current", "mechanical_residual"}
+    assert expected == given & OF_VOLTAGE
+    header = (tmp_path / "arm" / "arm.h").read_text(encoding="utf-8")
+    assert (header.count("arm_voltage(") > 0) == bool(expected)
 
 
 @pytest.fixture(scope="module")

@@ -50,6 +50,7 @@ def extended_model(found: Diagnosis) -> Model:
         "diagnosis",
         drive.back_emf_in_friction,
         drive.current_known,
+        drive.voltage_known,
         found.unit,
     )
 
@@ -125,6 +126,7 @@ def script(found: Diagnosis) -> str:
     drive = found.data.drive
     log = "\n    back_emf_in_friction=True," if drive.back_emf_in_friction else ""
     log += "" if drive.current_known else "\n    current_known=False,"
+    log += "" if drive.voltage_known else "\n    voltage_known=False,"
     log += "" if found.unit == "N m" else f"\n    torque_unit={found.unit!r},"
     own = ""
     if found.asked.effects is not None:

@@ -27,6 +27,7 @@ class FittedValues:
         fits_the_rig: false if the fit says that its log does not fit the rig.
         back_emf_in_friction: whether the values of viscous friction contain the back-EMF.
         current_known: whether the values give a current in amperes.
+        voltage_known: whether the values give a voltage.
         torque_unit: of the values: "N m", or "V" or "A" without a scale for a torque.
         chain: of an arm, what tells it from another; empty where the file does not say.
         bodies: of an arm, the inertial parameters that the fit identified, by name; empty if it did not.
@@ -40,6 +41,7 @@ class FittedValues:
     fits_the_rig: bool
     back_emf_in_friction: bool
     current_known: bool
+    voltage_known: bool
     torque_unit: str
     chain: Mapping[str, Any]
     bodies: Mapping[str, float]
@@ -114,7 +116,7 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     # Bodies that cannot exist are no better than a log that does not fit the rig.
     fits = content.get("fits_the_rig") is not False and bodies.get("possible") is not False
     contained = content.get("back_emf_in_friction") is True
-    known, unit = content.get("current_known") is not False, content.get(axis.said("torque_unit"), "N m")
+    unit = content.get(axis.said("torque_unit"), "N m")
     unit = "N m" if unit == axis.said("N m") else unit
     if unit not in ("N m", "V", "A"):
         raise InputError(f"{where}: torque_unit: N m, V or A is required, received {unit!r}")
@@ -127,7 +129,8 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
         identified_on,
         fits,
         contained,
-        known,
+        content.get("current_known") is not False,
+        content.get("voltage_known") is not False,
         unit,
         dict(chain),
         dict(found),
@@ -159,5 +162,6 @@ def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:
         fitted.source,
         fitted.back_emf_in_friction,
         fitted.current_known,
+        fitted.voltage_known,
         fitted.torque_unit,
     )

@@ -19,6 +19,7 @@ std_error null if an active bound, its own or another value's, determines the in
     back_emf_in_friction  whether the viscous friction contains the back-EMF: a voltage alone, k_e unknown
     torque_unit       of the parameters: N m, or V or A where the log has no scale for a torque
     current_known     whether the parameters give a current in amperes: not where a voltage gives R/k_i alone
+    voltage_known     whether they give a voltage: not by a current or a torque where R or k_e is not known
     identified_range  ranges in words;  ranges  {omega_m_rad_s, speed_m_rad_s, temperature_C}
     rmse_holdout_Nm (_V, _A), r_squared_holdout (of the drive signal)  linear, paper, paper_unbounded
     fits_the_rig      false if the log cannot be from this rig: nothing follows from the fit
@@ -91,6 +92,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "parameter_notes": texts,
         "back_emf_in_friction": any(k_e in c.expression.free_symbols for c in problem.coefficients),
         "current_known": _current_known(fit),
+        "voltage_known": problem.drive.voltage_known,
         "torque_unit": _torque_unit(fit),
         "identified_range": identified_range(fit),
         "ranges": ranges(fit),

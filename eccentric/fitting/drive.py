@@ -136,6 +136,11 @@ class Drive:
         return not self.by_voltage or (declared and self.unit == "N m")
 
     @property
+    def voltage_known(self) -> bool:
+        """Whether a voltage of the model is in volts: a current or a torque has to be given R and k_e."""
+        return self.by_voltage or {"R", *self.machine.back_emf_letters} <= set(self.known)
+
+    @property
     def off(self) -> NDArray[np.bool_]:
         """Rows (n,) with the motor switched off."""
         return self.channels.motor.off

@@ -52,6 +52,7 @@ def with_values(
     source: str = "parameters",
     back_emf_in_friction: bool = False,
     current_known: bool = True,
+    voltage_known: bool = True,
     torque_unit: str = "N m",
 ) -> Model:
     """Return the model under a new name, with these values as its defaults.
@@ -65,6 +66,7 @@ def with_values(
         source: where the values come from, for error messages.
         back_emf_in_friction: whether the values of viscous friction contain the back-EMF.
         current_known: whether the values give a current in amperes; a voltage may determine R/k_i alone.
+        voltage_known: whether the values give a voltage; a current alone determines neither R nor k_e.
         torque_unit: of the values: "N m", or "V" or "A" without a scale for a torque.
 
     Raises:
@@ -95,5 +97,6 @@ def with_values(
         defaults="fitted values, with the remark of each parameter",
         back_emf_in_friction=back_emf_in_friction,
         current_known=current_known,
+        voltage_known=voltage_known,
         torque_unit=torque_unit,
     )

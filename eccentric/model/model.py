@@ -38,6 +38,7 @@ class Model:
         back_emf_in_friction: whether the defaults of viscous friction contain the back-EMF, as estimates from
             a voltage alone do. What needs the friction without it is then not emitted.
         current_known: whether the defaults give a current in amperes. What needs one is else not emitted.
+        voltage_known: whether they give a voltage, with R and k_e. What needs one is else not emitted.
         torque_unit: of the defaults: "N m", or "V" or "A" where the log had no scale for a torque.
         axis: what moves: the words of all that is written for a person or emitted.
 
@@ -58,6 +59,7 @@ class Model:
     extensions: tuple[Extension, ...] = ()
     back_emf_in_friction: bool = False
     current_known: bool = True
+    voltage_known: bool = True
     torque_unit: str = "N m"
     axis: AxisKind = TURNING
 
@@ -87,7 +89,13 @@ class Model:
     @cached_property
     def with_other_values(self) -> Model:
         """The same for values that are not its defaults: every function is emitted, by its own letters."""
-        plain = {"back_emf_in_friction": False, "current_known": True, "torque_unit": "N m", "axis": TURNING}
+        plain = {
+            "back_emf_in_friction": False,
+            "current_known": True,
+            "voltage_known": True,
+            "torque_unit": "N m",
+            "axis": TURNING,
+        }
         return self if all(getattr(self, k) == x for k, x in plain.items()) else replace(self, **plain)
 
     @property

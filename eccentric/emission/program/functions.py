@@ -36,6 +36,8 @@ class Function:
 
 _OF_CURRENT = frozenset({"current", "mechanical_residual", "electrical_residual"})
 """Functions that need k_i itself, R/k_i being known."""
+_OF_VOLTAGE = frozenset({"voltage", "electrical_residual"})
+"""Functions that need R and k_e, k_i being known."""
 _WITHOUT_BACK_EMF = _OF_CURRENT | {"mechanical_friction_torque"}
 """Functions that need the friction without the back-EMF, or its constant."""
 
@@ -194,6 +196,8 @@ def functions(model: Model) -> tuple[Function, ...]:
         )
     given = (*listed, *_polynomials(model, resultant))
     withheld = frozenset[str]() if model.current_known else _OF_CURRENT
+    if not model.voltage_known:
+        withheld |= _OF_VOLTAGE
     if model.back_emf_in_friction:
         withheld = _WITHOUT_BACK_EMF
     if force is None:
