@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -77,7 +78,7 @@ class RigCheck:
     Attributes:
         complaints: one line each, with the mend; empty if the rig can be used.
         estimated: what the log determines, from what, and how well, one line each; empty with complaints.
-        warnings: of reading and fitting the log.
+        warnings: of reading and fitting the log, and of values that are drafted and may be wrong.
     """
 
     complaints: tuple[str, ...]
@@ -167,7 +168,19 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
     axis, own = usable.axis, (*usable.own_names, *log_names(read))
     asked, estimated, warnings = (axis.told(lines, own) for lines in (asked, estimated, warnings))
     found += [line for line in asked if line not in found]
-    return RigCheck(tuple(found), () if found else estimated, warnings)
+    doubtful = () if draft is None else _still_doubtful(draft, rest, usable.path)
+    return RigCheck(tuple(found), () if found else estimated, (*doubtful, *warnings))
+
+
+def _still_doubtful(draft: Draft, content: Mapping[str, Any], path: str) -> tuple[str, ...]:
+    """The values of a rig that are a draft's of which the log leaves a doubt, one line each."""
+    lines = [entry for entry in draft.entries if entry.doubt and not entry.asked]
+    given = [content.get(e.table, {}) if e.table else content for e in lines]
+    return tuple(
+        f"{path}: {entry.key} = {entry.value} is as drafted: {entry.doubt}"
+        for entry, table in zip(lines, given, strict=True)
+        if table.get(draft.axis.said(entry.key)) == tomllib.loads(f"value = {entry.value}")["value"]
+    )
 
 
 def _checked_arm(logs: Sequence[Log], source: str | os.PathLike[str] | Mapping[str, Any]) -> RigCheck:

@@ -81,9 +81,10 @@ def find_drives(
     return list(proposals.values()), balances, left_out
 
 
-def _rank(column: LoggedColumn, balance: Explained) -> tuple[bool, bool, float]:
-    """Measured before set, named before unnamed, better explained before worse."""
-    return column.name.commanded, column.name.quantity not in KINDS, -balance.r2
+def _rank(column: LoggedColumn, balance: Explained) -> tuple[bool, bool, bool, float]:
+    """Measured before set, named before unnamed, in a unit before in percent, then the better explained."""
+    name = column.name
+    return name.commanded, name.quantity not in KINDS, name.unit == "%", -balance.r2
 
 
 def _kind(column: LoggedColumn, balance: Explained) -> Driven:

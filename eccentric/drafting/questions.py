@@ -28,16 +28,25 @@ def entries_of(
 ) -> list[RigLine]:
     """The lines of the rig file."""
     kinds = {p.channel for p in drives}
-    return [*_encoder(best, given), *_alignment(balance, kinds), *_known(best, given, balance, kinds)]
+    return [
+        *_encoder(best, given, balance),
+        *_alignment(balance, kinds),
+        *_known(best, given, balance, kinds),
+    ]
 
 
-def _encoder(best: Reading, given: Shown) -> list[RigLine]:
+_SHORT = "less than one period of gravity was seen: no more than a guess"
+
+
+def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[RigLine]:
     if given.angle is None:
         return []
     if best.angle == "counts":
         if best.counts:
             why = "; ".join(w for w in best.why["angle"] if "counts" in w)
-            return [RigLine("", "encoder_counts_per_rev", f"{best.counts:g}", why)]
+            by_gravity = not given.wrap and not given.factor and balance is not None
+            doubt = _SHORT if by_gravity and balance.turns < 1.0 else ""
+            return [RigLine("", "encoder_counts_per_rev", f"{best.counts:g}", why, doubt)]
         return [
             RigLine(
                 "", "encoder_counts_per_rev", "4096", "counts of the angle per turn of its shaft", asked=True
@@ -124,7 +133,7 @@ def _known(best: Reading, given: Shown, balance: Explained | None, kinds: set[st
                 needed=True,
             )
         )
-    entries.append(_gear(best))
+    entries.append(_gear(best, balance))
     entries += [
         RigLine("known", "M", '"0.5 kg"', "the unbalanced mass: weigh it", asked=True, needed=True),
         RigLine(
@@ -157,19 +166,21 @@ def _known(best: Reading, given: Shown, balance: Explained | None, kinds: set[st
         )
         entries.append(RigLine("unknown", "k_i", '["0.001 N m/A", "20 N m/A"]', why))
     if "voltage" in kinds:
+        use = "diagnose requires it" if "current" in kinds else "it tells the back-EMF from friction"
+        resistance = "diagnose requires it" if "current" in kinds else "with k_i it gives the current"
         entries += [
             RigLine(
                 "known",
                 "R",
                 '"1 ohm"',
-                "resistance of the armature (data sheet); diagnose requires it beside a current",
+                f"resistance of the armature (data sheet); {resistance}",
                 asked=True,
             ),
             RigLine(
                 "known",
                 "k_e",
                 '"0.05 V s/rad"',
-                "back-EMF constant (data sheet), in SI equal to k_i; diagnose requires it beside a current",
+                f"back-EMF constant (data sheet), in SI equal to k_i; {use}",
                 asked=True,
             ),
         ]
@@ -188,11 +199,14 @@ def _known(best: Reading, given: Shown, balance: Explained | None, kinds: set[st
     return entries
 
 
-def _gear(best: Reading) -> RigLine:
+def _gear(best: Reading, balance: Explained | None) -> RigLine:
     said = best.gear
     if said and abs(said - 1.0) > 0.1:
         whole = round(said)
         near = whole >= 2 and abs(said / whole - 1.0) < 0.02
+        if not near and balance is not None and balance.turns < 1.0:
+            why = f"gravity may repeat every {said:.3g} turns; 1 sees everything at the logged shaft"
+            return RigLine("known", "mu", "1", why, _SHORT)
         value = f'"1/{whole}"' if near else f"{1.0 / said:.6g}"
         doubt = "" if near else "no whole number: check it"
         return RigLine(
