@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from eccentric.api import fit
 from eccentric.errors import InputError
 from eccentric.rigs import read_rig
 from eccentric.signals import Finding, read_channels
@@ -220,6 +221,20 @@ def test_the_shared_examples_have_no_finding(number: int) -> None:
     """Effects that the rig does not declare are no faults of the data."""
     folder = SHARED / "examples"
     assert findings(folder / f"example{number}.csv.gz", folder / f"example{number}.json") == ()
+
+
+def test_what_cannot_be_fitted_says_what_contradicts_the_rig() -> None:
+    """An angle in rad that is read in deg leaves hardly any speeds; the logged speed shows why."""
+    run = bench("C2", "traj")
+    columns = {
+        "theta_m": {"column": "theta_m_rad", "unit": "deg"},
+        "omega_m": "omega_m_rad_s",
+        "time": "time_s",
+        "current": "current_A",
+    }
+    rig = {**run.rig, "columns": columns, "moving_threshold_rad_s": 0.001}
+    with pytest.raises(InputError, match=r"57\.\d+ times the slope of the angle.* or the angle in rad"):
+        fit(run.columns, rig)
 
 
 def test_one_speed_is_told(tmp_path: Path) -> None:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from scipy.stats import chi2
 
-from eccentric.effects import Evidence, Kin, Words
+from eccentric.diagnosis.models import _with_the_constant_first
+from eccentric.effects import LOAD, Evidence, Kin, Words
 from eccentric.search import Attribution, limits, unconfirmed
 from eccentric.search.candidate import Candidate
 from eccentric.search.measurements import measurement_of
@@ -326,3 +329,26 @@ def test_what_the_record_of_an_effect_leaves_out_is_no_second_effect(
 
     assert expected == [a.variant.candidate.family for a in found.adopted]
     assert all(one.probability < 0.5 for one in found.candidates if one.family not in expected)
+
+
+@pytest.mark.parametrize(
+    ("scale", "by_voltage", "kins", "expected"),
+    [
+        (17.0, False, (LOAD, LOAD), True),
+        (None, False, (LOAD, LOAD), False),
+        (17.0, True, (LOAD, LOAD), False),
+        (17.0, False, (LOAD, Kin("speed", {})), False),
+    ],
+    ids=["open", "declared", "by voltage", "not under load"],
+)
+def test_a_tie_under_load_asks_for_an_open_torque_constant_first(
+    scale: float | None, by_voltage: bool, kins: tuple[Kin, Kin], expected: bool
+) -> None:
+    """A value in a data sheet costs less than a measurement."""
+    tie = replace(verdict({2: 3.0}, A, rival("b", 0.5)), tied=("a", "b"))
+    offered: Any = [SimpleNamespace(family=f, words=Words(kin=k)) for f, k in zip("ab", kins, strict=True)]
+    data: Any = SimpleNamespace(drive=SimpleNamespace(scale=scale, by_voltage=by_voltage))
+
+    said = _with_the_constant_first(tie, offered, data).next_measurement
+    assert expected == said.startswith("Give k_i under [known] first")
+    assert said.endswith(tie.next_measurement)

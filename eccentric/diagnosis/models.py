@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from eccentric.diagnosis.score import Score, leave_runs_out, score
-from eccentric.effects import Effect
+from eccentric.effects import LOAD, Effect
 from eccentric.estimation import improvement, r_squared
 from eccentric.fitting import LEAST_R_SQUARED, FitData, Refit, refit
 from eccentric.model import Model
@@ -94,7 +94,21 @@ def fitted_models(
         tell("the held-out part does not confirm it")
         refused, found, models = against, unconfirmed(found), replace(models, extended=paper)
         scored = _scored(models, "mechanical", data)
-    return found, models, scored, refused
+    return _with_the_constant_first(found, offered, data), models, scored, refused
+
+
+def _with_the_constant_first(found: Attribution, offered: Sequence[Effect], data: FitData) -> Attribution:
+    """A tie of losses under load, with the torque constant open: its value may settle it."""
+    under_load = {effect.family for effect in offered if effect.words.kin is LOAD}
+    if not found.tied or not under_load.issuperset(found.tied):
+        return found
+    if data.drive.scale is None or data.drive.by_voltage:
+        return found
+    first = (
+        "Give k_i under [known] first, from the data sheet: while it is open, a loss under load may be"
+        " a wrong constant."
+    )
+    return replace(found, next_measurement=f"{first} {found.next_measurement}")
 
 
 def _scored(models: Models, balance: str, data: FitData) -> Score:

@@ -55,11 +55,12 @@ from eccentric.effects.effect import Correction, Effect, Evidence, Shape
 from eccentric.effects.load import load_effects
 from eccentric.effects.sensor_delay import BOUNDS as CURRENT_DELAYS_S
 from eccentric.effects.setting import Setting
-from eccentric.effects.words import Kin, Words, measurement_between
+from eccentric.effects.words import LOAD, Kin, Words, measurement_between
 
 __all__ = [
     "CURRENT_DELAYS_S",
     "FAMILIES",
+    "LOAD",
     "Correction",
     "Effect",
     "Evidence",

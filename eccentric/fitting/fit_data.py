@@ -26,7 +26,7 @@ from eccentric.fitting.states import state_series
 from eccentric.model import Model, meaning
 from eccentric.model import vocabulary as v
 from eccentric.rigs import Rig
-from eccentric.signals import Channels, Rows, rows_of, white_noise
+from eccentric.signals import Channels, Rows, rows_of, white_noise, with_doubts
 
 __all__ = ["FitData", "Values", "drive_noise", "fit_data_of", "with_model_current"]
 
@@ -69,7 +69,9 @@ class FitData:
     def require_rank(self, model: Model, where: str) -> None:
         """Raise InputError, `where` opening it, if the training rows leave coefficients of a model open."""
         columns = self.rows.mean(base_columns(model, self.signals))[self.rows.train]
-        require_rank(columns, [c.name for c in base_coefficients(model, self.signals)], where)
+        names = [c.name for c in base_coefficients(model, self.signals)]
+        with with_doubts(self.drive.channels.intake.findings):
+            require_rank(columns, names, where)
 
 
 def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:

@@ -33,7 +33,7 @@ from eccentric.fitting.combinations import combinations, identified_letters
 from eccentric.fitting.drive import LOAD
 from eccentric.fitting.limits import LEAST_R_SQUARED
 from eccentric.fitting.problem import Problem, pose
-from eccentric.signals import LEAST_HELD_OUT, Band, band_of, require_rows, white_noise
+from eccentric.signals import LEAST_HELD_OUT, Band, band_of, require_rows, white_noise, with_doubts
 
 if TYPE_CHECKING:
     from eccentric.model import Model
@@ -132,14 +132,15 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
     """
     found = search(problem)
     names = [c.name for c in problem.coefficients]
-    require_rank(found.design.columns[problem.rows.train], names, where)
-    for c, value in zip(problem.coefficients, found.values, strict=True):
-        if c.role in positive and value <= 0.0:
-            load = f", and that of {LOAD}" if problem.rig.known.get(LOAD) else ""
-            raise InputError(
-                f"{where}: {c.name} ({c.role} of the drive) above 0 is required, received {value:.3g}: do the"
-                f" signs of {problem.drive.channels.motor.measured_by} and angle agree{load}?"
-            )
+    with with_doubts(problem.drive.channels.intake.findings):
+        require_rank(found.design.columns[problem.rows.train], names, where)
+        for c, value in zip(problem.coefficients, found.values, strict=True):
+            if c.role in positive and value <= 0.0:
+                load = f", and that of {LOAD}" if problem.rig.known.get(LOAD) else ""
+                raise InputError(
+                    f"{where}: {c.name} ({c.role} of the drive) above 0 is required, received {value:.3g}:"
+                    f" do the signs of {problem.drive.channels.motor.measured_by} and angle agree{load}?"
+                )
     return found
 
 

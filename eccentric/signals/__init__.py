@@ -10,7 +10,7 @@ from eccentric.signals.channels import read_channels
 from eccentric.signals.converted import stream_columns
 from eccentric.signals.designs import BalanceDesign, balance_design
 from eccentric.signals.filters import is_even, low_pass_of
-from eccentric.signals.finding import Finding
+from eccentric.signals.finding import Finding, with_doubts
 from eccentric.signals.hann import hann_windows
 from eccentric.signals.joints import read_joints
 from eccentric.signals.limits import LEAST_HELD_OUT, MANY_RUNS
@@ -57,4 +57,5 @@ __all__ = [
     "stream_columns",
     "stretches",
     "white_noise",
+    "with_doubts",
 ]

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Literal
+
+from eccentric.errors import InputError
 
 Severity = Literal["note", "warning"]
 
@@ -31,3 +35,15 @@ class Finding:
     def doubts_the_rig(self) -> bool:
         """Whether log and rig file contradict each other: then no other conclusion is safe."""
         return self.severity == "warning" and self.kind in _DOUBTFUL
+
+
+@contextmanager
+def with_doubts(findings: Sequence[Finding]) -> Iterator[None]:
+    """Where a log cannot be fitted, say what in it contradicts the rig as well: that may be the reason."""
+    try:
+        yield
+    except InputError as error:
+        doubts = [finding.text for finding in findings if finding.doubts_the_rig]
+        if type(error) is not InputError or not doubts:
+            raise
+        raise InputError(f"{error}; {doubts[0]}") from None

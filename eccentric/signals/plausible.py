@@ -33,7 +33,7 @@ TURN = 2.0 * math.pi
 
 _UNITS = {
     60.0 / TURN: "the speed is in rpm",
-    360.0 / TURN: "the speed is in deg/s",
+    360.0 / TURN: "the speed is in deg/s, or the angle in rad",
     1.0 / TURN: "the speed is in rev/s",
     TURN / 360.0: "the angle is in deg",
     TURN: "the angle is in rev",
