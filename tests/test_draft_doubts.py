@@ -46,7 +46,7 @@ def test_a_part_of_a_period_is_no_more_than_a_guess(log: dict[str, np.ndarray], 
 
     assert any(line.startswith(f"{key}: less than one period") for line in draft.doubts)
     assert rig["known"]["mu"] == 1
-    assert any(f"{key} = " in line and "as drafted" in line for line in found.warnings)
+    assert any(f"{key} = " in line and "the log leaves a doubt" in line for line in found.warnings)
 
 
 def test_a_value_of_ones_own_is_not_doubted() -> None:
@@ -66,3 +66,29 @@ def test_a_torque_in_newton_metres_goes_before_one_in_per_cent() -> None:
     columns = tomllib.loads(eccentric.draft_rig(log).text)["columns"]
 
     assert columns["torque"] == {"column": "torque_mNm", "unit": "mNm"}
+
+
+@pytest.mark.parametrize(("factor", "doubted"), [(1.0, False), (1.2, True)])
+def test_a_torque_constant_that_gravity_does_not_allow_is_doubted(factor: float, doubted: bool) -> None:
+    """A fifth too much can be fitted: the check says that nothing else in the log agrees with it."""
+    log = swing("q_rad", 1.0)
+    log["current_A"] = log.pop("torque_Nm") / 0.06
+    gravity = {"M": "0.25 kg", "M_l": "0.1 kg", "L": f"{0.33 / 0.25 / 9.81} m"}
+    known = {**gravity, "case": "C2", "mu": 1.0, "k_i": f"{0.06 * factor} N m/A"}
+    columns = {"time": "t_s", "theta_m": "q_rad", "current": "current_A"}
+    found = eccentric.check_rig(log, {"columns": columns, "known": known})
+
+    assert () == found.complaints
+    assert doubted == any("k_i is 0.06" in line and "does not allow" in line for line in found.warnings)
+
+
+def test_the_step_of_the_angle_contradicts_other_counts() -> None:
+    """Steps of a turn over 2000 are no encoder of 4096."""
+    log = swing("q_rad", 1.0)
+    log["q_rad"] = np.round(log["q_rad"] * 2000.0 / TURN) * TURN / 2000.0
+    rig = tomllib.loads(eccentric.draft_rig(log).text)
+    rig["known"] |= TYPED
+
+    for counts, said in ((2000, False), (4096, True)):
+        found = eccentric.check_rig(log, rig | {"encoder_counts_per_rev": counts}).complaints
+        assert said == any("encoder_counts_per_rev = 4096: the log shows 2000" in line for line in found)

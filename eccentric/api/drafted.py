@@ -21,7 +21,7 @@ from eccentric.logs import Log, log_names
 from eccentric.model import load_model, with_numbers
 from eccentric.output import whole_file
 from eccentric.rigs import Rig, arm_rig_complaints, knowns_of, names_arm, read_rig, rig_complaints
-from eccentric.signals import Channels, Finding, beside_the_rig, read_channels, read_long_joints
+from eccentric.signals import Channels, Finding, Ratio, beside_the_rig, read_channels, read_long_joints
 
 __all__ = ["RigCheck", "RigDraft", "check_rig", "draft_rig"]
 
@@ -78,7 +78,7 @@ class RigCheck:
     Attributes:
         complaints: one line each, with the mend; empty if the rig can be used.
         estimated: what the log determines, from what, and how well, one line each; empty with complaints.
-        warnings: of reading and fitting the log, and of values that are drafted and may be wrong.
+        warnings: of reading and fitting the log, and of values that it does not settle, or hardly allows.
     """
 
     complaints: tuple[str, ...]
@@ -173,11 +173,11 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
 
 
 def _still_doubtful(draft: Draft, content: Mapping[str, Any], path: str) -> tuple[str, ...]:
-    """The values of a rig that are a draft's of which the log leaves a doubt, one line each."""
+    """The values of a rig that the log agrees with but does not settle, one line each."""
     lines = [entry for entry in draft.entries if entry.doubt and not entry.asked]
     given = [content.get(e.table, {}) if e.table else content for e in lines]
     return tuple(
-        f"{path}: {entry.key} = {entry.value} is as drafted: {entry.doubt}"
+        f"{path}: {entry.key} = {entry.value}: the log leaves a doubt: {entry.doubt}"
         for entry, table in zip(lines, given, strict=True)
         if table.get(draft.axis.said(entry.key)) == tomllib.loads(f"value = {entry.value}")["value"]
     )
@@ -251,16 +251,22 @@ def _tried(
             contradicted = [f"{rig.path}: {fit_sentence(fit)}"]
         if contradicted:
             return contradicted, (), ()
-        determined = *_determined(fit, tried), *_beside(channels, tried)
-        return [], determined, (*fit.warnings, *_of_the_diagnosis(channels, tried))
+        beside = beside_the_rig(channels, tried)
+        determined = *_determined(fit, tried), *map(_beside, beside)
+        doubts = [
+            f"{tried.path}: {_beside(ratio)}: the log does not allow the rig's value, unless friction that"
+            " the model lacks moves its own so far"
+            for ratio in beside
+            if ratio.doubts_the_rig
+        ]
+        return [], determined, (*doubts, *fit.warnings, *_of_the_diagnosis(channels, tried))
     return missing, (), ()
 
 
-def _beside(channels: Channels, rig: Rig) -> Iterator[str]:
-    """What a plain balance of the log gives for declared values, beside these."""
-    for ratio in beside_the_rig(channels, rig):
-        low, high = sorted(ratio.found / ratio.value * end for end in (ratio.low, ratio.high))
-        yield f"{ratio.text} ({100 * (ratio.value - 1):+.0f} %; {low:.3g} to {high:.3g})"
+def _beside(ratio: Ratio) -> str:
+    """What a plain balance of the log gives for a declared value, beside this."""
+    low, high = sorted(ratio.found / ratio.value * end for end in (ratio.low, ratio.high))
+    return f"{ratio.text} ({100 * (ratio.value - 1):+.0f} %; {low:.3g} to {high:.3g})"
 
 
 def _of_the_diagnosis(channels: Channels, rig: Rig) -> Iterator[str]:

@@ -135,7 +135,7 @@ def _line(proposal: Proposal, channel: str) -> str:
 
 
 def _values(rig: Rig, draft: Draft) -> Iterator[str]:
-    """The case and the gear, where gravity leaves no doubt."""
+    """The encoder, the case and the gear, where steps and gravity leave no doubt."""
     said: Mapping[str, Any] = {e.key: e for e in draft.entries if not e.asked and not e.doubt}
     case = said.get("case")
     if (
@@ -145,6 +145,12 @@ def _values(rig: Rig, draft: Draft) -> Iterator[str]:
         and rig.known.get("M", 1.0) > 0.0
     ):
         yield f"{rig.path}: [known] case {rig.case}: the log shows {case.value} ({case.evidence})"
+    counts, declared = said.get("encoder_counts_per_rev"), rig.log.counts_per_rev
+    if counts is not None and declared and not math.isclose(declared, float(counts.value), rel_tol=0.02):
+        yield (
+            f"{rig.path}: encoder_counts_per_rev = {declared:g}: the log shows {counts.value}"
+            f" ({counts.evidence})"
+        )
     gear = said.get("mu")
     if gear is None or "mu" not in rig.known:
         return

@@ -54,6 +54,8 @@ EXPLAINED = 0.5
 FACTOR = 2.0
 """Inertia and gravity of a rig are known to better than this factor, and no effect of the library hides that
 much of them in a mean."""
+AGREES = 1.05
+"""Beyond the uncertainty by this factor a declared value is doubted: gear losses move gravity as much."""
 FACTOR_MOTOR = 1.5
 """The same for R and k_e, which are easily measured; a hot winding adds 0.4 to R."""
 IDEAL = 5.0

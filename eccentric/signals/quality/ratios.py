@@ -14,7 +14,16 @@ from typing import TYPE_CHECKING
 
 from eccentric.signals.quality.body import Means, RigidBody, friction_of, is_clear, regressed
 from eccentric.signals.quality.declared import gravity_of, inertia_of, torque_per_unit
-from eccentric.signals.quality.limits import EXPLAINED, FACTOR_MOTOR, IDEAL, LEAST_OHM, NEAR, NOTICED, SIGMAS
+from eccentric.signals.quality.limits import (
+    AGREES,
+    EXPLAINED,
+    FACTOR_MOTOR,
+    IDEAL,
+    LEAST_OHM,
+    NEAR,
+    NOTICED,
+    SIGMAS,
+)
 
 if TYPE_CHECKING:
     from eccentric.rigs import Rig
@@ -56,6 +65,11 @@ class Ratio:
     def off(self, factor: float) -> bool:
         """Return whether log and rig differ by more than this factor, whatever the uncertainty."""
         return self.low > factor or self.high < 1.0 / factor
+
+    @property
+    def doubts_the_rig(self) -> bool:
+        """Whether the log determines the quantity, and the rig's value is clearly another one."""
+        return self.low > 0.0 and self.off(AGREES)
 
     def near(self, factor: float) -> bool:
         """Return whether the factor explains the ratio, or is within its uncertainty."""
