@@ -35,6 +35,13 @@ def body(text: str) -> str:
 
 ARM_FILES = {
     "no joints": ("", "joints are required, each as [[joint]], received none"),
+    "a result": (
+        'format = "eccentric-diagnosis/1"',
+        (
+            "an arm file is required, received a result (eccentric-diagnosis/1): emit the model.py beside a"
+            " diagnosis.json, or a model with --parameters FIT.json"
+        ),
+    ),
     "joints that are no tables": ("joint = 3", "joints are required, each as [[joint]], received 3"),
     "a joint without a name": (
         f"[[joint]]\n{MASS}",

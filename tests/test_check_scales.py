@@ -157,19 +157,21 @@ def test_a_decimal_comma_of_a_bare_number_is_named_with_its_line(tmp_path: Path)
 @pytest.mark.parametrize(
     ("line", "wanted"),
     [
-        ("M = 0.5 kg", 'M = "0.5 kg"'),
-        ("J = 1.2e-4 kg m^2  # the rotor", 'J = "1.2e-4 kg m^2"'),
-        ("k_i = .05N m/A", 'k_i = ".05N m/A"'),
+        ("M = 0.5 kg", 'a value with its unit in quotes is required, M = "0.5 kg"'),
+        (
+            "J = 1.2e-4 kg m^2  # the rotor",
+            'a value with its unit in quotes is required, J = "1.2e-4 kg m^2"',
+        ),
+        ("k_i = .05N m/A", 'a value with its unit in quotes is required, k_i = ".05N m/A"'),
+        ("case = C2", 'a text in quotes is required, case = "C2"'),
     ],
 )
-def test_a_unit_without_quotes_is_shown_as_it_has_to_be_written(
+def test_a_value_without_quotes_is_shown_as_it_has_to_be_written(
     tmp_path: Path, line: str, wanted: str
 ) -> None:
     """TOML's own words for it speak of the end of a document."""
     path = tmp_path / "rig.toml"
-    path.write_text(f'[known]\ncase = "C2"\n{line}\n')
+    path.write_text(f"[known]\nmu = 1\n{line}\n")
     with pytest.raises(eccentric.InputError) as error:
         rig_complaints(path)
-    assert (
-        f"{path}: a value with its unit in quotes is required, {wanted}, received {line!r} in line 3"
-    ) == str(error.value)
+    assert f"{path}: {wanted}, received {line!r} in line 3" == str(error.value)

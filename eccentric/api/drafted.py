@@ -138,9 +138,7 @@ def _same_columns(logs: Sequence[Log]) -> Log:
     for log in logs[1:]:
         if set(log.columns) != set(logs[0].columns):
             differ = few(sorted(set(log.columns) ^ set(logs[0].columns)))
-            raise InputError(
-                f"{log.path}: the same columns are required in every log, {differ} is not in all of them"
-            )
+            raise InputError(f"{log.path}: the same columns are required in every log, not in all: {differ}")
     return _longest(logs)
 
 

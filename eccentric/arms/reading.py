@@ -41,4 +41,10 @@ def read_arm(source: str | os.PathLike[str], tip: str | None = None) -> Chain:
         return chain
     if tip is not None:
         raise InputError(f"{where}: a .urdf is required for a tip, received {tip!r}")
-    return arm_of(read_document(path, "an arm file, .urdf,"), path, where)
+    content = read_document(path, "an arm file, .urdf,")
+    if str(content.get("format", "")).startswith("eccentric-"):
+        raise InputError(
+            f"{where}: an arm file is required, received a result ({content['format']}): emit the model.py"
+            " beside a diagnosis.json, or a model with --parameters FIT.json"
+        )
+    return arm_of(content, path, where)

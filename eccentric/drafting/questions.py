@@ -102,8 +102,9 @@ def _known(best: Reading, given: Shown, balance: Explained | None, kinds: set[st
     entries: list[RigLine] = []
     if gravity and balance is not None:
         share, turns = balance.shares["gravity"], balance.turns
+        part = min(share, 1.0)
         why = (
-            f"gravity in the plane of motion: {share:.0%} of the drive's scatter repeats with the angle,"
+            f"gravity in the plane of motion: {part:.0%} of the drive's scatter repeats with the angle,"
             f" {turns:.1f} periods"
         )
         doubt = (

@@ -141,9 +141,12 @@ def _bounds_line(fit: Fit) -> list[str]:
     if not fit.bounds_active:
         return []
     gain = 100.0 * (1.0 - free / held)
-    out = [f"{', '.join(fit.bounds_active)}: the estimate is at its bound"]
+    at = "its bound" if len(fit.bounds_active) == 1 else "their bounds"
+    out = [f"{', '.join(fit.bounds_active)}: at {at}"]
     if any(e.widened for e in fit.coefficients.values()):
         out[0] += "; this widens the intervals of the estimates without a std error"
+    if gain <= 0.0:
+        return out
     text = f"without bounds the held-out RMSE is {free:.4g}"
     contradicted = any(f.doubts_the_rig for f in fit.problem.drive.channels.intake.findings)
     if gain >= LEAST_GAIN_PERCENT and not contradicted:

@@ -64,9 +64,7 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
     for log, table in zip(read, tables, strict=True):
         if set(table.channels) != names:
             differ = few(sorted(names ^ set(table.channels)))
-            raise InputError(
-                f"{log.path}: the same channels are required in every log, {differ} is not in all of them"
-            )
+            raise InputError(f"{log.path}: the same channels are required in every log, not in all: {differ}")
     joined = tables[0] if len(tables) == 1 else _joined(tables)
     chosen = _chosen(joined, rig) if rig.log.runs else joined
     _require_carriers(chosen.run_names, rig)
