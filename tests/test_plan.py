@@ -334,7 +334,7 @@ def test_more_mass_is_told_where_it_helps_and_where_not(contest: Separation, mor
     """Beside a plan that is not likely to decide, which says so."""
     plan = replace(planned(contest.question, read_bounds(LIMITS)), probability=0.4)
     said = plan_lines(replace(plan, heavier=Heavier(0.2, more)))
-    assert "No motion within the limits is likely to decide." in said
+    assert "No motion within the limits is likely to decide; this is the best of them." in said
     assert any(line.startswith(words) for line in said)
 
 

@@ -189,7 +189,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
             f" hardest to tell apart: {closest[0]} from {closest[1]} (deviance {plan.apart[closest]:.3g})."
         )
         if plan.probability < WORTH_A_RUN:
-            said.append("No motion within the limits is likely to decide.")
+            said.append("No motion within the limits is likely to decide; this is the best of them.")
         said += [
             f"{one} and {other} predict the same torque on log and motion, whichever is true:"
             " for a drive within these limits, a model with either will do."
