@@ -78,7 +78,8 @@ class RigCheck:
     Attributes:
         complaints: one line each, with the mend; empty if the rig can be used.
         estimated: what the log determines, from what, and how well, one line each; empty with complaints.
-        warnings: of reading and fitting the log, and of values that it does not settle, or hardly allows.
+        warnings: of reading and fitting the log, and of values that were guessed from it, or that it does not
+            allow.
     """
 
     complaints: tuple[str, ...]
@@ -166,16 +167,18 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
     axis, own = usable.axis, (*usable.own_names, *log_names(read))
     asked, estimated, warnings = (axis.told(lines, own) for lines in (asked, estimated, warnings))
     found += [line for line in asked if line not in found]
-    doubtful = () if draft is None else _still_doubtful(draft, rest, usable.path)
-    return RigCheck(tuple(found), () if found else estimated, (*doubtful, *warnings))
+    if found:
+        return RigCheck(tuple(found), (), warnings)
+    doubtful = () if draft is None else _still_guessed(draft, rest, usable.path)
+    return RigCheck((), estimated, (*doubtful, *warnings))
 
 
-def _still_doubtful(draft: Draft, content: Mapping[str, Any], path: str) -> tuple[str, ...]:
-    """The values of a rig that the log agrees with but does not settle, one line each."""
-    lines = [entry for entry in draft.entries if entry.doubt and not entry.asked]
+def _still_guessed(draft: Draft, content: Mapping[str, Any], path: str) -> tuple[str, ...]:
+    """The values of a rig that a draft guesses from the log, which hardly shows them, one line each."""
+    lines = [entry for entry in draft.entries if entry.guessed]
     given = [content.get(e.table, {}) if e.table else content for e in lines]
     return tuple(
-        f"{path}: {entry.key} = {entry.value}: the log leaves a doubt: {entry.doubt}"
+        f"{path}: {entry.key} = {entry.value} is a guess from the log: {entry.doubt}"
         for entry, table in zip(lines, given, strict=True)
         if table.get(draft.axis.said(entry.key)) == tomllib.loads(f"value = {entry.value}")["value"]
     )

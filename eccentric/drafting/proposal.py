@@ -47,7 +47,8 @@ class RigLine:
     """Another line of the rig: a table ("" for the top), key and value as TOML.
 
     With `asked` it is a question that the log cannot answer: written as a comment, with a typical value.
-    A fit cannot do without those that are `needed`.
+    A fit cannot do without those that are `needed`. A value that is `guessed` was read off the log, which
+    hardly shows it.
     """
 
     table: str
@@ -57,3 +58,4 @@ class RigLine:
     doubt: str = ""
     asked: bool = False
     needed: bool = False
+    guessed: bool = False

@@ -46,7 +46,8 @@ def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[Rig
             why = "; ".join(w for w in best.why["angle"] if "counts" in w)
             by_gravity = not given.wrap and not given.factor and balance is not None
             doubt = _SHORT if by_gravity and balance.turns < 1.0 else ""
-            return [RigLine("", "encoder_counts_per_rev", f"{best.counts:g}", why, doubt)]
+            counts = f"{best.counts:g}"
+            return [RigLine("", "encoder_counts_per_rev", counts, why, doubt, guessed=bool(doubt))]
         return [
             RigLine(
                 "", "encoder_counts_per_rev", "4096", "counts of the angle per turn of its shaft", asked=True
@@ -210,9 +211,8 @@ def _gear(best: Reading, balance: Explained | None) -> RigLine:
             return RigLine("known", "mu", "1", why, _SHORT)
         value = f'"1/{whole}"' if near else f"{1.0 / said:.6g}"
         doubt = "" if near else "no whole number: check it"
-        return RigLine(
-            "known", "mu", value, f"gravity repeats every {said:.4g} turns of the logged shaft", doubt
-        )
+        why = f"gravity repeats every {said:.4g} turns of the logged shaft"
+        return RigLine("known", "mu", value, why, doubt, guessed=bool(doubt))
     if said:
         why = "the logged angle is that of the link: all is seen at its shaft, a gear is inside k_i and J_m"
         return RigLine("known", "mu", "1", why)
