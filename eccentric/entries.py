@@ -46,7 +46,9 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
             wanted = f'a value with its unit in quotes is required, {key} = "{value}"'
             raise InputError(f"{path}: {wanted}, received {line!r} in {place}") from None
         if word := re.match(r"(\S+)\s*=\s*([^\W\d]\w*)\s*(?:#.*)?$", line):
-            wanted = f'a text in quotes is required, {word[1]} = "{word[2]}"'
+            truth = word[2].lower() in ("true", "false")
+            what = "true or false in small letters is" if truth else "a text in quotes is"
+            wanted = f"{what} required, {word[1]} = " + (word[2].lower() if truth else f'"{word[2]}"')
             raise InputError(f"{path}: {wanted}, received {line!r} in {place}") from None
         # ValueError: for example a number with thousands of digits
         raise InputError(f"{path}: not valid {path.suffix[1:].upper()}: {error}") from None

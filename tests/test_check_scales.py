@@ -164,6 +164,7 @@ def test_a_decimal_comma_of_a_bare_number_is_named_with_its_line(tmp_path: Path)
         ),
         ("k_i = .05N m/A", 'a value with its unit in quotes is required, k_i = ".05N m/A"'),
         ("case = C2", 'a text in quotes is required, case = "C2"'),
+        ("motor_off = True", "true or false in small letters is required, motor_off = true"),
     ],
 )
 def test_a_value_without_quotes_is_shown_as_it_has_to_be_written(

@@ -50,7 +50,7 @@ def test_counts_by_a_part_of_a_period_are_told_as_a_guess_by_the_check(
 
     assert any(line.startswith("encoder_counts_per_rev: less than one period") for line in draft.doubts)
     assert () == found.complaints
-    assert doubted == any("encoder_counts_per_rev" in line for line in found.warnings)
+    assert doubted == any("encoder_counts_per_rev" in line for line in found.doubts)
 
 
 def test_a_torque_in_newton_metres_goes_before_one_in_per_cent() -> None:
@@ -74,16 +74,47 @@ def test_a_torque_constant_that_gravity_does_not_allow_is_doubted(factor: float,
     found = eccentric.check_rig(log, {"columns": columns, "known": known})
 
     assert () == found.complaints
-    assert doubted == any("k_i is 0.06" in line and "does not allow" in line for line in found.warnings)
+    assert [doubted] == [bool(found.doubts)] == ["see 1 doubt" in found.summary()]
+    assert all("N m/A by gravity and 0.072 by the rig" in line for line in found.doubts)
 
 
-def test_the_step_of_the_angle_contradicts_other_counts() -> None:
+@pytest.mark.parametrize(("counts", "contradicted"), [(2000, False), (4096, True)])
+def test_the_step_of_the_angle_contradicts_other_counts(counts: int, contradicted: bool) -> None:
     """Steps of a turn over 2000 are no encoder of 4096."""
     log = swing("q_rad", 1.0)
     log["q_rad"] = np.round(log["q_rad"] * 2000.0 / TURN) * TURN / 2000.0
     rig = tomllib.loads(eccentric.draft_rig(log).text)
     rig["known"] |= TYPED
+    found = eccentric.check_rig(log, rig | {"encoder_counts_per_rev": counts}).complaints
 
-    for counts, said in ((2000, False), (4096, True)):
-        found = eccentric.check_rig(log, rig | {"encoder_counts_per_rev": counts}).complaints
-        assert said == any("encoder_counts_per_rev = 4096: the log shows 2000" in line for line in found)
+    assert contradicted == bool(found)
+    assert all("encoder_counts_per_rev = 4096: the log shows 2000" in line for line in found)
+
+
+def test_another_column_of_the_angle_has_counts_of_its_own() -> None:
+    """The draft takes one of two; the step of that one says nothing of the other."""
+    log = swing("q_rad", 1.0)
+    fine, coarse = (np.round(log["q_rad"] * n / TURN) * TURN / n for n in (4096.0, 2000.0))
+    log |= {"q_rad": fine, "link_rad": coarse}
+    rig = tomllib.loads(eccentric.draft_rig(log).text)
+    rig["known"] |= TYPED
+    for column, counts in (("q_rad", 4096), ("link_rad", 2000)):
+        rig["columns"]["theta_m"], rig["encoder_counts_per_rev"] = column, counts
+        assert [] == [line for line in eccentric.check_rig(log, rig).complaints if "encoder" in line]
+
+
+@pytest.mark.parametrize(("counts", "gear"), [(4096, 16), (500, 4), (1000, 100)])
+def test_counts_behind_a_gear_are_not_contradicted_by_gravity(counts: int, gear: int) -> None:
+    """The log shows their product; neither is refused."""
+    t = np.arange(0.0, 60.0, 0.004)
+    theta = 9.0 * np.sin(0.7 * t) + 2.0 * np.sin(2.9 * t)
+    omega = 9.0 * 0.7 * np.cos(0.7 * t) + 2.0 * 2.9 * np.cos(2.9 * t)
+    torque = 0.02 * np.sign(omega) + 0.01 * omega + 0.33 * np.sin(theta)
+    log = {"t_s": t, "q_counts": np.round(theta * counts * gear / TURN), "torque_Nm": torque / gear}
+    columns = {"time": "t_s", "theta_m": {"column": "q_counts", "unit": "counts"}, "torque": "torque_Nm"}
+    known = {**TYPED, "case": "C2", "mu": f"1/{gear}"}
+    found = eccentric.check_rig(
+        log, {"columns": columns, "known": known, "encoder_counts_per_rev": counts}
+    ).complaints
+
+    assert [] == [line for line in found if "encoder" in line or "mu" in line]

@@ -105,7 +105,14 @@ def test_a_fit_with_a_current_starts_anew_from_such_a_model(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("declared", "expected"), [("", set()), (f"R_ohm = {R}\nk_e_Vs_per_rad = {K_E}\n", OF_VOLTAGE)]
+    ("declared", "expected"),
+    [
+        ("", set()),
+        (f"R_ohm = {R}\n", set()),
+        (f"k_e_Vs_per_rad = {K_E}\n", set()),
+        (f"R_ohm = {R}\nk_e_Vs_per_rad = {K_E}\n", OF_VOLTAGE),
+    ],
+    ids=["neither", "R", "k_e", "both"],
 )
 def test_a_current_gives_a_voltage_only_with_the_armature(
     tmp_path: Path, declared: str, expected: set[str]
@@ -118,10 +125,25 @@ def test_a_current_gives_a_voltage_only_with_the_armature(
     found.emit(tmp_path / "arm", "arm")
 
     given = set(dir(found.module))
+    emf = found.module.friction_torque(*SAMPLES) - found.module.mechanical_friction_torque(*SAMPLES)
+    known = K_I * K_E / R * SAMPLES[1] if expected else np.zeros(len(SAMPLES[1]))
+    assert emf == pytest.approx(known, rel=1e-6, abs=1e-12)
     assert given >= {"mechanical_friction_torque", "friction_torque", "current", "mechanical_residual"}
     assert expected == given & OF_VOLTAGE
     header = (tmp_path / "arm" / "arm.h").read_text(encoding="utf-8")
     assert (header.count("arm_voltage(") > 0) == bool(expected)
+
+
+@pytest.mark.parametrize(("declared", "expected"), [("", set()), (f"k_i_Nm_per_A = {K_I}\n", OF_VOLTAGE)])
+def test_a_torque_gives_a_voltage_only_with_the_torque_constant_too(
+    tmp_path: Path, declared: str, expected: set[str]
+) -> None:
+    """The current in R i is the torque over k_i."""
+    armature = f"R_ohm = {R}\nk_e_Vs_per_rad = {K_E}\nJ_m_kgm2 = {INERTIA}\nJ_l_kgm2 = 0.0\n"
+    written(tmp_path, f'case = "C2"\n{KNOWN}{armature}{declared}', {"torque_Nm": torque("C2", FRICTION)})
+    module = eccentric.fit(tmp_path / "log.csv", tmp_path / "rig.toml").module
+
+    assert expected == set(dir(module)) & OF_VOLTAGE
 
 
 @pytest.fixture(scope="module")

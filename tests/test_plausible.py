@@ -105,8 +105,14 @@ def test_a_speed_that_is_the_slope_is_no_doubt(factor: float) -> None:
 
 CAUSES = {
     "rpm": (60.0 / TURN, "9.549 times the slope of the angle: the speed is in rpm?"),
-    "deg/s": (360.0 / TURN, "57.3 times the slope of the angle: the speed is in deg/s, or the angle in rad?"),
-    "rev/s": (1.0 / TURN, "0.1592 times the slope of the angle: the speed is in rev/s?"),
+    "deg/s": (
+        360.0 / TURN,
+        "57.3 times the slope of the angle: the speed is in deg/s, or the angle is in rad?",
+    ),
+    "rev/s": (
+        1.0 / TURN,
+        "0.1592 times the slope of the angle: the speed is in rev/s, or the angle is in rad?",
+    ),
     "angle in degrees": (TURN / 360.0, "0.01745 times the slope of the angle: the angle is in deg?"),
     "milliseconds": (1000.0, "1000 times the slope of the angle: the time is in ms?"),
     "link": (MU, "0.2 times the slope of the angle: they are on two sides of the gear?"),

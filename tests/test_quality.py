@@ -233,7 +233,7 @@ def test_what_cannot_be_fitted_says_what_contradicts_the_rig() -> None:
         "current": "current_A",
     }
     rig = {**run.rig, "columns": columns, "moving_threshold_rad_s": 0.001}
-    with pytest.raises(InputError, match=r"57\.\d+ times the slope of the angle.* or the angle in rad"):
+    with pytest.raises(InputError, match=r"57\.\d+ times the slope of the angle.* or the angle is in rad"):
         fit(run.columns, rig)
 
 

@@ -12,7 +12,7 @@ from typing import Any
 from eccentric.api.inputs import LogSources, read_logs
 from eccentric.arms import read_arm
 from eccentric.drafting import Draft, Proposal, RigLine, draft_of, draft_of_arm, log_complaints, toml_of
-from eccentric.errors import InputError, MissingValueError, few
+from eccentric.errors import InputError, MissingValueError, counted, few
 from eccentric.fitting import fit as fit_channels
 from eccentric.fitting import fit_sentence
 from eccentric.joints import arm_fit_lines
@@ -78,19 +78,26 @@ class RigCheck:
     Attributes:
         complaints: one line each, with the mend; empty if the rig can be used.
         estimated: what the log determines, from what, and how well, one line each; empty with complaints.
-        warnings: of reading and fitting the log, and of values that were guessed from it, or that it does not
-            allow.
+        warnings: of reading and fitting the log.
+        doubts: values that were guessed from the log, or that a plain balance of it does not give, one line
+            each; the rig can be used with them.
     """
 
     complaints: tuple[str, ...]
     estimated: tuple[str, ...]
     warnings: tuple[str, ...]
+    doubts: tuple[str, ...] = ()
 
     def summary(self) -> str:
         """For a terminal."""
         if self.complaints:
             return "\n".join(self.complaints)
-        return "\n".join(["nothing is wrong; the log determines:", *(f"  {line}" for line in self.estimated)])
+        found = (
+            f"the rig can be used, but see {counted(len(self.doubts), 'doubt')}"
+            if self.doubts
+            else "nothing is wrong"
+        )
+        return "\n".join([f"{found}; the log determines:", *(f"  {line}" for line in self.estimated)])
 
 
 def draft_rig(
@@ -163,14 +170,13 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
         draft = None  # what could not be drafted can still be described by hand
     for log in read:
         found += [line for line in log_complaints(usable, log, draft, found) if line not in found]
-    asked, estimated, warnings = _tried(read, usable, rest, found)
+    tried = _tried(read, usable, rest, found)
     axis, own = usable.axis, (*usable.own_names, *log_names(read))
-    asked, estimated, warnings = (axis.told(lines, own) for lines in (asked, estimated, warnings))
+    guessed = () if draft is None else _still_guessed(draft, rest, usable.path)
+    lists = tried.complaints, tried.estimated, tried.warnings, (*guessed, *tried.doubts)
+    asked, estimated, warnings, doubts = (axis.told(lines, own) for lines in lists)
     found += [line for line in asked if line not in found]
-    if found:
-        return RigCheck(tuple(found), (), warnings)
-    doubtful = () if draft is None else _still_guessed(draft, rest, usable.path)
-    return RigCheck((), estimated, (*doubtful, *warnings))
+    return RigCheck(tuple(found), (), warnings) if found else RigCheck((), estimated, warnings, doubts)
 
 
 def _still_guessed(draft: Draft, content: Mapping[str, Any], path: str) -> tuple[str, ...]:
@@ -216,9 +222,7 @@ _TYPICAL = {
 }
 
 
-def _tried(
-    logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], complaints: Sequence[str]
-) -> tuple[list[str], tuple[str, ...], tuple[str, ...]]:
+def _tried(logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], complaints: Sequence[str]) -> RigCheck:
     """Fit, and name every quantity that is missing, each once, with a typical value in its place.
 
     With all of them there, name what the log contradicts.
@@ -235,7 +239,7 @@ def _tried(
             here = tried.axis.said
             if letter not in _TYPICAL or letter in tried.known:
                 # What follows from a complaint that is already made would only be noise.
-                return [*missing, *([] if complaints else [str(error)])], (), ()
+                return RigCheck((*missing, *([] if complaints else [str(error)])), (), ())
             if not any(f"[known] {here(letter)}:" in line for line in complaints):
                 missing.append(
                     f"{rig.path}: [known] {letter} is required, as in"
@@ -246,22 +250,32 @@ def _tried(
             continue
         # A value that was filled in, and a column that is read wrongly, contradict the log by themselves.
         if filled or any("[columns]" in line for line in complaints):
-            return missing, (), ()
+            return RigCheck(tuple(missing), (), ())
         contradicted = [f"{rig.path}: {_with_mend(f)}" for f in channels.intake.findings if _grave(f)]
         if not contradicted and not fit.fits_the_rig:
             contradicted = [f"{rig.path}: {fit_sentence(fit)}"]
         if contradicted:
-            return contradicted, (), ()
+            return RigCheck(tuple(contradicted), (), ())
         beside = beside_the_rig(channels, tried)
         determined = *_determined(fit, tried), *map(_beside, beside)
-        doubts = [
-            f"{tried.path}: {_beside(ratio)}: the log does not allow the rig's value, unless friction that"
-            " the model lacks moves its own so far"
-            for ratio in beside
-            if ratio.doubts_the_rig
-        ]
-        return [], determined, (*doubts, *fit.warnings, *_of_the_diagnosis(channels, tried))
-    return missing, (), ()
+        warnings = (*fit.warnings, *_of_the_diagnosis(channels, tried))
+        return RigCheck((), determined, warnings, tuple(_doubted(beside, tried.path)))
+    return RigCheck(tuple(missing), (), ())
+
+
+def _doubted(beside: Sequence[Ratio], path: str) -> Iterator[str]:
+    """The declared values that a plain balance of the log does not give.
+
+    A torque constant by gravity says of the mass and its arm what M g L would say again.
+    """
+    doubted = [ratio for ratio in beside if ratio.doubts_the_rig]
+    constants = [ratio for ratio in doubted if ratio.letter == "k_i"]
+    for ratio in constants or doubted:
+        also = ", with M and L as declared" if constants else ""
+        yield (
+            f"{path}: {_beside(ratio)}{also}: the rig's value fits only if friction that the model lacks"
+            " accounts for the difference"
+        )
 
 
 def _beside(ratio: Ratio) -> str:

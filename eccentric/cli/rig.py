@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
             if given is not None:
                 raise InputError(f"--check: no {option} is required with it, received one")
         found = eccentric.check_rig(args.logs, args.check)
-        print_warnings(found.warnings)
+        print_warnings((*found.doubts, *found.warnings))
         if found.complaints:
             print("\n".join(coloured(line, "error") for line in found.complaints))
             return 1

@@ -10,7 +10,7 @@ from pathlib import Path
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.effects import constant_load
 from eccentric.emission import plain
-from eccentric.fitting import Drive, back_emf_columns
+from eccentric.fitting import NO_BACK_EMF, Drive, back_emf_columns
 from eccentric.model import Model, regressor, with_values
 
 __all__ = ["extended_model", "is_result_name", "result_name", "script"]
@@ -88,6 +88,9 @@ def _fitted(found: Diagnosis) -> _Fitted:
             if c.name in shared:
                 name, emf = c.parameter.name, "contains k_e k_i/R, which this log cannot separate from it"
                 notes[name] = f"{notes.get(name, '')}; {emf}"
+    if not drive.voltage_known and drive.along is None:
+        values |= dict.fromkeys(drive.machine.back_emf_letters & letters, 0.0)
+        notes |= dict.fromkeys(drive.machine.back_emf_letters & letters, NO_BACK_EMF)
     names = ", ".join(effect.id for effect, _ in found.models.extended.effects)
     done = f"extended by {names}" if names else "fitted"
     return _Fitted(values, notes, f"{found.models.base.title}, {done}")

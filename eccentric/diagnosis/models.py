@@ -98,15 +98,15 @@ def fitted_models(
 
 
 def _with_the_constant_first(found: Attribution, offered: Sequence[Effect], data: FitData) -> Attribution:
-    """A tie of losses under load, with the torque constant open: its value may settle it."""
+    """A tie of effects under load, with the torque constant open: its value may settle it."""
     under_load = {effect.family for effect in offered if effect.words.kin is LOAD}
     if not found.tied or not under_load.issuperset(found.tied):
         return found
     if data.drive.scale is None or data.drive.by_voltage:
         return found
     first = (
-        "Give k_i under [known] first, from the data sheet: while it is open, a loss under load may be"
-        " a wrong constant."
+        "Give k_i under [known] first, from the data sheet: while it is open, an effect under load may"
+        " be a wrong constant."
     )
     return replace(found, next_measurement=f"{first} {found.next_measurement}")
 

@@ -145,14 +145,18 @@ def _values(rig: Rig, draft: Draft) -> Iterator[str]:
         and rig.known.get("M", 1.0) > 0.0
     ):
         yield f"{rig.path}: [known] case {rig.case}: the log shows {case.value} ({case.evidence})"
+    angle = next((p for p in draft.proposals if p.channel in ("theta_m", "theta_l")), None)
     counts, declared = said.get("encoder_counts_per_rev"), rig.log.counts_per_rev
-    if counts is not None and declared and not math.isclose(declared, float(counts.value), rel_tol=0.02):
+    # The step of the same column; an angle in counts shows no step in turns.
+    mapped = {source.text.strip("`") for source in (rig.log.columns or {}).values()}
+    by_step = angle is not None and angle.source in mapped and not angle.unit.startswith("counts")
+    if by_step and counts and declared and not math.isclose(declared, float(counts.value), rel_tol=0.02):
         yield (
             f"{rig.path}: encoder_counts_per_rev = {declared:g}: the log shows {counts.value}"
             f" ({counts.evidence})"
         )
     gear = said.get("mu")
-    if gear is None or "mu" not in rig.known:
+    if gear is None or "mu" not in rig.known or (angle is not None and angle.doubt):
         return
     over, _, under = gear.value.strip('"').partition("/")
     mu = float(over) / float(under or 1.0)

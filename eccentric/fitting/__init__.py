@@ -26,7 +26,15 @@ May import: `signals`, `rigs`, `model`, `effects`, `emission`, `estimation`.
 from eccentric.fitting.along import MetAlong
 from eccentric.fitting.columns import back_emf_columns
 from eccentric.fitting.document import emitted_parameters, fit_document
-from eccentric.fitting.drive import DRIVE_UNITS, LOAD, Drive, in_drive_unit, load_gain, loaded_model
+from eccentric.fitting.drive import (
+    DRIVE_UNITS,
+    LOAD,
+    NO_BACK_EMF,
+    Drive,
+    in_drive_unit,
+    load_gain,
+    loaded_model,
+)
 from eccentric.fitting.emitted import Emitted
 from eccentric.fitting.expressions import Signals, base_coefficients, base_columns, compiled, load_torque
 from eccentric.fitting.figure import NEEDS_MATPLOTLIB, Comparison, compare, plot_fit
@@ -45,6 +53,7 @@ __all__ = [
     "LEAST_R_SQUARED",
     "LOAD",
     "NEEDS_MATPLOTLIB",
+    "NO_BACK_EMF",
     "Comparison",
     "Drive",
     "Emitted",

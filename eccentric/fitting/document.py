@@ -38,6 +38,7 @@ import numpy as np
 
 from eccentric.estimation import correlation
 from eccentric.fitting.columns import k_e
+from eccentric.fitting.drive import NO_BACK_EMF
 from eccentric.fitting.letters import following_letters, own_letters
 from eccentric.model import TURNING
 from eccentric.rigs import ALIGNMENT, alignment_of, knowns_of
@@ -214,6 +215,9 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
             values[name], notes[name] = None, "not known, not needed"
         else:
             values[name], notes[name] = (1.0 if name in ("R", "k_i") else 0.0), "convention: not identified"
+    if not problem.drive.voltage_known:
+        for name in problem.drive.machine.back_emf_letters & set(fields):
+            values[name], notes[name] = 0.0, NO_BACK_EMF
     return {name: values[name] for name in fields}, {name: notes[name] for name in fields}
 
 

@@ -30,10 +30,21 @@ from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.signals import Channels
 
-__all__ = ["DRIVE_UNITS", "LOAD", "Drive", "in_drive_unit", "inputs_of", "load_gain", "loaded_model"]
+__all__ = [
+    "DRIVE_UNITS",
+    "LOAD",
+    "NO_BACK_EMF",
+    "Drive",
+    "in_drive_unit",
+    "inputs_of",
+    "load_gain",
+    "loaded_model",
+]
 
 Array = NDArray[np.float64]
 
+NO_BACK_EMF = "0 by convention: R, k_e or k_i is not known"
+"""The remark of k_e where the parameters give no voltage."""
 DRIVE_UNITS = {"torque": "N m", "current": "A", "voltage": "V"}
 """The unit of each signal that measures the drive."""
 LOAD = constant_load.coefficients[0].name
@@ -137,8 +148,11 @@ class Drive:
 
     @property
     def voltage_known(self) -> bool:
-        """Whether a voltage of the model is in volts: a current or a torque has to be given R and k_e."""
-        return self.by_voltage or {"R", *self.machine.back_emf_letters} <= set(self.known)
+        """Whether a voltage of the model is in volts: a current requires R and k_e, a torque k_i too."""
+        letters = self.machine.resistance_letters | self.machine.back_emf_letters
+        if self.channels.motor.measured_by == "torque":
+            letters |= self.machine.torque_letters
+        return self.by_voltage or letters <= set(self.channels.rig.known)
 
     @property
     def off(self) -> NDArray[np.bool_]:

@@ -25,9 +25,9 @@ def as_torques(electrical: Search) -> list[Candidate]:
     """Effects on the flux for the mechanical search.
 
     Those adopted in the circuit, with their shapes: beside other effects the torque determines their
-    coefficients better than the first estimate from both did. And all others, however faint there: what is
-    small beside the armature's voltage may be most of what the mechanical balance lacks. Not those in whose
-    place another effect was adopted, unless the circuit shows them by themselves.
+    coefficients better than the first estimate from both did. And those of all other families, however faint
+    there: what is small beside the armature's voltage may be most of what the mechanical balance lacks. Not
+    those in whose place another effect was adopted, unless the circuit shows them by themselves.
     """
     likely = {
         family for options in electrical.alternatives for family, (p, _) in options.items() if p > POSSIBLE
@@ -58,7 +58,9 @@ def contradicted(mechanical: Search, electrical: Search) -> str | None:
         judged = [(mechanical.best, place), *((options[f][1], -1) for f in rivals if f in options)]
         for fitted, where in judged:
             own = fitted.variants[where].candidate.id
-            gains[own] = min(gains.get(own, 0.0), _in_the_circuit(mechanical, fitted, where, electrical))
+            gains[own] = min(
+                gains.get(own, 0.0), _deviance_in_the_circuit(mechanical, fitted, where, electrical)
+            )
     least = min(gains, key=lambda own: gains[own], default=None)
     return least if least is not None and gains[least] < -HINTED else None
 
@@ -70,7 +72,7 @@ def weigh_with_the_circuit(mechanical: Search, electrical: Search) -> None:
     """
     for place, variant in enumerate(mechanical.best.variants):
         family, options = variant.candidate.family, mechanical.alternatives[place]
-        circuit = _in_the_circuit(mechanical, mechanical.best, place, electrical)
+        circuit = _deviance_in_the_circuit(mechanical, mechanical.best, place, electrical)
         if circuit <= HINTED or mechanical.clear(place):
             continue
         rivals = _likely(mechanical, place, family)
@@ -83,7 +85,7 @@ def weigh_with_the_circuit(mechanical: Search, electrical: Search) -> None:
             mechanical.by_both[family] = circuit + torque
 
 
-def _in_the_circuit(mechanical: Search, fitted: Fitted, place: int, electrical: Search) -> float:
+def _deviance_in_the_circuit(mechanical: Search, fitted: Fitted, place: int, electrical: Search) -> float:
     """The deviance by which the circuit is for a variant of a mechanical fit, as the torque has it.
 
     A missing voltage speaks against it, and one of another sign or phase. The effects adopted in the circuit

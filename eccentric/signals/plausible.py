@@ -33,8 +33,8 @@ TURN = 2.0 * math.pi
 
 _UNITS = {
     60.0 / TURN: "the speed is in rpm",
-    360.0 / TURN: "the speed is in deg/s, or the angle in rad",
-    1.0 / TURN: "the speed is in rev/s",
+    360.0 / TURN: "the speed is in deg/s, or the angle is in rad",
+    1.0 / TURN: "the speed is in rev/s, or the angle is in rad",
     TURN / 360.0: "the angle is in deg",
     TURN: "the angle is in rev",
     1e3: "the time is in ms",

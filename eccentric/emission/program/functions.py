@@ -108,12 +108,15 @@ def functions(model: Model) -> tuple[Function, ...]:
     units = {q.symbol: q.unit for q in model.inputs}
     spanned = "friction_torque" if model.back_emf_in_friction else "mechanical_friction_torque"
     force = normal_force(model)
+    damping = (
+        "back-EMF damping included" if model.voltage_known else "here without back-EMF: R or k_e is not known"
+    )
     listed = [
         Function("normal_force", "N", "normal force F_N on the axis of rotation", (("", force),)),
         Function(
             "friction_torque",
             "N m",
-            "resultant friction torque F, back-EMF damping included, eq (6)",
+            f"resultant friction torque F, {damping}, eq (6)",
             (("", resultant),),
         ),
         Function(

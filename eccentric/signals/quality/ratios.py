@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from eccentric.signals.quality.body import Means, RigidBody, friction_of, is_clear, regressed
@@ -39,7 +39,8 @@ _UNITS = {
 class Ratio:
     """A quantity from the log over that from the rig; `low` to `high` is its uncertainty.
 
-    `found` is that of the log in SI, `unit` its unit; `letter` is what it belongs to in a rig file.
+    `found` is that of the log in SI, `unit` its unit; `letter` is what it belongs to in a rig file; `agrees`
+    is the factor beyond the uncertainty up to which the rig's value is not doubted.
     """
 
     name: str
@@ -49,6 +50,7 @@ class Ratio:
     text: str
     found: float
     unit: str
+    agrees: float = AGREES
 
     @classmethod
     def of(cls, name: str, found: float, error: float, given: float, text: str = "") -> Ratio:
@@ -69,7 +71,7 @@ class Ratio:
     @property
     def doubts_the_rig(self) -> bool:
         """Whether the log determines the quantity, and the rig's value is clearly another one."""
-        return self.low > 0.0 and self.off(AGREES)
+        return self.low > 0.0 and self.off(self.agrees)
 
     def near(self, factor: float) -> bool:
         """Return whether the factor explains the ratio, or is within its uncertainty."""
@@ -85,7 +87,7 @@ def electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
     (r, r_error), (e, e_error) = found
     off = False
     if "R" in rig.known:
-        resistance = Ratio.of("R", r, r_error, rig.known["R"])
+        resistance = replace(Ratio.of("R", r, r_error, rig.known["R"]), agrees=FACTOR_MOTOR)
         yield resistance
         off = resistance.off(FACTOR_MOTOR)
     elif 0.0 < r + r_error < LEAST_OHM:
@@ -99,7 +101,7 @@ def electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
         rest = m.drives["voltage"] - rig.known["R"] * m.drives["current"]
         a, covariance, _ = regressed(friction_of(m), rest)
         e, e_error = a[0], math.sqrt(covariance[0, 0]) * SIGMAS
-    yield Ratio.of("k_e", e, e_error, rig.known["k_e"])
+    yield replace(Ratio.of("k_e", e, e_error, rig.known["k_e"]), agrees=FACTOR_MOTOR)
 
 
 def mechanical(body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]:
