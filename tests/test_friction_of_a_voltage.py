@@ -146,6 +146,20 @@ def test_a_torque_gives_a_voltage_only_with_the_torque_constant_too(
     assert expected == set(dir(module)) & OF_VOLTAGE
 
 
+@pytest.mark.slow
+def test_the_model_of_a_diagnosis_has_no_voltage_either(tmp_path: Path) -> None:
+    """Of a current without R and k_e: neither what is emitted nor the derivation that is written."""
+    noise = 0.02 * np.random.default_rng(3).standard_normal(len(motion()[0]))
+    inertia = f"k_i_Nm_per_A = {K_I}\nJ_m_kgm2 = {INERTIA}\nJ_l_kgm2 = 0.0\n"
+    written(tmp_path, f'case = "C2"\n{KNOWN}{inertia}', {"current_A": torque("C2", FRICTION) / K_I + noise})
+    found = eccentric.diagnose(tmp_path / "log.csv", tmp_path / "rig.toml")
+    found.write(tmp_path / "found")
+    again = eccentric.load_model(tmp_path / "found" / "model.py")
+
+    assert set() == set(dir(found.module)) & OF_VOLTAGE
+    assert (False, False) == (found.model.voltage_known, again.voltage_known)
+
+
 @pytest.fixture(scope="module")
 def diagnosed_as_declared(tmp_path_factory: pytest.TempPathFactory) -> eccentric.DiagnosisResult:
     """The diagnosis of case C2 with a voltage, on a rig that declares its whole motor."""
