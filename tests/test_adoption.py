@@ -7,7 +7,6 @@ count as independent, so the deviance of an addition is N log(before/after).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +14,7 @@ import pytest
 
 from eccentric.effects import Shape
 from eccentric.model import quantity
-from eccentric.search import both, limits
+from eccentric.search import limits
 from eccentric.search.attribution import Search
 from eccentric.search.both import search_all
 from eccentric.search.candidate import Candidate, grid
@@ -262,22 +261,6 @@ def test_what_the_electrical_balance_shows_leaves_the_mechanical_target() -> Non
     left = found["mechanical"].screen.balance.target
     assert left == pytest.approx(mixed({1: 1.0, 5: 7.0 - 2.0 * 3.0}), abs=1e-6)
     assert ["electrical balance: bias, plain", "mechanical balance: nothing adopted"] == lines[1::2]
-
-
-def test_the_torque_is_not_asked_for_what_the_voltage_has_denied() -> None:
-    """An effect on the flux that only looked like the adopted one is not offered; a faint one is."""
-
-    def on_the_flux(family: str, column: Mapping[int, float]) -> Candidate:
-        one = candidate(family, column, balance="electrical")
-        return replace(one, joint=True, also=one.columns)
-
-    constant = candidate("constant", {2: 1.0}, balance="electrical")
-    alike, faint = on_the_flux("alike", {2: 1.0, 3: 0.2}), on_the_flux("faint", {5: 1.0})
-    found = search({2: 4.0, 5: 0.08}, constant, alike, faint)
-
-    assert adopted(found) == ["constant"]
-    assert found.deviance(found.base, found.screen.fit(grid(alike))) > 100.0 * limits.CONFIRMED
-    assert [one.family for one in both._of_the_flux(found)] == ["faint"]
 
 
 @pytest.mark.parametrize(("floor", "explained"), [(1.0, True), (20.0, False)])

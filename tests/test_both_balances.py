@@ -152,6 +152,16 @@ def test_what_the_circuit_shows_besides_is_fitted_beside_the_voltage_of_the_torq
     )
 
 
+def test_the_voltage_denies_an_effect_beside_the_one_that_it_looked_like() -> None:
+    """Alone it would explain most of the voltage; beside the constant, a part of its own is missing."""
+    constant = candidate("constant", {2: 1.0}, balance="electrical")
+    alike = replace(on_the_flux(2.0), columns=lambda _: mixed({2: 1.0, 3: 0.2})[:, None])
+
+    found = verdict_of({5: 6.0}, {2: 4.0}, constant, alike, FRICTION)
+
+    assert ("named", ["constant", "friction"]) == found
+
+
 def test_the_circuit_is_against_one_order_and_not_against_its_family() -> None:
     """The torque is more like the first order, whose voltage is missing; that of the second is there."""
     orders = [

@@ -20,9 +20,9 @@ def swing(angle: str, scale: float, *, counts: bool = False, turns: float = 1.0)
     """
     t = np.arange(0.0, 60.0, 0.004)
     ways = [(0.55, 0.4), (0.15, 1.1)]
-    theta = sum(a * np.sin(TURN * f * t) for a, f in ways)
-    omega = sum(a * TURN * f * np.cos(TURN * f * t) for a, f in ways)
-    alpha = sum(-a * (TURN * f) ** 2 * np.sin(TURN * f * t) for a, f in ways)
+    theta = np.sum([a * np.sin(TURN * f * t) for a, f in ways], axis=0)
+    omega = np.sum([a * TURN * f * np.cos(TURN * f * t) for a, f in ways], axis=0)
+    alpha = np.sum([-a * (TURN * f) ** 2 * np.sin(TURN * f * t) for a, f in ways], axis=0)
     torque = 0.004 * alpha + 0.02 * np.sign(omega) + 0.01 * omega + 0.33 * np.sin(theta / turns)
     noise = 0.002 * np.random.default_rng(1).standard_normal(len(t))
     shown = theta * scale

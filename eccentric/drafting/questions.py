@@ -44,8 +44,8 @@ def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[Rig
     if best.angle == "counts":
         if best.counts:
             why = "; ".join(w for w in best.why["angle"] if "counts" in w)
-            by_gravity = not given.wrap and not given.factor and balance is not None
-            doubt = _SHORT if by_gravity and balance.turns < 1.0 else ""
+            by_gravity = not given.wrap and not given.factor
+            doubt = _SHORT if by_gravity and balance is not None and balance.turns < 1.0 else ""
             counts = f"{best.counts:g}"
             return [RigLine("", "encoder_counts_per_rev", counts, why, doubt, guessed=bool(doubt))]
         return [

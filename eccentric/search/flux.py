@@ -13,7 +13,7 @@ import numpy as np
 
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant
-from eccentric.search.limits import CONFIRMED, HINTED, LEAST_DEVIANCE, POSSIBLE
+from eccentric.search.limits import HINTED, LEAST_DEVIANCE, POSSIBLE
 from eccentric.search.screen import Fitted
 
 __all__ = ["as_torques", "contradicted", "weigh_with_the_circuit"]
@@ -26,26 +26,13 @@ def as_torques(electrical: Search) -> list[Candidate]:
 
     Those adopted in the circuit, with their shapes: beside other effects the torque determines their
     coefficients better than the first estimate from both did. And those of all other families, however faint
-    there: what is small beside the armature's voltage may be most of what the mechanical balance lacks. Not
-    those in whose place another effect was adopted, unless the circuit shows them by themselves.
+    there: what is small beside the armature's voltage may be most of what the mechanical balance lacks.
     """
-    likely = {
-        family for options in electrical.alternatives for family, (p, _) in options.items() if p > POSSIBLE
-    }
-    seen = {
-        fitted.last.id
-        for fitted in electrical.ranked
-        if electrical.deviance(electrical.base, fitted) > CONFIRMED
-    }
     adopted = [variant for variant in electrical.best.variants if variant.candidate.joint]
     families = _families(electrical.best)
     return [
         *(v.candidate.in_the("mechanical", v.values) for v in adopted if v.candidate.also is not None),
-        *(
-            own.in_the("mechanical")
-            for own in _with_torque(electrical)
-            if own.family not in families and (own.family not in likely or own.id in seen)
-        ),
+        *(own.in_the("mechanical") for own in _with_torque(electrical) if own.family not in families),
     ]
 
 
