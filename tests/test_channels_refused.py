@@ -121,5 +121,8 @@ def test_logs_with_different_channels_are_refused(tmp_path: Path) -> None:
     """Logs read together have the same channels."""
     first = log_file(tmp_path / "a.csv", STANDARD)
     second = log_file(tmp_path / "b.csv", STANDARD | {"temperature_C": T})
-    with pytest.raises(InputError, match=r"b\.csv: the same channels are required in every log, temperature"):
+    with pytest.raises(
+        InputError,
+        match=r"b\.csv: the same channels are required in every log, received in some only: temperature",
+    ):
         read_channels([first, second], rig_file(tmp_path))

@@ -146,7 +146,9 @@ def _same_columns(logs: Sequence[Log]) -> Log:
     for log in logs[1:]:
         if set(log.columns) != set(logs[0].columns):
             differ = few(sorted(set(log.columns) ^ set(logs[0].columns)))
-            raise InputError(f"{log.path}: the same columns are required in every log, not in all: {differ}")
+            raise InputError(
+                f"{log.path}: the same columns are required in every log, received in some only: {differ}"
+            )
     return _longest(logs)
 
 

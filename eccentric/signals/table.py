@@ -64,7 +64,9 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
     for log, table in zip(read, tables, strict=True):
         if set(table.channels) != names:
             differ = few(sorted(names ^ set(table.channels)))
-            raise InputError(f"{log.path}: the same channels are required in every log, not in all: {differ}")
+            raise InputError(
+                f"{log.path}: the same channels are required in every log, received in some only: {differ}"
+            )
     joined = tables[0] if len(tables) == 1 else _joined(tables)
     chosen = _chosen(joined, rig) if rig.log.runs else joined
     _require_carriers(chosen.run_names, rig)
