@@ -271,12 +271,13 @@ def _doubted(beside: Sequence[Ratio], path: str) -> Iterator[str]:
     A torque constant by gravity says of the mass and its arm what M g L would say again.
     """
     doubted = [ratio for ratio in beside if ratio.doubts_the_rig]
-    constants = [ratio for ratio in doubted if ratio.letter == "k_i"]
-    for ratio in constants or doubted:
-        also = ", with M and L as declared" if constants else ""
+    by_constant = any(ratio.letter == "k_i" for ratio in doubted)
+    for ratio in doubted:
+        if by_constant and ratio.letter == "M g L":
+            continue
         yield (
-            f"{path}: {_beside(ratio)}{also}: the rig's value fits only if friction that the model lacks"
-            " accounts for the difference"
+            f"{path}: {_beside(ratio)}: the rig's value fits only if friction that the model lacks accounts for"
+            " the difference"
         )
 
 

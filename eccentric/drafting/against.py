@@ -148,7 +148,8 @@ def _values(rig: Rig, draft: Draft) -> Iterator[str]:
     angle = next((p for p in draft.proposals if p.channel in ("theta_m", "theta_l")), None)
     counts, declared = said.get("encoder_counts_per_rev"), rig.log.counts_per_rev
     # The step of the same column; an angle in counts shows no step in turns.
-    mapped = {source.text.strip("`") for source in (rig.log.columns or {}).values()}
+    columns = rig.log.columns or {}
+    mapped = {columns[c].text.strip("`") for c in ("theta_m", "theta_l") if c in columns}
     by_step = angle is not None and angle.source in mapped and not angle.unit.startswith("counts")
     if by_step and counts and declared and not math.isclose(declared, float(counts.value), rel_tol=0.02):
         yield (
