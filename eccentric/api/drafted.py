@@ -276,8 +276,8 @@ def _doubted(beside: Sequence[Ratio], path: str) -> Iterator[str]:
         if by_constant and ratio.letter == "M g L":
             continue
         yield (
-            f"{path}: {_beside(ratio)}: the rig's value fits only if friction that the model lacks accounts for"
-            " the difference"
+            f"{path}: {_beside(ratio)}: the rig's value fits only if friction that the model lacks accounts"
+            " for the difference"
         )
 
 
