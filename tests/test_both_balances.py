@@ -171,3 +171,11 @@ def test_the_circuit_is_against_one_order_and_not_against_its_family() -> None:
     orders[1] = replace(orders[1], also=lambda _: 60.0 * mixed({5: 1.0, 6: 0.02})[:, None])
 
     assert ("named", ["flux[2]"]) == verdict_of({5: 6.0}, {3: 0.1}, *orders, FRICTION)
+
+
+def test_what_the_torque_gets_wrong_of_a_misread_angle_is_no_ripple_of_the_flux() -> None:
+    """The torque has three of it, the voltage two: the circuit alone would take the rest for a ripple."""
+    angle = replace(candidate("angle", {5: 1.0}), also=lambda _: mixed({2: 1.0})[:, None])
+    ripple = on_the_flux(1.0, torque=6, name="ripple")
+
+    assert ("named", ["angle"]) == verdict_of({5: 3.0}, {2: 2.0}, angle, ripple)

@@ -20,7 +20,7 @@ from eccentric.search.screen import Screen
 from eccentric.search.stability import Stability, stability_of
 from eccentric.search.verdict import decided
 from eccentric.signals import BalanceDesign
-from tests.searched import BLOCKS, COLUMNS, SIZE, N, adopted, candidate, design, search
+from tests.searched import BLOCKS, COLUMNS, SIZE, N, adopted, candidate, design, mixed, search
 
 A, B, C = candidate("a", {2: 1.0}), candidate("b", {3: 1.0}), candidate("c", {4: 1.0})
 
@@ -207,3 +207,25 @@ def test_an_effect_that_nothing_replaces_is_dropped_where_few_variants_find_it()
     alone, both = (screen.fit([grid(c)[0] for c in effects]) for effects in ([A], [A, rare]))
     assert found.worth_it(alone, both)
     assert ["a"] == adopted(found)
+
+
+def test_a_form_that_was_right_beside_what_is_dropped_gives_way_to_that_of_an_earlier_step() -> None:
+    """Two blocks show the rare effect, beside which the second form is better; alone, the first one is."""
+    fold = fold_of_block(BLOCKS, limits.FOLDS)
+    chosen = np.isin(np.arange(BLOCKS), [np.flatnonzero(fold == k)[0] for k in range(2)])
+    event = 12.0 * COLUMNS[:, [3]] * np.repeat(chosen, SIZE)[:, None]
+    balance = design({2: 3.0})
+    balance = replace(balance, target=balance.target + event[:, 0])
+    first = candidate("a", {2: 3.0}, member="first")
+    second = candidate("a", {2: 3.0, 4: 0.4, 5: 0.2}, member="second")
+    rare = candidate("rare", of=lambda _: event - mixed({4: 0.4})[:, None])
+    screen = Screen(balance, [first, second, rare])
+    base = screen.fit([])
+    found = Search(screen, Screen(balance, []), base, base)
+
+    found.run()
+
+    together, without = (screen.fit([grid(c)[0] for c in effects]) for effects in ([second, rare], [second]))
+    earlier = screen.fit([grid(first)[0]])
+    assert together.score < earlier.score < without.score
+    assert ["a[first]"] == adopted(found)

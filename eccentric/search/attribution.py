@@ -35,9 +35,10 @@ class Search:
 
     base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
     smoothed: smooth terms beside the adopted ones; alternatives: per adopted variant, family -> (probability,
-        fit); tried: other models that were compared with the best; required: deviance that an addition has to
-        gain; stability: of the adopted effects; by_both: of effects that this balance alone leaves open,
-        family -> deviance by which the other one, or both together, prefer it.
+        fit); steps: the best model after each step; tried: other models that were compared with it;
+        required: deviance that an addition has to gain; stability: of the adopted effects; by_both: of
+        effects that this balance alone leaves open, family -> deviance by which the other one, or both
+        together, prefer it.
     """
 
     screen: Screen
@@ -47,6 +48,7 @@ class Search:
     ranked: list[Fitted] = field(default_factory=list)
     smoothed: list[Fitted] = field(default_factory=list)
     alternatives: list[dict[str, tuple[float, Fitted]]] = field(default_factory=list)
+    steps: list[Fitted] = field(default_factory=list)
     tried: list[Fitted] = field(default_factory=list)
     required: float = limits.LEAST_DEVIANCE
     stability: Stability = field(default_factory=Stability)
@@ -70,6 +72,7 @@ class Search:
             if not tried:
                 break
             self.best = self.pruned(min(tried, key=lambda f: f.score))
+            self.steps.append(self.best)
         self._compare()
         self._examine()
         self.smoothed = self.smooth.rank(self.best.variants)
@@ -230,7 +233,8 @@ class Search:
     def _examine(self) -> None:
         """Drop the effects that too few variants of the log find, even with what takes their place.
 
-        Those that stay keep their alternatives: what is dropped is still missing, and would confuse them.
+        Those that stay keep their alternatives: what is dropped is still missing, and would confuse them. An
+        earlier step that explained more than they do takes their place, and is examined in turn.
         """
         if not self.best.variants:
             return
@@ -238,8 +242,15 @@ class Search:
         families = [v.candidate.family for v in self.best.variants]
         kept = [k for k, f in enumerate(families) if self.stability.nearly_all(f, *self.instead(f))]
         if len(kept) < len(families):
-            self.best = self.screen.refine(self.screen.fit([self.best.variants[k] for k in kept]))
-            self.alternatives = [self.alternatives[k] for k in kept]
+            left = self.screen.refine(self.screen.fit([self.best.variants[k] for k in kept]))
+            earlier = [step for step in self.steps if len(step.variants) < len(families)]
+            if (best := min([left, *earlier], key=lambda f: f.score)) is left:
+                self.best, self.alternatives = left, [self.alternatives[k] for k in kept]
+            else:
+                self.tried.append(self.best)
+                self.best = best
+                self._compare()
+                self._examine()
 
     def _models(self) -> list[Fitted]:
         """The best model first, then those that came close, each set of effects once."""

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from eccentric.estimation import Coefficient
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant, bounds_of
 from eccentric.search.flux import as_torques, contradicted, weigh_with_the_circuit
@@ -109,10 +110,11 @@ def search_all(
         alone = replace(electrical, best=electrical.screen.fit(without))
         found = with_flux(_corrected(mechanical, alone), alone)
         misread = _in_the_circuit(found, circuit) or misread
-    clean = searched(replace(circuit, target=circuit.target - misread.columns @ misread.coefficients))
     # Beside what else was found there: a large effect would hide the difference.
     screen, others = electrical.screen, _others(electrical, misread)
-    if electrical.deviance(clean.screen.fit(others), screen.fit(others)) < CONFIRMED:
+    read_right = replace(circuit, target=circuit.target - misread.columns @ misread.coefficients)
+    if electrical.deviance(Screen(read_right, ()).fit(others), screen.fit(others)) < CONFIRMED:
+        clean = searched(_free_to_err(read_right, misread))
         found = with_flux(_corrected(mechanical, clean), clean)
         if _in_the_circuit(found, circuit) is not None:
             return {"electrical": clean, "mechanical": found}
@@ -155,9 +157,13 @@ def _in_place(electrical: Search, place: int) -> list[Search]:
 
 @dataclass(frozen=True)
 class _Misread:
-    """The family of a mechanical effect, and what it adds to the electrical target: columns (rows, k)."""
+    """The family of a mechanical effect, and what it adds to the electrical target.
+
+    samples (n, k) and their averages, columns (rows, k); coefficients: (k,), as the torque has them.
+    """
 
     family: str
+    samples: Array
     columns: Array
     coefficients: Array
 
@@ -168,7 +174,8 @@ def _in_the_circuit(mechanical: Search, circuit: BalanceDesign) -> _Misread | No
     for variant, own in zip(best.variants, mechanical.screen.own(best), strict=True):
         candidate = variant.candidate
         if candidate.also is not None:
-            return _Misread(candidate.family, circuit.rows.mean(candidate.also(variant.values)), own)
+            samples = candidate.also(variant.values)
+            return _Misread(candidate.family, samples, circuit.rows.mean(samples), own)
     return None
 
 
@@ -192,14 +199,29 @@ def _misread(
         for candidate in linear:
             if torque is None or candidate.also is None:
                 continue
-            added = rows.mean(candidate.also({}))
+            samples = candidate.also({})
+            added = rows.mean(samples)
             if not _spans(added, electrical.columns(variant)):
                 continue
             other = screen.fit([Variant(replace(variant.candidate, columns=torque), variant.values)])
             own = screen.fit([Variant(candidate, {})])
             if screen.deviance(other, own) > CONFIRMED:
-                return _Misread(candidate.family, added, screen.own(own)[0])
+                return _Misread(candidate.family, samples, added, screen.own(own)[0])
     return None
+
+
+def _free_to_err(circuit: BalanceDesign, misread: _Misread) -> BalanceDesign:
+    """The balance with what a misread angle adds among its base: the torque gave its size with an error.
+
+    Such an error is then not taken for a ripple of the flux.
+    """
+    free = tuple(Coefficient(f"misread_{k}", "effect", "rad") for k in range(misread.columns.shape[1]))
+    return replace(
+        circuit,
+        coefficients=(*circuit.coefficients, *free),
+        columns=np.hstack([circuit.columns, misread.columns]),
+        samples=np.hstack([circuit.samples, misread.samples]),
+    )
 
 
 def _others(electrical: Search, misread: _Misread) -> list[Variant]:
