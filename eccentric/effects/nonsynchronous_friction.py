@@ -16,7 +16,7 @@ C = quantity("nonsync_c", "N m", "friction torque by cos(nu theta_m)", letter="c
 S = quantity("nonsync_s", "N m", "friction torque by sin(nu theta_m)", letter="s_nu")
 LOWEST, HIGHEST = 0.5, 8.0
 """Orders per turn of the motor: the inner race passes its cage some 0.6 times, and a dozen balls 7 times."""
-APART = 0.5
+APART = 0.25
 """Cycles over the log by which it has to slip against every harmonic of motor and link to be none."""
 WORDS = Words(
     headline="friction that repeats at a non-integer order of the motor",

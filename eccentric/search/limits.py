@@ -25,6 +25,7 @@ __all__ = [
     "DERIVATIVE_STEP",
     "DRAWS",
     "EXTRAPOLATED",
+    "FEW_TURNS",
     "FIRST_STEPS",
     "FOLDS",
     "FORMS_OF_A_PATCH",
@@ -72,6 +73,7 @@ __all__ = [
     "POSSIBLE",
     "RIDGE",
     "ROWS_FOR_ONE",
+    "SCANNED",
     "SHAPE_TOLERANCE",
     "SIGNS",
     "SLOWEST",
@@ -216,6 +218,11 @@ STANDS_OUT = 25.0
 """Least power over that floor: among a thousand orders chance reaches 20 in one log of a thousand."""
 MOST_PEAKS = 40
 """Peaks that are looked at, the strongest first: harmonics of motor and link are among them."""
+FEW_TURNS = 8.0
+"""Range of the angle, in turns, up to which every order is fitted: peaks of a spectrum are so wide there that
+their sides hide its floor, and what is taken out shifts them."""
+SCANNED = 8_000
+"""Samples, evenly spaced, to which they are fitted: of a few turns these leave enough for any order."""
 MOST_TURNS = 20_000.0
 """Longest range of the angle, in turns: no bearing keeps its phase for as long."""
 

@@ -10,9 +10,11 @@ from scipy.ndimage import median_filter
 from eccentric.search.limits import (
     AROUND_A_PEAK,
     BINS_PER_TURN,
+    FEW_TURNS,
     MOST_PEAKS,
     MOST_TURNS,
     PADDED,
+    SCANNED,
     STANDS_OUT,
 )
 
@@ -29,6 +31,7 @@ def standing_orders(
     Harmonics of motor and link are taken out, since on a short log they spread over the spectrum. That leaves
     nothing within a cycle of each, which over a few turns is everywhere. So the strongest order of all comes
     first, a harmonic or not: only the first orders of the link, which gravity leaves, are taken out for it.
+    Over a few turns peaks are so wide that what is taken out shifts them, and each order is fitted beside it.
 
     Args:
         theta_m, omega_m: motor angle [rad], from one zero, and velocity [rad/s] (samples,).
@@ -39,16 +42,23 @@ def standing_orders(
     """
     if not len(theta_m):
         return 0.0, ()
-    turns = float(np.ptp(theta_m)) / (2.0 * np.pi)
+    turns = _turns(theta_m)
     if not 1.0 < turns < MOST_TURNS:
         return turns, ()
-    orders, power = _spectrum(theta_m, omega_m, residual, gravity)
-    strongest = _peaks(orders, power, turns, np.ones(len(orders), bool))[:1]
+    if turns < FEW_TURNS:
+        strongest = _best_fit(theta_m, omega_m, residual, gravity)
+    else:
+        orders, power = _spectrum(theta_m, omega_m, residual, gravity)
+        strongest = _peaks(orders, power, turns, np.ones(len(orders), bool))[:1]
     orders, power = _spectrum(theta_m, omega_m, residual, harmonics)
     # Within a cycle of a harmonic there is nothing left, not even noise, and it would lower the floor.
     beside = np.min(np.abs(orders[:, None] - np.asarray(harmonics)), axis=1) > 1.0 / turns
     others = _peaks(orders, power, turns, beside)
     return turns, (*strongest, *others)
+
+
+def _turns(theta_m: Array) -> float:
+    return float(np.ptp(theta_m)) / (2.0 * np.pi)
 
 
 def _spectrum(
@@ -61,13 +71,35 @@ def _spectrum(
     is as narrow as the range of the angle is long, so that neighbouring orders stay apart.
     """
     angle = (theta_m - np.min(theta_m)) / (2.0 * np.pi)
-    way = np.sign(omega_m)
-    waves = [wave(order * theta_m) for order in without for wave in (np.cos, np.sin)]
-    known = np.column_stack([way, omega_m, np.ones_like(way), *waves, *(wave * way for wave in waves)])
-    against = way * (residual - known @ np.linalg.lstsq(known, residual, rcond=None)[0])
+    known = _known(theta_m, omega_m, without)
+    against = np.sign(omega_m) * (residual - known @ np.linalg.lstsq(known, residual, rcond=None)[0])
     bins = np.bincount((angle * BINS_PER_TURN).astype(int), against)
     power = np.abs(np.fft.rfft(bins, PADDED * len(bins))) ** 2
     return np.arange(len(power)) * BINS_PER_TURN / (PADDED * len(bins)), power / np.sum(against**2)
+
+
+def _best_fit(theta_m: Array, omega_m: Array, residual: Array, without: Sequence[float]) -> list[float]:
+    """The order whose friction takes out most beside what is taken out, if it stands out of white noise."""
+    every = -(-len(theta_m) // SCANNED)
+    theta_m, omega_m, residual = theta_m[::every], omega_m[::every], residual[::every]
+    known, way = np.linalg.qr(_known(theta_m, omega_m, without))[0], np.sign(omega_m)
+    left = residual - known @ (known.T @ residual)
+    steps = PADDED * _turns(theta_m)
+    orders = np.arange(1.0, 0.5 * BINS_PER_TURN * steps) / steps
+    gains = np.zeros(len(orders))
+    for k, order in enumerate(orders):
+        waves = way[:, None] * np.column_stack([np.cos(order * theta_m), np.sin(order * theta_m)])
+        waves -= known @ (known.T @ waves)
+        gains[k] = left @ waves @ np.linalg.lstsq(waves, left, rcond=None)[0]
+    best = int(np.argmax(gains))
+    return [float(orders[best])] if gains[best] > 2.0 * STANDS_OUT * np.mean(left**2) else []
+
+
+def _known(theta_m: Array, omega_m: Array, without: Sequence[float]) -> Array:
+    """Offset, Coulomb and viscous friction, and friction and torque at some orders (samples, k)."""
+    way = np.sign(omega_m)
+    waves = [wave(order * theta_m) for order in without for wave in (np.cos, np.sin)]
+    return np.column_stack([way, omega_m, np.ones_like(way), *waves, *(wave * way for wave in waves)])
 
 
 def _peaks(orders: Array, power: Array, turns: float, where: Array) -> list[float]:
