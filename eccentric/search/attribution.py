@@ -164,15 +164,23 @@ class Search:
         return before.score - after.score > limits.CLEARS * (before.score - floor)
 
     def pairs(self) -> list[Fitted]:
-        """Best partner of the leading other families of the first step."""
-        seen, found = {self.best.variants[0].candidate.family}, []
+        """Best partner of the leading other families of the first step.
+
+        Partners of the best effect itself are ranked beside it anyway.
+        """
+        own = self.best.variants[0].candidate.family
+        seen, found = {own}, []
         for fitted in self.ranked:
             family = fitted.last.family
             if family in seen or len(seen) > limits.PARTNERS or not self.worth_it(self.base, fitted):
                 continue
             seen.add(family)
             partners = self.screen.rank(fitted.variants, leaders=limits.LEADERS_OF_A_PARTNER)[:1]
-            near = [pair for pair in partners if pair.score < limits.NEAR * self.best.score]
+            near = [
+                pair
+                for pair in partners
+                if pair.last.family != own and pair.score < limits.NEAR * self.best.score
+            ]
             found += [self.swapped(self.screen.refine(pair)) for pair in near]
         return found
 
