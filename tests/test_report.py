@@ -184,6 +184,15 @@ def test_why_the_runner_up_lost() -> None:
     assert "2 times the 0.002 N m of the adopted effect" in sentence
 
 
+def test_probabilities_of_several_effects_are_said_to_be_their_own() -> None:
+    """Of one effect they add up, of two not: only then a sentence says so."""
+    second = replace(ADOPTED, id="second", family="second")
+    one, two = ([*why(sample(50, candidates=(*own, RIVAL)))] for own in ((ADOPTED,), (ADOPTED, second)))
+
+    assert "the probabilities of several do not add up to 1" in two[-1]
+    assert not any("add up to 1" in sentence for sentence in one)
+
+
 @pytest.mark.parametrize(
     ("value", "digits", "expected"),
     [(-0.03376, 4, "−0.03376"), (6.2e-05, 2, "6.2 × 10⁻⁵"), (1.2e7, 3, "1.2 × 10⁷"), (0.0, 4, "0")],

@@ -240,7 +240,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         out.append("closest candidates, none sufficient:")
         out += [f"  {_headline(c.words, c.id)}" for c in a.candidates[:4]]
     elif a.verdict in {"named", "not_identifiable"}:
-        out.append("candidates, with their probability:")
+        several = len(a.adopted) > 1
+        out.append(f"candidates, {'each with its own' if several else 'with their'} probability:")
         out += [f"  {c.probability:.2f} {_headline(c.words, c.id)}" for c in a.candidates[:4]]
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)

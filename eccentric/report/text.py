@@ -47,6 +47,10 @@ _HEADLINES = {
     "unexplained": "The model lacks something that no known effect explains",
     "nothing_missing": "This log proves nothing that the model lacks",
 }
+_EACH = (
+    "Each effect that was found is compared with what could take its place: the probabilities of several do"
+    " not add up to 1."
+)
 _WINDOWS = (
     "These errors are for smoothed windows, each predicted by a fit to the others; those of the held-out part"
     " are for single rows."
@@ -201,6 +205,8 @@ def why(data: ReportData) -> list[str]:
                 sentences.append(_against(pair[0], pair[1], units.get(name, ""), bool(tied)))
         elif name in data.search.chance:
             sentences.append(_chance(own[0], data.search.chance[name], data.conclusion.verdict))
+    if data.conclusion.verdict == "named" and sum(c.adopted for c in data.search.candidates) > 1:
+        sentences.append(_EACH)
     return sentences
 
 
