@@ -172,7 +172,7 @@ BAD = {
     "one speed": ("cannot be separated on this log", 'case = "C2"\n' + KNOWN + TORQUE + MASS, "steady"),
     "no k_i": (r"\[known\] k_i is required", 'case = "C2"\n' + KNOWN + MASS, "plain"),
     "no mass": (
-        r"\[known\] M is required by c2_parallel",
+        r"\[known\] M, M_l are required by c2_parallel, or their ranges in",
         'case = "C2"\nmu = 0.2\nL_m = 0.1\n' + TORQUE,
         "plain",
     ),

@@ -22,7 +22,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError, MissingValueError
+from eccentric.errors import InputError, MissingValueError, few
 from eccentric.estimation import ColumnRole, Design, Nonlinear, Solution
 from eccentric.fitting.columns import (
     Combination,
@@ -174,14 +174,14 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     """
     require_case(rig, model)
     channels, given, rig = channels.driven, rig, with_own(rig, model)
-    needed = load_letters(model)
-    for letter in sorted(needed):
-        if letter not in rig.known and letter not in rig.unknown:
-            raise MissingValueError(
-                f"{rig.path}: [known] {letter} is required by {model.name}, or its range in [unknown], "
-                "received neither",
-                letter,
-            )
+    if lacking := sorted(load_letters(model) - set(rig.known) - set(rig.unknown)):
+        several = len(lacking) > 1
+        raise MissingValueError(
+            f"{rig.path}: [known] {few(lacking)} {'are' if several else 'is'} required by {model.name}, or"
+            f" {'their ranges' if several else 'its range'} in [unknown], received"
+            f" {'none of them' if several else 'neither'}",
+            lacking[0],
+        )
     emitted = Emitted(model)
     used = {*emitted.inputs_of("regressor"), *emitted.inputs_of("gravity_torque")}
     used |= {"i"} if model.balance("mechanical").sum_of("actuator") != 0 else set()
@@ -207,7 +207,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     if gone:
         warnings.append(f"no unbalanced mass: {', '.join(gone)} have no effect and are omitted")
     coefficients = [c for c in coefficients if c.letter not in gone]
-    nonlinear = nonlinear_of(channels, rig, model, needed)
+    nonlinear = nonlinear_of(channels, rig, model, load_letters(model))
     searched = {s.name for s in nonlinear}
     idle = set(rig.unknown) - searched - bounded_letters(coefficients, drive.machine)
     idle |= rig.estimate - searched - {c.letter for c in coefficients}
