@@ -37,16 +37,19 @@ def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models
     """The best effect of the search's first step, fitted; None if effects were adopted or none was found.
 
     The errors of different balances are not comparable: the effect that takes out the largest part of its
-    balance's error is the best.
+    balance's error is the best. One whose fit does not settle is passed over: what the rig leaves open may
+    take its part without end.
     """
     firsts = [search for search in found.searches.values() if search.ranked]
     if models.adopted or not firsts or not models.fits_the_rig:
         return None
     best = min(firsts, key=lambda search: search.ranked[0].score / search.base.score)
-    (variant,) = best.ranked[0].variants
-    effect = next(e for e in offered if e.id == variant.candidate.id)
-    paper = models.paper
-    with_it = refit(models.base, ((effect, dict(variant.values)),), paper.data)
+    paper, by_id = models.paper, {effect.id: effect for effect in offered}
+    tried = ((by_id[f.last.id], dict(f.variants[-1].values)) for f in best.ranked)
+    fits = ((effect, refit(models.base, ((effect, values),), paper.data)) for effect, values in tried)
+    effect, with_it = next(((effect, fit) for effect, fit in fits if fit.settled), (None, paper))
+    if effect is None:
+        return None
     rows, balance = paper.data.rows.score, best.screen.balance.name
     before, after = paper.residual_like(with_it, balance)[rows], with_it.residuals[balance][rows]
     return Closest(
