@@ -188,6 +188,19 @@ def test_a_plan_with_more_mass_says_what_to_do_with_it(bench: BenchRun, contest:
     assert np.max(np.abs(plan.current)) > np.max(np.abs(contest.ground(plan.motion).current))
 
 
+def test_more_mass_is_refused_before_the_log_is_diagnosed(
+    bench: BenchRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A rig without its place costs no search."""
+    searched: list[object] = []
+    monkeypatch.setattr("eccentric.api.planned.diagnose", lambda *given, **_: searched.append(given))
+    rig = {**bench.rig, "known": {n: x for n, x in bench.rig["known"].items() if n != "L_m"}}
+
+    with pytest.raises(InputError, match=r"\[known\] L is required to add a mass, received none"):
+        eccentric.plan([bench.columns], rig, _bounds(bench, 2.0), added="0.2 kg")
+    assert [] == searched
+
+
 def test_more_mass_needs_the_place_of_the_one_that_is_there(bench: BenchRun, contest: Separation) -> None:
     """And a mass; each is one line."""
     data, bounds = contest.question.data, _bounds(bench, 2.0)

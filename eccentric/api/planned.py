@@ -14,6 +14,7 @@ from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, in
 from eccentric.api.result import Printed
 from eccentric.diagnosis import diagnose
 from eccentric.emission import template
+from eccentric.model import Model, load_model
 from eccentric.planning import (
     FIRMWARE_HZ,
     RATE_HZ,
@@ -25,6 +26,7 @@ from eccentric.planning import (
     question_from,
     question_of,
     read_bounds,
+    require_link,
 )
 from eccentric.rigs import read_mass, read_rig
 from eccentric.signals import read_long
@@ -72,13 +74,16 @@ def plan(
     sources, rig = sources_of(logs), read_rig(rig)
     bounds = read_bounds(limits, rig.axis)
     mass = 0.0 if added is None else read_mass(added, "--added")
+    base = by_name(model)
     with in_words_of(rig, sources):
+        if mass:
+            require_link(rig, base if isinstance(base, Model) else load_model(base or rig.model))
         read = read_long(sources, rig, tell=reading)
         if diagnosis is None:
-            found = diagnose(read, rig, by_name(model), tell=progress)
+            found = diagnose(read, rig, base, tell=progress)
             question, warnings = question_of(found), found.warnings
         else:
-            question = question_from(diagnosis, read, rig, by_name(model))
+            question = question_from(diagnosis, read, rig, base)
             channels = question.data.drive.channels
             warnings = (*channels.intake.warnings, *question.data.drive.warnings)
         made = planned(question, bounds, progress or (lambda _: None), mass)

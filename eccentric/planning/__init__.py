@@ -17,6 +17,7 @@ May import: `diagnosis`, `search`, `fitting`, `signals`, `rigs`, `logs`, `model`
 """
 
 from eccentric.planning.bounds import Bounds, read_bounds
+from eccentric.planning.heavier import require_link
 from eccentric.planning.limits import FIRMWARE_HZ, RATE_HZ
 from eccentric.planning.motion import Reference
 from eccentric.planning.outcome import MeasurementPlan, plan_document, plan_lines, planned
@@ -35,4 +36,5 @@ __all__ = [
     "question_from",
     "question_of",
     "read_bounds",
+    "require_link",
 ]
