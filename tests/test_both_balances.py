@@ -173,9 +173,22 @@ def test_the_circuit_is_against_one_order_and_not_against_its_family() -> None:
     assert ("named", ["flux[2]"]) == verdict_of({5: 6.0}, {3: 0.1}, *orders, FRICTION)
 
 
-def test_what_the_torque_gets_wrong_of_a_misread_angle_is_no_ripple_of_the_flux() -> None:
-    """The torque has three of it, the voltage two: the circuit alone would take the rest for a ripple."""
+@pytest.mark.parametrize(
+    ("torque", "voltage", "expected"),
+    [
+        ({5: 3.0}, {2: 2.0}, ["angle"]),
+        ({5: 3.0, 6: 0.7}, {2: 3.7}, ["angle", "ripple"]),
+        ({5: 3.0, 9: 4.0}, {2: 3.0, 8: 4.0}, ["angle", "sag"]),
+        ({5: 3.0, 9: 4.0}, {2: 2.0, 8: 4.0}, ["angle", "sag"]),
+    ],
+    ids=["an error", "a ripple", "another effect on the flux", "both"],
+)
+def test_what_the_torque_gets_wrong_of_a_misread_angle_is_no_ripple_of_the_flux(
+    torque: dict[int, float], voltage: dict[int, float], expected: list[str]
+) -> None:
+    """The circuit alone would take an error of its size for a ripple; a ripple has a torque too."""
     angle = replace(candidate("angle", {5: 1.0}), also=lambda _: mixed({2: 1.0})[:, None])
     ripple = on_the_flux(1.0, torque=6, name="ripple")
+    sag = on_the_flux(1.0, torque=9, voltage=8, name="sag")
 
-    assert ("named", ["angle"]) == verdict_of({5: 3.0}, {2: 2.0}, angle, ripple)
+    assert ("named", expected) == verdict_of(torque, voltage, angle, ripple, sag)

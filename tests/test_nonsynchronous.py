@@ -73,6 +73,41 @@ def test_on_two_turns_it_is_found_between_the_harmonics(nu: float, noise: float)
     assert min(abs(shape.low - round(shape.low)), abs(shape.high - round(shape.high))) > 0.249 / turns
 
 
+@pytest.mark.parametrize("turns", [1.5, 7.9])
+@pytest.mark.parametrize("kind", ["harmonic", "white", "speed"])
+def test_over_a_few_turns_neither_noise_nor_a_harmonic_has_an_order_of_its_own(
+    turns: float, kind: str
+) -> None:
+    """Nor does what follows the speed."""
+    t, offered = np.arange(0.0, 60.0, 0.01), 0
+    harmonics = [float(n) for n in range(1, 13)]
+    for seed in range(8):
+        noise = np.random.default_rng(seed).normal(size=len(t))
+        theta = np.pi * turns * np.sin((0.9 + 0.05 * seed) * t + 0.3 * np.sin(0.13 * t))
+        omega = np.gradient(theta, t)
+        residual = {
+            "harmonic": np.cos(5.0 * theta + seed) * np.sign(omega) + 0.1 * noise,
+            "white": noise,
+            "speed": np.exp(-2.0 * np.abs(omega)) * np.sign(omega) + 0.5 * noise,
+        }[kind]
+        _, found = standing_orders(theta, omega, residual, harmonics, [1.0, 2.0, 3.0])
+        given = replace(setting("C1", warm=False), mu=1.0, turns=turns, orders=found)
+        offered += any(e.family == "nonsynchronous_friction" for e in library(given))
+
+    assert 0 == offered
+
+
+def test_a_periodic_motion_hides_no_order() -> None:
+    """At a whole number of samples per period it is always at the same angles."""
+    t = np.arange(0.0, 800.0, 0.01)
+    theta = 2.03 * np.pi * np.sin(np.pi * t)
+    omega = np.gradient(theta, t)
+    residual = 0.02 * np.cos(5.43 * theta + 0.7) * np.sign(omega)
+    turns, found = standing_orders(theta, omega, residual, [float(n) for n in range(1, 13)], [1.0, 2.0, 3.0])
+
+    assert 5.43 == pytest.approx(found[0], abs=0.2 / turns)
+
+
 @pytest.mark.parametrize("harmonic", [4.0, 5.0, 9 * MU])
 def test_a_harmonic_alone_offers_no_other_order(harmonic: float) -> None:
     """Friction at a harmonic of motor or link, with and without the sign of the motion: none is offered."""

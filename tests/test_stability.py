@@ -229,3 +229,21 @@ def test_a_form_that_was_right_beside_what_is_dropped_gives_way_to_that_of_an_ea
     earlier = screen.fit([grid(first)[0]])
     assert together.score < earlier.score < without.score
     assert ["a[first]"] == adopted(found)
+
+
+def test_an_effect_that_was_dropped_does_not_come_back_with_an_earlier_step() -> None:
+    """The rare effect is found first, and few variants find it: the other one stays, which all find."""
+    fold = fold_of_block(BLOCKS, limits.FOLDS)
+    chosen = np.isin(np.arange(BLOCKS), [np.flatnonzero(fold == k)[0] for k in range(2)])
+    event = 12.0 * COLUMNS[:, [3]] * np.repeat(chosen, SIZE)[:, None]
+    balance = design({2: 1.0})
+    balance = replace(balance, target=balance.target + event[:, 0])
+    screen = Screen(balance, [candidate("a", {2: 1.0}), candidate("rare", of=lambda _: event)])
+    base = screen.fit([])
+    found = Search(screen, Screen(balance, []), base, base)
+
+    found.run()
+
+    assert ["rare"] == [v.candidate.id for v in found.steps[0].variants]
+    assert ["a"] == adopted(found)
+    assert "named" == decided({"mechanical": found}).verdict

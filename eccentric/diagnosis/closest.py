@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from eccentric.diagnosis.limits import FITTED
 from eccentric.diagnosis.models import Models
 from eccentric.diagnosis.score import BelowLowPass, below_low_pass
 from eccentric.effects import Effect
@@ -17,7 +18,7 @@ __all__ = ["Closest", "closest_effect"]
 
 @dataclass(frozen=True)
 class Closest:
-    """The best single effect of the search, and what it gains on the held-out part.
+    """The best single effect of the search whose fit settles, and what it gains on the held-out part.
 
     effect: it; balance: the one that shows it; before, after: held-out RMSE of the paper's model and of the
     model with this effect, in the unit of the balance; percent: 100 (1 - after/before), with its 95 %
@@ -45,7 +46,7 @@ def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models
         return None
     best = min(firsts, key=lambda search: search.ranked[0].score / search.base.score)
     paper, by_id = models.paper, {effect.id: effect for effect in offered}
-    tried = ((by_id[f.last.id], dict(f.variants[-1].values)) for f in best.ranked)
+    tried = ((by_id[f.last.id], dict(f.variants[-1].values)) for f in best.ranked[:FITTED])
     fits = ((effect, refit(models.base, ((effect, values),), paper.data)) for effect, values in tried)
     effect, with_it = next(((effect, fit) for effect, fit in fits if fit.settled), (None, paper))
     if effect is None:

@@ -7,6 +7,7 @@ __all__ = [
     "ALONE",
     "AROUND",
     "FEWEST_RUNS",
+    "FITTED",
     "HIGHEST_ORDER",
     "LEAST_SHARE",
     "LEAST_STRETCHES",
@@ -21,6 +22,8 @@ __all__ = [
 
 FEWEST_RUNS = 5
 """Least number of runs for a gain over whole runs: its interval draws runs, and four say little."""
+FITTED = 3
+"""Effects that are fitted, at most, to show the best one where none is adopted: each costs a whole fit."""
 PROVABLE = 3.0
 """A residual above this multiple of the sensors' noise has a cause, found or not."""
 

@@ -8,7 +8,7 @@ The stages, each with its result:
     extend      Model', its coefficients fitted on its own emitted module        (`models.fitted_models`)
     score       held-out RMSE before and after; the held-out part is opened there and nowhere else
                 (the zero-phase low pass carries some 20 ms across its borders)
-    closest     the best effect, where none is adopted                           (`closest.closest_effect`)
+    closest     the best effect whose fit settles, where none is adopted         (`closest.closest_effect`)
     sibling     a shipped model that predicts better as it stands                (`siblings.better_sibling`)
     orders      what is left inside runs and periodic in the angle               (`orders.orders_of`)
 """

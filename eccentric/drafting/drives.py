@@ -99,10 +99,10 @@ def _kind(column: LoggedColumn, balance: Explained) -> Driven:
         )
         if shares[term] > limits.TOLD
     ]
-    opposed = " (some oppose each other)" if max(shares.values()) > 1.0 else ""
+    opposed = ", which oppose each other" if max(shares.values()) > 1.0 else ""
     evidence = (
         f"motion explains {balance.r2:.0%} of it",
-        *((f"follows, in parts of its scatter, {', '.join(told)}{opposed}",) if told else ()),
+        *((f"follows {', '.join(told)} (standard deviations over its own{opposed})",) if told else ()),
     )
     named = column.name.quantity
     if named in KINDS:

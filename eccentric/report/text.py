@@ -205,7 +205,10 @@ def why(data: ReportData) -> list[str]:
                 sentences.append(_against(pair[0], pair[1], units.get(name, ""), bool(tied)))
         elif name in data.search.chance:
             sentences.append(_chance(own[0], data.search.chance[name], data.conclusion.verdict))
-    if data.conclusion.verdict == "named" and sum(c.adopted for c in data.search.candidates) > 1:
+    if (
+        data.conclusion.verdict in {"named", "not_identifiable"}
+        and sum(c.adopted for c in data.search.candidates) > 1
+    ):
         sentences.append(_EACH)
     return sentences
 

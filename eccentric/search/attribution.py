@@ -166,7 +166,7 @@ class Search:
     def pairs(self) -> list[Fitted]:
         """Best partner of the leading other families of the first step.
 
-        Partners of the best effect itself are ranked beside it anyway.
+        Partners of the best effect's own family are ranked beside it anyway, where its form is swapped too.
         """
         own = self.best.variants[0].candidate.family
         seen, found = {own}, []
@@ -241,8 +241,9 @@ class Search:
     def _examine(self) -> None:
         """Drop the effects that too few variants of the log find, even with what takes their place.
 
-        Those that stay keep their alternatives: what is dropped is still missing, and would confuse them. An
-        earlier step that explained more than they do takes their place, and is examined in turn.
+        Those that stay keep their alternatives: what is dropped is still missing, and would confuse them. But
+        what was right only beside it gives way to an earlier step without it that explained clearly more,
+        which is compared and examined as if the search had ended there.
         """
         if not self.best.variants:
             return
@@ -251,14 +252,20 @@ class Search:
         kept = [k for k, f in enumerate(families) if self.stability.nearly_all(f, *self.instead(f))]
         if len(kept) < len(families):
             left = self.screen.refine(self.screen.fit([self.best.variants[k] for k in kept]))
-            earlier = [step for step in self.steps if len(step.variants) < len(families)]
-            if (best := min([left, *earlier], key=lambda f: f.score)) is left:
-                self.best, self.alternatives = left, [self.alternatives[k] for k in kept]
-            else:
+            dropped = {family for k, family in enumerate(families) if k not in kept}
+            earlier = [
+                step
+                for step in self.steps
+                if dropped.isdisjoint(v.candidate.family for v in step.variants)
+                and step.score < limits.SWAPPED * left.score
+            ]
+            if earlier:
                 self.tried.append(self.best)
-                self.best = best
+                self.best = min(earlier, key=lambda f: f.score)
                 self._compare()
                 self._examine()
+            else:
+                self.best, self.alternatives = left, [self.alternatives[k] for k in kept]
 
     def _models(self) -> list[Fitted]:
         """The best model first, then those that came close, each set of effects once."""

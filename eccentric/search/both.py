@@ -114,8 +114,15 @@ def search_all(
     screen, others = electrical.screen, _others(electrical, misread)
     read_right = replace(circuit, target=circuit.target - misread.columns @ misread.coefficients)
     if electrical.deviance(Screen(read_right, ()).fit(others), screen.fit(others)) < CONFIRMED:
-        clean = searched(_free_to_err(read_right, misread))
+        clean = searched(read_right)
         found = with_flux(_corrected(mechanical, clean), clean)
+        if len(_others(clean, misread)) < len(clean.best.variants):
+            # A ripple of the flux in the same columns, or an error of what the torque says of the angle: a
+            # ripple would have a torque too.
+            free = searched(_free_to_err(read_right, misread))
+            rival = with_flux(_corrected(mechanical, free), free)
+            if rival.deviance(found.best, rival.best) > 0.0:
+                clean, found = free, rival
         if _in_the_circuit(found, circuit) is not None:
             return {"electrical": clean, "mechanical": found}
     # The voltage does not have what such an angle would add.
@@ -211,11 +218,8 @@ def _misread(
 
 
 def _free_to_err(circuit: BalanceDesign, misread: _Misread) -> BalanceDesign:
-    """The balance with what a misread angle adds among its base: the torque gave its size with an error.
-
-    Such an error is then not taken for a ripple of the flux.
-    """
-    free = tuple(Coefficient(f"misread_{k}", "effect", "rad") for k in range(misread.columns.shape[1]))
+    """The balance with what a misread angle adds among its base, in case the torque got its size wrong."""
+    free = tuple(Coefficient(f"misread_{k}", "effect", "N m") for k in range(misread.columns.shape[1]))
     return replace(
         circuit,
         coefficients=(*circuit.coefficients, *free),

@@ -49,14 +49,16 @@ class BothBalances:
         if shown:
             own = [self.variants[k] for k in shown]
             self.variants = placed(refined(own, lambda v: self._solved(placed(v))[0], STEPS))
-        ends = np.cumsum([self._screen.columns(variant).shape[1] for variant in self.variants])
-        return np.split(self._solved(self.variants)[1], ends)[:-1]
+        widths = [self._screen.columns(variant).shape[1] for variant in self.variants]
+        ends = self._screen.balance.columns.shape[1] + np.cumsum([0, *widths])
+        return np.split(self._solved(self.variants)[1], ends)[1:-1]
 
     def _solved(self, variants: Sequence[Variant]) -> tuple[Array, Array]:
-        """Weighted residual and coefficients: of the variants, then of the mechanical base."""
+        """Weighted residual and coefficients: of the circuit's base, the variants, the mechanical base."""
         target, own, lower = self._screen.design(variants)
         here = np.hstack([own, np.zeros((len(target), self._base.shape[1]))])
-        there = np.hstack([self._also(variants), self._base])
+        rows, free = len(self._mechanical.target), self._screen.balance.columns.shape[1]
+        there = np.hstack([np.zeros((rows, free)), self._also(variants), self._base])
         one, other = np.sqrt(self._weights)
         x, y = np.vstack([one * here, other * there]), np.r_[one * target, other * self._mechanical.target]
         c = bounded_solve(x.T @ x, x.T @ y, np.r_[lower, self._lower])

@@ -11,10 +11,10 @@ from eccentric.search.limits import (
     AROUND_A_PEAK,
     BINS_PER_TURN,
     FEW_TURNS,
+    HIGHEST_ORDER,
     MOST_PEAKS,
     MOST_TURNS,
     PADDED,
-    SCANNED,
     STANDS_OUT,
 )
 
@@ -79,20 +79,40 @@ def _spectrum(
 
 
 def _best_fit(theta_m: Array, omega_m: Array, residual: Array, without: Sequence[float]) -> list[float]:
-    """The order whose friction takes out most beside what is taken out, if it stands out of white noise."""
-    every = -(-len(theta_m) // SCANNED)
-    theta_m, omega_m, residual = theta_m[::every], omega_m[::every], residual[::every]
-    known, way = np.linalg.qr(_known(theta_m, omega_m, without))[0], np.sign(omega_m)
-    left = residual - known @ (known.T @ residual)
-    steps = PADDED * _turns(theta_m)
-    orders = np.arange(1.0, 0.5 * BINS_PER_TURN * steps) / steps
-    gains = np.zeros(len(orders))
-    for k, order in enumerate(orders):
-        waves = way[:, None] * np.column_stack([np.cos(order * theta_m), np.sin(order * theta_m)])
-        waves -= known @ (known.T @ waves)
-        gains[k] = left @ waves @ np.linalg.lstsq(waves, left, rcond=None)[0]
+    """The order whose friction takes out most beside what is taken out, if it stands out of what is left.
+
+    It has a cycle or more over the log. The residual is averaged in bins of the angle, either way by itself:
+    at a sampled time the motion may always be at the same few angles.
+    """
+    turns, way = _turns(theta_m), np.sign(omega_m)
+    place = ((theta_m - np.min(theta_m)) / (2.0 * np.pi) * BINS_PER_TURN).astype(int) * 2 + (way > 0.0)
+    number = np.bincount(place)
+    there = number > 0
+    angle, speed, mean = (np.bincount(place, x)[there] / number[there] for x in (theta_m, omega_m, residual))
+    weight, way = np.sqrt(number[there])[:, None], np.where(np.flatnonzero(there) % 2, 1.0, -1.0)[:, None]
+    orders = np.arange(PADDED, HIGHEST_ORDER * PADDED * turns) / (PADDED * turns)
+    waves = [weight * way * np.column_stack([np.cos(nu * angle), np.sin(nu * angle)]) for nu in orders]
+    known, target = weight * _known(angle, speed, without), weight[:, 0] * mean
+    gains, _ = _gains(waves, known, target)
     best = int(np.argmax(gains))
-    return [float(orders[best])] if gains[best] > 2.0 * STANDS_OUT * np.mean(left**2) else []
+    # A wide peak has no floor beside it: that of the spectrum without it is taken.
+    rest, noise = _gains(waves, np.hstack([known, waves[best]]), target)
+    around = rest[np.abs(orders - orders[best]) <= 0.5 * AROUND_A_PEAK]
+    return [float(orders[best])] if gains[best] > STANDS_OUT * max(np.median(around), 2.0 * noise) else []
+
+
+def _gains(waves: Sequence[Array], known: Array, target: Array) -> tuple[Array, float]:
+    """The square sum that each pair of waves takes out of a target (n,) beside what is known (n, k).
+
+    And the mean square of what that leaves, which is white noise if nothing else is there.
+    """
+    basis = np.linalg.qr(known)[0]
+    left = target - basis @ (basis.T @ target)
+    found = np.zeros(len(waves))
+    for k, pair in enumerate(waves):
+        own = pair - basis @ (basis.T @ pair)
+        found[k] = left @ own @ np.linalg.lstsq(own, left, rcond=None)[0]
+    return found, float(left @ left) / max(len(left) - known.shape[1], 1)
 
 
 def _known(theta_m: Array, omega_m: Array, without: Sequence[float]) -> Array:
