@@ -135,6 +135,11 @@ def test_a_draft_is_a_rig_file_with_its_evidence(arm: BenchResult) -> None:
     for proposal in draft.proposals:
         at = next(k for k, line in enumerate(lines) if line.startswith(f"{proposal.channel} = "))
         assert lines[at - 1].startswith("#")
+    said = " ".join(line.removeprefix("#").strip() for line in lines)
+    assert (
+        "the acceleration 0."
+        in said.split("current by its name")[1].split("(standard deviations over its own")[0]
+    )
 
 
 def test_no_name_breaks_a_draft(arm: BenchResult) -> None:
