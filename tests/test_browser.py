@@ -20,6 +20,8 @@ FLAGS = (
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
     "--disable-component-update", "--disable-sync",
 )  # fmt: skip
+# `make test` reads the page; what a browser makes of it takes a minute.
+pytestmark = pytest.mark.slow
 DRAWN = "html[data-figures=drawn]"
 # The plots whose canvases all have one colour: what is under a plot's element is in shadow trees.
 BLANK = """() => {

@@ -32,9 +32,11 @@ from tests.dying import dying, hoarding
 pytest.importorskip("pyarrow")
 pytest.importorskip("distributed")
 
-pytestmark = pytest.mark.filterwarnings(
-    "ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"
-)
+# `make test` has the parts of a fleet, each in a file of its own.
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"),
+]
 
 
 @pytest.fixture(scope="module")
@@ -319,7 +321,6 @@ def test_a_worker_that_is_killed_is_survived(cluster: Any, tmp_path: Path) -> No
     assert "every worker that took it died" in str(results["always"])
 
 
-@pytest.mark.slow
 def test_a_worker_killed_from_outside_in_the_middle_costs_nothing(
     cluster: Any, fleet: Path, found: tuple[Path, Any], tmp_path: Path
 ) -> None:
@@ -342,7 +343,6 @@ def test_a_worker_killed_from_outside_in_the_middle_costs_nothing(
         np.testing.assert_array_equal(mine.sums.windows, theirs.sums.windows)
 
 
-@pytest.mark.slow
 def test_a_worker_whose_memory_is_nearly_full_goes_on() -> None:
     """Nine tenths of it are kept: what comes next is done all the same, by the same process."""
     with connected(None, 1) as client:

@@ -65,7 +65,11 @@ def folder_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]
 @pytest.mark.parametrize(
     ("name", "real"),
     [
-        *((name, real) for name in MODELS for real in LARGEST),
+        *(
+            pytest.param(name, real, marks=() if name == "rotating_link" else pytest.mark.slow)
+            for name in MODELS
+            for real in LARGEST
+        ),
         # Of the extended ones in double, `make bench` has the proofs.
         *(pytest.param(*one.values, "float", marks=one.marks) for one in some_at_work()),
     ],
