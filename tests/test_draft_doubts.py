@@ -78,6 +78,23 @@ def test_a_torque_constant_that_gravity_does_not_allow_is_doubted(factor: float,
     assert all("N m/A by gravity and 0.072 by the rig" in line for line in found.doubts)
 
 
+@pytest.mark.parametrize(
+    ("R", "k_e", "told"), [(0.8, 0.12, False), (1.0, 0.12, False), (1.0, 0.06, True), (0.8, 0.06, True)]
+)
+def test_a_wrong_resistance_makes_no_wrong_constant(R: float, k_e: float, told: bool) -> None:
+    """U = 0.8 ohm i + 0.12 V s/rad w: what the rig's R leaves of it is a back-EMF only if that R is right."""
+    log = swing("q_rad", 1.0)
+    log["current_A"] = log.pop("torque_Nm") / 0.12
+    log["voltage_V"] = 0.8 * log["current_A"] + 0.12 * np.gradient(log["q_rad"], log["t_s"])
+    known = {"M": "0.25 kg", "M_l": "0.1 kg", "L": f"{0.33 / 0.25 / 9.81} m", "case": "C2", "mu": 1.0}
+    known |= {"k_i": "0.12 N m/A", "R": f"{R} ohm", "k_e": f"{k_e} V s/rad"}
+    columns = {"time": "t_s", "theta_m": "q_rad", "current": "current_A", "voltage": "voltage_V"}
+    said = str(eccentric.check_rig(log, {"columns": columns, "known": known, "drive": "current"}))
+
+    assert told == ("k_e is 0.12 V s/rad by the log and 0.06 by the rig; correct the rig" in said)
+    assert told == ("correct the rig" in said)
+
+
 @pytest.mark.parametrize(("counts", "contradicted"), [(2000, False), (4096, True)])
 def test_the_step_of_the_angle_contradicts_other_counts(counts: int, contradicted: bool) -> None:
     """Steps of a turn over 2000 are no encoder of 4096."""

@@ -125,6 +125,10 @@ def test_what_the_log_does_not_see_goes_as_far_as_the_bounds() -> None:
     assert found.estimate(0.0, unit[1], "N m", (0.0, math.inf), -1).interval == (0.0, math.inf)
     assert found.estimate(3.0, unit[0], "N m").interval[0] == -math.inf
 
+    # Nor does a have room: no standard error describes b.
+    found = spread(np.column_stack([x, x]), residual, np.zeros(2), active, np.zeros(2), high)
+    assert found.estimate(0.0, unit[1], "N m", (0.0, math.inf), -1).widened
+
 
 def test_equal_predictions_gain_nothing() -> None:
     """The same residual twice is a gain of 0 % with the interval [0, 0]; half of it is 50 %."""

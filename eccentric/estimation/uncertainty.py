@@ -99,7 +99,8 @@ class Spread:
         high = value + reach + float(np.sum(np.maximum(moved, 0.0)))
         side = {-1: "lower", 0: None, 1: "upper"}[active]
         interval = float(max(low, bounds[0])), float(min(high, bounds[1]))
-        widened = bool(np.sum(np.abs(moved)) > LITTLE * reach)
+        # Without an end of its own, a bound is all that there is of it.
+        widened = bool(np.sum(np.abs(moved)) > LITTLE * reach) or not math.isfinite(error)
         return Estimate(value, error, interval, unit, side, widened)
 
 

@@ -191,7 +191,8 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
         value = paper.at[s.name]
         if s.end_at(value):
             found.append(
-                f"{s.name} = {value:.4g} {s.unit} is at the end of its range {s.lower:g} to {s.upper:g}"
+                f"{s.name} = {value:.4g}{'' if s.unit == '1' else f' {s.unit}'} is at the end of its range"
+                f" {s.lower:g} to {s.upper:g}"
             )
     for name, p in profiles.items():
         change = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)

@@ -85,19 +85,16 @@ def electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
     if found is None:
         return
     (r, r_error), (e, e_error) = found
-    off = False
     if "R" in rig.known:
-        resistance = replace(Ratio.of("R", r, r_error, rig.known["R"]), agrees=FACTOR_MOTOR)
-        yield resistance
-        off = resistance.off(FACTOR_MOTOR)
+        yield replace(Ratio.of("R", r, r_error, rig.known["R"]), agrees=FACTOR_MOTOR)
     elif 0.0 < r + r_error < LEAST_OHM:
         # Against nothing but what windings have: the next larger unit of a current is the only reading.
         text = f"R is {r:.3g} ohm by the log, less than the windings of such drives have"
         yield Ratio.of("R", r, r_error, 1e3 * r, text)
     if "k_e" not in rig.known:
         return
-    if "R" in rig.known and not off:
-        # With the rig's R, k_e is also known where current and speed are correlated.
+    if "R" in rig.known and abs(r - rig.known["R"]) <= r_error:
+        # With an R that the log allows, k_e is also known where current and speed are correlated.
         rest = m.drives["voltage"] - rig.known["R"] * m.drives["current"]
         a, covariance, _ = regressed(friction_of(m), rest)
         e, e_error = a[0], math.sqrt(covariance[0, 0]) * SIGMAS
