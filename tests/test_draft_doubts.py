@@ -95,6 +95,21 @@ def test_a_wrong_resistance_makes_no_wrong_constant(R: float, k_e: float, told: 
     assert told == ("correct the rig" in said)
 
 
+@pytest.mark.parametrize(("mu", "doubted"), [(1.0, False), (0.02, True)])
+def test_friction_at_a_radius_longer_than_the_link_is_doubted(mu: float, doubted: bool) -> None:
+    """A balanced link without gravity: what the bearing takes from a wrong gear is no bearing's."""
+    log = swing("q_rad", 1.0)
+    omega = np.gradient(log["q_rad"], log["t_s"])
+    normal = 0.35 * 9.81 + 0.25 * 0.1 * omega**2
+    log["torque_Nm"] = 0.004 * np.gradient(omega, log["t_s"]) + (0.002 + 0.01 * normal) * np.sign(omega)
+    log["torque_Nm"] += 1e-4 * np.random.default_rng(1).standard_normal(len(omega))
+    known = {"M": "0.25 kg", "M_l": "0.1 kg", "L": "0.1 m", "case": "C1", "mu": mu}
+    columns = {"time": "t_s", "theta_m": "q_rad", "torque": "torque_Nm"}
+    found = eccentric.check_rig(log, {"columns": columns, "known": known})
+
+    assert doubted == any("longer than the link of 0.1 m" in line for line in found.doubts)
+
+
 @pytest.mark.parametrize(("counts", "contradicted"), [(2000, False), (4096, True)])
 def test_the_step_of_the_angle_contradicts_other_counts(counts: int, contradicted: bool) -> None:
     """Steps of a turn over 2000 are no encoder of 4096."""

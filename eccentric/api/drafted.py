@@ -261,7 +261,8 @@ def _tried(logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], complaints
         beside = beside_the_rig(channels, tried)
         determined = *_determined(fit, tried), *map(_beside, beside)
         warnings = (*fit.warnings, *_of_the_diagnosis(channels, tried))
-        return RigCheck((), determined, warnings, tuple(_doubted(beside, tried.path)))
+        doubts = *_doubted(beside, tried.path), *_too_long(fit, tried)
+        return RigCheck((), determined, warnings, doubts)
     return RigCheck(tuple(missing), (), ())
 
 
@@ -278,6 +279,17 @@ def _doubted(beside: Sequence[Ratio], path: str) -> Iterator[str]:
         yield (
             f"{path}: {_beside(ratio)}: the rig's value fits only if friction that the model lacks accounts"
             " for the difference"
+        )
+
+
+def _too_long(fit: Any, rig: Rig) -> Iterator[str]:
+    """Friction per normal force, where it is longer than the link: it acts at a radius of the bearing."""
+    e, arm = fit.coefficients.get("C_lN"), rig.known.get("L")
+    if e is not None and arm is not None and e.interval[0] > arm:
+        low, high = e.interval
+        yield (
+            f"{rig.path}: C_lN is {e.value:.3g} m by the log ({low:.3g} to {high:.3g}), longer than the link"
+            f" of {arm:.3g} m, and it acts at a radius of the bearing: check mu, M and M_l"
         )
 
 
