@@ -29,6 +29,9 @@ from tests.paper import Parameters
 from tests.promised import DERIVATIVES, gradient_error
 from tests.test_accuracy import DRIVES, drive_parameters
 
+# `make test` has the models themselves, in test_accuracy.
+pytestmark = pytest.mark.slow
+
 # Every drive with the models of the paper: test_accuracy.py.
 SOME = {"mu = 1/5", "much unbalance", "exact velocity"}
 some_drives = pytest.mark.parametrize(

@@ -37,6 +37,9 @@ from tests.planted import (
 from tests.swing import VOLTAGE, Swing, log_of, write_rig, write_runs
 from tests.virtual import drawn_scenario
 
+# `make test` has a voltage alone in test_voltage_alone.
+pytestmark = pytest.mark.slow
+
 OF_CURRENT = {"current", "mechanical_residual", "electrical_residual"}
 OF_VOLTAGE = {"voltage", "electrical_residual"}
 WITHOUT_BACK_EMF = {"mechanical_friction_torque", *OF_CURRENT}
