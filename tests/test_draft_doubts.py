@@ -82,7 +82,7 @@ def test_a_torque_constant_that_gravity_does_not_allow_is_doubted(factor: float,
     ("R", "k_e", "told"), [(0.8, 0.12, False), (1.0, 0.12, False), (1.0, 0.06, True), (0.8, 0.06, True)]
 )
 def test_a_wrong_resistance_makes_no_wrong_constant(R: float, k_e: float, told: bool) -> None:
-    """U = 0.8 ohm i + 0.12 V s/rad w: what the rig's R leaves of it is a back-EMF only if that R is right."""
+    """At 0.8 ohm and 0.12 V s/rad, what another R leaves of the voltage is no back-EMF."""
     log = swing("q_rad", 1.0)
     log["current_A"] = log.pop("torque_Nm") / 0.12
     log["voltage_V"] = 0.8 * log["current_A"] + 0.12 * np.gradient(log["q_rad"], log["t_s"])
@@ -97,7 +97,7 @@ def test_a_wrong_resistance_makes_no_wrong_constant(R: float, k_e: float, told: 
 
 @pytest.mark.parametrize(("mu", "doubted"), [(1.0, False), (0.02, True)])
 def test_friction_at_a_radius_longer_than_the_link_is_doubted(mu: float, doubted: bool) -> None:
-    """A balanced link without gravity: what the bearing takes from a wrong gear is no bearing's."""
+    """In a level plane, with a gear that is wrong by 50, friction needs a bearing larger than the link."""
     log = swing("q_rad", 1.0)
     omega = np.gradient(log["q_rad"], log["t_s"])
     normal = 0.35 * 9.81 + 0.25 * 0.1 * omega**2

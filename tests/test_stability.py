@@ -190,19 +190,29 @@ def test_named_is_what_nine_variants_of_ten_find(variants: str, expected: str, t
     assert (variants.count("a"), 100) == (only.found, only.variants)
 
 
+def shown_by(blocks: int) -> np.ndarray:
+    """A column (N, 1) that this many blocks hold, each of another fold."""
+    fold = fold_of_block(BLOCKS, limits.FOLDS)
+    chosen = np.isin(np.arange(BLOCKS), [np.flatnonzero(fold == k)[0] for k in range(blocks)])
+    return COLUMNS[:, [3]] * np.repeat(chosen, SIZE)[:, None]
+
+
+def run(screen: Screen) -> Search:
+    """A search that has run, without smooth terms."""
+    base = screen.fit([])
+    found = Search(screen, Screen(screen.balance, []), base, base)
+    found.run()
+    return found
+
+
 def test_an_effect_that_nothing_replaces_is_dropped_where_few_variants_find_it() -> None:
     """Three blocks show the second effect: the whole log proves it, two variants in three find it."""
-    fold = fold_of_block(BLOCKS, limits.FOLDS)
-    chosen = np.isin(np.arange(BLOCKS), [np.flatnonzero(fold == k)[0] for k in range(3)])
-    event = COLUMNS[:, [3]] * np.repeat(chosen, SIZE)[:, None]
+    event = shown_by(3)
     balance = design({2: 3.0})
     balance = replace(balance, target=balance.target + 5.0 * event[:, 0])
     rare = candidate("rare", of=lambda _: event)
     screen = Screen(balance, [A, rare])
-    base = screen.fit([])
-    found = Search(screen, Screen(balance, []), base, base)
-
-    found.run()
+    found = run(screen)
 
     alone, both = (screen.fit([grid(c)[0] for c in effects]) for effects in ([A], [A, rare]))
     assert found.worth_it(alone, both)
@@ -211,19 +221,14 @@ def test_an_effect_that_nothing_replaces_is_dropped_where_few_variants_find_it()
 
 def test_a_form_that_was_right_beside_what_is_dropped_gives_way_to_that_of_an_earlier_step() -> None:
     """Two blocks show the rare effect, beside which the second form is better; alone, the first one is."""
-    fold = fold_of_block(BLOCKS, limits.FOLDS)
-    chosen = np.isin(np.arange(BLOCKS), [np.flatnonzero(fold == k)[0] for k in range(2)])
-    event = 12.0 * COLUMNS[:, [3]] * np.repeat(chosen, SIZE)[:, None]
+    event = 12.0 * shown_by(2)
     balance = design({2: 3.0})
     balance = replace(balance, target=balance.target + event[:, 0])
     first = candidate("a", {2: 3.0}, member="first")
     second = candidate("a", {2: 3.0, 4: 0.4, 5: 0.2}, member="second")
     rare = candidate("rare", of=lambda _: event - mixed({4: 0.4})[:, None])
     screen = Screen(balance, [first, second, rare])
-    base = screen.fit([])
-    found = Search(screen, Screen(balance, []), base, base)
-
-    found.run()
+    found = run(screen)
 
     together, without = (screen.fit([grid(c)[0] for c in effects]) for effects in ([second, rare], [second]))
     earlier = screen.fit([grid(first)[0]])
@@ -233,16 +238,11 @@ def test_a_form_that_was_right_beside_what_is_dropped_gives_way_to_that_of_an_ea
 
 def test_an_effect_that_was_dropped_does_not_come_back_with_an_earlier_step() -> None:
     """The rare effect is found first, and few variants find it: the other one stays, which all find."""
-    fold = fold_of_block(BLOCKS, limits.FOLDS)
-    chosen = np.isin(np.arange(BLOCKS), [np.flatnonzero(fold == k)[0] for k in range(2)])
-    event = 12.0 * COLUMNS[:, [3]] * np.repeat(chosen, SIZE)[:, None]
+    event = 12.0 * shown_by(2)
     balance = design({2: 1.0})
     balance = replace(balance, target=balance.target + event[:, 0])
     screen = Screen(balance, [candidate("a", {2: 1.0}), candidate("rare", of=lambda _: event)])
-    base = screen.fit([])
-    found = Search(screen, Screen(balance, []), base, base)
-
-    found.run()
+    found = run(screen)
 
     assert ["rare"] == [v.candidate.id for v in found.steps[0].variants]
     assert ["a"] == adopted(found)

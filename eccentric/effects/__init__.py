@@ -53,6 +53,7 @@ from eccentric.effects.constant_load import effect as constant_load
 from eccentric.effects.constant_load import with_constant_load
 from eccentric.effects.effect import Correction, Effect, Evidence, Shape
 from eccentric.effects.load import load_effects
+from eccentric.effects.nonsynchronous_friction import HIGHEST as HIGHEST_ORDER
 from eccentric.effects.sensor_delay import BOUNDS as CURRENT_DELAYS_S
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Kin, Words, measurement_between
@@ -60,6 +61,7 @@ from eccentric.effects.words import LOAD, Kin, Words, measurement_between
 __all__ = [
     "CURRENT_DELAYS_S",
     "FAMILIES",
+    "HIGHEST_ORDER",
     "LOAD",
     "Correction",
     "Effect",

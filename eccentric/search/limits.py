@@ -31,7 +31,6 @@ __all__ = [
     "FORMS_OF_A_PATCH",
     "GRAVITY_ORDERS",
     "HIDES",
-    "HIGHEST_ORDER",
     "HINTED",
     "INSIDE",
     "IN_A_DRAW",
@@ -221,8 +220,6 @@ MOST_PEAKS = 40
 FEW_TURNS = 8.0
 """Range of the angle, in turns, up to which every order is fitted: peaks of a spectrum are so wide there that
 their sides hide its floor, and what is taken out shifts them."""
-HIGHEST_ORDER = 8.0
-"""The highest order that is fitted there: a dozen balls of a bearing pass 7 times a turn."""
 MOST_TURNS = 20_000.0
 """Longest range of the angle, in turns: no bearing keeps its phase for as long."""
 

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import median_filter
 
+from eccentric.effects import HIGHEST_ORDER
 from eccentric.search.limits import (
     AROUND_A_PEAK,
     BINS_PER_TURN,
     FEW_TURNS,
-    HIGHEST_ORDER,
     MOST_PEAKS,
     MOST_TURNS,
     PADDED,
