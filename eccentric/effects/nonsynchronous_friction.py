@@ -17,8 +17,8 @@ S = quantity("nonsync_s", "N m", "friction torque by sin(nu theta_m)", letter="s
 LOWEST, HIGHEST = 0.5, 8.0
 """Orders per turn of the motor: the inner race passes its cage some 0.6 times, and a dozen balls 7 times."""
 APART = 0.25
-"""Cycles over the log by which it has to slip against every harmonic of motor and link to be none: a fit of the
-nearest then leaves 0.44 of it."""
+"""Cycles over the log by which it has to slip against every harmonic of motor and link to be none: a fit of
+the nearest then leaves 0.44 of it."""
 WORDS = Words(
     headline="friction that repeats at a non-integer order of the motor",
     meaning=(
