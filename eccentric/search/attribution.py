@@ -113,14 +113,17 @@ class Search:
         """Whether a smooth term takes something out that is there without the noise of its signals too.
 
         There is nothing to take out where the sensors' noise is as large as all that is left. What is far
-        beyond that noise needs no draws: a short stretch of a log has too few signs to beat them all.
+        beyond that noise needs no draws, be it what is taken out or what is left and clearly follows the
+        variable: a short stretch of a log has too few signs to beat them all.
         """
+        far = limits.BEYOND_NOISE * self.screen.floor
         return (
             before.score > self.screen.floor
             and self.worth_it(before, after, self.smooth)
             and self._gained(list(before.variants), after.variants[-1], after, self.smooth)
             and (
-                before.score - after.score > limits.BEYOND_NOISE * self.screen.floor > 0.0
+                before.score - after.score > far > 0.0
+                or (before.score > far > 0.0 and self.clears(before, after))
                 or beats_chance(self.smooth, before, after)
             )
         )
