@@ -23,7 +23,6 @@ from eccentric.search.flux import as_torques, contradicted, weigh_with_the_circu
 from eccentric.search.joint import Beside, BothBalances
 from eccentric.search.limits import (
     CONFIRMED,
-    HIDES,
     LEAST_DEVIANCE,
     MOST_BESIDE,
     POSSIBLE,
@@ -80,14 +79,14 @@ def search_all(
         corrected, held = _corrected(mechanical, electrical), ()
         found = with_flux(corrected, electrical)
         for count in range(1, MOST_BESIDE + 1):
-            beside = _beside(found, electrical)
-            if _in_the_circuit(found, circuit) is not None or len(beside) < count:
+            beside = _beside(found, electrical)[:count]
+            if _in_the_circuit(found, circuit) is not None or not beside:
                 break
             trial = replace(electrical)  # taken over only with the search that goes with it
-            again = _corrected(mechanical, trial, beside[:count])
+            again = _corrected(mechanical, trial, beside)
             if not _differs(again, corrected, found):
                 break
-            corrected, held, electrical.best = again, beside[:count], trial.best
+            corrected, held, electrical.best = again, beside, trial.best
             found = with_flux(again, electrical)
         misread = _in_the_circuit(found, circuit)
         if misread is None:
@@ -243,19 +242,17 @@ def _spans(columns: Array, others: Array) -> bool:
 def _beside(mechanical: Search, electrical: Search) -> list[Beside]:
     """The mechanical effects that an effect of both balances is estimated beside, the largest first.
 
-    What the mechanical balance lacks counts as noise there, and a large effect hides what the torque says.
-    What is small may be a part of that torque, and go with a better estimate. There are none without an
-    effect of both balances; effects on the flux, and those that change the base, are left out.
+    What the mechanical balance lacks counts as noise there, and what the torque says of that effect is wrong by
+    a part of it. What is small may itself be a part of that torque, and go with a better estimate. There are
+    none without an effect of both balances; effects on the flux, and those that change the base, are left out.
     """
     if not any(v.candidate.joint and v.candidate.also is not None for v in electrical.best.variants):
         return []
     ids = {variant.candidate.id for variant in electrical.best.variants}
     screen, best = mechanical.screen, mechanical.best
     own = [v for v in best.variants if v.candidate.id not in ids and not v.candidate.joint]
-    left = {v.key: screen.fit([other for other in best.variants if other is not v]).score for v in own}
-    large = [v for v in own if left[v.key] > HIDES * best.score]
-    large.sort(key=lambda v: -left[v.key])
-    made = [(v, screen.columns(v)) for v in large]
+    own.sort(key=lambda v: -screen.fit([other for other in best.variants if other is not v]).score)
+    made = [(v, screen.columns(v)) for v in own]
     return [(columns, bounds_of(v.candidate, columns.shape[1])) for v, columns in made if columns.size]
 
 

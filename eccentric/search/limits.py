@@ -191,13 +191,14 @@ UNEXPLAINED_OVER_RUNS = 0.15
 has yet to predict those held out."""
 EXTRAPOLATED = 4.0
 """A block counts for nothing if a smooth term multiplies its loss by this: it had to extrapolate there."""
+HIDES = 2.0
+"""Factor on the noise floor beyond which what is left is not noise alone: twice the power."""
 
 # Effects that both balances show.
 
-HIDES = 2.0
-"""Factor on what is left by which an effect counts as large: noise of twice the power hides little."""
 MOST_BESIDE = 2
-"""Mechanical effects beside which one of both balances is estimated: each costs a search."""
+"""Times that an effect of both balances is estimated anew, each beside one more mechanical effect and with a
+search: the second finds what the first estimate hid."""
 
 HINTED = 4.0
 """Deviance from which the circuit speaks for an effect on the flux that the torque shows, or against it: odds
