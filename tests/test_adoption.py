@@ -263,14 +263,21 @@ def test_what_the_electrical_balance_shows_leaves_the_mechanical_target() -> Non
     assert ["electrical balance: bias, plain", "mechanical balance: nothing adopted"] == lines[1::2]
 
 
-@pytest.mark.parametrize(("floor", "explained"), [(1.0, True), (20.0, False)])
-def test_a_burst_far_beyond_the_noise_is_explained(floor: float, explained: bool) -> None:
-    """The signs of eight seconds come about by chance once in 128 draws: the sensors' noise says the rest."""
+@pytest.mark.parametrize(
+    ("also", "floor", "explained"),
+    [(0.0, 1.0, True), (0.0, 20.0, False), (3.5, 1.75, True), (3.5, 1.85, False), (6.0, 2.0, False)],
+    ids=["far beyond", "within", "most of what is beyond", "most of what is within", "little of what is beyond"],
+)
+def test_a_burst_far_beyond_the_noise_is_explained(also: float, floor: float, explained: bool) -> None:
+    """The signs of eight seconds come about by chance once in 128 draws: the sensors' noise says the rest.
+
+    also: amplitude of what else is left.
+    """
     burst = np.zeros(N)
     burst[160:288:16] = [1.0, -1.0] * 4
     balance = design({}, independent=False)
     noise = np.random.default_rng(3).standard_normal(N)
-    balance = replace(balance, target=balance.target + noise + 60.0 * burst)
+    balance = replace(balance, target=balance.target + np.hypot(1.0, also) * noise + 60.0 * burst)
     smooth = candidate("smooth", ridge=1e-9, of=lambda _: burst[:, None])
     screen, other = Screen(balance, (), floor), Screen(balance, (smooth,))
     base = screen.fit([])

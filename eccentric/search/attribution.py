@@ -113,7 +113,7 @@ class Search:
         """Whether a smooth term takes something out that is there without the noise of its signals too.
 
         There is nothing to take out where the sensors' noise is as large as all that is left. What is far
-        beyond that noise needs no draws, be it what is taken out or what is left and clearly follows the
+        beyond that noise needs no draws, be it what is taken out or what is left, if most of that follows the
         variable: a short stretch of a log has too few signs to beat them all.
         """
         far = limits.BEYOND_NOISE * self.screen.floor
@@ -123,7 +123,7 @@ class Search:
             and self._gained(list(before.variants), after.variants[-1], after, self.smooth)
             and (
                 before.score - after.score > far > 0.0
-                or (before.score > far > 0.0 and self.clears(before, after))
+                or (before.score > far > 0.0 and self._takes_out(before, after))
                 or beats_chance(self.smooth, before, after)
             )
         )
@@ -161,8 +161,9 @@ class Search:
 
     def clears(self, before: Fitted, after: Fitted) -> bool:
         """Whether a further effect explains enough of what the first ones leave above the noise floor."""
-        if not before.variants:
-            return True
+        return not before.variants or self._takes_out(before, after)
+
+    def _takes_out(self, before: Fitted, after: Fitted) -> bool:
         floor = min(self.screen.floor, after.score)
         return before.score - after.score > limits.CLEARS * (before.score - floor)
 
