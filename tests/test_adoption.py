@@ -266,7 +266,7 @@ def test_what_the_electrical_balance_shows_leaves_the_mechanical_target() -> Non
 @pytest.mark.parametrize(
     ("also", "floor", "explained"),
     [(0.0, 1.0, True), (0.0, 20.0, False), (3.5, 1.75, True), (3.5, 1.85, False), (6.0, 2.0, False)],
-    ids=["far beyond", "within", "most of what is beyond", "most of what is within", "little of what is beyond"],
+    ids=["far beyond", "within", "most of what is far", "most, within", "little of what is far"],
 )
 def test_a_burst_far_beyond_the_noise_is_explained(also: float, floor: float, explained: bool) -> None:
     """The signs of eight seconds come about by chance once in 128 draws: the sensors' noise says the rest.

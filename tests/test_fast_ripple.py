@@ -20,8 +20,8 @@ ORDER, RIPPLE_A = 6, 1.0
 def test_the_ripple_of_the_current_makes_no_slow_torque() -> None:
     """Sampled at 2 n omega, cos^2(n theta) stands still; half of it is at 2 n omega in the drive.
 
-    Seed 3 has a run at 130 rad/s, 6 periods a turn at 124 Hz, sampled at 250 Hz. The current is given a ripple
-    there, in quadrature with that of the torque constant, as inertia makes it: its mean power is none.
+    Seed 3 has a run at 130 rad/s, 6 periods a turn at 124 Hz, sampled at 250 Hz. The current is given a
+    ripple there, in quadrature with that of the torque constant, as inertia makes it: its mean power is none.
     """
     run = simulate(drawn_scenario(3, case="C1", mu=1.0 / 30.0, seconds=40.0))
     t, theta = np.asarray(run.columns["time_s"]), np.asarray(run.columns["theta_m_rad"])

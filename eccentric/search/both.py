@@ -242,9 +242,10 @@ def _spans(columns: Array, others: Array) -> bool:
 def _beside(mechanical: Search, electrical: Search) -> list[Beside]:
     """The mechanical effects that an effect of both balances is estimated beside, the largest first.
 
-    What the mechanical balance lacks counts as noise there, and what the torque says of that effect is wrong by
-    a part of it. What is small may itself be a part of that torque, and go with a better estimate. There are
-    none without an effect of both balances; effects on the flux, and those that change the base, are left out.
+    What the mechanical balance lacks counts as noise there, and what the torque says of that effect is wrong
+    by a part of it. What is small may itself be a part of that torque, and go with a better estimate. There
+    are none without an effect of both balances; effects on the flux, and those that change the base, are left
+    out.
     """
     if not any(v.candidate.joint and v.candidate.also is not None for v in electrical.best.variants):
         return []
