@@ -28,7 +28,7 @@ def figures(results: Sequence[Result], slow: Sequence[Result]) -> dict[str, Meas
     single, pair, outside = (_of(results, kind) for kind in ("single", "pair", "outside"))
     faint = _of(results, "faint")
     sure = [r for r in [*single, *pair, *faint] if r.verdict == "named" and r.probability >= SURE]
-    provable = [r for r in faint if r.oracle is not None and r.oracle.over_paper > PROVABLE]
+    provable = _provable(faint)
     excess = _excess(single, lambda r, balance: r.rmse[balance])
     peers = _excess(single, lambda r, balance: r.peer["rmse"][balance] if r.peer else None)
     found = {
@@ -79,13 +79,14 @@ def details(results: Sequence[Result]) -> list[str]:
     missed = (
         [r for r in single if r.ranked[:1] != r.truth],
         [r for r in pair if not set(r.truth) <= set(r.named)],
+        [r for r in _provable(faint) if r.named != r.truth],
     )
     rows = {
         **{
             f"{what}, although a fit that knows the truth predicts better than the answer by z > {PROVABLE:g}": (
                 share(sum(r.oracle is not None and r.oracle.over_answer > PROVABLE for r in own), len(own))
             )
-            for what, own in zip(("not first", "not both of two"), missed, strict=True)
+            for what, own in zip(("not first", "not both of two", "faint and not named"), missed, strict=True)
         },
         f"both of two effects named where a fit that lacks either predicts worse by z > {PROVABLE:g}": share(
             sum(set(r.truth) <= set(r.named) for r in shown), len(shown)
@@ -126,6 +127,11 @@ def _of(results: Sequence[Result], kind: str) -> list[Result]:
     """The logs of a kind, those with an exact alias left out."""
     own = [r for r in results if r.job.kind == kind]
     return [r for r in own if min(r.beyond, default=1.0) > ALIAS] if kind in {"single", "pair"} else own
+
+
+def _provable(results: Sequence[Result]) -> list[Result]:
+    """Those that a fit which knows the truth predicts better than the paper's model."""
+    return [r for r in results if r.oracle is not None and r.oracle.over_paper > PROVABLE]
 
 
 def _fraction(
