@@ -54,6 +54,7 @@ class Evidence:
         repeats: whether another effect of the family may join it (harmonics of other orders).
         second_order: families that look like what its record leaves out: terms of second order, or a bound
             that it has not.
+        one_of: of how many orders it is one, each as likely as the others.
     """
 
     depends_on: tuple[str, ...]
@@ -62,6 +63,7 @@ class Evidence:
     special_of: tuple[str, ...] = ()
     repeats: bool = False
     second_order: tuple[str, ...] = ()
+    one_of: int = 1
 
 
 @dataclass(frozen=True)

@@ -64,6 +64,7 @@ def addition(
     special_of: tuple[str, ...] = (),
     repeats: bool = False,
     second_order: tuple[str, ...] = (),
+    one_of: int = 1,
     words: Words | None = None,
     corrects: Correction | None = None,
 ) -> Effect:
@@ -76,7 +77,7 @@ def addition(
         load: the load that the friction is proportional to.
         kind: of the terms without a role, see `eccentric.model.KINDS`.
         bounds: of each coefficient; by default at least 0 if its domain says so, else open.
-        depends_on, needs, aliases, special_of, repeats, second_order: as in `Evidence`.
+        depends_on, needs, aliases, special_of, repeats, second_order, one_of: as in `Evidence`.
         definitions, states, inputs: as in `eccentric.model.Change`.
     """
     roles = [role] * len(columns) if isinstance(role, Role) else role
@@ -94,7 +95,7 @@ def addition(
         formula=formula,
         reference=reference,
         change=Change({balance: terms}, definitions, states, inputs),
-        evidence=Evidence(depends_on, needs, aliases, special_of, repeats, second_order),
+        evidence=Evidence(depends_on, needs, aliases, special_of, repeats, second_order, one_of),
         coefficients=tuple(q for q, _ in columns),
         shapes=shapes,
         words=words or Words(),

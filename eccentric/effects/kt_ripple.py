@@ -45,5 +45,6 @@ def _order(n: int, setting: Setting) -> Effect:
         reference="T. M. Jahns and W. L. Soong, IEEE Trans. Industrial Electronics 43(2), 1996",
         inputs=(v.theta_m,),
         repeats=True,
+        one_of=len(ORDERS),
         words=replace(WORDS, headline=f"a torque constant that ripples {how_often(n)} per turn of the motor"),
     )

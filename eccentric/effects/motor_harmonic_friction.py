@@ -55,5 +55,6 @@ def _order(n: int) -> Effect:
         reference=REFERENCE,
         inputs=(v.theta_m,),
         repeats=True,
+        one_of=len(ORDERS),
         words=replace(WORDS, headline=f"friction that varies {how_often(n)} per turn of the motor"),
     )

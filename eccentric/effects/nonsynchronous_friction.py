@@ -59,6 +59,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference="N. Tandon and A. Choudhury, Tribology International 32(8), 1999 (orders of a bearing);"
         " standard form, as over the link angle",
         shapes=(Shape(order, *span, "linear", 5),),
+        # It lies between two harmonics: there are as many such places.
+        one_of=len(MOTOR_ORDERS),
         inputs=(v.theta_m,),
         words=WORDS,
     )

@@ -285,7 +285,8 @@ class Search:
     def _compare(self, changes: int = limits.CHANGES) -> None:
         """Probabilities of the families in the place of each adopted variant, the others kept.
 
-        A special case that explains the log as well as the family that contains it takes the place.
+        A special case that explains the log as well as the family that contains it takes the place. An order
+        has its part of the family's probability before the log counts.
         """
         effective = self.screen.effective(self.best)
         self.alternatives = []
@@ -299,6 +300,7 @@ class Search:
             log = {
                 family: -0.5 * effective * float(np.log(fitted.score))
                 - 0.5 * len(own.values)
+                - float(np.log(own.candidate.evidence.one_of))
                 + limits.SPECIAL * any(general in rivals for general in own.candidate.evidence.special_of)
                 for family, (own, fitted) in rivals.items()
             }

@@ -151,16 +151,17 @@ def _open(screen: Screen, candidate: Candidate) -> bool:
 def _bonus(fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
     """Log-odds of a model before its fit counts.
 
-    Special cases of what another model has speak for it, shapes and effects against it. An effect more than
-    were adopted has to gain what adoption requires.
+    Special cases of what another model has speak for it, shapes and effects against it, and how many orders
+    there are of which an effect is one. An effect more than were adopted has to gain what adoption requires.
     """
     every = frozenset().union(*(_families(model) for model in models))
     own = [variant.candidate.evidence.special_of for variant in fitted.variants]
     special = sum(bool(every & set(general)) for general in own)
+    orders = sum(float(np.log(variant.candidate.evidence.one_of)) for variant in fitted.variants)
     shapes = sum(len(variant.values) for variant in fitted.variants)
     further = max(len(own) - adopted, 0)
     cost = limits.CONFIRMED * (len(own) - further) + limits.LEAST_DEVIANCE * further
-    return limits.IN_A_DRAW * limits.SPECIAL * special - 0.5 * (shapes + cost)
+    return limits.IN_A_DRAW * (limits.SPECIAL * special - orders) - 0.5 * (shapes + cost)
 
 
 def _draws(count: int) -> Array:
