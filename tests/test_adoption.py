@@ -224,6 +224,18 @@ def test_a_special_case_wins_a_tie(behind: float, expected: str) -> None:
     assert chances(found)[expected] == pytest.approx(1 / (1 + odds), rel=1e-6)
 
 
+@pytest.mark.parametrize(("behind", "expected"), [(3.0, "plain"), (3.4, "a")])
+def test_one_of_many_orders_has_its_part_of_the_probability(behind: float, expected: str) -> None:
+    """One of 24 orders has to be ahead of an effect that is the only one of its family by log 24 = 3.18."""
+    order = replace(A, evidence=replace(A.evidence, one_of=24))
+    found = search({2: 3.0}, order, near("plain", behind))
+
+    assert [expected] == adopted(found)
+    assert chances(found)[expected] == pytest.approx(
+        1 / (1 + math.exp(-abs(behind - math.log(24.0)))), rel=1e-6
+    )
+
+
 def test_a_special_case_has_its_odds_only_beside_its_family() -> None:
     """Without the general family as a candidate, a special case has only its own score."""
     special = replace(near("special", 1.5), evidence=candidate("s", special_of=("other",)).evidence)

@@ -101,6 +101,16 @@ def test_a_declared_value_that_explains_an_effect_takes_its_place() -> None:
     assert found.weight("off", {"a"}) == pytest.approx(0.5, abs=0.02)
 
 
+@pytest.mark.parametrize(("part", "expected"), [(0.97, "b"), (1.03, "a")])
+def test_one_of_many_orders_has_to_be_ahead_in_the_variants_too(part: float, expected: str) -> None:
+    """By twice log 24 there: what is 2 log 24 behind leaves so much more of its own column."""
+    order = replace(A, evidence=replace(A.evidence, one_of=24))
+    angle = np.arcsin(np.sqrt(np.expm1(part * limits.IN_A_DRAW * np.log(24.0) * 2.0 / N)) / 3.0)
+    plain = candidate("b", {2: np.cos(angle), 9: np.sin(angle)})
+
+    assert 100 == stability(design({2: 3.0}), [[order], [plain]]).found(expected)
+
+
 def sets(counts: dict[str, int]) -> Stability:
     """A stability whose variants find sets of families, each a letter, so many times."""
     best = tuple(frozenset(letters) for letters, times in counts.items() for _ in range(times))
