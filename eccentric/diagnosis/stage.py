@@ -57,17 +57,9 @@ class Stage:
         # With a voltage alone, effects of the armature show in the mechanical balance.
         drive = self.data.drive
         only = "mechanical" if drive.by_voltage else None
-        current = self._slow_current() if drive.measured_twice else None
+        current = drive.slow_current() if drive.measured_twice else None
         given = self.base, self.data.signals, self.friction, only, current, self.instruments
         return [candidate_of(effect, *given) for effect in effects]
-
-    def _slow_current(self) -> Array:
-        """The measured current below the low pass of the motion (n,) [A].
-
-        Times a ripple near the Nyquist frequency, its own ripple would make a slow torque that is not there.
-        """
-        current, smooth = self.data.drive.signal(), self.data.rows.smooth
-        return current if smooth is None else smooth(current)
 
     def with_friction(self, friction: Array, effects: Path | None) -> Stage:
         """The stage with effects that use this friction: coefficients in the order of the balance's columns.

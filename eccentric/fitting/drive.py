@@ -169,6 +169,15 @@ class Drive:
         """The measured drive (n,): volts, amperes or newton metres."""
         return np.where(self.off, 0.0, self.channels.motor.measured)
 
+    def slow_current(self) -> Array:
+        """The measured current (n,) [A] below the low pass, for a search; a fit has it as logged.
+
+        Times a ripple of the torque constant near the Nyquist frequency, its own ripple of that order would
+        make a slow torque that is not there. The slow torque that the two do have is given up as well: half
+        their product, the part in phase, which inertia keeps small where the ripple is faster than the loop.
+        """
+        return self.channels.smooth(self.signal())
+
     def scaled(self, scale: float | None = None) -> dict[str, float]:
         """The motor that the scale represents, or another scale: by a voltage k_i as known, R = scale k_i."""
         scale = self.scale if scale is None else scale

@@ -65,6 +65,8 @@ class Residuals:
     def rows(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The residual of a balance on the rows [N m], optionally with a different current."""
         found = self._rows.mean(self.samples(balance, values, current))
+        if balance == "electrical":
+            return found + self._drive.machine.damping(values) * self._speed_once
         if balance != "mechanical":
             return found
         if (along := self._drive.along) is not None:
@@ -107,3 +109,11 @@ class Residuals:
             return None
         channels = self._drive.channels
         return self._rows.mean(channels.motion.alpha_m) - self._rows.acceleration(channels)
+
+    @cached_property
+    def _speed_once(self) -> Array | float:
+        """The same of the speed (m,), of which the back-EMF takes a torque out of the armature's."""
+        if self._rows.smooth is None:
+            return 0.0
+        speed = self._drive.channels.motion.omega_m
+        return self._rows.mean(speed) - self._rows.plain_mean(speed)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError, few
+from eccentric.errors import InputError, few, meant
 from eccentric.logs.assemble import Column, Read, number_of
 from eccentric.logs.csv_file import POINT, read_csv
 from eccentric.logs.hdf5_file import read_hdf5
@@ -103,7 +103,10 @@ class Log:
     def text(self, name: str) -> Column:
         """Return the column `name` as it was read, float64 or str; InputError if there is none."""
         if name not in self.columns:
-            raise InputError(f"{self.path}: column {name!r} is required, the log has {few(self.columns)}")
+            raise InputError(
+                f"{self.path}: column {name!r} is required, the log has {few(self.columns)}"
+                + meant(name, self.columns)
+            )
         return self.columns[name]
 
 

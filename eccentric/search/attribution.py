@@ -164,6 +164,7 @@ class Search:
         return not before.variants or self._takes_out(before, after)
 
     def _takes_out(self, before: Fitted, after: Fitted) -> bool:
+        """Whether one fit takes out most of what the other leaves above the noise floor."""
         floor = min(self.screen.floor, after.score)
         return before.score - after.score > limits.CLEARS * (before.score - floor)
 

@@ -234,5 +234,5 @@ def _drive_current(data: FitData) -> Array:
     """The current (samples,) [A] that smooth terms may depend on: measured if there is a voltage as well."""
     drive = data.drive
     if drive.measured_twice:
-        return drive.channels.smooth(drive.signal())
+        return drive.slow_current()
     return data.signals.values["i"]

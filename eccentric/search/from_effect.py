@@ -43,8 +43,9 @@ def candidate_of(
             scale or replace something.
         balance: the one that shows it, None for the effect's own: with a voltage alone, effects of the
             armature show in the mechanical balance.
-        current: the measured one (samples,) [A] if there is a voltage as well. An effect on the flux
-            depends on it: the current of `signals` follows from the voltage with the declared back-EMF.
+        current: the measured one (samples,) [A], below the low pass, if there is a voltage as well. An effect
+            on the flux depends on it: the current of `signals` follows from the voltage with the declared
+            back-EMF.
         instruments: the same signals without the noise of the target, None where there are none.
     """
     extended = effect.extend(model)

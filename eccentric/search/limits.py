@@ -118,7 +118,7 @@ LAGS = 46
 `sensor_delay`, 2 ms apart, half a row of most logs: what is fast and real cancels at the true one only."""
 CLEARS = 0.5
 """Fraction of what is left above the sensors' noise floor that a second or third effect must explain: less
-only corrects the form of the first."""
+only corrects the form of the first. Of what is left far beyond the noise, a smooth term as well."""
 AT_FLOOR = 1.02
 """Sum of squares, in units of the sensors' noise floor, below which the search stops: the estimate of the
 noise is uncertain by 2 %."""
@@ -143,8 +143,9 @@ CONFIRMED = 8.0
 """Deviance that a candidate has to gain on its instrument, or in a variant of the log: it was not chosen
 there, so that one column gains more than 6.6 by chance in one log of a hundred."""
 BEYOND_NOISE = 9.0
-"""A gain above this multiple of the sensors' noise, both in squares, cannot be noise, even of a loop that
-rings: it is three times its RMS. Candidates that were their own noise took out half of it at most."""
+"""A gain, or what is left, above this multiple of the sensors' noise, in squares, cannot be noise, even of a
+loop that rings: it is three times its RMS. Candidates that were their own noise took out half of it at
+most."""
 CONFIRMED_PART = 0.15
 """Part of the squares that it takes out which its instrument has to take out: less is the noise of its own
 signals, and a remainder. Noise takes less than 0, and true effects that follow the current, which the
@@ -197,8 +198,8 @@ HIDES = 2.0
 # Effects that both balances show.
 
 MOST_BESIDE = 2
-"""Times that an effect of both balances is estimated anew, each beside one more mechanical effect and with a
-search: the second finds what the first estimate hid."""
+"""Times that an effect of both balances is estimated anew, first beside the largest mechanical effect, then
+beside two if there are two, each time with a search: the second finds what the first estimate hid."""
 
 HINTED = 4.0
 """Deviance from which the circuit speaks for an effect on the flux that the torque shows, or against it: odds

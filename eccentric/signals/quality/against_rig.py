@@ -197,7 +197,7 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
             continue
         why, unit = single_cause(ratio, logged)
         _, mend = with_unit(unit, rig) if unit else ("", of_letter(ratio, rig))
-        todo = "the rig's [columns]" if unit else "the rig, or give it in [unknown] to estimate it jointly"
+        todo = "the rig's [columns]" if unit else f"the rig{_or_estimate(ratio, rig)}"
         text = f"{ratio.text}{why}; correct {todo}"
         # Where the rig's k_e is that of the log, the log says nothing against its k_i but that they differ.
         alone = ratio.name == "k_i" and any(r.name == "k_e" and r.near(1.0) for r in ratios)
@@ -205,3 +205,10 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
     if {"J", "M g L"} <= {ratio.name for ratio in off}:
         text = "neither inertia nor gravity of the rig agrees with the log, which may be of another rig"
         yield Finding("another_rig", c.motor.measured_by, text, rows, "warning")
+
+
+def _or_estimate(ratio: Ratio, rig: Rig) -> str:
+    """What else can be done; empty where no single quantity of a rig file stands for the one in question."""
+    if ratio.letter == "J" and rig.axis.wraps:
+        return ", or give the load's J_l in [unknown] to estimate it jointly"
+    return ", or give it in [unknown] to estimate it jointly" if of_letter(ratio, rig) else ""
