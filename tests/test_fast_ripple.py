@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.diagnosis.stage import stage_of
+from eccentric.fitting import refit
 from eccentric.logs import read_log
 from eccentric.model import load_model
 from eccentric.rigs import read_rig
@@ -55,4 +56,26 @@ def test_a_slow_current_makes_the_torque_of_the_ripple(run: BenchRun) -> None:
     """The low pass leaves it as it is; the angle is that of the log to a part of its steps."""
     _, alone, torque = torque_of_the_cosine(run, np.full(len(run.columns["time_s"]), 2.0))
 
-    np.testing.assert_allclose(torque, 2.0 * alone, atol=0.1 * np.max(np.abs(alone)))
+    np.testing.assert_allclose(torque[50:-50], 2.0 * alone[50:-50], atol=0.1 * np.max(np.abs(alone)))
+
+
+def test_a_ripple_of_the_speed_is_none_of_the_torque_constant() -> None:
+    """Its back-EMF near the cut-off passes the low pass once, like the voltage, and leaves nothing there.
+
+    Cogging of half of the friction, 6 periods a turn, makes the speed ripple; the torque constant has the
+    same order, which the circuit alone determines.
+    """
+    effects = ((f"cogging[n={ORDER}]", 0.5), (f"kt_ripple[n={ORDER}]", 0.05))
+    options = {"case": "C1", "mu": 1.0 / 30.0, "seconds": 40.0, "noise": 0.006}
+    run = simulate(drawn_scenario(7, effects=effects, **options))
+    (true,) = [e for e in run.truth["effects"] if e["family"] == "kt_ripple"]
+    channels = read_channels([read_log(run.columns)], read_rig(run.rig))
+    stage = stage_of(channels, load_model(channels.rig.model), None, "log")
+    by_id = {effect.id: effect for effect in stage.offered}
+
+    found = refit(stage.base, tuple((by_id[name], {}) for name, _ in effects), stage.data)
+    cosine, sine = (found.estimates[f"kt_ripple_{part}{ORDER}"].value for part in "cs")
+
+    phase = true["shape"][1]
+    expected = true["amplitude"] * math.cos(phase), -true["amplitude"] * math.sin(phase)
+    assert (cosine, sine) == pytest.approx(expected, abs=0.1 * true["amplitude"])
