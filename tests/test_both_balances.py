@@ -80,6 +80,38 @@ def test_what_both_show_is_estimated_beside_what_else_the_torque_shows() -> None
     assert true == pytest.approx(own.values["x"], abs=0.05)
 
 
+@pytest.mark.parametrize("names", ["b", "bc"])
+def test_what_is_small_draws_no_part_of_what_both_show_to_itself(names: str) -> None:
+    """Each leaves less than the noise, and half as much again in the column that determines the shape.
+
+    The first estimate takes that for a part of the shape, the second one beside both does not.
+    """
+    form, true = Shape(quantity("x", "1", "a shape"), 0.0, 4.0, points=5), 3.0
+    flux = replace(
+        candidate("flux", shapes=(form,), of=lambda v: mixed({2: 1.0, 3: 0.1 * v["x"]})[:, None]),
+        balance="electrical",
+        also=lambda values: mixed({5: 2.0, 6: values["x"]})[:, None],
+        joint=True,
+    )
+    others = [candidate(name, {7 + k: 1.0, 6: 0.5}) for k, name in enumerate(names)]
+    torque = {5: 6.0, 6: 3.0 * true + 0.45 * len(others), **{7 + k: 0.9 for k in range(len(others))}}
+    t, none = mixed({0: 1.0}), np.empty((N, 0))
+    circuit = design({2: 3.0, 3: 0.3 * true})
+    circuit = replace(circuit, name="electrical", coefficients=(), columns=none, samples=none)
+
+    found = search_all(
+        [design(torque), circuit],
+        [flux, *others],
+        Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True),
+        {"mechanical": 0.99, "electrical": 0.99},
+        lambda _: None,
+    )
+    (own,) = found["electrical"].best.variants
+
+    assert list(names) == sorted(v.candidate.id for v in found["mechanical"].best.variants)
+    assert true == pytest.approx(own.values["x"], abs=0.01)
+
+
 def on_the_flux(ratio: float, *, torque: int = 5, voltage: int = 2, name: str = "flux") -> Candidate:
     """An effect whose torque is `ratio` times its voltage, each in a column of its own."""
     return replace(
