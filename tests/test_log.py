@@ -138,6 +138,8 @@ def test_missing_column_lists_the_columns(tmp_path: Path) -> None:
     path.write_text(TEXT)
     with pytest.raises(InputError, match="column 'speed' is required, the log has time_s, run, current_A"):
         read_log(path).numbers("speed")
+    with pytest.raises(InputError, match="the log has time_s, run, current_A; did you mean 'current_A'"):
+        read_log(path).numbers("curent_A")
 
 
 def test_logs_of_one_name_are_told_apart_by_their_folders(tmp_path: Path) -> None:
