@@ -67,8 +67,6 @@ class Residuals:
         found = self._rows.mean(self.samples(balance, values, current))
         if balance == "electrical":
             return found + self._drive.machine.damping(values) * self._speed_once
-        if balance != "mechanical":
-            return found
         if (along := self._drive.along) is not None:
             found = found + self._rows.mean(along.torque) - self._rows.plain_mean(along.torque)
         if self._once is None:
@@ -112,7 +110,7 @@ class Residuals:
 
     @cached_property
     def _speed_once(self) -> Array | float:
-        """The same of the speed (m,), of which the back-EMF takes a torque out of the armature's."""
+        """The same of the speed (m,), 0 for nothing: the back-EMF in the voltage has passed once only."""
         if self._rows.smooth is None:
             return 0.0
         speed = self._drive.channels.motion.omega_m

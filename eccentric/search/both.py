@@ -21,13 +21,7 @@ from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant, bounds_of
 from eccentric.search.flux import as_torques, contradicted, weigh_with_the_circuit
 from eccentric.search.joint import Beside, BothBalances
-from eccentric.search.limits import (
-    CONFIRMED,
-    LEAST_DEVIANCE,
-    MOST_BESIDE,
-    POSSIBLE,
-    TINY_COLUMN,
-)
+from eccentric.search.limits import CONFIRMED, LEAST_DEVIANCE, MOST_BESIDE, POSSIBLE, TINY_COLUMN
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
 from eccentric.signals import BalanceDesign
