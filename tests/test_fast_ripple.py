@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from eccentric.diagnosis.stage import stage_of
-from eccentric.fitting import refit
+from eccentric.estimation import rms
+from eccentric.fitting import Refit, refit
 from eccentric.logs import read_log
 from eccentric.model import load_model
 from eccentric.rigs import read_rig
@@ -59,23 +60,37 @@ def test_a_slow_current_makes_the_torque_of_the_ripple(run: BenchRun) -> None:
     np.testing.assert_allclose(torque[50:-50], 2.0 * alone[50:-50], atol=0.1 * np.max(np.abs(alone)))
 
 
-def test_a_ripple_of_the_speed_is_none_of_the_torque_constant() -> None:
-    """Its back-EMF near the cut-off passes the low pass once, like the voltage, and leaves nothing there.
+EFFECTS = ((f"cogging[n={ORDER}]", 0.5), (f"kt_ripple[n={ORDER}]", 0.05))
 
-    Cogging of half of the friction, 6 periods a turn, makes the speed ripple; the torque constant has the
-    same order, which the circuit alone determines.
-    """
-    effects = ((f"cogging[n={ORDER}]", 0.5), (f"kt_ripple[n={ORDER}]", 0.05))
-    options = {"case": "C1", "mu": 1.0 / 30.0, "seconds": 40.0, "noise": 0.006}
-    run = simulate(drawn_scenario(7, effects=effects, **options))
-    (true,) = [e for e in run.truth["effects"] if e["family"] == "kt_ripple"]
+
+def refitted(seed: int, noise: float) -> tuple[BenchRun, Refit]:
+    """A log with cogging of half of the friction and a ripple of the torque constant, and the true model."""
+    run = simulate(drawn_scenario(seed, effects=EFFECTS, case="C1", mu=1.0 / 30.0, seconds=40.0, noise=noise))
     channels = read_channels([read_log(run.columns)], read_rig(run.rig))
     stage = stage_of(channels, load_model(channels.rig.model), None, "log")
     by_id = {effect.id: effect for effect in stage.offered}
+    return run, refit(stage.base, tuple((by_id[name], {}) for name, _ in EFFECTS), stage.data)
 
-    found = refit(stage.base, tuple((by_id[name], {}) for name, _ in effects), stage.data)
+
+def test_a_ripple_of_the_speed_is_none_of_the_torque_constant() -> None:
+    """Its back-EMF near the cut-off passes the low pass once, like the voltage, and leaves nothing there.
+
+    Both have the order, and the circuit alone determines that of the torque constant.
+    """
+    run, found = refitted(7, noise=0.006)
+    (true,) = [e for e in run.truth["effects"] if e["family"] == "kt_ripple"]
     cosine, sine = (found.estimates[f"kt_ripple_{part}{ORDER}"].value for part in "cs")
 
     phase = true["shape"][1]
     expected = true["amplitude"] * math.cos(phase), -true["amplitude"] * math.sin(phase)
     assert (cosine, sine) == pytest.approx(expected, abs=0.1 * true["amplitude"])
+
+
+@pytest.mark.parametrize("seed", [7, 8])
+def test_the_true_model_leaves_nothing_of_the_circuit_below_the_low_pass(seed: int) -> None:
+    """Without noise, all that is left is ripple above it, which the filtered speed lacks."""
+    _, found = refitted(seed, noise=0.0)
+    held_out = found.data.rows.score
+    left = rms(found.smooth_residual("electrical")[held_out])
+
+    assert left < 0.1 * rms(found.residuals["electrical"][held_out])

@@ -68,8 +68,8 @@ class Refit:
         residual = self.residuals[balance]
         if self.data.rows.operator is not None:
             return residual
-        moving = self._moving if balance == "mechanical" else np.zeros_like(residual)
-        return self.data.drive.channels.smooth_residual(residual, moving)
+        filtered = self._moving if balance == "mechanical" else self._back_emf
+        return self.data.drive.channels.smooth_residual(residual, filtered)
 
     @property
     def band(self) -> Band | None:
@@ -86,6 +86,12 @@ class Refit:
         inertia = Machine(self.model).inertia_along(self.values, drive.channels.carried)
         moving = inertia * drive.channels.motion.alpha_m
         return moving if drive.along is None else moving + drive.along.torque
+
+    @property
+    def _back_emf(self) -> Array:
+        """The torque of the current that the back-EMF takes (n,) [N m]."""
+        drive = self.data.drive
+        return drive.machine.damping(self.values) * drive.channels.motion.omega_m
 
     def residual_like(self, other: Refit, balance: str = "mechanical", *, smooth: bool = False) -> Array:
         """The residual (rows,) at the scale of another fit; with `smooth`, below the low pass.

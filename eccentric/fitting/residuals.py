@@ -66,9 +66,9 @@ class Residuals:
         """The residual of a balance on the rows [N m], optionally with a different current."""
         found = self._rows.mean(self.samples(balance, values, current))
         if balance == "electrical":
-            return found + self._drive.machine.damping(values) * self._speed_once
+            return found - self._drive.machine.damping(values) * self._speed_again
         if (along := self._drive.along) is not None:
-            found = found + self._rows.mean(along.torque) - self._rows.plain_mean(along.torque)
+            found = found - self._rows.second_pass(along.torque)
         if self._once is None:
             return found
         inertia = self._machine.inertia_along(values, self._drive.channels.carried)
@@ -109,9 +109,6 @@ class Residuals:
         return self._rows.mean(channels.motion.alpha_m) - self._rows.acceleration(channels)
 
     @cached_property
-    def _speed_once(self) -> Array | float:
-        """The same of the speed (m,), 0 for nothing: the back-EMF in the voltage has passed once only."""
-        if self._rows.smooth is None:
-            return 0.0
-        speed = self._drive.channels.motion.omega_m
-        return self._rows.mean(speed) - self._rows.plain_mean(speed)
+    def _speed_again(self) -> Array | float:
+        """What the mean of the speed (m,) lacks: the back-EMF in the voltage has passed the low pass once."""
+        return self._rows.second_pass(self._drive.channels.motion.omega_m)

@@ -109,10 +109,9 @@ def _once_filtered(
     rows = balance.rows
     if rows.smooth is None:
         return balance
-    own = rows.plain_mean(signal)
     columns = balance.columns.copy()
-    columns[:, [c.role == role for c in balance.coefficients]] = own[:, None]
-    return replace(balance, target=balance.target + factor * (rows.mean(signal) - own), columns=columns)
+    columns[:, [c.role == role for c in balance.coefficients]] = rows.plain_mean(signal)[:, None]
+    return replace(balance, target=balance.target - factor * rows.second_pass(signal), columns=columns)
 
 
 def _with_bodies(balance: BalanceDesign, data: FitData) -> BalanceDesign:
@@ -124,8 +123,7 @@ def _with_bodies(balance: BalanceDesign, data: FitData) -> BalanceDesign:
     for k, c in enumerate(balance.coefficients):
         if c.role == "bodies":
             columns[:, k] = rows.plain_mean(data.signals.open[c])
-    target = balance.target + rows.mean(along.torque) - rows.plain_mean(along.torque)
-    return replace(balance, target=target, columns=columns)
+    return replace(balance, target=balance.target - rows.second_pass(along.torque), columns=columns)
 
 
 def setting_of(data: FitData, model: Model, friction: Array) -> Setting:

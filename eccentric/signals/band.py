@@ -53,8 +53,8 @@ class Band:
 def band_of(residual: Array, moving: Array, rows: Rows, channels: Channels, noise: float) -> Band | None:
     """The parts of a held-out residual; None where rows are averages.
 
-    residual, moving (n,) on all rows, as in `Channels.smooth_residual`; noise: RMS of the white noise of the
-    drive in a row, in the unit of the residual.
+    residual (n,) on all rows, moving (n,), what accelerates the drive; noise: RMS of the white noise of the
+    drive in a row; all in the unit of the residual.
     """
     if rows.operator is not None or not np.any(rows.score):
         return None

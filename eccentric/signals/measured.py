@@ -160,13 +160,14 @@ class Channels:
         """A signal (n,) after the low pass that the angle has passed."""
         return self.low_pass(self.rig)(x)
 
-    def smooth_residual(self, residual: Array, moving: Array) -> Array:
-        """A residual (n,) after that low pass, with `moving` (n,), what accelerates the drive, filtered once.
+    def smooth_residual(self, residual: Array, filtered: Array) -> Array:
+        """A residual (n,) after that low pass, with `filtered` (n,), which has passed it already, as it is.
 
-        It comes from the angle, which has passed the low pass: the residual is a torque less this. What
-        follows the velocity passes twice; above the cut-off, the acceleration is the larger part.
+        The residual is a torque less this: what accelerates the drive, from the angle, or what the back-EMF
+        takes of the voltage. Friction, which follows the speed, passes twice; above the cut-off, the
+        acceleration is the larger part.
         """
-        return self.smooth(residual + moving) - moving
+        return self.smooth(residual + filtered) - filtered
 
     def low_pass(self, rig: Rig) -> LowPass:
         """The low pass of a rig for all signals of the log."""

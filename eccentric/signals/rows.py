@@ -88,6 +88,13 @@ class Rows:
         """The same without `smooth`, for signals that have passed that low pass, such as the acceleration."""
         return np.asarray(x, float) if self.operator is None else self.operator @ x
 
+    def second_pass(self, x: Array) -> Array | float:
+        """What `smooth` takes from a signal (n,) that has passed it already, as a mean (m,); 0 without it.
+
+        A balance that is filtered as a whole filters such a signal twice: this is to be given back.
+        """
+        return 0.0 if self.smooth is None else self.plain_mean(x) - self.mean(x)
+
     def of_each_run(self, x: Array | float) -> Array | float:
         """The same of what is one number in each run (n,), or in all of them."""
         return x if np.ndim(x) == 0 else self.plain_mean(np.asarray(x))
