@@ -13,6 +13,8 @@ from eccentric.cli import main
 from eccentric.diagnosis.stage import stage_of
 from eccentric.fitting import refit
 from eccentric.signals import read_channels
+from eccentric.virtual_bench import simulate
+from tests.virtual import drawn_scenario
 
 ROOT = Path(__file__).resolve().parent.parent
 LOG, RIG = (str(ROOT / "examples" / "bench" / name) for name in ("bench.csv.gz", "bench.json"))
@@ -119,7 +121,7 @@ def test_the_figure_has_a_bar_for_each_model(folder: Path) -> None:
         (["c3"], "model 'c3' is unknown"),
         (["c2_parallel", "c2_parallel"], "only once, received c2_parallel twice"),
         (["c2_parallel+stribek"], "did you mean stribeck?"),
-        (["c2_parallel+current_bias"], "electrical"),
+        (["c2_parallel+inverter_deadtime"], "in the electrical one alone"),
         (["c1_perpendicular"], "requires case C1"),
     ],
     ids=["model", "twice", "effect", "electrical", "case"],
@@ -133,6 +135,21 @@ def test_what_cannot_be_compared_is_refused_in_one_line(
 
     assert (2, 1) == (status, error.count("\n"))
     assert words in error
+
+
+def test_an_effect_of_both_balances_is_compared_by_what_it_does_to_the_drive() -> None:
+    """A bias of the current sensor adds a constant torque, as friction that differs by direction does."""
+    run = simulate(drawn_scenario(5, effects=(("current_bias", 0.2),), case="C2", mu=0.2, seconds=40.0))
+    found = eccentric.compare(
+        run.columns, run.rig, ["c2_parallel", "c2_parallel+current_bias", "c2_parallel+coulomb_asymmetry"]
+    )
+    plain, bias, alias = (
+        next(e for e in found.contest.entries if e.name.endswith(own))
+        for own in ("parallel", "bias", "asymmetry")
+    )
+
+    assert bias.rmse < 0.9 * plain.rmse
+    assert bias.rmse == pytest.approx(alias.rmse, rel=0.01)
 
 
 def test_json_is_printed_for_programs(capsys: pytest.CaptureFixture[str]) -> None:

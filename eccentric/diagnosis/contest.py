@@ -95,7 +95,7 @@ def contest(
 
     Raises:
         InputError: bad input; no model, or one twice; a model that `diagnose` does not take; an effect that
-            this log does not show, or only in the electrical balance.
+            this log does not show, or in the electrical balance alone.
     """
     names = [model if isinstance(model, str) else model.name for model in models]
     if not names:
@@ -157,10 +157,10 @@ def _fitted(given: _Field, model: str | Model) -> Refit:
     stage = given.stage(load_model(name) if isinstance(name, str) else name)
     chosen = stage.chosen(f"model {model}", effects) if effects else []
     for effect, _, _ in chosen:
-        if effect.balance == "electrical" and stage.data.drive.measured_twice:
+        if "mechanical" not in effect.shows_in and stage.data.drive.measured_twice:
             raise InputError(
                 f"model {model}: effects of the mechanical balance are required, received {effect.id},"
-                " which shows in the electrical one"
+                " which shows in the electrical one alone"
             )
     stage.data.require_rank(stage.base, f"model {model}")
     return refit(stage.base, tuple((effect, shapes) for effect, shapes, _ in chosen), stage.data)
