@@ -204,7 +204,8 @@ def _doubts(known: Mapping[str, float]) -> list[str]:
     doubts = []
     if known.get("mu", 0.0) > 1.0:
         doubts.append(
-            f"mu = {known['mu']:g} is above 1: the link turns faster than the motor (step-up drive)"
+            f"mu = {known['mu']:g} is above 1: the link turns faster than the motor (step-up drive);"
+            f" where it turns slower, mu is 1/{known['mu']:g}"
         )
     if {"J_l", "M", "L"} <= set(known) and known["J_l"] < (mass := mass_alone(known)) * (1 - 1e-9):
         doubts.append(
