@@ -58,7 +58,7 @@ KEPT = {
         ),
         "torques that store energy": (
             "cogging", "cable_spring", "angle_offset[torque]", "mass_mismatch[torque]", "backlash[lag]",
-            "inertia_mismatch", "ki_mismatch",
+            "inertia_mismatch", "ki_mismatch", "joint_compliance",
         ),
         "parameters of F_N, which stays a product or a difference that is taken once": (
             "gravity_tilt", "angle_offset", "mass_mismatch", "mass_mismatch[inertia]",

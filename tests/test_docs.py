@@ -25,7 +25,16 @@ from eccentric.signals import read_channels
 # The site takes most of a minute to build.
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).resolve().parents[1]
-GREEK = {"eta": "η", "mu": "μ", "rho": "ρ", "tau": "τ", "alpha": "α", "theta": "θ", "sigma": "σ"}
+GREEK = {
+    "eta": "η",
+    "mu": "μ",
+    "rho": "ρ",
+    "tau": "τ",
+    "alpha": "α",
+    "theta": "θ",
+    "sigma": "σ",
+    "kappa": "κ",
+}
 FETCHED = {"src", "srcset", "data", "poster", "action", "background"}
 """Attributes whose address a browser fetches by itself, besides those of <link>."""
 

@@ -138,6 +138,14 @@ def geared(x: Signals, case: str, rate: float, c: float, s: float, shares: tuple
     return felt / MU + MU * J_L * (slope * alpha - rate**2 * e * w**2)
 
 
+def twisted(x: Signals, kappa: float, own: float) -> np.ndarray:
+    """What gravity and the link's inertia add where the link lags by kappa times its torque, case C2."""
+    size = MU * (M * G * L)
+    slope, bend = size * MU * np.cos(MU * x["theta_m"]), -size * MU**2 * np.sin(MU * x["theta_m"])
+    rate = slope * x["alpha_m"] + bend * x["omega_m"] ** 2
+    return -kappa * (load(x, "C2", own) * slope / MU**2 + J_L * rate)
+
+
 Torque = Callable[[Signals], np.ndarray]
 # (case, id, parameters, torque that the effect adds to friction and load [N m], NumPy from the physics)
 MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
@@ -296,6 +304,8 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
         for n in (1, 2)
         for case in CASES
     ),
+    ("C2", "joint_compliance", {"compliance": 0.01, "compliance_share": 0.3},
+     lambda x: twisted(x, 0.01, 0.3)),
 ]  # fmt: skip
 # (id, parameters, voltage that the effect takes [V])
 ELECTRICAL: list[tuple[str, dict[str, float], Torque]] = [

@@ -28,6 +28,7 @@ from eccentric.effects import (
     hidden_thermal_drift,
     inertia_mismatch,
     inverter_deadtime,
+    joint_compliance,
     kinematic_error,
     kt_ripple,
     kt_saturation,
@@ -124,6 +125,7 @@ FAMILIES = MappingProxyType(
         "sensor_delay": sensor_delay,
         "encoder_eccentricity": encoder_eccentricity,
         "kinematic_error": kinematic_error,
+        "joint_compliance": joint_compliance,
     }
 )
 """Family -> the module whose `effects(setting)` makes its records."""

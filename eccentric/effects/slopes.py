@@ -11,7 +11,7 @@ from eccentric.effects.setting import Setting
 from eccentric.model import Across, Along, Definition, HalfCosine, HalfSine, quantity
 from eccentric.model import vocabulary as v
 
-__all__ = ["Slopes", "slopes"]
+__all__ = ["Slopes", "over_angle", "slopes"]
 
 
 class Slopes(NamedTuple):
@@ -33,11 +33,7 @@ def slopes(name: str, torque: sp.Expr, setting: Setting) -> Slopes:
     angle = quantity(f"{name}_by_angle", "N m/rad", "its slope over the motor angle", letter="K")
     torque = _in_force(torque, setting)
     by_force = sp.diff(torque, v.F_N.symbol) * pull.symbol
-    # By half angles, cos^2 - sin^2 is 2 cos^2 - 1: one of them is enough.
-    by_angle = sp.diff(torque, theta_m).replace(
-        lambda e: e.is_Pow and isinstance(e.base, HalfSine) and e.exp == 2,
-        lambda e: 1 - HalfCosine(*e.base.args) ** 2,
-    )
+    by_angle = over_angle(torque)
     by_speed = omega_m * sp.diff(torque, omega_m)
     pulled: tuple[Definition, ...] = ()
     if by_force != 0:
@@ -47,6 +43,14 @@ def slopes(name: str, torque: sp.Expr, setting: Setting) -> Slopes:
         by_angle -= v.mu.symbol * across * by_force
     return Slopes(
         speed.symbol, angle.symbol, (*pulled, Definition(speed, by_speed), Definition(angle, by_angle))
+    )
+
+
+def over_angle(torque: sp.Expr) -> sp.Expr:
+    """The slope of a torque over the motor angle; by half angles, cos^2 - sin^2 is 2 cos^2 - 1."""
+    return sp.diff(torque, theta_m).replace(
+        lambda e: e.is_Pow and isinstance(e.base, HalfSine) and e.exp == 2,
+        lambda e: 1 - HalfCosine(*e.base.args) ** 2,
     )
 
 
