@@ -21,7 +21,7 @@ LOAD = M * G * L  # gravity torque on the link [N m]
 def periodic_torque(kappa: float, speed: float, angle: Array) -> Array:
     """Torque [N m] of an elastic link on a motor of constant speed, motor side, at angles of a whole turn.
 
-    J_l theta_l'' + M g L sin theta_l = (mu theta_m - theta_l)/kappa, solved over a turn by its Fourier series.
+    J_l theta_l'' + M g L sin theta_l = (mu theta_m - theta_l)/kappa, by its Fourier series over a turn.
     """
     order = 1j * np.fft.rfftfreq(len(angle), 1.0 / len(angle))
     twist = np.zeros_like(angle)
@@ -58,7 +58,11 @@ def test_it_is_the_first_order_of_two_masses_and_a_spring(speed: float) -> None:
 
 
 def log_of(kappa: float, seed: int) -> tuple[dict[str, Array], dict[str, object]]:
-    """A minute of a motor on a given motion that swings an elastic link, kappa = 0 a rigid one, and its rig."""
+    """A minute of a motor that swings an elastic link, kappa = 0 a rigid one, and the rig.
+
+    The motion of the motor is given: a speed loop that is tuned for a rigid link rings with an elastic one,
+    so that the bench has no such joint.
+    """
     rng = np.random.default_rng(seed)
     t = np.arange(15_000) / 250.0
     rates = 2.0 * pi * np.array([0.071, 0.19, 0.43])
