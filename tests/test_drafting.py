@@ -88,6 +88,23 @@ def test_case_and_gear_are_those_of_the_bench(case: str, mu: float) -> None:
         assert "does not show the gear" in said["mu"].doubt
 
 
+def test_friction_that_grows_faster_than_the_speed_does_not_turn_a_sign() -> None:
+    """Beside a linear term, that of the sign of the speed is then negative; the power that is lost is not."""
+    t = np.arange(0.0, 40.0, 0.01)
+    w = 30.0 * np.sin(0.7 * t) + 12.0 * np.sin(1.9 * t)
+    current = 0.1 * np.sign(w) + 4e-5 * w**3 + 0.02 * np.gradient(w, t)
+    angle = np.round(np.cumsum(w) * 0.01 * 1e4) / 1e4
+    speed_and_sign = np.column_stack([np.sign(w), w, np.gradient(w, t)])
+    assert np.linalg.lstsq(speed_and_sign, current, rcond=None)[0][0] < 0.0
+
+    for sign in (1.0, -1.0):
+        noisy = sign * (current + 0.01 * np.random.default_rng(1).standard_normal(len(t)))
+        draft = draft_of(Log("log.csv", {"time [s]": t, "angle [rad]": angle, "current [A]": noisy}, len(t)))
+        (found,) = [p for p in draft.proposals if p.channel == "current"]
+
+        assert (sign < 0.0) == found.turned
+
+
 def test_a_turned_current_is_turned_back(arm: BenchResult) -> None:
     """Friction and inertia need a current to rise with them; one that falls has its sign turned."""
     names = {"time_s": "time_s", "theta_m_rad": "theta_m_rad", "current_A": "current_A"}

@@ -49,7 +49,7 @@ class Explained:
     Attributes:
         r2: of all terms; `r2_plain` of those without gravity.
         shares: standard deviation of each term over that of the column: friction, speed, inertia, gravity.
-        friction, inertia: signs of their coefficients.
+        losses, inertia: signs of the power that goes with friction and speed, and of the inertia.
         period: of gravity in the unit of the angle, 0 without gravity; `turns` how many are in the travel.
         zero: the angle at which gravity vanishes and the mass hangs, in the unit of the angle.
         offset: mean of the column beyond all this, over its standard deviation.
@@ -58,7 +58,7 @@ class Explained:
     r2: float
     r2_plain: float
     shares: dict[str, float]
-    friction: float
+    losses: float
     inertia: float
     period: float
     turns: float
@@ -117,11 +117,14 @@ def balance_of(motion: Moved, y: Array, *, periodic: bool = True) -> Explained |
         "inertia": abs(c[3]) * float(np.std(a)) / spread,
         "gravity": float(np.std(design[:, 4:] @ c[4:])) / spread if k else 0.0,
     }
+    # Friction that grows faster than the speed has a negative sign of the speed beside it: what counts is the
+    # power of both.
+    braking = c[1] * np.sign(w) + c[2] * w
     return Explained(
         r2=r2_plain + gain,
         r2_plain=r2_plain,
         shares=shares,
-        friction=float(np.sign(c[1])) if shares["friction"] > SIGN else 0.0,
+        losses=float(np.sign(np.mean(braking * w))) if np.std(braking) > SIGN * spread else 0.0,
         inertia=float(np.sign(c[3])) if shares["inertia"] > SIGN else 0.0,
         period=2.0 * np.pi / k if k else 0.0,
         turns=turns,

@@ -197,7 +197,7 @@ def _proposal(one: Driven) -> Proposal:
     else:
         second = units[1][0] if len(units) > 1 else ""
         doubts.append(f"{unit} by its size alone, up to {largest:.3g}" + (f"; or {second}" if second else ""))
-    turned = one.balance.friction < 0.0 or (one.balance.friction == 0.0 and one.balance.inertia < 0.0)
+    turned = one.balance.losses < 0.0 or (one.balance.losses == 0.0 and one.balance.inertia < 0.0)
     if turned:
         evidence.append("its sign is turned: it falls where friction and inertia need it to rise")
     said = tuple(evidence), min(one.sure, sure), "; ".join(doubts)
