@@ -289,7 +289,8 @@ def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
         error = ""
         if estimate is not None:
             endless = math.isinf(estimate.std_error)
-            error = " (not determined)" if endless else f" (std error {estimate.std_error:.2g})"
+            end = f", at the {estimate.bound_active} end of its range" if estimate.bound_active else ""
+            error = " (not determined)" if endless else f" (std error {estimate.std_error:.2g}{end})"
         unit = "" if q.unit == "1" else f" {in_drive_unit(q.unit, found.unit)}"
         shown.append(f"{q.name} = {own[q.name]:.4g}{unit}{error}")
     share = 100 * found.models.extended.shares.get(effect.id, 0.0)

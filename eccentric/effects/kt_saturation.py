@@ -34,18 +34,19 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     Far below i_s a log determines c alone: by the fraction c i_s^2 its coefficient would grow with i_s.
     """
     square = v.i.symbol**2
-    largest = setting.current_max
+    # At a third of the largest current it has fallen by nine tenths of what it falls by in all.
+    largest, lowest = setting.current_max, setting.current_max / 3.0
     effect = of_flux(
         "kt_saturation",
         [(bend, -square / (1 + square / i_s.symbol**2))],
         setting,
         # Of all forms with c i_s^2 <= 1, whose torque constant stays positive, the largest c.
-        bounds=((0.0, (0.7 * largest) ** -2),),
+        bounds=((0.0, lowest**-2),),
         depends_on=("current",),
         formula="k_i and k_e times 1 - c i^2/(1 + (i/i_s)^2)",
         reference="form of our own; armature reaction: A. E. Fitzgerald, C. Kingsley and S. D. Umans,"
         " Electric Machinery",
-        shapes=(Shape(i_s, 0.7 * largest, 20.0 * largest, "log", 10),),
+        shapes=(Shape(i_s, lowest, 20.0 * largest, "log", 10),),
         words=WORDS,
     )
     return (effect,)

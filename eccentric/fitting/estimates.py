@@ -57,7 +57,7 @@ def _of_balance(
         at={name: point.values[name] for name in shapes},
         slopes=_slopes(fit, step, balance, shapes),
     )
-    # A shape has no active bound: the search ends inside its range, or warns that it is at its end.
+    # A shape is free in its error even at an end of its range, where its estimate says so.
     error = solution.spread(
         [Nonlinear(n, "", -np.inf, np.inf, (), 0.0) for n in shapes],
         None if narrowed is None else (fit.design(balance, point), narrowed.design(balance, point)),
@@ -97,8 +97,9 @@ def _of_balance(
                 found[shown] = error.estimate(value, factor * unit[k], of)
             slopes.append(factor * unit[k])
     for k, (name, shape) in enumerate(shapes.items(), start=len(names)):
-        ends = (shape.low, shape.high)
-        found[name] = error.estimate(point.values[name], unit[k], units[name], ends)
+        ends, value = (shape.low, shape.high), point.values[name]
+        at_end = int(math.isclose(value, shape.high)) - int(math.isclose(value, shape.low))
+        found[name] = error.estimate(value, unit[k], units[name], ends, at_end)
         slopes.append(unit[k])
     gradient, endless = np.array(slopes), np.isinf(np.diag(error.matrix))
     covariance = gradient[:, ~endless] @ error.matrix[np.ix_(~endless, ~endless)] @ gradient[:, ~endless].T

@@ -1,0 +1,29 @@
+"""A torque constant that falls at high current: its form where the current is far beyond its knee."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric.virtual_bench import simulate
+from tests.virtual import drawn_scenario
+
+
+@pytest.mark.parametrize("amplitude", [0.12, 0.1])
+def test_the_knee_and_the_curvature_are_the_planted_ones(amplitude: float) -> None:
+    """k_i/(1 + (i/i_s)^2) is the fitted form with c = 1/i_s^2; the current reaches 2 i_s."""
+    scenario = drawn_scenario(1, case="C2", mu=0.2, effects=["kt_saturation"], noise=0.004, seconds=40.0)
+    planted = replace(scenario.effects[0], amplitude=amplitude)
+    run = simulate(replace(scenario, effects=(planted,)), again=True)
+    i_s = planted.shape[0] / amplitude**0.5
+    assert i_s < 0.5 * np.max(np.abs(run.columns["current_A"]))
+
+    (found,) = eccentric.diagnose(run.columns, run.rig).document["effects"]
+    parameters = found["parameters"]
+
+    assert "kt_saturation" == found["family"]
+    assert parameters["ktsat_i"]["value"] == pytest.approx(i_s, rel=0.02)
+    assert parameters["ktsat_c"]["value"] == pytest.approx(i_s**-2, rel=0.02)
