@@ -9,10 +9,13 @@ import pytest
 
 from eccentric.diagnosis import diagnose, diagnosis_document
 from eccentric.fitting import fit, fit_sentence
+from eccentric.logs import read_log
 from eccentric.model import load_model
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
+from eccentric.virtual_bench import simulate
 from tests.planted import FRICTION, INERTIA, K_I, KNOWN, TORQUE, T, motion, torque, written
+from tests.virtual import drawn_scenario
 
 ROTOR = 1e-4
 """An inertia whose torque is small beside friction [kg m^2]."""
@@ -42,3 +45,18 @@ def test_friction_that_drives_does_not_fit_the_rig(tmp_path: Path) -> None:
     assert "does not fit the rig" in fit_sentence(fitted)
     assert "does not fit the rig" in diagnosis_document(found)["sentence"]
     assert () == found.effects
+
+
+@pytest.mark.parametrize(("factor", "fits"), [(1e3, False), (1e-3, True), (1.0, True)])
+def test_a_voltage_in_millivolts_is_no_resistance(factor: float, fits: bool) -> None:
+    """Read as volts, it contradicts the current by a thousand times the drive: no effect is named for it.
+
+    One that is read a thousand times too small leaves the drive itself, which R and k_e could explain.
+    """
+    run = simulate(drawn_scenario(3, case="C2", mu=0.2, seconds=40.0))
+    found = diagnose([read_log({**run.columns, "voltage_V": factor * run.columns["voltage_V"]})], run.rig)
+
+    assert fits == found.models.fits_the_rig
+    if not fits:
+        assert () == found.effects
+        assert "voltage and current differ" in diagnosis_document(found)["sentence"]

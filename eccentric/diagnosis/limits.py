@@ -13,6 +13,7 @@ __all__ = [
     "LEAST_STRETCHES",
     "LEAST_TURNS",
     "LOWEST_ORDER",
+    "MOST_APART",
     "NEIGHBOURS",
     "ORDER_STEP",
     "PROVABLE",
@@ -24,6 +25,8 @@ FEWEST_RUNS = 5
 """Least number of runs for a gain over whole runs: its interval draws runs, and four say little."""
 FITTED = 3
 """Effects that are fitted, at most, to show the best one where none is adopted: each costs a whole fit."""
+MOST_APART = 100.0
+"""Electrical residual over the drive torque: a k_e in V/rpm reaches some ten, a voltage in mV thousands."""
 PROVABLE = 3.0
 """A residual above this multiple of the sensors' noise has a cause, found or not."""
 

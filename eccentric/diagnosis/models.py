@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from eccentric.diagnosis.limits import MOST_APART
 from eccentric.diagnosis.score import Score, leave_runs_out, score
 from eccentric.effects import LOAD, Effect
-from eccentric.estimation import improvement, r_squared
+from eccentric.estimation import improvement, r_squared, rms
 from eccentric.fitting import LEAST_R_SQUARED, FitData, Refit, refit
 from eccentric.model import Model
 from eccentric.search import Attribution, unconfirmed
@@ -54,7 +55,19 @@ class Models:
     @property
     def fits_the_rig(self) -> bool:
         """Whether the log can be from this rig, in these units."""
-        return self.r_squared >= LEAST_R_SQUARED
+        return not self.misfit
+
+    @property
+    def misfit(self) -> str:
+        """Why the log cannot be from this rig, "" if it can."""
+        if self.r_squared < LEAST_R_SQUARED:
+            return f"R^2 of the drive torque {self.r_squared:.2f}"
+        fitted, rows = self.paper, self.paper.data.rows
+        if "electrical" not in fitted.residuals:
+            return ""
+        drive = rms(rows.mean(fitted.data.drive.torque(fitted.values, fitted.scale))[rows.score])
+        apart = fitted.held_out("electrical") / drive
+        return f"voltage and current differ by {apart:,.0f} times the drive" if apart > MOST_APART else ""
 
     @property
     def unsettled(self) -> tuple[str, ...]:
@@ -80,7 +93,7 @@ def fitted_models(
     extended = refit(base, adopted, data) if adopted else paper
     linear = refit(base, (), data, linear=True)
     models = Models(linear, paper, unbounded, extended)
-    if not models.fits_the_rig:
+    if models.misfit:
         found = replace(unconfirmed(found), next_measurement="Correct the rig file or the log first.")
         models = replace(models, extended=paper)
     balance = found.adopted[0].balance if models.adopted else "mechanical"

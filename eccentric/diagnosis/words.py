@@ -48,10 +48,10 @@ def diagnosis_sentence(found: Diagnosis) -> str:
             f"An effect is missing, but this log does not distinguish {_tied(found)};"
             f" with the first {_gain(found)}."
         )
-    if not found.models.fits_the_rig:
+    if misfit := found.models.misfit:
         return (
-            f"This log does not fit the rig (R^2 of the drive torque {found.models.r_squared:.2f}): check"
-            f" units and signs before anything else.{_grave(found)}"
+            f"This log does not fit the rig ({misfit}): check units and signs before anything else."
+            f"{_grave(found)}"
         )
     depends = _listed([variable.replace("_", " ") for variable in a.depends_on])
     if a.unconfirmed:
