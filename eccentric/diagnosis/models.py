@@ -140,10 +140,14 @@ def _against(models: Models, scored: Score, data: FitData) -> Score | None:
 def contradiction(models: Models, data: FitData) -> tuple[str, float, tuple[float, float]] | None:
     """The balance that the extended model predicts clearly worse than the paper's, and its gain in percent.
 
-    Below the low pass of the angle: row by row, the model of a ripple above it only adds error.
+    Below the low pass of the angle: row by row, the model of a ripple above it only adds error. Without the
+    rows where the motion cannot show a ripple that the circuit shows.
     """
-    fits, scored = (models.paper, models.extended), data.rows.score
+    fits, shown = (models.paper, models.extended), ~models.extended.unresolved
     for balance in models.paper.residuals:
+        scored = data.rows.score & shown if balance == "mechanical" else data.rows.score
+        if not np.any(scored):
+            continue
         paper, extended = (m.residual_like(models.paper, balance, smooth=True)[scored] for m in fits)
         if np.array_equal(paper, extended):
             continue

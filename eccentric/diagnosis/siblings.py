@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from eccentric.diagnosis.models import Models
 from eccentric.errors import InputError
 from eccentric.estimation import improvement, rms
@@ -35,7 +37,9 @@ def better_sibling(plain: Model, models: Models) -> Sibling | None:
     if not models.fits_the_rig or plain.extensions or plain.name not in model_names():
         return None
     data, found, better = models.paper.data, models.extended, []
-    rows, rig = data.rows.score, data.drive.channels.rig
+    rows, rig = data.rows.score & ~found.unresolved, data.drive.channels.rig
+    if not np.any(rows):
+        return None
     before = found.residuals["mechanical"][rows]
     # Row by row, a ripple that was found above the low pass of the angle only adds error.
     smooth = found.smooth_residual()[rows]

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from eccentric.diagnosis.limits import PROVABLE, ROUNDING
 from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name
 from eccentric.diagnosis.outcome import Diagnosis
@@ -58,8 +60,9 @@ def diagnosis_sentence(found: Diagnosis) -> str:
         words = {c.id: c.words for c in a.candidates}
         names = _listed([_headline(words[name], name) for name in a.unconfirmed])
         fit = "fits the training part but does" if len(a.unconfirmed) == 1 else "fit the training part but do"
+        where = _of_balance(found, found.refused.balance) if found.refused else ""
         return (
-            f"{names[0].upper()}{names[1:]} {fit} not predict what was held out; no name is given."
+            f"{names[0].upper()}{names[1:]} {fit} not predict what was held out{where}; no name is given."
             f" The structure depends on {depends}."
         )
     if a.verdict == "unexplained":
@@ -100,12 +103,19 @@ def closest_sentence(found: Diagnosis) -> str:
     if best.below is not None and only_below(best.interval, best.below):
         percent, (low, high) = best.below.percent, best.below.interval
         where = f" below the {best.below.cut_hz:g} Hz low pass of the angle"
+    where = _of_balance(found, best.balance) + where
     interval = f"95 % interval {low:.1f} to {high:.1f} %"
     if percent <= 0.0:
-        return f"Best effect: {what}; it does not predict the held-out part better ({interval} of gain)."
+        gain = f"95 % interval of its gain {low:.1f} to {high:.1f} %"
+        return f"Best effect: {what}; it does not predict the held-out part{where} better ({gain})."
     return (
         f"Best effect: {what} takes out {percent:.1f} % of the held-out error{where} ({interval}) and {rest}."
     )
+
+
+def _of_balance(found: Diagnosis, balance: str) -> str:
+    """Which balance is meant, where the log shows two."""
+    return f" of the {balance} balance" if len(found.models.paper.residuals) > 1 else ""
 
 
 def sibling_sentence(found: Diagnosis) -> str:
@@ -233,6 +243,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         if balance == "mechanical" and found.band is not None:
             plain = "base" if found.rig.axis.model else "paper"
             out.append(found.band.words("extended" if adopted else plain))
+    if adopted and (aliased := _aliased(found)):
+        out.append(aliased)
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, found.unit)
     out += filter(None, [closest_sentence(found), sibling_sentence(found)])
@@ -280,6 +292,18 @@ def _calls(found: Diagnosis) -> list[str]:
         f"  {torque}",
         f"  {call('step', ['&state', *stepped])}",
     ]
+
+
+def _aliased(found: Diagnosis) -> str:
+    """In how many held-out rows an effect is too fast for the motion to show it; "" for none."""
+    rows = found.data.rows.score
+    share = 100.0 * float(np.mean(found.models.extended.unresolved[rows]))
+    if share == 0.0:
+        return ""
+    return (
+        f"in {share:.0f} % of the held-out rows what was found repeats faster than half of the log's rate:"
+        " the motion does not show it there"
+    )
 
 
 def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:

@@ -46,5 +46,6 @@ def _order(n: int, turns: bool) -> Effect:
         inputs=(v.theta_m,),
         repeats=True,
         one_of=len(ORDERS),
+        per_turn=n if turns else n * v.mu.symbol,
         words=replace(WORDS, headline=f"cogging that repeats {how_often(n)} per turn of the motor"),
     )

@@ -65,6 +65,7 @@ def addition(
     repeats: bool = False,
     second_order: tuple[str, ...] = (),
     one_of: int = 1,
+    per_turn: sp.Expr | int = 0,
     words: Words | None = None,
     corrects: Correction | None = None,
 ) -> Effect:
@@ -76,6 +77,7 @@ def addition(
         role: of the terms, or of each of them; a term with a role is friction.
         load: the load that the friction is proportional to.
         kind: of the terms without a role, see `eccentric.model.KINDS`.
+        per_turn: of the terms, as in `eccentric.model.Term`.
         bounds: of each coefficient; by default at least 0 if its domain says so, else open.
         depends_on, needs, aliases, special_of, repeats, second_order, one_of: as in `Evidence`.
         definitions, states, inputs: as in `eccentric.model.Change`.
@@ -83,9 +85,9 @@ def addition(
     roles = [role] * len(columns) if isinstance(role, Role) else role
     bounds = bounds or [(None if q.domain == "real" else 0.0, None) for q, _ in columns]
     terms = tuple(
-        Term(q.name, kind, q.symbol, basis, reference, bound)
+        Term(q.name, kind, q.symbol, basis, reference, bound, per_turn=per_turn)
         if does is Role.NONE
-        else Term(q.name, "friction", q.symbol, basis, reference, bound, does, load)
+        else Term(q.name, "friction", q.symbol, basis, reference, bound, does, load, per_turn=per_turn)
         for (q, basis), bound, does in zip(columns, bounds, roles, strict=True)
     )
     return Effect(

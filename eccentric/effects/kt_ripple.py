@@ -46,5 +46,6 @@ def _order(n: int, setting: Setting) -> Effect:
         inputs=(v.theta_m,),
         repeats=True,
         one_of=len(ORDERS),
+        per_turn=n,
         words=replace(WORDS, headline=f"a torque constant that ripples {how_often(n)} per turn of the motor"),
     )

@@ -44,6 +44,7 @@ def _order(n: int, mu: float, turns: bool) -> Effect:
         inputs=(v.theta_m,),
         aliases=(f"motor_harmonic_friction[n={of_motor}]",) if same else (),
         repeats=True,
+        per_turn=n * v.mu.symbol,
         one_of=len(ORDERS),
         # Dry friction has no other sign where the harmonic takes away more than there is.
         second_order=("bearing_load", "local_defect"),

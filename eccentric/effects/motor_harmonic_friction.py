@@ -56,5 +56,6 @@ def _order(n: int) -> Effect:
         inputs=(v.theta_m,),
         repeats=True,
         one_of=len(ORDERS),
+        per_turn=n,
         words=replace(WORDS, headline=f"friction that varies {how_often(n)} per turn of the motor"),
     )

@@ -61,6 +61,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         shapes=(Shape(order, *span, "linear", 5),),
         # It lies between two harmonics: there are as many such places.
         one_of=len(MOTOR_ORDERS),
+        per_turn=order.symbol,
         inputs=(v.theta_m,),
         words=WORDS,
     )

@@ -87,6 +87,7 @@ __all__ = [
     "refit",
     "require_case",
     "residual_samples",
+    "unresolved",
     "with_model_current",
     "with_own",
 ]

@@ -26,6 +26,7 @@ from eccentric.estimation import Coefficient, ColumnRole
 from eccentric.fitting.along import MetAlong
 from eccentric.fitting.expressions import evaluated
 from eccentric.fitting.machine import Machine
+from eccentric.fitting.unresolved import unresolved
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.signals import Channels
@@ -128,6 +129,14 @@ class Drive:
         """The same with another delay, zero angle or offset, by the names of the rig."""
         alignment = replace(self.channels.alignment, **values)
         return replace(self, channels=self.channels.realigned(rig, alignment))
+
+    def unresolved(
+        self, model: Model, values: Mapping[str, float]
+    ) -> list[tuple[tuple[str, ...], NDArray[np.bool_]]]:
+        """Coefficients of a model's torques that repeat too fast for the log, with the samples where."""
+        terms, time = model.balance("mechanical").terms, self.channels.time
+        given = {**self.known, **values}
+        return unresolved(terms, given, self.channels.motion.omega_m, time.logged_step_s)
 
     @property
     def by_voltage(self) -> bool:

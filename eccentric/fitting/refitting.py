@@ -88,6 +88,15 @@ class Refit:
         return moving if drive.along is None else moving + drive.along.torque
 
     @property
+    def unresolved(self) -> NDArray[np.bool_]:
+        """Rows (rows,) where a torque of the effects repeats faster than half of the log's rate."""
+        drive, rows = self.data.drive, self.data.rows
+        fast = drive.unresolved(self.model, self.values)
+        if not fast:
+            return np.zeros(len(rows), dtype=bool)
+        return rows.plain_mean(fast[0][1].astype(float)) > 0.0
+
+    @property
     def _back_emf(self) -> Array:
         """The torque of the current that the back-EMF takes (n,) [N m]."""
         drive = self.data.drive

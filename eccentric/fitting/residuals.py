@@ -35,7 +35,8 @@ class Residuals:
         scale: float | None = None,
         states: Mapping[str, Array] | None = None,
     ) -> None:
-        self._emitted, self._machine, self._drive, self._rows = Emitted(model), Machine(model), drive, rows
+        self._model, self._emitted, self._machine = model, Emitted(model), Machine(model)
+        self._drive, self._rows = drive, rows
         voltage = drive.signal() if drive.by_voltage else drive.channels.motor.voltage
         self.inputs = drive.inputs | ({} if voltage is None else {"u": voltage})
         self.torque = drive.torque(values, scale)
@@ -91,7 +92,11 @@ class Residuals:
         """A residual on the samples (n,), all of them with the same parameters."""
         parameters = self._emitted.parameters(values)
         found = self._emitted(f"{balance}_residual", inputs, parameters)
-        if balance == "mechanical" and self._drive.by_voltage:
+        if balance == "mechanical" and not self._drive.by_voltage:
+            for names, fast in self._drive.unresolved(self._model, values):
+                without = self._emitted.parameters({**values, **dict.fromkeys(names, 0.0)})
+                found = np.where(fast, self._emitted("mechanical_residual", inputs, without), found)
+        elif balance == "mechanical":
             armature = self._emitted("electrical_residual", inputs, parameters)
             found = found + np.where(self._drive.off, 0.0, armature)
         return found

@@ -37,6 +37,7 @@ class Term:
         role: what it does; required for friction, and only for friction.
         load: the load that it is proportional to.
         joint: the joint that it belongs to, counted from the base; a single link has joint 0.
+        per_turn: how often it repeats per turn of the motor, in parameters; 0 for what does not.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Term:
     role: Role = Role.NONE
     load: Load = Load.NONE
     joint: int = 0
+    per_turn: sp.Expr | int = 0
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
