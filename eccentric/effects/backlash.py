@@ -9,6 +9,7 @@ import sympy as sp
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import (
     addition,
+    constant,
     direction,
     dt,
     gravity,
@@ -19,7 +20,7 @@ from eccentric.effects.forms import (
 )
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import Load, Role, Sgn, State, quantity
+from eccentric.model import Definition, Load, Role, Sgn, State, quantity
 from eccentric.model import vocabulary as v
 
 gap = quantity("backlash_gap", "rad", "gap, motor side", "", "positive", letter="delta")
@@ -30,6 +31,14 @@ arm = quantity(
     "",
     "nonnegative",
     letter="a",
+)
+rise = quantity(
+    "backlash_rise",
+    "1",
+    "what that friction gains at the top speed, relative",
+    "",
+    "nonnegative",
+    letter="rho",
 )
 left = quantity("backlash_left", "1", "remaining share of the gap", "", "nonnegative", letter="r")
 side = quantity("backlash_side", "1", "previous side of the load, 1 or -1", letter="z")
@@ -44,6 +53,8 @@ GRAVITY = quantity(
 TORQUE = quantity(
     "backlash_T", "N m", "gravity torque due to the link's lag, per half gap", "", "nonnegative", letter="T"
 )
+STILL = 0.01
+"""Part of the top speed below which a drive stands: the noise of a speed is less, a drive soon passes it."""
 REFERENCE = "form of our own, no impact; backlash: M. Nordin and P.-O. Gutman, Automatica 38(10), 2002"
 WORDS = Words(
     title="Backlash",
@@ -65,10 +76,16 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 
 def _states(setting: Setting) -> tuple[State, State]:
-    """The side of the load, and what remains of the gap since it changed."""
+    """The side of the load, and what remains of the gap since it changed.
+
+    Where it changes follows from gravity and friction of the link, which a log hardly separates from that of
+    the motor: its part is a shape. A drive that stands has no direction: noise of its speed moves no load,
+    and does not decide on which side the link begins.
+    """
     dry = v.mu.symbol * link_force(setting) * arm.symbol * direction
-    load = gravity(setting) + dry if setting.case == "C2" else direction
-    now = Sgn(load)
+    friction = dry * (1 + rise.symbol * speed / _top(setting).symbol)
+    load = gravity(setting) + friction if setting.case == "C2" else direction
+    now = Sgn(load) * Sgn(sp.Max(0, speed - _still(setting).symbol))
     changed = now * (now * side.symbol**2 - side.symbol) / 2  # 1 if both are known and differ
     # A load that changes back within the gap has to close what the motor has travelled so far.
     rest = sp.Abs(changed - left.symbol) - speed * dt / gap.symbol
@@ -78,8 +95,19 @@ def _states(setting: Setting) -> tuple[State, State]:
     )
 
 
-def _arm(setting: Setting) -> Shape:
-    return Shape(arm, 0.0, 0.4 * setting.known.get("L", 0.25), "linear", 3)
+def _top(setting: Setting) -> Definition:
+    return constant("backlash_top", "rad/s", "top speed of the identification log", setting.w_max, "w_1")
+
+
+def _still(setting: Setting) -> Definition:
+    slow = STILL * setting.w_max
+    return constant("backlash_still", "rad/s", "speed below which the drive stands", slow, "w_0")
+
+
+def _of_the_link(setting: Setting) -> tuple[Shape, Shape]:
+    """The friction of the link: at rest, and what it gains at the top speed."""
+    longest = 0.4 * setting.known.get("L", 0.25)
+    return Shape(arm, 0.0, longest, "linear", 5, jumps=True), Shape(rise, 0.0, 1.5, "linear", 3, jumps=True)
 
 
 def _freed(setting: Setting) -> Effect:
@@ -106,11 +134,11 @@ def _freed(setting: Setting) -> Effect:
         (B, -free * v.mu.symbol**2 * force * omega_m),
         (C, -free * v.mu.symbol * force * direction),
     ]
-    shapes = [Shape(gap, 3e-3 / setting.mu, 0.5 / setting.mu, "log", 10)]
+    shapes = [Shape(gap, 3e-3 / setting.mu, 0.5 / setting.mu, "log", 8, jumps=True)]
     roles, inputs = [Role.VISCOUS, Role.COULOMB], ()
     if setting.case == "C2":
         columns.insert(0, (GRAVITY, -free * gravity(setting)))
-        shapes.append(_arm(setting))
+        shapes += _of_the_link(setting)
         roles.insert(0, Role.NONE)
         inputs = (v.theta_m,)
     return addition(
@@ -124,6 +152,7 @@ def _freed(setting: Setting) -> Effect:
         " has changed its side",
         reference=REFERENCE,
         shapes=tuple(shapes),
+        definitions=(_still(setting), _top(setting)) if per_force else (_still(setting),),
         states=_states(setting),
         words=replace(WORDS, headline="backlash in the gear"),
         inputs=inputs,
@@ -141,8 +170,12 @@ def _lag(setting: Setting) -> Effect:
         depends_on=("history",),
         formula="-T z cos(theta_l), z from -1 to 1 the place in the gap, on the side of the load",
         reference=REFERENCE,
-        shapes=(Shape(gap, 2e-3 / setting.mu, 0.5 / setting.mu, "log", 6), _arm(setting)),
+        shapes=(
+            Shape(gap, 2e-3 / setting.mu, 0.5 / setting.mu, "log", 6, jumps=True),
+            *_of_the_link(setting),
+        ),
         inputs=(v.theta_m,),
+        definitions=(_still(setting), _top(setting)),
         states=_states(setting),
         words=replace(WORDS, headline="a link that lags by the backlash in the gear"),
     )

@@ -26,6 +26,8 @@ class Shape:
         low, high: range of the search, in its unit.
         scale: "log" or "linear".
         points: number of grid points.
+        jumps: whether the residual jumps with it, such as where it decides when something happens: between
+            the points of the grid it has no slope.
     """
 
     quantity: Quantity
@@ -33,6 +35,7 @@ class Shape:
     high: float
     scale: str = "linear"
     points: int = 8
+    jumps: bool = False
 
     @property
     def middle(self) -> float:

@@ -75,6 +75,7 @@ __all__ = [
     "ROWS_FOR_ONE",
     "SHAPE_TOLERANCE",
     "SIGNS",
+    "SIMPLEX_STEPS",
     "SLOWEST",
     "SLOWEST_PART",
     "SPECIAL",
@@ -310,6 +311,8 @@ LEADERS = 8
 """Candidates whose shapes are refined; four times as many are cross-validated at their grid point."""
 STEPS = 15
 """Steps of a refinement, most of which end after five."""
+SIMPLEX_STEPS = 4
+"""Evaluations for each step of a refinement without slopes: a simplex takes as many to turn."""
 FIRST_STEPS = 4
 """The same before the comparison, for what changes the base: its grid is coarse."""
 TOGETHER = 3

@@ -9,11 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, minimize
 
 from eccentric.effects import Shape
 from eccentric.search.candidate import Values, Variant
-from eccentric.search.limits import DERIVATIVE_STEP, INSIDE, LOSS_TOLERANCE, NEIGHBOUR, SHAPE_TOLERANCE
+from eccentric.search.limits import (
+    DERIVATIVE_STEP,
+    INSIDE,
+    LOSS_TOLERANCE,
+    NEIGHBOUR,
+    SHAPE_TOLERANCE,
+    SIMPLEX_STEPS,
+)
 
 __all__ = ["refined"]
 
@@ -47,10 +54,16 @@ def refined(
     beside = np.diag([NEIGHBOUR / max(shape.points - 1, 2) for _, shape in shapes])
     # The slope at the first point may lead out of a cell that is better further inside.
     places = np.clip([start, *(start + beside), *(start - beside)], 1.0 + INSIDE, 2.0 - INSIDE)
-    losses = [float(np.sum(left(place) ** 2)) for place in places]
+
+    def loss(place: Array) -> float:
+        return float(np.sum(left(place) ** 2))
+
+    best = min(places, key=loss)
+    if any(shape.jumps for _, shape in shapes):
+        return at(_without_slopes(loss, best, beside, steps))
     found = least_squares(
         left,
-        places[int(np.argmin(losses))],
+        best,
         bounds=(1.0, 2.0),
         diff_step=DERIVATIVE_STEP,
         x_scale=np.diag(beside),
@@ -59,6 +72,24 @@ def refined(
         max_nfev=steps,
     )
     return at(found.x)
+
+
+def _without_slopes(loss: Callable[[Array], float], start: Array, beside: Array, steps: int) -> Array:
+    """The place (shapes,) of least loss near the start, by the simplex of Nelder and Mead of that size."""
+    inward = np.where(start + np.diag(beside) < 2.0, 1.0, -1.0)
+    found = minimize(
+        loss,
+        start,
+        method="Nelder-Mead",
+        bounds=[(1.0, 2.0)] * len(start),
+        options={
+            "initial_simplex": [start, *(start + inward[:, None] * beside)],
+            "maxfev": SIMPLEX_STEPS * steps,
+            "xatol": SHAPE_TOLERANCE,
+            "fatol": LOSS_TOLERANCE * loss(start),
+        },
+    )
+    return np.asarray(found.x)
 
 
 def _value(shape: Shape, x: float) -> float:

@@ -175,7 +175,8 @@ def backlash(request: Request) -> PlantedEffect:
     """Gap of A at the motor, which crosses it without the link's torques after the load has reversed.
 
     An approximation: the link's friction and gravity are decoupled while the motor turns through the gap, but
-    its inertia stays coupled. A true two-mass contact would need steps of microseconds. It acts only at
+    its inertia stays coupled. A load that changes back within the gap presses against the first flank again.
+    A true two-mass contact would need steps of microseconds. It acts only at
     reversals, so a short log meets the requested strength approximately; the truth holds the actual one.
     """
     bound = 0.25 / request.plant.mu
@@ -188,8 +189,8 @@ def backlash(request: Request) -> PlantedEffect:
             load = s.gravity + (s.link_dry + s.link_viscous * abs(s.w_mid)) * sign(s.w_mid)
             left -= s.travel - travel
             travel = s.travel
-            if load * flank < 0.0 and left <= 0.0:
-                left = a
+            if load * flank < 0.0:  # back to the flank that it has left, it has to go what it has come
+                left = a - max(left, 0.0)
             if load:
                 flank = sign(load)
             return left > 0.0
