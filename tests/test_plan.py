@@ -246,7 +246,7 @@ def test_a_document_without_a_tie_leaves_one_model(
     ("changed", "message"),
     [
         ({"format": "eccentric-fit/1"}, r"format eccentric-diagnosis/1 is required"),
-        ({"logs": ["other.csv"]}, r"logs: that of these logs.*received \['other.csv'\]"),
+        ({"logs": ["other.csv"]}, r"logs: the diagnosis of .* is required, received that of other.csv"),
         ({"model": "c1_asymmetric"}, r"model: that of these logs"),
         ({"tied": None}, r"tied is required, received none: diagnose the logs again"),
         ({"fits_the_rig": False}, r"a log that fits the rig is required"),
@@ -374,7 +374,7 @@ def test_the_command_prints_what_is_open(
 
     limits.write_text(limits.read_text(encoding="utf-8") + 'current_A = "9000 mA"\n', encoding="utf-8")
     assert main(given) == 2
-    assert "said.json: logs: that of these logs" in capsys.readouterr().err
+    assert "said.json: logs: the diagnosis of" in capsys.readouterr().err
     assert not out.exists()
 
     said.write_text(json.dumps({**diagnosis_document(found), "logs": ["log.csv"]}), encoding="utf-8")

@@ -157,4 +157,9 @@ def _suffix(text: str) -> tuple[str, str]:
             continue
         if found := spelled(said):
             return found, body[: tail.start()] + number
+    # A quantity over its unit, as ISO 80000 writes it: n/rpm; but rad/s is a unit as it stands.
+    for whole, more in ((text, ""), (body, number)):
+        quantity, slash, said = whole.partition("/")
+        if slash and not spelled(quantity.strip()) and (found := spelled(said.strip())):
+            return found, quantity + more
     return "", text

@@ -13,7 +13,7 @@ import numpy as np
 from eccentric.diagnosis import Diagnosis, staged_log
 from eccentric.effects import Effect
 from eccentric.entries import read_document
-from eccentric.errors import InputError
+from eccentric.errors import InputError, few
 from eccentric.fitting import FitData
 from eccentric.logs import LogSource
 from eccentric.model import Model
@@ -96,7 +96,8 @@ def question_from(
     # The folders of logs with one name are as they were typed, here and there.
     if [Path(name).name for name in names] != [Path(str(name)).name for name in said["logs"]]:
         raise InputError(
-            f"{where}: logs: that of these logs, {list(names)}, is required, received {said['logs']}"
+            f"{where}: logs: the diagnosis of {few(names)} is required, received that of"
+            f" {few([str(name) for name in said['logs']])}"
         )
     if said.get("added_kg", {}) != rig.added_kg:
         raise InputError(
