@@ -17,10 +17,15 @@ def test_a_gap_under_gravity_is_found_with_its_size() -> None:
     run, plant = simulate(scenario), scenario.plant
     found = eccentric.diagnose(run.columns, run.rig)
     (effect,) = found.document["effects"]
-    shown = {name: q["value"] for name, q in effect["parameters"].items()}
+    parameters = effect["parameters"]
     top = plant.mu * float(np.quantile(np.abs(run.columns["omega_m_rad_s"]), 0.99))
 
     assert ("named", "backlash") == (found.verdict, effect["id"])
-    assert run.truth["effects"][0]["amplitude"] == pytest.approx(shown["backlash_gap"], rel=0.1)
-    assert plant.C_lN == pytest.approx(shown["backlash_arm"], rel=0.1)
-    assert plant.B_lN * top / plant.C_lN == pytest.approx(shown["backlash_rise"], abs=0.25)
+    # A log shows when the gap opens and closes to a row, in which the motor turns by a few hundredths.
+    assert run.truth["effects"][0]["amplitude"] == pytest.approx(
+        parameters["backlash_gap"]["value"], rel=0.05
+    )
+    for name, true in (("backlash_arm", plant.C_lN), ("backlash_rise", plant.B_lN * top / plant.C_lN)):
+        low, high = parameters[name]["interval_95"]
+        assert low < true < high
+        assert high - low < 0.2 * true

@@ -105,6 +105,19 @@ def test_friction_that_grows_faster_than_the_speed_does_not_turn_a_sign() -> Non
         assert (sign < 0.0) == found.turned
 
 
+def test_in_one_direction_an_offset_does_not_turn_a_sign() -> None:
+    """A load that drives, or an offset of the sensor, looks like negative friction there; inertia decides."""
+    t = np.arange(0.0, 40.0, 0.01)
+    w = 20.0 + 10.0 * np.sin(0.7 * t) + 5.0 * np.sin(1.9 * t)
+    current = -1.0 + 0.01 * w + 0.02 * np.gradient(w, t)
+    noisy = current + 0.01 * np.random.default_rng(1).standard_normal(len(t))
+    angle = np.round(np.cumsum(w) * 0.01 * 1e4) / 1e4
+    draft = draft_of(Log("log.csv", {"time [s]": t, "angle [rad]": angle, "current [A]": noisy}, len(t)))
+    (found,) = [p for p in draft.proposals if p.channel == "current"]
+
+    assert not found.turned
+
+
 def test_a_turned_current_is_turned_back(arm: BenchResult) -> None:
     """Friction and inertia need a current to rise with them; one that falls has its sign turned."""
     names = {"time_s": "time_s", "theta_m_rad": "theta_m_rad", "current_A": "current_A"}

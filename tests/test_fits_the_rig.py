@@ -49,7 +49,7 @@ def test_friction_that_drives_does_not_fit_the_rig(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("factor", "fits"), [(1e3, False), (1e-3, True), (1.0, True)])
 def test_a_voltage_in_millivolts_is_no_resistance(factor: float, fits: bool) -> None:
-    """Read as volts, it contradicts the current by a thousand times the drive: no effect is named for it.
+    """Read as volts, it is a thousand times what R i + k_e w says: no effect is named for it.
 
     One that is read a thousand times too small leaves the drive itself, which R and k_e could explain.
     """
@@ -59,4 +59,4 @@ def test_a_voltage_in_millivolts_is_no_resistance(factor: float, fits: bool) -> 
     assert fits == found.models.fits_the_rig
     if not fits:
         assert () == found.effects
-        assert "voltage and current differ" in diagnosis_document(found)["sentence"]
+        assert "the voltage is" in diagnosis_document(found)["sentence"]

@@ -74,12 +74,26 @@ def test_half_of_the_rate_is_the_limit() -> None:
     assert [] == unresolved(base.base.balance("mechanical").terms, {}, speeds, STEP)
 
 
-def test_every_order_declares_how_often_it_repeats() -> None:
-    """Those over the link turn mu times as fast."""
+def test_every_ripple_over_the_motor_declares_how_often_it_repeats() -> None:
+    """Those over the link turn mu times as fast; the order of one is a shape."""
+    visited = set()
     for effect in library(setting("C2", warm=False)):
-        if effect.evidence.repeats and effect.variant.startswith("n="):
+        for term in effect.change.terms.get("mechanical", ()):
+            often = sp.sympify(term.per_turn).subs(v.mu.symbol, MU)
+            if often == 0:
+                continue
+            visited.add(effect.family)
             turn = MU if effect.evidence.depends_on[0] == "link_angle" else 1.0
-            terms = effect.change.terms["mechanical"]
-            declared = {float(sp.sympify(term.per_turn).subs(v.mu.symbol, MU)) for term in terms}
+            if effect.shapes and often.free_symbols:
+                assert {effect.shapes[0].quantity.symbol} == often.free_symbols
+            else:
+                assert turn * int(effect.variant.rpartition("n=")[2]) == pytest.approx(float(often))
 
-            assert [turn * int(effect.variant[2:])] == pytest.approx(list(declared))
+    assert visited == {
+        "cogging",
+        "kinematic_error",
+        "kt_ripple",
+        "link_harmonic_friction",
+        "motor_harmonic_friction",
+        "nonsynchronous_friction",
+    }

@@ -12,6 +12,7 @@ __all__ = [
     "LEAST_SHARE",
     "LEAST_STRETCHES",
     "LEAST_TURNS",
+    "LEAST_ZERO_RAD",
     "LOWEST_ORDER",
     "MOST_APART",
     "NEIGHBOURS",
@@ -23,10 +24,12 @@ __all__ = [
 
 FEWEST_RUNS = 5
 """Least number of runs for a gain over whole runs: its interval draws runs, and four say little."""
+LEAST_ZERO_RAD = 0.003
+"""A zero angle that moves by less changes the friction under F_N by a third of a percent at most."""
 FITTED = 3
 """Effects that are fitted, at most, to show the best one where none is adopted: each costs a whole fit."""
 MOST_APART = 100.0
-"""Electrical residual over the drive torque: a k_e in V/rpm reaches some ten, a voltage in mV thousands."""
+"""Electrical residual over the larger of R i and k_e w: a k_e in V/rpm reaches ten, a voltage in mV 1000."""
 PROVABLE = 3.0
 """A residual above this multiple of the sensors' noise has a cause, found or not."""
 

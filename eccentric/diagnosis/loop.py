@@ -4,7 +4,8 @@ The stages, each with its result:
 
     stage       drive, signals, balances as linear designs, effects on offer     (`stage.stage_of`)
     attribute   verdict and adopted effects                                      (`verdict.attribute`)
-    again       the same with the friction that was found beside effects which use it
+    again       the same at the zero angle that was found beside effects, where it is open, then with
+                the friction that was found beside effects which use it
     extend      Model', its coefficients fitted on its own emitted module        (`models.fitted_models`)
     score       held-out RMSE before and after; the held-out part is opened there and nowhere else
                 (the zero-phase low pass carries some 20 ms across its borders)
@@ -23,14 +24,15 @@ from typing import Any
 import numpy as np
 
 from eccentric.diagnosis.closest import closest_effect
+from eccentric.diagnosis.limits import LEAST_ZERO_RAD
 from eccentric.diagnosis.models import fitted_models
 from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.diagnosis.request import SearchRequest
 from eccentric.diagnosis.siblings import better_sibling
-from eccentric.diagnosis.stage import Stage, stage_of
+from eccentric.diagnosis.stage import Stage, stage_of, staged
 from eccentric.errors import InputError
-from eccentric.fitting import drive_noise, residual_samples
+from eccentric.fitting import drive_noise, fit_data_of, residual_samples
 from eccentric.logs import LogSource, log_names
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
@@ -115,15 +117,17 @@ def diagnosed(
         InputError: an effect that was asked for is unknown.
     """
     found = _searched(stage, asked, tell, required)
-    again = _with_friction_of(found, stage, asked)
-    if again is not None:
-        tell("the same with the friction that was found beside it")
+    for what, improved in (("zero angle", _with_zero_angle_of), ("friction", _with_friction_of)):
+        again = improved(found, stage, asked)
+        if again is None:
+            continue
+        tell(f"the same with the {what} that was found beside it")
         for search in found.searches.values():
             search.screen.release()
             search.smooth.release()
         second = _searched(again, asked, tell, required)
         before, after = (one.searches["mechanical"] for one in (found, second))
-        # With the better friction, unless that fits clearly worse.
+        # With the better one, unless that fits clearly worse.
         if before.deviance(after.best, before.best) < CONFIRMED:
             stage, found = again, second
     base, data = stage.base, stage.data
@@ -158,6 +162,26 @@ def _searched(stage: Stage, asked: Asked, tell: Callable[[str], None], required:
         tell,
         required,
     )
+
+
+def _with_zero_angle_of(found: Attribution, stage: Stage, asked: Asked) -> Stage | None:
+    """The stage at the zero angle that was found beside effects, where the rig leaves it open.
+
+    The first fit had to take for gravity what an effect is. A search moves the zero to first order, in the
+    gravity torque alone: the friction under F_N stays where it was, and looks like friction over the link's
+    angle. None where nothing was found, or where it hardly moves.
+    """
+    search, drive = found.searches["mechanical"], stage.data.drive
+    roles = [c.role for c in search.screen.balance.coefficients]
+    if "zero_angle" not in roles or not any(own.best.variants for own in found.searches.values()):
+        return None
+    moved = float(search.best.coefficients[roles.index("zero_angle")])
+    if abs(moved) < LEAST_ZERO_RAD:
+        return None
+    rig = drive.channels.rig
+    aligned = drive.aligned(rig, {"theta_zero_rad": drive.channels.alignment.theta_zero_rad + moved})
+    data = fit_data_of(aligned, rig, stage.base)
+    return staged(stage.plain, stage.base, data, asked.effects, ", ".join(asked.logs))
 
 
 def _with_friction_of(found: Attribution, stage: Stage, asked: Asked) -> Stage | None:

@@ -14,6 +14,7 @@ from eccentric.estimation import improvement, r_squared, rms
 from eccentric.fitting import LEAST_R_SQUARED, FitData, Refit, refit
 from eccentric.model import Model
 from eccentric.search import Attribution, unconfirmed
+from eccentric.signals import LEAST_HELD_OUT
 
 __all__ = ["Models", "fitted_models"]
 
@@ -65,9 +66,11 @@ class Models:
         fitted, rows = self.paper, self.paper.data.rows
         if "electrical" not in fitted.residuals:
             return ""
-        drive = rms(rows.mean(fitted.data.drive.torque(fitted.values, fitted.scale))[rows.score])
-        apart = fitted.held_out("electrical") / drive
-        return f"voltage and current differ by {apart:,.0f} times the drive" if apart > MOST_APART else ""
+        # Of an efficient motor most of the voltage is the back-EMF, by far.
+        drive, speed = fitted.data.drive, fitted.data.drive.channels.motion.omega_m
+        parts = drive.torque(fitted.values, fitted.scale), drive.machine.damping(fitted.values) * speed
+        apart = fitted.held_out("electrical") / max(rms(rows.mean(part)[rows.score]) for part in parts)
+        return f"the voltage is {apart:,.0f} times what R i + k_e w says" if apart > MOST_APART else ""
 
     @property
     def unsettled(self) -> tuple[str, ...]:
@@ -143,10 +146,10 @@ def contradiction(models: Models, data: FitData) -> tuple[str, float, tuple[floa
     Below the low pass of the angle: row by row, the model of a ripple above it only adds error. Without the
     rows where the motion cannot show a ripple that the circuit shows.
     """
-    fits, shown = (models.paper, models.extended), ~models.extended.unresolved
+    fits, shown = (models.paper, models.extended), ~models.extended.unresolved_rows
     for balance in models.paper.residuals:
         scored = data.rows.score & shown if balance == "mechanical" else data.rows.score
-        if not np.any(scored):
+        if np.count_nonzero(scored) < LEAST_HELD_OUT:
             continue
         paper, extended = (m.residual_like(models.paper, balance, smooth=True)[scored] for m in fits)
         if np.array_equal(paper, extended):

@@ -11,6 +11,7 @@ from eccentric.errors import InputError
 from eccentric.estimation import improvement, rms
 from eccentric.fitting import FitData, fit_data_of, loaded_model, refit
 from eccentric.model import Model, load_model, model_names
+from eccentric.signals import LEAST_HELD_OUT
 
 __all__ = ["Sibling", "better_sibling"]
 
@@ -37,8 +38,8 @@ def better_sibling(plain: Model, models: Models) -> Sibling | None:
     if not models.fits_the_rig or plain.extensions or plain.name not in model_names():
         return None
     data, found, better = models.paper.data, models.extended, []
-    rows, rig = data.rows.score & ~found.unresolved, data.drive.channels.rig
-    if not np.any(rows):
+    rows, rig = data.rows.score & ~found.unresolved_rows, data.drive.channels.rig
+    if np.count_nonzero(rows) < LEAST_HELD_OUT:
         return None
     before = found.residuals["mechanical"][rows]
     # Row by row, a ripple that was found above the low pass of the angle only adds error.

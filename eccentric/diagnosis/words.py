@@ -62,7 +62,7 @@ def diagnosis_sentence(found: Diagnosis) -> str:
         fit = "fits the training part but does" if len(a.unconfirmed) == 1 else "fit the training part but do"
         where = _of_balance(found, found.refused.balance) if found.refused else ""
         return (
-            f"{names[0].upper()}{names[1:]} {fit} not predict what was held out{where}; no name is given."
+            f"{names[0].upper()}{names[1:]} {fit} not predict the held-out part{where}; no name is given."
             f" The structure depends on {depends}."
         )
     if a.verdict == "unexplained":
@@ -297,11 +297,11 @@ def _calls(found: Diagnosis) -> list[str]:
 def _aliased(found: Diagnosis) -> str:
     """In how many held-out rows an effect is too fast for the motion to show it; "" for none."""
     rows = found.data.rows.score
-    share = 100.0 * float(np.mean(found.models.extended.unresolved[rows]))
+    share = 100.0 * float(np.mean(found.models.extended.unresolved_rows[rows]))
     if share == 0.0:
         return ""
     return (
-        f"in {share:.0f} % of the held-out rows what was found repeats faster than half of the log's rate:"
+        f"in {share:.0f} % of the held-out rows the effect repeats faster than half of the log's rate:"
         " the motion does not show it there"
     )
 

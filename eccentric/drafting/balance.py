@@ -96,6 +96,7 @@ def balance_of(motion: Moved, y: Array, *, periodic: bool = True) -> Explained |
     if np.count_nonzero(rows) < SCANNED // 100 or np.std(y[rows]) == 0.0:
         return None
     x, w, a, y = motion.x[rows], motion.w[rows], motion.a[rows], y[rows]
+    both = float(min(np.mean(w > 0.0), np.mean(w < 0.0))) > BOTH_WAYS
     plain = np.column_stack([np.ones_like(w), np.sign(w), w, a])
     total = float(np.var(y))
     r2_plain = 1.0 - _left(plain, y) / total
@@ -105,7 +106,6 @@ def balance_of(motion: Moved, y: Array, *, periodic: bool = True) -> Explained |
         design = np.column_stack([plain, np.sin(k * x), np.cos(k * x)])
         gain = 1.0 - _left(design, y) / total - r2_plain
         signed = np.column_stack([plain, np.sign(w) * np.sin(k * x), np.sign(w) * np.cos(k * x)])
-        both = float(min(np.mean(w > 0.0), np.mean(w < 0.0))) > BOTH_WAYS
         least = GRAVITY if turns > DRIFTS else GRAVITY_OR_DRIFT
         if gain < least or (both and 1.0 - _left(signed, y) / total - r2_plain > gain):
             k, design, gain = 0.0, plain, 0.0
@@ -118,13 +118,13 @@ def balance_of(motion: Moved, y: Array, *, periodic: bool = True) -> Explained |
         "gravity": float(np.std(design[:, 4:] @ c[4:])) / spread if k else 0.0,
     }
     # Friction that grows faster than the speed has a negative sign of the speed beside it: what counts is the
-    # power of both.
+    # power of both. In one direction alone a load or an offset looks like friction.
     braking = c[1] * np.sign(w) + c[2] * w
     return Explained(
         r2=r2_plain + gain,
         r2_plain=r2_plain,
         shares=shares,
-        losses=float(np.sign(np.mean(braking * w))) if np.std(braking) > SIGN * spread else 0.0,
+        losses=float(np.sign(np.mean(braking * w))) if both and np.std(braking) > SIGN * spread else 0.0,
         inertia=float(np.sign(c[3])) if shares["inertia"] > SIGN else 0.0,
         period=2.0 * np.pi / k if k else 0.0,
         turns=turns,

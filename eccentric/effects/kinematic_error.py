@@ -95,6 +95,7 @@ def _of(where: str, n: int, rate: sp.Expr, setting: Setting) -> Effect:
             + Gated(v.J_l.symbol, mu * (first * alpha_m + second * omega_m**2)),
             REFERENCE,
             (None, None),
+            per_turn=rate,
         )
         for q, e, first, second in parts
     )

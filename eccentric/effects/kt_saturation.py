@@ -34,13 +34,14 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     Far below i_s a log determines c alone: by the fraction c i_s^2 its coefficient would grow with i_s.
     """
     square = v.i.symbol**2
-    # At a third of the largest current it has fallen by nine tenths of what it falls by in all.
+    # With i_s at a third of the largest current, that current takes nine tenths of all that there is to lose.
     largest, lowest = setting.current_max, setting.current_max / 3.0
     effect = of_flux(
         "kt_saturation",
         [(bend, -square / (1 + square / i_s.symbol**2))],
         setting,
-        # Of all forms with c i_s^2 <= 1, whose torque constant stays positive, the largest c.
+        # The largest c of those forms whose torque constant is positive at any current, c i_s^2 <= 1; of the
+        # others the log has to keep it so.
         bounds=((0.0, lowest**-2),),
         depends_on=("current",),
         formula="k_i and k_e times 1 - c i^2/(1 + (i/i_s)^2)",

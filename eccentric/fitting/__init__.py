@@ -18,6 +18,7 @@ Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`,
     emitted      the emitted module of a model
     residuals    its residuals on a log, and their columns: the design of every fit, extended or not
     states       hidden states along a log
+    unresolved   samples where a ripple repeats faster than half of the log's rate; the drive knows them
     limits       every threshold, with its reason
 
 May import: `signals`, `rigs`, `model`, `effects`, `emission`, `estimation`.
@@ -87,7 +88,6 @@ __all__ = [
     "refit",
     "require_case",
     "residual_samples",
-    "unresolved",
     "with_model_current",
     "with_own",
 ]

@@ -25,6 +25,7 @@ from eccentric.effects import constant_load, with_constant_load
 from eccentric.estimation import Coefficient, ColumnRole
 from eccentric.fitting.along import MetAlong
 from eccentric.fitting.expressions import evaluated
+from eccentric.fitting.limits import LEAST_RESOLVED
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.unresolved import unresolved
 from eccentric.model import Model
@@ -133,10 +134,24 @@ class Drive:
     def unresolved(
         self, model: Model, values: Mapping[str, float]
     ) -> list[tuple[tuple[str, ...], NDArray[np.bool_]]]:
-        """Coefficients of a model's torques that repeat too fast for the log, with the samples where."""
-        terms, time = model.balance("mechanical").terms, self.channels.time
-        given = {**self.known, **values}
-        return unresolved(terms, given, self.channels.motion.omega_m, time.logged_step_s)
+        """Coefficients of a model's torques that repeat too fast for the log, with the samples where.
+
+        None with a voltage alone: the torque comes from it, and has all that it has at the sampled angles. An
+        order that hardly a row of the fit resolves is left as it is: nothing else would determine it.
+        """
+        if self.by_voltage:
+            return []
+        channels, given = self.channels, {**self.known, **values}
+        found = unresolved(
+            model.balance("mechanical").terms, given, channels.motion.omega_m, channels.time.logged_step_s
+        )
+        shown = [float(np.mean(~fast[channels.selection.fit_rows])) > LEAST_RESOLVED for _, fast in found]
+        left = {name for (names, _), kept in zip(found, shown, strict=True) if not kept for name in names}
+        return [
+            (tuple(name for name in names if name not in left), fast)
+            for (names, fast), kept in zip(found, shown, strict=True)
+            if kept
+        ]
 
     @property
     def by_voltage(self) -> bool:

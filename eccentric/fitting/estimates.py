@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +13,7 @@ from eccentric.effects import Shape
 from eccentric.estimation import TWO_SIDED, Coefficient, Estimate, Nonlinear, rms, slopes_between
 from eccentric.fitting.drive import in_drive_unit
 from eccentric.fitting.extended import Extended, Step
-from eccentric.fitting.limits import LEAST_TILT, SHAPE_STEP
+from eccentric.fitting.limits import AT_END, FIRST_PART, HALVINGS, LEAST_TILT, SHAPE_STEP
 from eccentric.model import Model
 
 __all__ = ["estimates", "shares"]
@@ -25,7 +25,7 @@ def estimates(fit: Extended, step: Step) -> tuple[dict[str, Estimate], Array]:
     """Values with standard errors, by name, and the covariance (n, n) of their errors in the same order.
 
     Each is estimated from one balance; NaN is the covariance of two that are from different ones, and zero
-    that of a value that a bound holds.
+    that of a coefficient that a bound holds, or of a shape without a slope.
     """
     found: dict[str, Estimate] = {}
     blocks: list[Array] = []
@@ -98,8 +98,11 @@ def _of_balance(
             slopes.append(factor * unit[k])
     for k, (name, shape) in enumerate(shapes.items(), start=len(names)):
         ends, value = (shape.low, shape.high), point.values[name]
-        at_end = int(math.isclose(value, shape.high)) - int(math.isclose(value, shape.low))
-        found[name] = error.estimate(value, unit[k], units[name], ends, at_end)
+        if shape.jumps:
+            low, high = _profile(fit, step, balance, shape)
+            found[name] = Estimate(value, (high - low) / (2.0 * TWO_SIDED), (low, high), units[name])
+        else:
+            found[name] = error.estimate(value, unit[k], units[name], ends, _end_of(shape, value))
         slopes.append(unit[k])
     gradient, endless = np.array(slopes), np.isinf(np.diag(error.matrix))
     covariance = gradient[:, ~endless] @ error.matrix[np.ix_(~endless, ~endless)] @ gradient[:, ~endless].T
@@ -128,12 +131,60 @@ def _tilt(cosine: Estimate, ends: tuple[float, float]) -> Estimate:
     return Estimate(inside(value), error, (inside(high), inside(low)), "rad", side, widened)
 
 
-def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]) -> Array:
-    """Slopes (rows, q) of prediction minus target by each shape, by forward differences."""
+def _end_of(shape: Shape, value: float) -> int:
+    """-1 for a shape at the lower end of its range, 1 at the upper, 0 in between."""
+    place = _place(shape, value)
+    return int(place > 1.0 - AT_END) - int(place < AT_END)
+
+
+def _place(shape: Shape, value: float) -> float:
+    """Where a value lies in the range of its shape, from 0 to 1."""
+    if shape.scale == "log":
+        return math.log(value / shape.low) / math.log(shape.high / shape.low)
+    return (value - shape.low) / (shape.high - shape.low)
+
+
+def _value(shape: Shape, place: float) -> float:
+    if shape.scale == "log":
+        return float(shape.low * (shape.high / shape.low) ** place)
+    return float(shape.low + (shape.high - shape.low) * place)
+
+
+def _profile(fit: Extended, step: Step, balance: str, shape: Shape) -> tuple[float, float]:
+    """The 95 % interval of a shape without a slope: where the sum of squares rises by what chance allows.
+
+    The other values stay as they are. Rows of one block count as one: they are not independent.
+    """
+    rows, name, misfit = fit.data.rows, shape.quantity.name, _misfit(fit, step, balance)
+    train, here = rows.train, step.point.values[name]
+
+    def loss(place: float) -> float:
+        return float(np.sum(rows.weights[train] * misfit({name: _value(shape, place)})[train] ** 2))
+
+    least, start = loss(_place(shape, here)), _place(shape, here)
+    most = least * (1.0 + TWO_SIDED**2 / len(np.unique(rows.block[train])))
+    found = []
+    for way, last in ((-1.0, 0.0), (1.0, 1.0)):
+        inside, distance = start, FIRST_PART
+        while (outside := start + way * distance) * way < last * way and loss(outside) <= most:
+            inside, distance = outside, 2.0 * distance
+        outside = min(max(outside, 0.0), 1.0)
+        if loss(outside) <= most:
+            found.append(outside)
+            continue
+        for _ in range(HALVINGS):
+            middle = 0.5 * (inside + outside)
+            inside, outside = (middle, outside) if loss(middle) <= most else (inside, middle)
+        found.append(outside)
+    return _value(shape, found[0]), _value(shape, found[1])
+
+
+def _misfit(fit: Extended, step: Step, balance: str) -> Callable[[Mapping[str, float]], Array]:
+    """Prediction minus target (rows,) with other values of some shapes."""
     point = step.point
     every = {s.quantity.name for e, _ in fit.effects for s in e.shapes}
     as_it_is = fit.residuals(point)
-    here = -as_it_is.rows(balance, point.values, point.current) if shapes else np.empty(0)
+    here = -as_it_is.rows(balance, point.values, point.current)
 
     def misfit(at: Mapping[str, float]) -> Array:
         values = {**point.values, **at}
@@ -142,13 +193,22 @@ def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]
         there = fit.residuals(point, shapes={n: values[n] for n in every}) if fit.model.states else as_it_is
         return -there.rows(balance, values, point.current)
 
+    return misfit
+
+
+def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]) -> Array:
+    """Slopes (rows, q) of prediction minus target by each shape, by forward differences; 0 without one."""
+    point = step.point
     ends = {
         name: (x := point.values[name], x + SHAPE_STEP * (s.high - s.low if s.scale == "linear" else x))
         for name, s in shapes.items()
     }
     if not ends:
         return np.zeros((len(fit.data.rows), 0))
-    return slopes_between(misfit, {name: point.values[name] for name in shapes}, ends)
+    here = {name: point.values[name] for name in shapes}
+    found = slopes_between(_misfit(fit, step, balance), here, ends)
+    found[:, [shape.jumps for shape in shapes.values()]] = 0.0
+    return found
 
 
 def _outside(c: Coefficient, fit: Extended, step: Step) -> tuple[str, float, float, str]:

@@ -21,6 +21,13 @@ STARTS, STEPS_OF_A_RANGE = (0.5, 0.1, 0.9), 4.0
 """Where the search for a quantity known by a range starts, as parts of it, and how many steps span it."""
 SHAPE_STEP = 1e-3
 """Step of the slope by a shape, over its range: a state along the log is smooth over it, rounding is not."""
+FIRST_PART, HALVINGS = 1e-3, 6
+"""Of the interval of a shape without a slope: the first step from it, over its range, which then doubles, and
+the halvings of the last: an end is known to a part of its distance."""
+AT_END = 1e-4
+"""Part of its range within which a shape is at an end: a bounded search stops short of it."""
+LEAST_RESOLVED = 0.02
+"""Part of the rows of a fit that must resolve a ripple for the others to be left out of it."""
 LEAST_IN_PLANE = 1e-3
 """Cosine of a tilt below which a plane counts as level: a thousandth of gravity acts in it."""
 LEAST_TILT = 1e-6

@@ -88,7 +88,7 @@ class Refit:
         return moving if drive.along is None else moving + drive.along.torque
 
     @property
-    def unresolved(self) -> NDArray[np.bool_]:
+    def unresolved_rows(self) -> NDArray[np.bool_]:
         """Rows (rows,) where a torque of the effects repeats faster than half of the log's rate."""
         drive, rows = self.data.drive, self.data.rows
         fast = drive.unresolved(self.model, self.values)

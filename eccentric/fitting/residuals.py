@@ -92,11 +92,12 @@ class Residuals:
         """A residual on the samples (n,), all of them with the same parameters."""
         parameters = self._emitted.parameters(values)
         found = self._emitted(f"{balance}_residual", inputs, parameters)
-        if balance == "mechanical" and not self._drive.by_voltage:
-            for names, fast in self._drive.unresolved(self._model, values):
-                without = self._emitted.parameters({**values, **dict.fromkeys(names, 0.0)})
-                found = np.where(fast, self._emitted("mechanical_residual", inputs, without), found)
-        elif balance == "mechanical":
+        if balance != "mechanical":
+            return found
+        for names, fast in self._drive.unresolved(self._model, values):
+            without = self._emitted.parameters({**values, **dict.fromkeys(names, 0.0)})
+            found = np.where(fast, self._emitted("mechanical_residual", inputs, without), found)
+        if self._drive.by_voltage:
             armature = self._emitted("electrical_residual", inputs, parameters)
             found = found + np.where(self._drive.off, 0.0, armature)
         return found

@@ -37,7 +37,8 @@ class Term:
         role: what it does; required for friction, and only for friction.
         load: the load that it is proportional to.
         joint: the joint that it belongs to, counted from the base; a single link has joint 0.
-        per_turn: how often it repeats per turn of the motor, in parameters; 0 for what does not.
+        per_turn: how often a ripple over the motor's angle repeats per turn of it, in parameters; 0 for what
+            is none, or is a misreading of that angle.
     """
 
     name: str

@@ -57,7 +57,7 @@ def question_of(found: Diagnosis) -> Question:
         InputError: the log does not fit the rig.
     """
     if not found.models.fits_the_rig:
-        raise _unfit(found.rig.path, f" with an R^2 of {found.models.r_squared:.2f}")
+        raise _unfit(found.rig.path, f" that does not ({found.models.misfit})")
     searched, rivals = found.attribution.searches, rivals_of(found)
     unexplained = found.attribution.verdict == "unexplained"
     return Question(

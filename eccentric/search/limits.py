@@ -312,7 +312,7 @@ LEADERS = 8
 STEPS = 15
 """Steps of a refinement, most of which end after five."""
 SIMPLEX_STEPS = 4
-"""Evaluations for each step of a refinement without slopes: a simplex takes as many to turn."""
+"""Fits for each step of a refinement without slopes: as many as least squares takes for three shapes."""
 FIRST_STEPS = 4
 """The same before the comparison, for what changes the base: its grid is coarse."""
 TOGETHER = 3

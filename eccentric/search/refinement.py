@@ -1,5 +1,7 @@
 """Shapes between the points of their grid: nonlinear least squares on the residual of the bounded fit.
 
+Where the residual jumps with one of them, it has no slope: then a simplex searches all of them.
+
 The coefficients are eliminated, as in the variable projection of G. H. Golub and V. Pereyra (SIAM Journal on
 Numerical Analysis 10(2), 1973), so that only the shapes are searched.
 """
@@ -37,7 +39,8 @@ def refined(
     Args:
         variants: where the search begins; some of them may have no shapes.
         residual: variants -> what the fit of all coefficients leaves (rows,).
-        steps: of the search, at most; each costs one fit, and one more for each shape.
+        steps: of the search, at most; each costs one fit, and one more for each shape. A simplex takes
+            `SIMPLEX_STEPS` fits for each.
     """
     shapes = [(k, shape) for k, variant in enumerate(variants) for shape in variant.candidate.shapes]
 
