@@ -47,13 +47,13 @@ def test_friction_that_drives_does_not_fit_the_rig(tmp_path: Path) -> None:
     assert () == found.effects
 
 
-@pytest.mark.parametrize(("factor", "fits"), [(1e3, False), (1e-3, True), (1.0, True)])
+@pytest.mark.parametrize(("factor", "fits"), [(1e3, False), (10.0, True)])
 def test_a_voltage_in_millivolts_is_no_resistance(factor: float, fits: bool) -> None:
     """Read as volts, it is a thousand times what R i + k_e w says: no effect is named for it.
 
-    One that is read a thousand times too small leaves the drive itself, which R and k_e could explain.
+    Ten times could be a k_e in V/rpm.
     """
-    run = simulate(drawn_scenario(3, case="C2", mu=0.2, seconds=40.0))
+    run = simulate(drawn_scenario(3, case="C2", mu=0.2, seconds=20.0))
     found = diagnose([read_log({**run.columns, "voltage_V": factor * run.columns["voltage_V"]})], run.rig)
 
     assert fits == found.models.fits_the_rig

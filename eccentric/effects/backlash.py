@@ -85,7 +85,7 @@ def _states(setting: Setting) -> tuple[State, State]:
     dry = v.mu.symbol * link_force(setting) * arm.symbol * direction
     friction = dry * (1 + rise.symbol * speed / _top(setting).symbol)
     load = gravity(setting) + friction if setting.case == "C2" else direction
-    now = Sgn(load) * Sgn(sp.Max(0, speed - _still(setting).symbol))
+    now = Sgn(load) * Sgn(sp.Max(0, speed / _still(setting).symbol - 1))
     changed = now * (now * side.symbol**2 - side.symbol) / 2  # 1 if both are known and differ
     # A load that changes back within the gap has to close what the motor has travelled so far.
     rest = sp.Abs(changed - left.symbol) - speed * dt / gap.symbol
@@ -104,10 +104,11 @@ def _still(setting: Setting) -> Definition:
     return constant("backlash_still", "rad/s", "speed below which the drive stands", slow, "w_0")
 
 
-def _of_the_link(setting: Setting) -> tuple[Shape, Shape]:
-    """The friction of the link: at rest, and what it gains at the top speed."""
+def _of_the_link(setting: Setting, points: int) -> tuple[Shape, Shape]:
+    """The friction of the link: at rest, with so many points, and what it gains at the top speed."""
     longest = 0.4 * setting.known.get("L", 0.25)
-    return Shape(arm, 0.0, longest, "linear", 5, jumps=True), Shape(rise, 0.0, 1.5, "linear", 3, jumps=True)
+    at_rest = Shape(arm, 0.0, longest, "linear", points, jumps=True)
+    return at_rest, Shape(rise, 0.0, 1.0, "linear", 2, jumps=True)
 
 
 def _freed(setting: Setting) -> Effect:
@@ -138,7 +139,7 @@ def _freed(setting: Setting) -> Effect:
     roles, inputs = [Role.VISCOUS, Role.COULOMB], ()
     if setting.case == "C2":
         columns.insert(0, (GRAVITY, -free * gravity(setting)))
-        shapes += _of_the_link(setting)
+        shapes += _of_the_link(setting, 5)
         roles.insert(0, Role.NONE)
         inputs = (v.theta_m,)
     return addition(
@@ -172,7 +173,7 @@ def _lag(setting: Setting) -> Effect:
         reference=REFERENCE,
         shapes=(
             Shape(gap, 2e-3 / setting.mu, 0.5 / setting.mu, "log", 6, jumps=True),
-            *_of_the_link(setting),
+            *_of_the_link(setting, 3),
         ),
         inputs=(v.theta_m,),
         definitions=(_still(setting), _top(setting)),
