@@ -22,4 +22,4 @@ def test_a_gap_under_gravity_is_found_with_its_size() -> None:
     assert run.truth["effects"][0]["amplitude"] == pytest.approx(values["backlash_gap"], rel=0.1)
     # In the gap all of gravity and of the link's dry friction is gone.
     assert 1.0 == pytest.approx(values["backlash_G"], rel=0.1)
-    assert plant.C_lN == pytest.approx(values["backlash_C"], rel=0.1)
+    assert plant.C_lN == pytest.approx(values["backlash_C"], rel=0.15)
