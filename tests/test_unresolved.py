@@ -52,7 +52,7 @@ def found() -> DiagnosisResult:
 
 
 def test_a_fast_ripple_that_the_circuit_shows_is_named(found: DiagnosisResult) -> None:
-    """Its alias in the mechanical balance, where the fit has its torque, does not contradict it."""
+    """The motion cannot show it at most of the speeds, and does not contradict it there."""
     (effect,) = found.document["effects"]
 
     assert ("named", f"kt_ripple[n={ORDER}]") == (found.verdict, effect["id"])

@@ -7,6 +7,7 @@ emitted by the same code.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -41,6 +42,18 @@ class Shape:
     def middle(self) -> float:
         """The middle of the range, on its scale."""
         return (self.low * self.high) ** 0.5 if self.scale == "log" else 0.5 * (self.low + self.high)
+
+    def at(self, place: float) -> float:
+        """The value at a place in the range, on its scale: 0 is its lower end, 1 its upper."""
+        if self.scale == "log":
+            return float(self.low * (self.high / self.low) ** place)
+        return float(self.low + (self.high - self.low) * place)
+
+    def place_of(self, value: float) -> float:
+        """The place of a value in the range, from 0 to 1."""
+        if self.scale == "log":
+            return math.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
 
 
 @dataclass(frozen=True)

@@ -133,21 +133,8 @@ def _tilt(cosine: Estimate, ends: tuple[float, float]) -> Estimate:
 
 def _end_of(shape: Shape, value: float) -> int:
     """-1 for a shape at the lower end of its range, 1 at the upper, 0 in between."""
-    place = _place(shape, value)
+    place = shape.place_of(value)
     return int(place > 1.0 - AT_END) - int(place < AT_END)
-
-
-def _place(shape: Shape, value: float) -> float:
-    """Where a value lies in the range of its shape, from 0 to 1."""
-    if shape.scale == "log":
-        return math.log(value / shape.low) / math.log(shape.high / shape.low)
-    return (value - shape.low) / (shape.high - shape.low)
-
-
-def _value(shape: Shape, place: float) -> float:
-    if shape.scale == "log":
-        return float(shape.low * (shape.high / shape.low) ** place)
-    return float(shape.low + (shape.high - shape.low) * place)
 
 
 def _profile(fit: Extended, step: Step, balance: str, shape: Shape) -> tuple[float, float]:
@@ -159,9 +146,10 @@ def _profile(fit: Extended, step: Step, balance: str, shape: Shape) -> tuple[flo
     train, here = rows.train, step.point.values[name]
 
     def loss(place: float) -> float:
-        return float(np.sum(rows.weights[train] * misfit({name: _value(shape, place)})[train] ** 2))
+        return float(np.sum(rows.weights[train] * misfit({name: shape.at(place)})[train] ** 2))
 
-    least, start = loss(_place(shape, here)), _place(shape, here)
+    start = shape.place_of(here)
+    least = loss(start)
     most = least * (1.0 + TWO_SIDED**2 / len(np.unique(rows.block[train])))
     found = []
     for way, last in ((-1.0, 0.0), (1.0, 1.0)):
@@ -176,7 +164,7 @@ def _profile(fit: Extended, step: Step, balance: str, shape: Shape) -> tuple[flo
             middle = 0.5 * (inside + outside)
             inside, outside = (middle, outside) if loss(middle) <= most else (inside, middle)
         found.append(outside)
-    return _value(shape, found[0]), _value(shape, found[1])
+    return shape.at(found[0]), shape.at(found[1])
 
 
 def _misfit(fit: Extended, step: Step, balance: str) -> Callable[[Mapping[str, float]], Array]:
@@ -202,12 +190,12 @@ def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]
     ends = {
         name: (x := point.values[name], x + SHAPE_STEP * (s.high - s.low if s.scale == "linear" else x))
         for name, s in shapes.items()
+        if not s.jumps
     }
-    if not ends:
-        return np.zeros((len(fit.data.rows), 0))
-    here = {name: point.values[name] for name in shapes}
-    found = slopes_between(_misfit(fit, step, balance), here, ends)
-    found[:, [shape.jumps for shape in shapes.values()]] = 0.0
+    found = np.zeros((len(fit.data.rows), len(shapes)))
+    if ends:
+        here = {name: point.values[name] for name in ends}
+        found[:, [name in ends for name in shapes]] = slopes_between(_misfit(fit, step, balance), here, ends)
     return found
 
 

@@ -97,14 +97,8 @@ def _without_slopes(loss: Callable[[Array], float], start: Array, beside: Array,
 
 def _value(shape: Shape, x: float) -> float:
     """The value at a place in the range, which is counted from 1 to 2: SciPy's steps are relative to it."""
-    x = min(max(x - 1.0, 0.0), 1.0)
-    if shape.scale == "log":
-        return float(shape.low * (shape.high / shape.low) ** x)
-    return float(shape.low + (shape.high - shape.low) * x)
+    return shape.at(min(max(x - 1.0, 0.0), 1.0))
 
 
 def _place(shape: Shape, values: Values) -> float:
-    value = values[shape.quantity.name]
-    if shape.scale == "log":
-        return 1.0 + float(np.log(value / shape.low) / np.log(shape.high / shape.low))
-    return 1.0 + (value - shape.low) / (shape.high - shape.low)
+    return 1.0 + shape.place_of(values[shape.quantity.name])
