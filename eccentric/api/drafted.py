@@ -250,8 +250,8 @@ def _tried(logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], complaints
             filled = True
             given = {**given, "known": {**given.get("known", {}), here(letter): here(_TYPICAL[letter])}}
             continue
-        # A value that was filled in, and a column that is read wrongly, contradict the log by themselves.
-        if filled or any("[columns]" in line for line in complaints):
+        # A value that was filled in, and a column or a gear that is wrong, contradict the log by themselves.
+        if filled or any("[columns]" in line or "[known] mu = " in line for line in complaints):
             return RigCheck(tuple(missing), (), ())
         contradicted = [f"{rig.path}: {_with_mend(f)}" for f in channels.intake.findings if _grave(f)]
         if not contradicted and not fit.fits_the_rig:

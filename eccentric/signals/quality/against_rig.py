@@ -20,7 +20,7 @@ from eccentric.signals.quality.body import (
     is_clear,
     means_of,
 )
-from eccentric.signals.quality.causes import ANGLES, SPEEDS, Logged, common_cause, mass_causes, single_cause
+from eccentric.signals.quality.causes import Logged, common_cause, mass_causes, motions, single_cause
 from eccentric.signals.quality.declared import torque_per_unit, upright_gravity_of
 from eccentric.signals.quality.limits import BETTER, EXPLAINED, FACTOR, FACTOR_MOTOR, IDEAL, TURNED
 from eccentric.signals.quality.mends import of_letter, readings, with_unit
@@ -57,10 +57,10 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
         yield _sign(against, bodies, means)
         return
     # In case C1 a slow sine would explain any drift.
-    angle = channels.motion.quantum_rad > 0.0
-    unit = "" if rig.case == "C1" else _angle_unit(means, drive, angle)
+    logged = _logged(channels, rig)
+    unit = "" if rig.case == "C1" else _angle_unit(means, logged)
     if unit:
-        name, channel = ("angle", "theta_m") if angle else ("speed", "omega_m")
+        channel, name = logged.motion
         text = f"the {drive} follows gravity if the {name} {unit}: correct the rig's [columns]"
         yield Finding("wrong_unit", channel, text, means.rows, "warning")
         return
@@ -130,12 +130,19 @@ def _sign(against: list[str], bodies: dict[str, RigidBody], m: Means) -> Finding
     return Finding("wrong_sign", channel, text, m.rows, "warning")
 
 
-def _angle_unit(m: Means, drive: str, angle: bool) -> str:
-    """Return the unit of the angle under which gravity shows in the drive, empty for the rig's own."""
-    x = m.drives.get(drive)
+def _logged(c: Channels, rig: Rig) -> Logged:
+    columns = rig.log.columns or {}
+    angle = c.motion.quantum_rad > 0.0
+    of_link = ("theta_l" if angle else "omega_l") in columns
+    return Logged(c.motor.measured_by, rig.known.get("mu"), angle, rig.axis, of_link)
+
+
+def _angle_unit(m: Means, logged: Logged) -> str:
+    """Return the unit or side of the angle under which gravity shows, empty for the rig's own."""
+    x = m.drives.get(logged.drive)
     if m.link is None or x is None:
         return ""
-    words = {1.0: ""} | {factor: unit for unit, factor in (ANGLES if angle else SPEEDS).items()}
+    words = {1.0: ""} | {factor: unit for unit, factor in motions(logged).items()}
     bodies = {factor: body_of(m, x, m.link / factor) for factor in words}
     best = max(bodies, key=lambda factor: bodies[factor].explained)
     left, now = 1.0 - bodies[best].explained, 1.0 - bodies[1.0].explained
@@ -178,7 +185,7 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
     off = [ratio for ratio in ratios if ratio.off(limits.get(ratio.name, FACTOR))]
     if not off:
         return
-    logged = Logged(c.motor.measured_by, rig.known.get("mu"), c.motion.quantum_rad > 0.0, rig.axis)
+    logged = _logged(c, rig)
     cause = common_cause(ratios, logged)
     if cause:
         said, mend = with_unit(cause, rig)

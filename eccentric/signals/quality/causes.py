@@ -20,12 +20,16 @@ TURN = 2.0 * math.pi
 
 @dataclass(frozen=True)
 class Logged:
-    """What a cause depends on: the drive's signal, mu if known, whether an angle is logged, the axis."""
+    """What a cause depends on: the drive's signal, mu if known, whether an angle is logged, the axis.
+
+    `of_link`: the motion is logged at the link, so that mu makes it that of the motor.
+    """
 
     drive: str
     mu: float | None
     angle: bool
     axis: AxisKind = TURNING
+    of_link: bool = False
 
     @property
     def motion(self) -> tuple[str, str]:
@@ -49,9 +53,23 @@ class Cause:
     letter: str = ""
 
 
-ANGLES = {"is in deg": 360.0 / TURN, "is in rev": 1.0 / TURN}
-SPEEDS = {"is in rpm": 60.0 / TURN, "is in deg/s": 360.0 / TURN, "is in rev/s": 1.0 / TURN}
-"""Possible units of the angle, or of the speed if no angle is logged, with their factors to SI."""
+_ANGLES = {"is in deg": 360.0 / TURN, "is in rev": 1.0 / TURN}
+_SPEEDS = {"is in rpm": 60.0 / TURN, "is in deg/s": 360.0 / TURN, "is in rev/s": 1.0 / TURN}
+
+
+def motions(logged: Logged) -> dict[str, float]:
+    """Return what the angle, or speed, may be instead: words, and the factor of its values."""
+    return ((_ANGLES if logged.angle else _SPEEDS) if logged.axis.wraps else {}) | _sides(logged)
+
+
+def _sides(logged: Logged) -> dict[str, float]:
+    """The other side of the gear, unless it is nearly direct."""
+    mu = logged.mu
+    if not logged.axis.wraps or mu is None or DIRECT[0] < mu < DIRECT[1]:
+        return {}
+    if logged.of_link:
+        return {"is the motor's, mapped as the link's": 1.0 / mu}
+    return {"is the link's, mapped as the motor's": mu}
 
 
 def common_cause(ratios: Sequence[Ratio], logged: Logged) -> Cause | None:
@@ -63,7 +81,21 @@ def common_cause(ratios: Sequence[Ratio], logged: Logged) -> Cause | None:
         made = [ratio for ratio in ratios if ratio.name in cause.ratios]
         if len(made) > 1 and all(ratio.near(cause.ratios.get(ratio.name, 1.0)) for ratio in ratios):
             return cause
-    return _scale(ratios, logged.drive)
+    return _gear(ratios, logged) or _scale(ratios, logged.drive)
+
+
+def _gear(ratios: Sequence[Ratio], logged: Logged) -> Cause | None:
+    """Blame mu where the link's motion is logged: by k_e it is off by a factor, by gravity by its inverse."""
+    of = {ratio.name: ratio for ratio in ratios}
+    emf, gravity = of.get("k_e"), of.get("M g L")
+    if not logged.of_link or logged.mu is None or emf is None or gravity is None or emf.value <= 0.0:
+        return None
+    if emf.near(1.0) or not gravity.near(1.0 / emf.value):
+        return None
+    if "R" in of and not of["R"].near(1.0):
+        return None
+    text = f"mu is {logged.mu:.4g} by the rig, and {logged.mu / emf.value:.3g} makes k_e and gravity agree"
+    return Cause("contradiction", "mu", text, {})
 
 
 def _scale(ratios: Sequence[Ratio], drive: str) -> Cause | None:
@@ -94,24 +126,21 @@ def _scale(ratios: Sequence[Ratio], drive: str) -> Cause | None:
 
 
 def _causes(logged: Logged) -> list[Cause]:
-    mu, angle = logged.mu, logged.angle
-    channel, name = logged.motion
-    units = ANGLES if angle else SPEEDS
-    if not logged.axis.wraps:
-        units = {}
-    elif mu is not None and not DIRECT[0] < mu < DIRECT[1]:
-        sides = {"is the link's, mapped as the motor's": mu, "is the motor's, mapped as the link's": 1.0 / mu}
-        units = units | sides
-    causes = [
-        Cause("wrong_unit", channel, f"the {name} {words}", {"J": 1.0 / f, "k_e": 1.0 / f, "k_i": 1.0 / f})
-        for words, f in units.items()
-    ]
+    channel = logged.motion[0]
+    causes = [_motion(words, f, logged) for words, f in motions(logged).items()]
     causes += [
         Cause("wrong_unit", "time", f"the time is in {unit}", {"J": f * f, "k_e": f, "k_i": f})
         for unit, f in (("ms", 1e3), ("us", 1e6))
     ]
     signals = _SIGNALS if logged.axis.wraps else (*_SIGNALS, channel)
     return [*causes, *(_prefixed(name, factor, logged) for factor in (1e3, 1e-3) for name in signals)]
+
+
+def _motion(words: str, factor: float, logged: Logged) -> Cause:
+    """The angle or the speed, whose values are this factor larger than they should be."""
+    channel, name = logged.motion
+    made = dict.fromkeys(("J", "k_e", "k_i"), 1.0 / factor)
+    return Cause("wrong_unit", channel, f"the {name} {words}", made)
 
 
 _SIGNALS = ("current", "voltage", "torque")
@@ -178,6 +207,12 @@ def single_cause(ratio: Ratio, logged: Logged) -> tuple[str, Cause | None]:
         cause = _prefixed("current" if ratio.letter in ("R", "k_i") else drive, factor, logged)
         if ratio.name in cause.ratios and ratio.value > 0.0 and ratio.near(cause.ratios[ratio.name]):
             return f" ({cause.text}?)", cause
+    if ratio.name == "k_e":
+        for words, factor in _sides(logged).items():
+            if abs(math.log(max(ratio.value, 1e-300) * factor)) <= NEAR:
+                return f" (the {logged.motion[1]} {words}?)", _motion(words, factor, logged)
+        if logged.of_link and mu is not None and ratio.value > 0.0:
+            return f" (or is mu {mu / ratio.value:.3g}?)", None
     near = {math.inf: ""}
     if ratio.value > 0.0:
         near |= {abs(math.log(ratio.value / factor)): words for factor, words in causes.items()}
