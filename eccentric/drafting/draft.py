@@ -20,6 +20,7 @@ from eccentric.drafting.carriage import (
 from eccentric.drafting.clock import SECONDS, Clock, find_clock, find_runs
 from eccentric.drafting.columns import LoggedColumn, columns_of, step_of, wrap_of
 from eccentric.drafting.drives import find_drives
+from eccentric.drafting.gear import Gear, gear_of
 from eccentric.drafting.motion import Grid, Pair, grid_of, pairs_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
@@ -126,22 +127,23 @@ def draft_of(log: Log) -> Draft:
     drives, no_drives = driven(drives, {c.text: c.name.unit for c in rest}, carried)
     left_out |= no_drives
     found = [] if carried else readings(evidence)
-    if carried:
+    gear = gear_of(found[0], evidence, gravity) if found else None
+    if gear is None:
         moving = carriage_channels(evidence, _said(pair))
         proposals = [*([run] if run else []), clock.proposal, *moving]
     else:
         moving = []
-        proposals = _channels(clock, run, found, evidence, pair, doubt)
+        proposals = _channels(clock, run, found, evidence, pair, gear, doubt)
     drive = next((c for c in rest if drives and c.text == drives[0].source), None)
     named, unclear = find_flags(flags, grid, motion, drive)
     left_out |= unclear
     left_out |= {n: why for n, why in ratio.items() if not any(n in p.reads for p in drives)}
     proposals += [*drives, *([temperature] if temperature else []), *named]
-    if carried:
+    if gear is None:
         largest = float(np.quantile(np.abs(drive.values), 0.999)) if drive else 0.0
         entries = carriage_entries(evidence, moving, drives, largest)
     else:
-        entries = entries_of(found[0], evidence, gravity, drives)
+        entries = entries_of(found[0], evidence, gravity, gear.mu, drives)
     if not drives:
         why = "a current, a torque or a voltage is required, and no column follows the motion as one does"
         entries = [RigLine("columns", "current", '"its column"', why, asked=True, needed=True), *entries]
@@ -274,6 +276,7 @@ def _channels(
     found: Sequence[Reading],
     given: Shown,
     pair: Pair | None,
+    gear: Gear,
     doubt: str,
 ) -> list[Proposal]:
     """Time, run, angle and speed in the units of the best reading."""
@@ -285,7 +288,6 @@ def _channels(
             "time", time.column, best.time, (*time.evidence[:1], said), time.confidence, time.doubt
         )
     proposals = [*([run] if run else []), time]
-    side = "l" if _on_link(best, given) else "m"
     for column, what, unit in ((given.angle, "angle", best.angle), (given.speed, "speed", best.speed)):
         if column is None:
             continue
@@ -314,7 +316,7 @@ def _channels(
             doubts.append("the log shows counts per turn times gear, not each: check encoder_counts_per_rev")
         if unit.startswith("counts") and not best.counts:
             doubts.append("how many counts a turn has is not to be seen: put encoder_counts_per_rev")
-        channel = {"angle": "theta_", "speed": "omega_"}[what] + side
+        channel = f"theta_{gear.angle}" if what == "angle" else f"omega_{gear.speed}"
         proposals.append(Proposal(channel, column.text, unit, tuple(said), sure, "; ".join(doubts)))
     return proposals
 
@@ -335,10 +337,3 @@ def _others(found: Sequence[Reading], what: str, unit: str) -> list[str]:
         for own, weight in sorted(weights.items(), key=lambda x: -x[1])
         if weight > 0.02
     ]
-
-
-def _on_link(best: Reading, given: Shown) -> bool:
-    """Whether the logged shaft is the link: by its name, where gravity does not say otherwise."""
-    named = given.angle or given.speed
-    says = named is not None and named.name.side == "l"
-    return says and (not best.gear or math.isclose(best.gear, 1.0, rel_tol=0.1))

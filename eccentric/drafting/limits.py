@@ -51,6 +51,10 @@ SIGN = 0.05
 """Share of a term from which its sign counts: below, noise decides it."""
 SCANNED = 3000
 """Points that the wave number of gravity is searched on."""
+SAME_SHAFT = 0.1
+"""Relative error of the number of turns in which gravity repeats: less than two shafts of a gear differ."""
+NEAR_WHOLE = 0.02
+"""A gear this close to a whole number is taken for it: gravity and a filtered speed say no more."""
 MOST_TURNS = 400
 """Periods within the travel that are tried: an axis that turned further is cut."""
 TOLD = 0.1

@@ -10,6 +10,7 @@ import numpy as np
 from eccentric.drafting import limits
 from eccentric.drafting.balance import Explained, Moved
 from eccentric.drafting.columns import nice_counts
+from eccentric.drafting.gear import SHORT
 from eccentric.drafting.motion import Grid
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.units import Reading, Shown
@@ -24,18 +25,16 @@ def entries_of(
     best: Reading,
     given: Shown,
     balance: Explained | None,
+    gear: RigLine,
     drives: Sequence[Proposal],
 ) -> list[RigLine]:
-    """The lines of the rig file."""
+    """The lines of the rig file; `gear` is that of mu."""
     kinds = {p.channel for p in drives}
     return [
         *_encoder(best, given, balance),
         *_alignment(balance, kinds),
-        *_known(best, given, balance, kinds),
+        *_known(gear, given, balance, kinds),
     ]
-
-
-_SHORT = "less than one period of gravity was seen: no more than a guess"
 
 
 def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[RigLine]:
@@ -45,7 +44,7 @@ def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[Rig
         if best.counts:
             why = "; ".join(w for w in best.why["angle"] if "counts" in w)
             by_gravity = not given.wrap and not given.factor
-            doubt = _SHORT if by_gravity and balance is not None and balance.turns < 1.0 else ""
+            doubt = SHORT if by_gravity and balance is not None and balance.turns < 1.0 else ""
             counts = f"{best.counts:g}"
             return [RigLine("", "encoder_counts_per_rev", counts, why, doubt, guessed=bool(doubt))]
         return [
@@ -97,7 +96,7 @@ def _alignment(balance: Explained | None, kinds: set[str]) -> list[RigLine]:
     return entries
 
 
-def _known(best: Reading, given: Shown, balance: Explained | None, kinds: set[str]) -> list[RigLine]:
+def _known(gear: RigLine, given: Shown, balance: Explained | None, kinds: set[str]) -> list[RigLine]:
     """[known] and [unknown]: the case and the gear as the log shows them, the rest as questions."""
     gravity = balance is not None and balance.period > 0.0
     entries: list[RigLine] = []
@@ -135,7 +134,7 @@ def _known(best: Reading, given: Shown, balance: Explained | None, kinds: set[st
                 needed=True,
             )
         )
-    entries.append(_gear(best, balance))
+    entries.append(gear)
     entries += [
         RigLine("known", "M", '"0.5 kg"', "the unbalanced mass: weigh it", asked=True, needed=True),
         RigLine(
@@ -199,25 +198,6 @@ def _known(best: Reading, given: Shown, balance: Explained | None, kinds: set[st
         ),
     ]
     return entries
-
-
-def _gear(best: Reading, balance: Explained | None) -> RigLine:
-    said = best.gear
-    if said and abs(said - 1.0) > 0.1:
-        whole = round(said)
-        near = whole >= 2 and abs(said / whole - 1.0) < 0.02
-        if not near and balance is not None and balance.turns < 1.0:
-            why = f"gravity may repeat every {said:.3g} turns; 1 sees everything at the logged shaft"
-            return RigLine("known", "mu", "1", why, _SHORT)
-        value = f'"1/{whole}"' if near else f"{1.0 / said:.6g}"
-        doubt = "" if near else "no whole number: check it"
-        why = f"gravity repeats every {said:.4g} turns of the logged shaft"
-        return RigLine("known", "mu", value, why, doubt, guessed=bool(doubt))
-    if said:
-        why = "the logged angle is that of the link: all is seen at its shaft, a gear is inside k_i and J_m"
-        return RigLine("known", "mu", "1", why)
-    why = "link speed over motor speed; 1 sees everything at the logged shaft"
-    return RigLine("known", "mu", "1", why, "without gravity the log does not show the gear")
 
 
 def facts_of(grid: Grid, motion: Moved) -> list[str]:

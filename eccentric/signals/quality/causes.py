@@ -139,7 +139,7 @@ def _causes(logged: Logged) -> list[Cause]:
 def _motion(words: str, factor: float, logged: Logged) -> Cause:
     """The angle or the speed, whose values are this factor larger than they should be."""
     channel, name = logged.motion
-    made = dict.fromkeys(("J", "k_e", "k_i"), 1.0 / factor)
+    made: dict[str, float] = dict.fromkeys(("J", "k_e", "k_i"), 1.0 / factor)
     return Cause("wrong_unit", channel, f"the {name} {words}", made)
 
 
