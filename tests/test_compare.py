@@ -121,10 +121,9 @@ def test_the_figure_has_a_bar_for_each_model(folder: Path) -> None:
         (["c3"], "model 'c3' is unknown"),
         (["c2_parallel", "c2_parallel"], "only once, received c2_parallel twice"),
         (["c2_parallel+stribek"], "did you mean stribeck?"),
-        (["c2_parallel+inverter_deadtime"], "in the electrical one alone"),
         (["c1_perpendicular"], "requires case C1"),
     ],
-    ids=["model", "twice", "effect", "electrical", "case"],
+    ids=["model", "twice", "effect", "case"],
 )
 def test_what_cannot_be_compared_is_refused_in_one_line(
     models: list[str], words: str, capsys: pytest.CaptureFixture[str]
@@ -150,6 +149,23 @@ def test_an_effect_of_both_balances_is_compared_by_what_it_does_to_the_drive() -
 
     assert bias.rmse < 0.9 * plain.rmse
     assert bias.rmse == pytest.approx(alias.rmse, rel=0.01)
+
+
+def test_an_effect_of_the_circuit_alone_is_compared_by_the_error_of_the_circuit() -> None:
+    """The dead time of the inverter leaves the drive's error as it is; the circuit is the better for it."""
+    run = simulate(drawn_scenario(5, effects=(("inverter_deadtime", 0.2),), case="C2", mu=0.2, seconds=40.0))
+    names = "c2_parallel+inverter_deadtime", "c2_parallel"
+    found = eccentric.compare(run.columns, run.rig, [*reversed(names)])
+    own, plain = found.contest.entries[:2]
+    noise = eccentric.diagnose(run.columns, run.rig).rmse["electrical"]["extended"]
+
+    assert names == (own.name, plain.name)
+    assert own.rmse == pytest.approx(plain.rmse, rel=1e-9)
+    assert own.circuit is not None
+    assert plain.circuit is not None
+    assert own.circuit < 0.8 * plain.circuit
+    assert own.circuit == pytest.approx(noise, rel=0.01)
+    assert f"{own.circuit:.4g}" in found.summary()
 
 
 def test_json_is_printed_for_programs(capsys: pytest.CaptureFixture[str]) -> None:

@@ -96,11 +96,13 @@ class CompareResult(Printed):
     def table(self) -> ResultTable:
         """A row for each model: errors, R^2, number of parameters, gain and its 95 % interval in percent.
 
-        The second error is that below the low pass of the angle, None where rows are averages.
+        The second error is that below the low pass of the angle, None where rows are averages; the third that
+        of the electrical balance, None where the log has none. The gain is that of the first.
         """
-        names = ("model", "rmse", "rmse_below", "r_squared", "parameters", "percent", "lower", "upper")
+        errors = ("rmse", "rmse_below", "rmse_circuit")
+        names = ("model", *errors, "r_squared", "parameters", "percent", "lower", "upper")
         rows = (
-            (e.name, e.rmse, e.below, e.r_squared, e.parameters, e.percent, *e.interval)
+            (e.name, e.rmse, e.below, e.circuit, e.r_squared, e.parameters, e.percent, *e.interval)
             for e in self.contest.entries
         )
         return ResultTable(names, tuple(rows))

@@ -36,6 +36,8 @@ class Entry:
         effects: ids of the effects that extend it.
         rmse: held-out RMSE in the unit of the contest.
         below: the same below the low pass of the angle, None where rows are averages.
+        circuit: held-out RMSE of the electrical balance in that unit, None where the log has none and for
+            Coulomb + viscous friction, which says nothing about it.
         r_squared: of the drive on the held-out rows.
         parameters: number of values that were estimated from the log.
         percent, interval: gain over Coulomb + viscous friction, with its 95 % interval.
@@ -45,6 +47,7 @@ class Entry:
     effects: tuple[str, ...]
     rmse: float
     below: float | None
+    circuit: float | None
     r_squared: float
     parameters: int
     percent: float
@@ -95,7 +98,7 @@ def contest(
 
     Raises:
         InputError: bad input; no model, or one twice; a model that `diagnose` does not take; an effect that
-            this log does not show, or in the electrical balance alone.
+            this log does not show.
     """
     names = [model if isinstance(model, str) else model.name for model in models]
     if not names:
@@ -116,6 +119,7 @@ def contest(
             (),
             rms(before),
             _below(linear, scored),
+            None,
             r_squared(before, target),
             len(linear.estimates),
             0.0,
@@ -131,6 +135,7 @@ def contest(
                 effects_of,
                 rms(after),
                 _below(fit, scored),
+                _circuit(fit),
                 r_squared(after, target),
                 len(fit.estimates),
                 *improvement(before, after),
@@ -145,7 +150,7 @@ def contest(
         channels.selection.holdout.rule,
         float(_in_drive_unit(linear, np.array([drive_noise(own.data)]))[0]),
         channels.rig.sampling.low_pass_hz,
-        tuple(sorted(entries, key=lambda entry: entry.rmse)),
+        tuple(sorted(entries, key=lambda entry: (entry.rmse, entry.circuit or 0.0))),
         (*channels.intake.warnings, *drive.warnings),
         channels.excerpt,
     )
@@ -156,12 +161,6 @@ def _fitted(given: _Field, model: str | Model) -> Refit:
     name, effects = _parts(model) if isinstance(model, str) else (model, [])
     stage = given.stage(load_model(name) if isinstance(name, str) else name)
     chosen = stage.chosen(f"model {model}", effects) if effects else []
-    for effect, _, _ in chosen:
-        if "mechanical" not in effect.shows_in and stage.data.drive.measured_twice:
-            raise InputError(
-                f"model {model}: effects of the mechanical balance are required, received {effect.id},"
-                " which shows in the electrical one alone"
-            )
     stage.data.require_rank(stage.base, f"model {model}")
     return refit(stage.base, tuple((effect, shapes) for effect, shapes, _ in chosen), stage.data)
 
@@ -189,6 +188,10 @@ def _below(fit: Refit, scored: np.ndarray) -> float | None:
     return None if averaged else rms(_in_drive_unit(fit, fit.smooth_residual())[scored])
 
 
+def _circuit(fit: Refit) -> float | None:
+    return fit.held_out("electrical") * (fit.scale or 1.0) if "electrical" in fit.residuals else None
+
+
 def _in_drive_unit(fit: Refit, torque: np.ndarray) -> np.ndarray:
     """Models that identify different scales are compared in the unit of the drive."""
     return torque * (fit.scale or 1.0)
@@ -212,6 +215,7 @@ def contest_document(found: Contest) -> dict[str, Any]:
                 "effects": list(e.effects),
                 f"rmse_holdout_{unit}": e.rmse,
                 f"rmse_below_low_pass_{unit}": e.below,
+                f"rmse_holdout_electrical_{unit}": e.circuit,
                 "r_squared_holdout": e.r_squared,
                 "parameters": e.parameters,
                 "improvement": {"percent": e.percent, "interval_95": list(e.interval)},
@@ -224,11 +228,14 @@ def contest_document(found: Contest) -> dict[str, Any]:
 
 def contest_lines(found: Contest) -> list[str]:
     """The table for a terminal."""
-    samples = any(e.below is not None for e in found.entries)
-    below = [f"below {found.low_pass_hz:g} Hz [{found.unit}]"] if samples else []
-    rows = [["model", f"held-out RMSE [{found.unit}]", *below, "R^2", "parameters", f"gain over {BASELINE}"]]
-    for e in found.entries:
-        own = [f"{e.below:.4g}"] if samples else []
+    optional = {
+        f"below {found.low_pass_hz:g} Hz [{found.unit}]": [e.below for e in found.entries],
+        f"of the circuit [{found.unit}]": [e.circuit for e in found.entries],
+    }
+    shown = {head: column for head, column in optional.items() if any(x is not None for x in column)}
+    rows = [["model", f"held-out RMSE [{found.unit}]", *shown, "R^2", "parameters", f"gain over {BASELINE}"]]
+    for k, e in enumerate(found.entries):
+        own = ["-" if column[k] is None else f"{column[k]:.4g}" for column in shown.values()]
         rows.append([_called(e), f"{e.rmse:.4g}", *own, f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e)])
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     head = f"{few(found.logs)}: {found.rows} held-out rows ({found.holdout})"
