@@ -181,7 +181,7 @@ DAMAGE: dict[str, Damage] = {
     "k_i": (C2, same, {"k_i_Nm_per_A": 0.19}, "contradiction", "k_i", "off by a factor of 3.0"),
     "J_l in kg cm^2": (C2, same, {"J_l_kgm2": 430.0}, "contradiction", "J", "is in kg cm^2?"),
     "J_l": (C1, same, {"J_l_kgm2": 0.13}, "contradiction", "J", "or give the load's J_l in [unknown]"),
-    "mass": (C2, same, {"M_kg": 1.9}, "contradiction", "M g L", "N m at the motor by the log and "),
+    "mass": (C2, same, {"M_kg": 1.9}, "contradiction", "M g L", "mu M g L is 0."),
     "another rig": (
         C2,
         same,

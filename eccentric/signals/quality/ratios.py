@@ -31,8 +31,10 @@ if TYPE_CHECKING:
 __all__ = ["Ratio", "constant_by_torque", "electrical", "mechanical", "motor_constant"]
 
 _UNITS = {
-    "J": "kg m^2", "M g L": "N m at the motor", "k_e": "V s/rad", "R": "ohm", "k_i": "N m/A",
+    "J": "kg m^2", "M g L": "N m", "k_e": "V s/rad", "R": "ohm", "k_i": "N m/A",
 }  # fmt: skip
+_CALLED = {"M g L": "mu M g L"}
+"""The torque that is compared: gravity at the motor."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,8 @@ class Ratio:
     def of(cls, name: str, found: float, error: float, given: float, text: str = "") -> Ratio:
         """Make one from the value in the log, its uncertainty, and the value in the rig, in SI."""
         unit = _UNITS[name.removesuffix(" by gravity")]
-        said = text or f"{name} is {found:.3g} {unit} by the log and {given:.3g} by the rig"
+        called = _CALLED.get(name, name)
+        said = text or f"{called} is {found:.3g} {unit} by the log and {given:.3g} by the rig"
         return cls(name, found / given, (found - error) / given, (found + error) / given, said, found, unit)
 
     @property
