@@ -227,6 +227,22 @@ def test_an_earlier_diagnosis_says_what_is_open(
     assert apart[0] == pytest.approx(apart[1], rel=0.05)
 
 
+def test_an_effect_of_the_circuit_beside_what_is_open_changes_nothing(
+    tied: tuple[dict[str, np.ndarray], dict[str, object]], found: Diagnosis
+) -> None:
+    """A motion is judged in the balance of the rivals; what the other one lacks stays out of it."""
+    said = json.loads(json.dumps(diagnosis_document(found)))
+    circuit = {"id": "inverter_deadtime", "family": "inverter_deadtime", "probability": 0.99}
+    also = dict(said, extended_by=["inverter_deadtime", *said["extended_by"]])
+    also["candidates"] = [circuit, *said["candidates"]]
+    plain, beside = (question_from(one, [tied[0]], read_rig(tied[1]), None) for one in (said, also))
+
+    assert plain.screen.balance.name == beside.screen.balance.name
+    for one, other in zip(plain.rivals, beside.rivals, strict=True):
+        assert (one.family, one.chance) == (other.family, other.chance)
+        np.testing.assert_allclose(one.coefficients, other.coefficients, rtol=1e-6)
+
+
 def test_a_document_without_a_tie_leaves_one_model(
     tied: tuple[dict[str, np.ndarray], dict[str, object]], found: Diagnosis
 ) -> None:

@@ -121,12 +121,10 @@ def question_from(
     if unknown := asked - {e.id for e in effects}:
         raise InputError(f"{where}: effects that these logs can show are required, received {min(unknown)}")
     candidates = stage.candidates(effects)
-    balances = {c.balance for c in candidates if c.id in asked} or {"mechanical"}
-    if len(balances) > 1:
-        raise InputError(
-            f"{where}: effects of one balance are required, received some of both: leave the diagnosis out"
-        )
-    balance = next(b for b in stage.balances if b.name in balances)
+    # What the other balance lacks changes nothing in the one that shows what is open.
+    shown = {c.id: c.balance for c in candidates} | {"": "mechanical"}
+    balance = next(b for b in stage.balances if b.name == shown[own])
+    beside, rivals = ([n for n in names if shown[n] == balance.name or not n] for names in (beside, rivals))
     screen = Screen(balance, [c for c in candidates if c.balance == balance.name], stage.noise[balance.name])
     by_id = {c.id: c for c in candidates}
     found = [
