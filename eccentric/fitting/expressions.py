@@ -15,6 +15,7 @@ import numpy as np
 import sympy as sp
 
 from eccentric.estimation import Coefficient
+from eccentric.fitting.limits import KEPT_EXPRESSIONS
 from eccentric.model import Column, Model, meaning, regressor
 from eccentric.model import vocabulary as v
 
@@ -117,8 +118,8 @@ class Signals:
             used = value.free_symbols
             own = not used.isdisjoint(put_in) or any(s.name in names for s in used)
             if own or symbol not in self.defined or self.defined[symbol][0] != value:
-                put_in[symbol] = value.xreplace(put_in)
-        return meaning(expression.xreplace(put_in))
+                put_in[symbol] = value
+        return _in_full(expression, tuple(put_in.items()))
 
 
 def base_coefficients(model: Model, signals: Signals) -> tuple[Coefficient, ...]:
@@ -194,8 +195,16 @@ def alike(columns: Sequence[Column]) -> list[tuple[int, ...]]:
     return [tuple(group) for group in groups.values()]
 
 
-# As many as all effects of the library have on a few models.
-@lru_cache(maxsize=2000)
+@lru_cache(maxsize=KEPT_EXPRESSIONS)
+def _in_full(expression: sp.Expr, definitions: tuple[tuple[sp.Symbol, sp.Expr], ...]) -> sp.Expr:
+    """An expression with these definitions put in, each in those after it, and plain formulas for steps."""
+    put_in: dict[sp.Symbol, sp.Expr] = {}
+    for symbol, value in definitions:
+        put_in[symbol] = value.xreplace(put_in)
+    return meaning(expression.xreplace(put_in))
+
+
+@lru_cache(maxsize=KEPT_EXPRESSIONS)
 def _function_of(expression: sp.Expr) -> tuple[Callable[..., Any], tuple[str, ...]]:
     """An expression as a function of its symbols, and their names; compiled once per process."""
     symbols = sorted(expression.free_symbols, key=str)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import sympy as sp
 from scipy.linalg.lapack import dtbtrs
 
 from eccentric.fitting.expressions import Signals, lambdified
-from eccentric.fitting.limits import MOST_KEPT
+from eccentric.fitting.limits import KEPT_STEPS, MOST_KEPT
 from eccentric.model import Model, State
 
 __all__ = ["States", "state_series"]
@@ -45,19 +46,7 @@ class States:
                 raise ValueError(f"states of {model.name} depend on each other in a circle")
             waiting.remove(state)
             done.add(state.symbol)
-            update = signals.expanded(model, state.update, names)
-            gain = sp.diff(update, state.symbol)
-            affine = state.symbol not in gain.free_symbols
-            parts = (gain, sp.expand(update).subs(state.symbol, 0)) if affine else None
-            step = None
-            if parts is None:
-                rest, parts = _apart(update, state.symbol)
-                # Python's own numbers are several times faster than NumPy's for one sample at a time.
-                step = tuple(
-                    sp.lambdify([state.symbol, tuple(parts)], rest, modules=modules, cse=True)
-                    for modules in ("math", "numpy")
-                )
-                parts = tuple(parts.values())
+            step, parts = _step_of(signals.expanded(model, state.update, names), state.symbol)
             functions = [lambdified(model, part, signals, names) for part in parts]
             self._steps.append((state, step, functions))
         self._kept: dict[tuple[Any, ...], dict[str, Array]] = {}
@@ -131,6 +120,22 @@ class States:
                         break
                     found[k] = now
         return np.array(found)
+
+
+@lru_cache(maxsize=KEPT_STEPS)
+def _step_of(
+    update: sp.Expr, state: sp.Symbol
+) -> tuple[tuple[Callable[..., float], Callable[..., Array]] | None, tuple[sp.Expr, ...]]:
+    """Gain and push of an affine update; else its step, for one sample and for arrays, and what it takes."""
+    gain = sp.diff(update, state)
+    if state not in gain.free_symbols:
+        return None, (gain, sp.expand(update).subs(state, 0))
+    rest, parts = _apart(update, state)
+    # Python's own numbers are several times faster than NumPy's for one sample at a time.
+    one, all_at_once = (
+        sp.lambdify([state, tuple(parts)], rest, modules=modules, cse=True) for modules in ("math", "numpy")
+    )
+    return (one, all_at_once), tuple(parts.values())
 
 
 def _next(moving: list[int], k: int) -> int:
