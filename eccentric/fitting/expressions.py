@@ -15,7 +15,6 @@ import numpy as np
 import sympy as sp
 
 from eccentric.estimation import Coefficient
-from eccentric.fitting.limits import KEPT_EXPRESSIONS
 from eccentric.model import Column, Model, meaning, regressor
 from eccentric.model import vocabulary as v
 
@@ -195,7 +194,8 @@ def alike(columns: Sequence[Column]) -> list[tuple[int, ...]]:
     return [tuple(group) for group in groups.values()]
 
 
-@lru_cache(maxsize=KEPT_EXPRESSIONS)
+# As many as all effects of the library have on a few models.
+@lru_cache(maxsize=2000)
 def _in_full(expression: sp.Expr, definitions: tuple[tuple[sp.Symbol, sp.Expr], ...]) -> sp.Expr:
     """An expression with these definitions put in, each in those after it, and plain formulas for steps."""
     put_in: dict[sp.Symbol, sp.Expr] = {}
@@ -204,7 +204,7 @@ def _in_full(expression: sp.Expr, definitions: tuple[tuple[sp.Symbol, sp.Expr], 
     return meaning(expression.xreplace(put_in))
 
 
-@lru_cache(maxsize=KEPT_EXPRESSIONS)
+@lru_cache(maxsize=2000)
 def _function_of(expression: sp.Expr) -> tuple[Callable[..., Any], tuple[str, ...]]:
     """An expression as a function of its symbols, and their names; compiled once per process."""
     symbols = sorted(expression.free_symbols, key=str)

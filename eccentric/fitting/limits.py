@@ -34,8 +34,6 @@ LEAST_TILT = 1e-6
 """Tilt [rad] below which gravity counts as independent of it to first order."""
 MOST_KEPT = 40
 """Shapes whose states are kept: a search returns to the points of its grid."""
-KEPT_EXPRESSIONS = 2000
-"""Expressions that are kept as functions: as many as all effects of the library have on a few models."""
 KEPT_STEPS = 200
 """Updates of hidden states that are kept: every effect has a few, and a fit returns to each many times."""
 MOST_POINTS = 4000
