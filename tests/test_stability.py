@@ -15,13 +15,13 @@ import pytest
 from eccentric.search import limits
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, grid
-from eccentric.search.crossval import fold_of_block
 from eccentric.search.screen import Screen
 from eccentric.search.stability import Stability, stability_of
 from eccentric.search.verdict import decided
 from eccentric.signals import BalanceDesign
 from tests.searched import BLOCKS, COLUMNS, SIZE, N, adopted, candidate, design, mixed, search
 
+FOLD = Screen(design({}), []).fold
 A, B, C = candidate("a", {2: 1.0}), candidate("b", {3: 1.0}), candidate("c", {4: 1.0})
 
 
@@ -51,10 +51,9 @@ def deviance(times: np.ndarray, shown: np.ndarray, h: float) -> float:
     A fold with weight w, v of it in those blocks, is predicted with the mean amplitude h c of all others,
     which takes h^2 (2 c v - c^2 w) out of w + h^2 v.
     """
-    fold = fold_of_block(BLOCKS, limits.FOLDS)
     before, gain = 0.0, 0.0
     for number in range(limits.FOLDS):
-        mine = fold == number
+        mine = FOLD == number
         w, v = times[mine].sum(), times[mine & shown].sum()
         c = times[~mine & shown].sum() / times[~mine].sum()
         before += w + h**2 * v
@@ -202,8 +201,7 @@ def test_named_is_what_nine_variants_of_ten_find(variants: str, expected: str, t
 
 def shown_by(blocks: int) -> np.ndarray:
     """A column (N, 1) that this many blocks hold, each of another fold."""
-    fold = fold_of_block(BLOCKS, limits.FOLDS)
-    chosen = np.isin(np.arange(BLOCKS), [np.flatnonzero(fold == k)[0] for k in range(blocks)])
+    chosen = np.isin(np.arange(BLOCKS), [np.flatnonzero(FOLD == k)[0] for k in range(blocks)])
     return COLUMNS[:, [3]] * np.repeat(chosen, SIZE)[:, None]
 
 
