@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from eccentric.api import draft_rig, fit
+from eccentric.api import check_rig, draft_rig, fit
 from eccentric.virtual_bench import random_scenario, simulate
 
 MU = 0.2
@@ -52,13 +52,25 @@ def test_a_name_that_says_otherwise_is_believed() -> None:
 
 
 def test_the_draft_fits_as_the_rig_does() -> None:
-    """The friction of a mixed log is that of the plain one."""
+    """Friction and inertia of a mixed log, with the gear of its draft, are those of the plain one."""
     plain = log_of("C1", ("theta_m_rad", 1.0), ("omega_m_rad_s", 1.0))
     mixed = log_of("C1", ("arm_angle_deg", MU * DEG), ("motor_speed_rpm", RPM))
     values = {"M": "0.5 kg", "L": "0.3 m", "k_i": "0.06 N m/A"}
-    errors = []
-    for columns in (plain, mixed):
+    found = []
+    for columns, gear in ((plain, {"mu": MU}), (mixed, {})):
         rig = tomllib.loads(draft_rig(columns).text)
-        rig["known"] |= values | {"mu": MU}
-        errors.append(fit(columns, rig).rmse["paper"])
-    assert errors[1] == pytest.approx(errors[0], rel=1e-3)
+        rig["known"] |= {**values, **gear}
+        found.append({name: e.value for name, e in fit(columns, rig).estimates.items()})
+    assert found[1] == pytest.approx(found[0], rel=1e-3)
+
+
+@pytest.mark.parametrize("mapped", [("theta_m", "theta_m_rad"), ("omega_m", "omega_m_rad_s")])
+def test_a_rig_of_one_side_is_not_contradicted_by_the_other(mapped: tuple[str, str]) -> None:
+    """Everything seen at the arm, mu = 1: a speed of the motor that it does not map says nothing of it."""
+    factors = {"theta_m_rad": MU, "omega_m_rad_s": 1.0} if mapped[0] == "theta_m" else {"omega_m_rad_s": MU}
+    columns = log_of("C1", *((name, factors.get(name, 1.0)) for name in ("theta_m_rad", "omega_m_rad_s")))
+    draft = tomllib.loads(draft_rig(columns).text)
+    rig = {**draft, "columns": {"time": "time_s", "current": "current_A", mapped[0]: mapped[1]}}
+    rig["known"] = {"case": "C1", "mu": 1, "M": "0.5 kg", "L": "0.3 m", "k_i": "0.3 N m/A"}
+
+    assert not [line for line in check_rig(columns, rig).complaints if "mu" in line]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,10 @@ MU = 0.2
 MOTOR, LINK = ("theta_m", "omega_m"), ("theta_l", "omega_l")
 
 
-def told(case: str, folder: Path, at_link: bool, mapped: tuple[str, str], mu: float) -> tuple[str, ...]:
-    """What is said of a log of one side of the gear under a rig with this mapping and mu."""
+def told(
+    case: str, folder: Path, at_link: bool, mapped: tuple[str, str], mu: float, k_e: float = 1.0
+) -> tuple[str, ...]:
+    """What is said of a log of one side of the gear under a rig with this mapping, mu and k_e off by this."""
     rng = np.random.default_rng(3)
     run = simulate(random_scenario(rng, case=case, mu=MU, log_type="traj", seconds=25.0))
     columns: dict[str, NDArray[np.float64]] = dict(run.columns)
@@ -31,6 +34,7 @@ def told(case: str, folder: Path, at_link: bool, mapped: tuple[str, str], mu: fl
     channels = {"time": "time_s", angle: "theta_m_rad", speed: "omega_m_rad_s",
                 "current": "current_A", "voltage": "voltage_V"}  # fmt: skip
     rig: dict[str, Any] = {**run.rig, "columns": channels, "known": {**run.rig["known"], "mu": mu}}
+    rig["known"]["k_e_Vs_per_rad"] *= k_e
     (folder / "rig.json").write_text(json.dumps(rig), encoding="utf-8")
     return check_rig(str(folder / "log.csv"), str(folder / "rig.json")).complaints
 
@@ -53,7 +57,21 @@ def test_the_gear_is_blamed_and_nothing_else(
     """One line, without a value of k_e or k_i that would only hide the cause."""
     (line,) = told(case, tmp_path, at_link, mapped, mu)
     assert re.search(words, line)
-    assert ("write" in line) == ("or is mu" in line)
+    assert "write" not in line
+
+
+@pytest.mark.parametrize("mapped", [MOTOR, LINK])
+@pytest.mark.parametrize(
+    ("k_e", "words"), [(60.0 / math.tau, "k_e = "), (1.0 / math.tau, "V s/rev"), (1.8, "k_e = ")]
+)
+def test_a_wrong_constant_is_not_the_gear(
+    k_e: float, words: str, mapped: tuple[str, str], tmp_path: Path
+) -> None:
+    """Gravity agrees with the rig: mu and the sides are right."""
+    (line,) = told("C2", tmp_path, mapped == LINK, mapped, MU, 1.0 / k_e)
+    assert words in line
+    assert "mu" not in line
+    assert "mapped as" not in line
 
 
 @pytest.mark.parametrize(("at_link", "mapped"), [(False, MOTOR), (True, LINK)])

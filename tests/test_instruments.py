@@ -8,15 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from eccentric.effects import Shape
 from eccentric.fitting import FitData, drive_of, fit_data_of
 from eccentric.logs import read_log
-from eccentric.model import Model, load_model
+from eccentric.model import Model, load_model, quantity
 from eccentric.rigs import read_rig
 from eccentric.search import instruments_of, limits
 from eccentric.search.candidate import Candidate
 from eccentric.signals import read_channels
 from eccentric.virtual_bench import BenchRun, simulate
-from tests.searched import NOISE, N, adopted, candidate, mixed, search
+from tests.searched import NOISE, SIZE, N, adopted, candidate, mixed, search
 from tests.virtual import drawn_scenario
 
 OWN, OTHER = 2, 5
@@ -89,6 +90,21 @@ def test_an_instrument_that_blurs_the_signal_confirms_it_all_the_same() -> None:
     share = 0.5 * limits.CONFIRMED_PART
 
     assert ["a"] == adopted(search({OWN: 5.0}, seen_through(share)))
+
+
+@pytest.mark.parametrize(("jumps", "expected"), [(True, ["a"]), (False, [])])
+def test_an_event_that_the_instrument_misplaces_does_not_unname_it(jumps: bool, expected: list[str]) -> None:
+    """In one block the instrument is a hundred times too large: no other block predicts that one.
+
+    It gains nothing under cross-validation; what least squares finds, it finds all the same. That counts for
+    effects whose shapes decide when something happens.
+    """
+    own = mixed({OWN: 1.0})[:, None]
+    wrong = np.where(np.arange(N)[:, None] < SIZE, 100.0, 1.0) * own
+    when = Shape(quantity("when", "s", "when it happens", "", "positive"), 1.0, 2.0, "linear", 2, jumps=jumps)
+    made = replace(candidate("a", {OWN: 1.0}, shapes=(when,)), instrument=lambda _: wrong)
+
+    assert expected == adopted(search({OWN: 0.5}, made))
 
 
 def test_a_fit_below_the_noise_floor_is_kept_where_instruments_find_the_same() -> None:

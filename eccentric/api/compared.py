@@ -53,8 +53,7 @@ def compare(
 
     Raises:
         InputError: bad input; a model twice; one with a tilt in a level plane, hidden states of its own, or
-            an effect of the current from the start; an effect that is unknown or that the mechanical balance
-            does not show.
+            an effect of the current from the start; an effect that is unknown or that the log does not show.
     """
     several = [models] if isinstance(models, str | os.PathLike | Model) else models
     own = None if effects is None else given_path(effects, "effects")

@@ -189,7 +189,7 @@ def _below(fit: Refit, scored: np.ndarray) -> float | None:
 
 
 def _circuit(fit: Refit) -> float | None:
-    return fit.held_out("electrical") * (fit.scale or 1.0) if "electrical" in fit.residuals else None
+    return fit.held_out("electrical") if "electrical" in fit.residuals else None
 
 
 def _in_drive_unit(fit: Refit, torque: np.ndarray) -> np.ndarray:

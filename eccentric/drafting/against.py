@@ -161,6 +161,12 @@ def _values(rig: Rig, draft: Draft) -> Iterator[str]:
         return
     over, _, under = gear.value.strip('"').partition("/")
     mu = float(over) / float(under or 1.0)
-    on_link = "theta_l" in (rig.log.columns or {})
-    if not on_link and mu != 1.0 and not math.isclose(rig.known["mu"], mu, rel_tol=0.05):
+    speed = next((p for p in draft.proposals if p.channel in ("omega_m", "omega_l")), None)
+    if angle is not None and speed is not None and angle.channel[-1] != speed.channel[-1]:
+        # Of the two ends of a gear: a rig that has one of them says nothing of the other.
+        every = {source.text.strip("`") for source in columns.values()}
+        judged = {angle.source, speed.source} <= every
+    else:
+        judged = "theta_l" not in columns
+    if judged and mu != 1.0 and not math.isclose(rig.known["mu"], mu, rel_tol=0.05):
         yield f"{rig.path}: [known] mu = {rig.known['mu']:.6g}: the log shows {gear.value} ({gear.evidence})"

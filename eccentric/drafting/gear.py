@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from eccentric.drafting.balance import Explained
@@ -46,7 +45,7 @@ def _two_shafts(best: Reading, given: Shown) -> bool:
     if names[0] not in ("", angle) or names[1] not in ("", speed):
         return False
     turns = 1.0 if best.ratio > 1.0 else 1.0 / best.ratio
-    if best.gear and not math.isclose(best.gear, turns, rel_tol=SAME_SHAFT):
+    if best.gear and not _is(best.gear, turns):
         return False
     return names == (angle, speed) or bool(best.gear) or _whole(max(best.ratio, 1.0 / best.ratio)) > 0
 
@@ -55,13 +54,13 @@ def _on_link(best: Reading, given: Shown) -> bool:
     """Whether the logged shaft is the link: by its name, where gravity does not say otherwise."""
     named = given.angle or given.speed
     says = named is not None and named.name.side == "l"
-    return says and (not best.gear or math.isclose(best.gear, 1.0, rel_tol=SAME_SHAFT))
+    return says and (not best.gear or _is(best.gear, 1.0))
 
 
 def _by_gravity(best: Reading, balance: Explained | None) -> RigLine:
     """The gear of one logged shaft, by how often gravity repeats in its turns."""
     said = best.gear
-    if said and abs(said - 1.0) > SAME_SHAFT:
+    if said and not _is(said, 1.0):
         if not _whole(said) and balance is not None and balance.turns < 1.0:
             why = f"gravity may repeat every {said:.3g} turns; 1 sees everything at the logged shaft"
             return RigLine("known", "mu", "1", why, SHORT)
@@ -79,6 +78,11 @@ def _line(gear: float, why: str) -> RigLine:
     return RigLine(
         "known", "mu", f'"1/{whole}"' if whole else f"{1.0 / gear:.6g}", why, doubt, guessed=bool(doubt)
     )
+
+
+def _is(gear: float, turns: float) -> bool:
+    """Whether gravity repeats in so many turns, as far as it can be told."""
+    return abs(gear / turns - 1.0) <= SAME_SHAFT
 
 
 def _whole(gear: float) -> int:

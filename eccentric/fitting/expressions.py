@@ -194,7 +194,7 @@ def alike(columns: Sequence[Column]) -> list[tuple[int, ...]]:
     return [tuple(group) for group in groups.values()]
 
 
-# As many as all effects of the library have on a few models.
+# Both caches hold as many as all effects of the library have on a few models.
 @lru_cache(maxsize=2000)
 def _in_full(expression: sp.Expr, definitions: tuple[tuple[sp.Symbol, sp.Expr], ...]) -> sp.Expr:
     """An expression with these definitions put in, each in those after it, and plain formulas for steps."""

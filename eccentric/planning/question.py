@@ -113,7 +113,8 @@ def question_from(
     # Beside a name, what else it left open.
     tied = tied or next((tuple(one["alike"]) for one in said.get("undecided", ())), ())
     likely = {c["family"]: c["probability"] for c in said["candidates"]}
-    own = next((name for name in adopted if family.get(name) in tied), adopted[-1] if adopted else "")
+    # The largest where nothing is tied, as in `rivals_of`.
+    own = next((name for name in adopted if family.get(name) in tied), adopted[0] if adopted else "")
     beside = [name for name in adopted if name != own]
     rivals = [own, *(name for name in family if family[name] in tied and family[name] != family.get(own))]
     asked = {*beside, *rivals} - {""}
@@ -124,7 +125,7 @@ def question_from(
     # What the other balance lacks changes nothing in the one that shows what is open.
     shown = {c.id: c.balance for c in candidates} | {"": "mechanical"}
     balance = next(b for b in stage.balances if b.name == shown[own])
-    beside, rivals = ([n for n in names if shown[n] == balance.name or not n] for names in (beside, rivals))
+    beside, rivals = ([n for n in some if shown[n] == balance.name] for some in (beside, rivals))
     screen = Screen(balance, [c for c in candidates if c.balance == balance.name], stage.noise[balance.name])
     by_id = {c.id: c for c in candidates}
     found = [

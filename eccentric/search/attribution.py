@@ -99,7 +99,7 @@ class Search:
         return alike and before.score - after.score <= least
 
     def confirmed(self, fitted: Fitted) -> bool:
-        """Whether every variant gains on its instrument what it gains on its own signals, or a good part."""
+        """Whether every variant gains a good part on its instrument too, or is the same torque there."""
         return all(
             self._gained(_without(fitted, place), variant, fitted, self.screen)
             for place, variant in enumerate(fitted.variants)
@@ -137,7 +137,9 @@ class Search:
         if gain > limits.BEYOND_NOISE * self.screen.floor > 0.0:
             return True
         there = screen.fit([*others, twin])
-        if self.deviance(without, there, screen) <= limits.CONFIRMED:
+        # An instrument may place an event a sample early and gain nothing; it still finds the same torque.
+        jumps = any(shape.jumps for shape in variant.candidate.shapes)
+        if not jumps and self.deviance(without, there, screen) <= limits.CONFIRMED:
             return False
         # An instrument that blurs the signal takes out little; it finds the same coefficients all the same.
         part = without.score - there.score > limits.CONFIRMED_PART * gain

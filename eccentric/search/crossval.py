@@ -109,9 +109,9 @@ def _scaled(matrix: Array, ridge: Array | float) -> tuple[Array, Array]:
 def fold_of_block(design: Array, block: Array, folds: int) -> Array:
     """Fold number of each block (b,): every run of `folds` neighbours holds each once, in shuffled order.
 
-    Of the orders that are drawn, that whose folds hold the least of what the whole design (n, p) says of any
-    coefficient: where one fold has both of the fastest blocks, the others cannot predict it, whatever the
-    model.
+    Of the orders drawn, the one whose most informative fold holds the smallest share of the information of
+    the design (n, p) on any combination of coefficients: where one fold has both of the fastest blocks, the
+    others cannot predict it, whatever the model.
     """
     rng, blocks = np.random.default_rng(ORDER_OF_FOLDS), int(block[-1]) + 1
     turns = -(-blocks // folds)

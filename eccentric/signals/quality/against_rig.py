@@ -20,7 +20,7 @@ from eccentric.signals.quality.body import (
     is_clear,
     means_of,
 )
-from eccentric.signals.quality.causes import Logged, common_cause, mass_causes, motions, single_cause
+from eccentric.signals.quality.causes import Logged, common_cause, mass_causes, misreadings, single_cause
 from eccentric.signals.quality.declared import torque_per_unit, upright_gravity_of
 from eccentric.signals.quality.limits import BETTER, EXPLAINED, FACTOR, FACTOR_MOTOR, IDEAL, TURNED
 from eccentric.signals.quality.mends import of_letter, readings, with_unit
@@ -142,7 +142,7 @@ def _angle_unit(m: Means, logged: Logged) -> str:
     x = m.drives.get(logged.drive)
     if m.link is None or x is None:
         return ""
-    words = {1.0: ""} | {factor: unit for unit, factor in motions(logged).items()}
+    words = {1.0: ""} | {factor: unit for unit, factor in misreadings(logged).items()}
     bodies = {factor: body_of(m, x, m.link / factor) for factor in words}
     best = max(bodies, key=lambda factor: bodies[factor].explained)
     left, now = 1.0 - bodies[best].explained, 1.0 - bodies[1.0].explained
@@ -202,8 +202,9 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
             text = f"{ratio.text}, which cannot be: look for a wrong sign or swapped columns in [columns]"
             yield Finding("contradiction", ratio.letter, text, rows, "warning")
             continue
-        why, unit = single_cause(ratio, logged)
-        _, mend = with_unit(unit, rig) if unit else ("", of_letter(ratio, rig))
+        why, blamed = single_cause(ratio, logged, ratios)
+        _, mend = with_unit(blamed, rig) if blamed else ("", of_letter(ratio, rig))
+        unit = blamed is not None and blamed.kind == "wrong_unit"
         todo = "the rig's [columns]" if unit else f"the rig{_or_estimate(ratio, rig)}"
         text = f"{ratio.text}{why}; correct {todo}"
         # Where the rig's k_e is that of the log, the log says nothing against its k_i but that they differ.

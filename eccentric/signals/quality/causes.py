@@ -57,7 +57,7 @@ _ANGLES = {"is in deg": 360.0 / TURN, "is in rev": 1.0 / TURN}
 _SPEEDS = {"is in rpm": 60.0 / TURN, "is in deg/s": 360.0 / TURN, "is in rev/s": 1.0 / TURN}
 
 
-def motions(logged: Logged) -> dict[str, float]:
+def misreadings(logged: Logged) -> dict[str, float]:
     """Return what the angle, or speed, may be instead: words, and the factor of its values."""
     return ((_ANGLES if logged.angle else _SPEEDS) if logged.axis.wraps else {}) | _sides(logged)
 
@@ -90,7 +90,7 @@ def _gear(ratios: Sequence[Ratio], logged: Logged) -> Cause | None:
     emf, gravity = of.get("k_e"), of.get("M g L")
     if not logged.of_link or logged.mu is None or emf is None or gravity is None or emf.value <= 0.0:
         return None
-    if emf.near(1.0) or not gravity.near(1.0 / emf.value):
+    if emf.near(1.0) or gravity.near(1.0) or not gravity.near(1.0 / emf.value):
         return None
     if "R" in of and not of["R"].near(1.0):
         return None
@@ -127,7 +127,7 @@ def _scale(ratios: Sequence[Ratio], drive: str) -> Cause | None:
 
 def _causes(logged: Logged) -> list[Cause]:
     channel = logged.motion[0]
-    causes = [_motion(words, f, logged) for words, f in motions(logged).items()]
+    causes = [_misread(words, f, logged) for words, f in misreadings(logged).items()]
     causes += [
         Cause("wrong_unit", "time", f"the time is in {unit}", {"J": f * f, "k_e": f, "k_i": f})
         for unit, f in (("ms", 1e3), ("us", 1e6))
@@ -136,7 +136,16 @@ def _causes(logged: Logged) -> list[Cause]:
     return [*causes, *(_prefixed(name, factor, logged) for factor in (1e3, 1e-3) for name in signals)]
 
 
-def _motion(words: str, factor: float, logged: Logged) -> Cause:
+def _refuted(made: dict[str, float], every: Sequence[Ratio]) -> bool:
+    """Whether inertia or gravity agrees with the rig, which a cause of these ratios would not leave so."""
+    return any(
+        ratio.low > 0.0 and ratio.near(1.0) and not (ratio.name in made and ratio.near(made[ratio.name]))
+        for ratio in every
+        if ratio.name in ("J", "M g L")
+    )
+
+
+def _misread(words: str, factor: float, logged: Logged) -> Cause:
     """The angle or the speed, whose values are this factor larger than they should be."""
     channel, name = logged.motion
     made: dict[str, float] = dict.fromkeys(("J", "k_e", "k_i"), 1.0 / factor)
@@ -186,10 +195,15 @@ def mass_causes(ratio: Ratio, logged: Logged) -> list[Cause]:
     return [cause for cause in causes if ratio.value > 0.0 and ratio.near(cause.ratios["J"])]
 
 
-def single_cause(ratio: Ratio, logged: Logged) -> tuple[str, Cause | None]:
-    """Return the explanation of one ratio, in brackets, "" if there is none, and the unit to blame."""
+def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[str, Cause | None]:
+    """Return the explanation of one of the ratios, in brackets, "" if there is none, and what to blame."""
     drive, mu = logged.drive, logged.mu
     causes = dict(_SINGLE.get(ratio.letter, {}))
+    blamed: dict[str, Cause] = {}
+    if ratio.name == "k_e":
+        made = (_misread(words, factor, logged) for words, factor in _sides(logged).items())
+        blamed = {cause.text: cause for cause in made if not _refuted(cause.ratios, every)}
+        causes |= {cause.ratios["k_e"]: cause.text for cause in blamed.values()}
     if ratio.name == "J" and not logged.axis.wraps:
         return "", None
     if ratio.name == "J" and mu is not None and mu < REDUCED:
@@ -207,18 +221,16 @@ def single_cause(ratio: Ratio, logged: Logged) -> tuple[str, Cause | None]:
         cause = _prefixed("current" if ratio.letter in ("R", "k_i") else drive, factor, logged)
         if ratio.name in cause.ratios and ratio.value > 0.0 and ratio.near(cause.ratios[ratio.name]):
             return f" ({cause.text}?)", cause
-    if ratio.name == "k_e":
-        for words, factor in _sides(logged).items():
-            if abs(math.log(max(ratio.value, 1e-300) * factor)) <= NEAR:
-                return f" (the {logged.motion[1]} {words}?)", _motion(words, factor, logged)
-        if logged.of_link and mu is not None and ratio.value > 0.0:
-            return f" (or is mu {mu / ratio.value:.3g}?)", None
     near = {math.inf: ""}
     if ratio.value > 0.0:
         near |= {abs(math.log(ratio.value / factor)): words for factor, words in causes.items()}
     best = min(near)
     if best <= NEAR:
-        return f" ({near[best]}?)", None
+        return f" ({near[best]}?)", blamed.get(near[best])
+    if ratio.name == "k_e" and logged.of_link and mu is not None and ratio.value > 0.0:
+        gear = Cause("contradiction", "mu", f"or is mu {mu / ratio.value:.3g}", {"M g L": 1.0 / ratio.value})
+        gravity = [other for other in every if other.name == "M g L"]
+        return ("", None) if _refuted(gear.ratios, gravity) else (f" ({gear.text}?)", gear)
     if level:
         return " (is the plane of motion horizontal, case C1?)", None
     # Gravity is the larger part of a torque; an inertia off by the same factor may not show.
