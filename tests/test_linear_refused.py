@@ -98,9 +98,10 @@ def test_keys_of_a_linear_axis_are_none_of_a_turning_one() -> None:
 
 def test_keys_of_another_table_are_sent_where_they_belong() -> None:
     """The check knows the tables of a carriage: what a turning drive has is unknown here, not misplaced."""
-    found, _ = rig_complaints(RIG | {"mass": "95 kg", "position": "q_m", "case": "C1", "k_i": "1 Nm/A"})
+    complaints, _ = rig_complaints(RIG | {"mass": "95 kg", "position": "q_m", "case": "C1", "k_i": "1 Nm/A"})
     columns = {**RIG["columns"], "kind": "linear", "pitch_m": 0.01}
-    more, _ = rig_complaints(RIG | {"columns": columns})
+    others, _ = rig_complaints(RIG | {"columns": columns})
+    found, more = ([one.text for one in told] for told in (complaints, others))
 
     assert found[:2] == [
         "rig: mass: this key belongs under [known]",

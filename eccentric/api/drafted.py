@@ -20,7 +20,7 @@ from eccentric.joints import fit_arm as fit_joints
 from eccentric.logs import Log, log_names
 from eccentric.model import load_model, with_numbers
 from eccentric.output import whole_file
-from eccentric.rigs import Rig, arm_rig_complaints, knowns_of, names_arm, read_rig, rig_complaints
+from eccentric.rigs import Complaint, Rig, arm_rig_complaints, knowns_of, names_arm, read_rig, rig_complaints
 from eccentric.signals import Channels, Finding, Ratio, beside_the_rig, read_channels, read_long_joints
 
 __all__ = ["RigCheck", "RigDraft", "check_rig", "draft_rig"]
@@ -177,8 +177,8 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
     guessed = () if draft is None else _still_guessed(draft, rest, usable.path)
     lists = tried.complaints, tried.estimated, tried.warnings, (*guessed, *tried.doubts)
     asked, estimated, warnings, doubts = (axis.told(lines, own) for lines in lists)
-    found += [line for line in asked if line not in found]
-    return RigCheck(tuple(found), (), warnings) if found else RigCheck((), estimated, warnings, doubts)
+    complaints = tuple(dict.fromkeys((*(one.text for one in found), *asked)))
+    return RigCheck(complaints, (), warnings) if complaints else RigCheck((), estimated, warnings, doubts)
 
 
 def _still_guessed(draft: Draft, content: Mapping[str, Any], path: str) -> tuple[str, ...]:
@@ -196,7 +196,8 @@ def _checked_arm(logs: Sequence[Log], source: str | os.PathLike[str] | Mapping[s
     """The same for the rig of an arm: its columns joint by joint, then a fit of all of them."""
     found, rig = arm_rig_complaints(source)
     for joint in () if rig is None else rig.joints:
-        found += [line for log in logs for line in log_complaints(joint, log, None) if line not in found]
+        told = (one.text for log in logs for one in log_complaints(joint, log, None))
+        found += [line for line in dict.fromkeys(told) if line not in found]
     if rig is None or found:
         return RigCheck(tuple(found), (), ())
     try:
@@ -224,7 +225,9 @@ _TYPICAL = {
 }
 
 
-def _tried(logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], complaints: Sequence[str]) -> RigCheck:
+def _tried(
+    logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], complaints: Sequence[Complaint]
+) -> RigCheck:
     """Fit, and name every quantity that is missing, each once, with a typical value in its place.
 
     With all of them there, name what the log contradicts.
@@ -242,7 +245,8 @@ def _tried(logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], complaints
             if letter not in _TYPICAL or letter in tried.known:
                 # What follows from a complaint that is already made would only be noise.
                 return RigCheck((*missing, *([] if complaints else [str(error)])), (), ())
-            if not any(f"[known] {here(letter)}:" in line for line in complaints):
+            keys = {here(letter), *(known.key for known in knowns_of(tried.axis) if known.name == letter)}
+            if not any(one.table == "known" and one.key in keys for one in complaints):
                 missing.append(
                     f"{rig.path}: [known] {letter} is required, as in"
                     f' {letter} = "{_TYPICAL[letter]}", received none'
@@ -251,7 +255,8 @@ def _tried(logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], complaints
             given = {**given, "known": {**given.get("known", {}), here(letter): here(_TYPICAL[letter])}}
             continue
         # A value that was filled in, and a column or a gear that is wrong, contradict the log by themselves.
-        if filled or any("[columns]" in line or "[known] mu = " in line for line in complaints):
+        wrong = {(one.table, one.key) for one in complaints}
+        if filled or ("known", "mu") in wrong or any(table == "columns" for table, _ in wrong):
             return RigCheck(tuple(missing), (), ())
         contradicted = [f"{rig.path}: {_with_mend(f)}" for f in channels.intake.findings if _grave(f)]
         if not contradicted and not fit.fits_the_rig:

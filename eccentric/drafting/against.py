@@ -12,25 +12,26 @@ from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.words import read_name
 from eccentric.errors import InputError, few, meant
 from eccentric.logs import Log, evaluate, parse_unit
-from eccentric.rigs import CHANNELS, Rig, channels_of, gain_of
+from eccentric.rigs import CHANNELS, Complaint, Rig, channels_of, gain_of
 
 __all__ = ["log_complaints"]
 
 _SIDES = ({"theta_m", "theta_l"}, {"omega_m", "omega_l"}, {"torque", "torque_l"})
 
 
-def log_complaints(rig: Rig, log: Log, draft: Draft | None, told: Collection[str] = ()) -> list[str]:
-    """What is wrong with the columns of a rig for this log, one line each, with the mend.
+def log_complaints(
+    rig: Rig, log: Log, draft: Draft | None, told: Collection[Complaint] = ()
+) -> list[Complaint]:
+    """What is wrong with the columns of a rig for this log, each with the mend.
 
     Args:
         draft: of the same log, None where none could be made; only what it is sure of counts.
         told: what is wrong with the rig by itself: a column that it refuses is not missing as well.
     """
     without_gain = [*_without_gain(rig, log)]
-    found = [*_missing(rig, log, told), *(line for _, line in without_gain)]
+    found = [*_missing(rig, log, told), *without_gain]
     if draft is not None:
-        ungained = {channel for channel, _ in without_gain}
-        found += [*_contradicted(rig, draft, ungained), *_values(rig, draft)]
+        found += [*_contradicted(rig, draft, {one.key for one in without_gain}), *_values(rig, draft)]
     return found
 
 
@@ -40,42 +41,43 @@ def _sources(rig: Rig, log: Log) -> dict[str, str]:
     return {c: source.text for c, source in rig.log.columns.items()}
 
 
-def _missing(rig: Rig, log: Log, told: Collection[str]) -> Iterator[str]:
+def _missing(rig: Rig, log: Log, told: Collection[Complaint]) -> Iterator[Complaint]:
     sources = _sources(rig, log)
+    refused = {one.key for one in told if one.table == "columns"}
     for channel, text in sources.items():
+        called = rig.axis.said(channel)
         if text in log.columns:
             if channel != "run":
                 try:
                     log.numbers(text)
                 except InputError as error:
-                    yield str(error)
+                    yield Complaint(str(error), "columns", called)
             continue
         plain = text.replace("_", "").replace(" ", "").isalnum()
         if plain:
             hint = meant(text, log.columns) or f"; the log has {few(log.columns)}"
-            called = rig.axis.said(channel)
-            yield f"{rig.path}: [columns] {called}: no column {text!r} in {log.path}{hint}"
+            line = f"{rig.path}: [columns] {called}: no column {text!r} in {log.path}{hint}"
+            yield Complaint(line, "columns", called)
             continue
         try:
-            evaluate(text, log.numbers, f"{rig.path}: [columns] {rig.axis.said(channel)}")
+            evaluate(text, log.numbers, f"{rig.path}: [columns] {called}")
         except InputError as error:
-            yield str(error)
+            yield Complaint(str(error), "columns", called)
     for choice in (
         ("time",),
         ("theta_m", "theta_l", "omega_m", "omega_l"),
         ("current", "torque", "torque_l", "voltage"),
     ):
         names = [rig.axis.said(channel) for channel in choice if channel in channels_of(rig.axis)]
-        ends = tuple(f"[columns] {name}{end}" for name in names for end in (":", " "))
-        refused = any(end in line for line in told for end in ends)
-        if not refused and not any(channel in sources for channel in choice):
-            called = " or ".join(names)
-            yield (
-                f"{rig.path}: [columns]: {called} is required, received none; the log has {few(log.columns)}"
+        if refused.isdisjoint(names) and not any(channel in sources for channel in choice):
+            yield Complaint(
+                f"{rig.path}: [columns]: {' or '.join(names)} is required, received none; the log has"
+                f" {few(log.columns)}",
+                "columns",
             )
 
 
-def _without_gain(rig: Rig, log: Log) -> Iterator[tuple[str, str]]:
+def _without_gain(rig: Rig, log: Log) -> Iterator[Complaint]:
     """A force column whose header says volts or amperes, without a gain."""
     for channel, source in (rig.log.columns or {}).items():
         plain = source.text.removeprefix("-").strip("` ")
@@ -90,22 +92,24 @@ def _without_gain(rig: Rig, log: Log) -> Iterator[tuple[str, str]]:
                 f"{rig.path}: [columns] {called}: {plain!r} is in {unit} by its header: give the gain of the"
                 f' amplifier, as in {called} = {{ column = {column}, gain = "35 {gain}" }}'
             )
-            yield channel, line
+            yield Complaint(line, "columns", called)
 
 
-def _contradicted(rig: Rig, draft: Draft, told: Collection[str]) -> Iterator[str]:
-    """Channels and units that the log shows otherwise, where it leaves no doubt."""
+def _contradicted(rig: Rig, draft: Draft, told: Collection[str]) -> Iterator[Complaint]:
+    """Channels and units that the log shows otherwise, where it leaves no doubt; `told` are done with."""
     sources, here = rig.log.columns or {}, rig.axis.said
     by_column = {p.source: p for p in draft.proposals}
     for channel, source in sources.items():
         proposal = by_column.get(source.text.strip("`"))
-        if proposal is None or proposal.doubt or channel in told:
+        if proposal is None or proposal.doubt or here(channel) in told:
             continue
         if not _same(channel, proposal.channel):
-            yield (
+            yield Complaint(
                 f"{rig.path}: [columns] {here(channel)} = {json.dumps(source.text)}:"
                 f" the log shows {here(proposal.channel)} there"
-                f" ({'; '.join(proposal.evidence)}): write {_line(proposal, here(proposal.channel))}"
+                f" ({'; '.join(proposal.evidence)}): write {_line(proposal, here(proposal.channel))}",
+                "columns",
+                here(channel),
             )
             continue
         if not CHANNELS[channel][1]:
@@ -117,10 +121,12 @@ def _contradicted(rig: Rig, draft: Draft, told: Collection[str]) -> Iterator[str
             continue
         if not math.isclose(own, theirs.factor, rel_tol=0.01):
             said = source.unit.text if source.unit is not None else here(CHANNELS[channel][1])
-            yield (
+            yield Complaint(
                 f"{rig.path}: [columns] {here(channel)}: {source.text!r} is read in {said},"
                 f" the log shows {proposal.unit}"
-                f" ({'; '.join(proposal.evidence)}): write {_line(proposal, here(channel))}"
+                f" ({'; '.join(proposal.evidence)}): write {_line(proposal, here(channel))}",
+                "columns",
+                here(channel),
             )
 
 
@@ -134,7 +140,7 @@ def _line(proposal: Proposal, channel: str) -> str:
     return f"{channel} = {{ column = {column}{unit} }}"
 
 
-def _values(rig: Rig, draft: Draft) -> Iterator[str]:
+def _values(rig: Rig, draft: Draft) -> Iterator[Complaint]:
     """The encoder, the case and the gear, where steps and gravity leave no doubt."""
     said: Mapping[str, Any] = {e.key: e for e in draft.entries if not e.asked and not e.doubt}
     case = said.get("case")
@@ -144,7 +150,8 @@ def _values(rig: Rig, draft: Draft) -> Iterator[str]:
         and case.value.strip('"') != rig.case
         and rig.known.get("M", 1.0) > 0.0
     ):
-        yield f"{rig.path}: [known] case {rig.case}: the log shows {case.value} ({case.evidence})"
+        line = f"{rig.path}: [known] case {rig.case}: the log shows {case.value} ({case.evidence})"
+        yield Complaint(line, "known", "case")
     angle = next((p for p in draft.proposals if p.channel in ("theta_m", "theta_l")), None)
     counts, declared = said.get("encoder_counts_per_rev"), rig.log.counts_per_rev
     # The step of the same column; an angle in counts shows no step in turns.
@@ -152,9 +159,10 @@ def _values(rig: Rig, draft: Draft) -> Iterator[str]:
     mapped = {columns[c].text.strip("`") for c in ("theta_m", "theta_l") if c in columns}
     by_step = angle is not None and angle.source in mapped and not angle.unit.startswith("counts")
     if by_step and counts and declared and not math.isclose(declared, float(counts.value), rel_tol=0.02):
-        yield (
+        yield Complaint(
             f"{rig.path}: encoder_counts_per_rev = {declared:g}: the log shows {counts.value}"
-            f" ({counts.evidence})"
+            f" ({counts.evidence})",
+            key="encoder_counts_per_rev",
         )
     gear = said.get("mu")
     if gear is None or "mu" not in rig.known or (angle is not None and angle.doubt):
@@ -169,4 +177,5 @@ def _values(rig: Rig, draft: Draft) -> Iterator[str]:
     else:
         judged = "theta_l" not in columns
     if judged and mu != 1.0 and not math.isclose(rig.known["mu"], mu, rel_tol=0.05):
-        yield f"{rig.path}: [known] mu = {rig.known['mu']:.6g}: the log shows {gear.value} ({gear.evidence})"
+        line = f"{rig.path}: [known] mu = {rig.known['mu']:.6g}: the log shows {gear.value} ({gear.evidence})"
+        yield Complaint(line, "known", "mu")

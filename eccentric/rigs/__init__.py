@@ -11,7 +11,7 @@ May import: `logs` for units, `model` for the vocabulary and chains, `arms` for 
 from eccentric.rigs.added import AddedMass, read_mass
 from eccentric.rigs.arm_complaints import arm_rig_complaints
 from eccentric.rigs.arm_rig import NUMBER, ArmRig, names_arm, read_arm_rig
-from eccentric.rigs.complaints import rig_complaints
+from eccentric.rigs.complaints import Complaint, rig_complaints
 from eccentric.rigs.entries import plain_entries, read_pair
 from eccentric.rigs.known import KNOWNS, Known, knowns_of, mass_alone
 from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
@@ -28,6 +28,7 @@ __all__ = [
     "Alignment",
     "ArmRig",
     "ColumnSource",
+    "Complaint",
     "ForceGain",
     "Known",
     "LogMap",

@@ -8,6 +8,7 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from eccentric.errors import InputError
@@ -19,17 +20,26 @@ from eccentric.rigs.known import knowns_of
 from eccentric.rigs.rig import keys_of, read_rig
 from eccentric.rigs.sources import channels_of
 
-__all__ = ["rig_complaints"]
+__all__ = ["Complaint", "rig_complaints"]
 
 Place = tuple[str, str]
 _TABLES = ("known", "unknown", "columns", "added")
 _CASE = {"case": "C2"}
 
 
+@dataclass(frozen=True)
+class Complaint:
+    """What is wrong with a rig, in one line, and the entry that it is about: table and key, "" for none."""
+
+    text: str
+    table: str = ""
+    key: str = ""
+
+
 def rig_complaints(
     source: str | os.PathLike[str] | Mapping[str, Any],
-) -> tuple[list[str], dict[str, Any]]:
-    """Return what is wrong with the rig of a single drive, one line each, and the rig without it.
+) -> tuple[list[Complaint], dict[str, Any]]:
+    """Return what is wrong with the rig of a single drive, and the rig without it.
 
     Raises:
         InputError: the file cannot be read at all.
@@ -39,27 +49,27 @@ def rig_complaints(
         content, where = dict(read_file(path)), shown(path)
     else:
         content, where = dict(plain_entries(source, "rig")), "rig"
-    found: list[str] = []
+    found: list[Complaint] = []
     kind = content.get("kind")
     axis = AXES.get(kind, TURNING) if isinstance(kind, str) else TURNING
 
-    def complain(error: InputError) -> None:
+    def complain(error: InputError, place: Place = ("", "")) -> None:
         said = str(error)
         said = f"{where}{said.removeprefix('rig')}" if said.startswith("rig:") else said
-        if said not in found:
-            found.append(said)
+        if said not in (one.text for one in found):
+            found.append(Complaint(said, *place))
 
     entries = list(_entries(content))
     good: list[Place] = []
     for place in entries:
         if home := _home(place, axis):
             table = f"[{place[0]}] " if place[0] else ""
-            found.append(f"{where}: {table}{place[1]}: this key belongs {home}")
+            found.append(Complaint(f"{where}: {table}{place[1]}: this key belongs {home}", *place))
             continue
         try:
             read_rig(_alone(content, [place]))
         except InputError as error:
-            complain(error)
+            complain(error, place)
         else:
             good.append(place)
     # Two entries can contradict each other: a case and a tilt, both sides of a gear, one letter twice.
@@ -69,7 +79,7 @@ def rig_complaints(
             try:
                 read_rig(_alone(content, pair))
             except InputError as error:
-                complain(error)
+                complain(error, pair[1])
                 apart.remove(pair[1])
     rest = _only(content, apart)
     try:
