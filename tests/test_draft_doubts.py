@@ -79,6 +79,28 @@ def test_a_torque_constant_that_gravity_does_not_allow_is_doubted(factor: float,
 
 
 @pytest.mark.parametrize(
+    ("k_i", "heavier", "said"),
+    [
+        (1.4, 1.0, 'write k_i = "0.0599 N m/A"'),
+        (0.75, 1.0, 'write k_i = "0.0599 N m/A"'),
+        (1.0, 1.4, "check M and L"),
+    ],
+)
+def test_a_doubt_is_about_what_differs(k_i: float, heavier: float, said: str) -> None:
+    """Inertia and gravity that are off by one factor are the constant's; gravity alone is the mass's."""
+    log = swing("q_rad", 1.0)
+    log["current_A"] = log.pop("torque_Nm") / 0.06
+    gravity = {"M": f"{0.25 * heavier} kg", "M_l": "0.1 kg", "L": f"{0.33 / 0.25 / 9.81} m"}
+    inertia = {"J_m": "1e-9 kg m^2", "J_l": "0.004 kg m^2"}
+    known = {**gravity, **inertia, "case": "C2", "mu": 1.0, "k_i": f"{0.06 * k_i} N m/A"}
+    columns = {"time": "t_s", "theta_m": "q_rad", "current": "current_A"}
+    (doubt,) = eccentric.check_rig(log, {"columns": columns, "known": known}).doubts
+
+    assert said in doubt
+    assert ("k_i" in doubt) == ("k_i" in said)
+
+
+@pytest.mark.parametrize(
     ("R", "k_e", "told"), [(0.8, 0.12, False), (1.0, 0.12, False), (1.0, 0.06, True), (0.8, 0.06, True)]
 )
 def test_a_wrong_resistance_makes_no_wrong_constant(R: float, k_e: float, told: bool) -> None:

@@ -51,6 +51,18 @@ def test_a_name_that_says_otherwise_is_believed() -> None:
     assert (found, mu) == ({"theta_l", "omega_l"}, 1)
 
 
+def test_a_gear_by_a_guessed_unit_is_a_guess() -> None:
+    """A speed without a unit in its header: the draft doubts its gear, and the check asks nothing of it."""
+    columns = log_of("C2", ("phi_arm_deg", MU * DEG), ("n_mot", RPM))
+    draft = draft_rig(columns)
+    rig = tomllib.loads(draft.text)
+    assert any("mu" in doubt for doubt in draft.doubts)
+
+    rig["columns"]["omega_m"] = {"column": "n_mot", "unit": "rpm"}
+    rig["known"] |= {"mu": MU, "M": "0.5 kg", "L": "0.3 m", "M_l": "0.2 kg"}
+    assert not [line for line in check_rig(columns, rig).complaints if "[known] mu" in line]
+
+
 def test_the_draft_fits_as_the_rig_does() -> None:
     """Friction and inertia of a mixed log, with the gear of its draft, are those of the plain one."""
     plain = log_of("C1", ("theta_m_rad", 1.0), ("omega_m_rad_s", 1.0))

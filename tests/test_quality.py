@@ -182,6 +182,14 @@ DAMAGE: dict[str, Damage] = {
     "J_l in kg cm^2": (C2, same, {"J_l_kgm2": 430.0}, "contradiction", "J", "is in kg cm^2?"),
     "J_l": (C1, same, {"J_l_kgm2": 0.13}, "contradiction", "J", "or give the load's J_l in [unknown]"),
     "mass": (C2, same, {"M_kg": 1.9}, "contradiction", "M g L", "mu M g L is 0."),
+    "mass in g": (
+        C2,
+        same,
+        {"M_kg": 4.63e-4},
+        "contradiction",
+        "M g L",
+        "(the rig has kg as g, or m as mm?)",
+    ),
     "another rig": (
         C2,
         same,

@@ -21,7 +21,15 @@ from eccentric.logs import Log, log_names
 from eccentric.model import load_model, with_numbers
 from eccentric.output import whole_file
 from eccentric.rigs import Complaint, Rig, arm_rig_complaints, knowns_of, names_arm, read_rig, rig_complaints
-from eccentric.signals import Channels, Finding, Ratio, beside_the_rig, read_channels, read_long_joints
+from eccentric.signals import (
+    Channels,
+    Finding,
+    Ratio,
+    beside_the_rig,
+    read_channels,
+    read_long_joints,
+    shared_cause,
+)
 
 __all__ = ["RigCheck", "RigDraft", "check_rig", "draft_rig"]
 
@@ -266,24 +274,31 @@ def _tried(
         beside = beside_the_rig(channels, tried)
         determined = *_determined(fit, tried), *map(_beside, beside)
         warnings = (*fit.warnings, *_of_the_diagnosis(channels, tried))
-        doubts = *_doubted(beside, tried.path), *_too_long(fit, tried)
+        doubts = *_doubted(beside, channels, tried), *_too_long(fit, tried)
         return RigCheck((), determined, warnings, doubts)
     return RigCheck(tuple(missing), (), ())
 
 
-def _doubted(beside: Sequence[Ratio], path: str) -> Iterator[str]:
-    """The declared values that a plain balance of the log does not give.
+def _doubted(beside: Sequence[Ratio], channels: Channels, rig: Rig) -> Iterator[str]:
+    """The declared values that a plain balance of the log does not give; one line if one cause explains all.
 
-    A torque constant by gravity says of the mass and its arm what M g L would say again.
+    A torque constant by gravity says of the mass and its arm what M g L would say again: where the inertia
+    agrees with the rig, they are what differs, else the constant is.
     """
     doubted = [ratio for ratio in beside if ratio.doubts_the_rig]
-    by_constant = any(ratio.letter == "k_i" for ratio in doubted)
+    if len(doubted) > 1 and (shared := shared_cause(beside, channels, rig)):
+        said, mend = shared
+        yield f"{rig.path}: {said}: {', '.join(map(_beside, doubted))}{f': write {mend}' if mend else ''}"
+        return
+    inertia = any(ratio.letter == "J" and ratio.low > 0.0 and ratio.near(1.0) for ratio in beside)
+    letters = {ratio.letter for ratio in doubted}
     for ratio in doubted:
-        if by_constant and ratio.letter == "M g L":
+        if {"k_i", "M g L"} <= letters and ratio.letter == ("k_i" if inertia else "M g L"):
             continue
+        which = "M and L" if ratio.letter == "M g L" else ratio.letter
         yield (
-            f"{path}: {_beside(ratio)}: the rig's value fits only if friction that the model lacks accounts"
-            " for the difference"
+            f"{rig.path}: {_beside(ratio)}: check {which}, unless friction that the model lacks accounts for"
+            " the difference"
         )
 
 
@@ -301,7 +316,8 @@ def _too_long(fit: Any, rig: Rig) -> Iterator[str]:
 def _beside(ratio: Ratio) -> str:
     """What a plain balance of the log gives for a declared value, beside this."""
     low, high = sorted(ratio.found / ratio.value * end for end in (ratio.low, ratio.high))
-    return f"{ratio.text} ({100 * (ratio.value - 1):+.0f} %; {low:.3g} to {high:.3g})"
+    percent = round(100 * (ratio.value - 1)) or 0  # no "-0 %"
+    return f"{ratio.text} ({percent:+d} %; {low:.3g} to {high:.3g})"
 
 
 def _of_the_diagnosis(channels: Channels, rig: Rig) -> Iterator[str]:

@@ -11,6 +11,7 @@ from eccentric.drafting.units import Reading, Shown
 
 __all__ = ["SHORT", "Gear", "gear_of"]
 
+GUESSED_UNITS = "as sure as the units of angle and speed, of which one is a guess"
 SHORT = "less than one period of gravity was seen: no more than a guess"
 
 
@@ -28,12 +29,12 @@ def gear_of(best: Reading, given: Shown, balance: Explained | None) -> Gear:
     if not _two_shafts(best, given):
         side = "l" if _on_link(best, given) else "m"
         return Gear(side, side, _by_gravity(best, balance))
-    by = max(best.ratio, 1.0 / best.ratio)
+    by, doubt = max(best.ratio, 1.0 / best.ratio), "" if _has_units(given) else GUESSED_UNITS
     if best.ratio < 1.0:
         why = f"the logged speed is {best.ratio:.4g} times the slope of the angle: that of the link"
-        return Gear("m", "l", _line(by, why))
+        return Gear("m", "l", _line(by, why, doubt))
     why = f"the logged speed is {by:.4g} times the slope of the angle: that of the motor"
-    return Gear("l", "m", _line(by, why))
+    return Gear("l", "m", _line(by, why, doubt))
 
 
 def _two_shafts(best: Reading, given: Shown) -> bool:
@@ -47,7 +48,14 @@ def _two_shafts(best: Reading, given: Shown) -> bool:
     turns = 1.0 if best.ratio > 1.0 else 1.0 / best.ratio
     if best.gear and not _is(best.gear, turns):
         return False
-    return names == (angle, speed) or bool(best.gear) or _whole(max(best.ratio, 1.0 / best.ratio)) > 0
+    if names == (angle, speed):
+        return True
+    return _has_units(given) and (bool(best.gear) or _whole(max(best.ratio, 1.0 / best.ratio)) > 0)
+
+
+def _has_units(given: Shown) -> bool:
+    """Whether the header names both units: else the ratio of speed and slope may be one of units."""
+    return all(column is not None and column.name.unit for column in (given.angle, given.speed))
 
 
 def _on_link(best: Reading, given: Shown) -> bool:
@@ -72,9 +80,9 @@ def _by_gravity(best: Reading, balance: Explained | None) -> RigLine:
     return RigLine("known", "mu", "1", why, "without gravity the log does not show the gear")
 
 
-def _line(gear: float, why: str) -> RigLine:
+def _line(gear: float, why: str, doubt: str = "") -> RigLine:
     whole = _whole(gear)
-    doubt = "" if whole else "no whole number: check it"
+    doubt = doubt or ("" if whole else "no whole number: check it")
     return RigLine(
         "known", "mu", f'"1/{whole}"' if whole else f"{1.0 / gear:.6g}", why, doubt, guessed=bool(doubt)
     )

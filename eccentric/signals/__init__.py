@@ -18,7 +18,7 @@ from eccentric.signals.long import FIT_POINTS, SEARCH_POINTS, read_long, read_lo
 from eccentric.signals.measured import Channels
 from eccentric.signals.motion import motion_of, of_the_motor
 from eccentric.signals.noise import white_noise
-from eccentric.signals.quality import Ratio, beside_the_rig
+from eccentric.signals.quality import Ratio, beside_the_rig, shared_cause
 from eccentric.signals.rows import Rows, blocks_of, require_rows
 from eccentric.signals.sampling import fit_rows, rows_of, search_rows
 from eccentric.signals.stretches import rows_of_each, stretches
@@ -55,6 +55,7 @@ __all__ = [
     "rows_of",
     "rows_of_each",
     "search_rows",
+    "shared_cause",
     "stream_columns",
     "stretches",
     "white_noise",

@@ -33,7 +33,7 @@ from eccentric.signals.quality.ratios import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from eccentric.rigs import Rig
     from eccentric.signals.measured import Channels
@@ -85,6 +85,12 @@ def beside_the_rig(channels: Channels, rig: Rig) -> list[Ratio]:
             found += mechanical(body, drive, rig)
             found += constant_by_torque(body, drive, rig)
     return found
+
+
+def shared_cause(ratios: Sequence[Ratio], channels: Channels, rig: Rig) -> tuple[str, str] | None:
+    """The one wrong unit, scale or gear that explains all ratios, and the line that mends the rig, or ""."""
+    cause = common_cause(ratios, _logged(channels, rig))
+    return with_unit(cause, rig) if cause else None
 
 
 def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:

@@ -11,7 +11,7 @@ from eccentric.rigs import channels_of
 from eccentric.signals.quality.limits import DIRECT, LEVEL_PLANE, NEAR, REDUCED
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
     from eccentric.signals.quality.ratios import Ratio
 
@@ -136,12 +136,12 @@ def _causes(logged: Logged) -> list[Cause]:
     return [*causes, *(_prefixed(name, factor, logged) for factor in (1e3, 1e-3) for name in signals)]
 
 
-def _refuted(made: dict[str, float], every: Sequence[Ratio]) -> bool:
-    """Whether inertia or gravity agrees with the rig, which a cause of these ratios would not leave so."""
+def _refuted(made: dict[str, float], every: Sequence[Ratio], by: Collection[str]) -> bool:
+    """Whether one of some ratios agrees with the rig, which a cause that makes these would not leave so."""
     return any(
         ratio.low > 0.0 and ratio.near(1.0) and not (ratio.name in made and ratio.near(made[ratio.name]))
         for ratio in every
-        if ratio.name in ("J", "M g L")
+        if ratio.name in by
     )
 
 
@@ -175,13 +175,14 @@ def _prefixed(signal: str, factor: float, logged: Logged) -> Cause:
 _SINGLE = {
     "k_e": {
         1.0 / TURN: "the rig's is in V s/rev", 60.0 / TURN: "the rig's is in V/rpm",
-        0.06 / TURN: "the rig's is in V/krpm", 1e-3: "the rig's is in mV s/rad",
+        0.06 / TURN: "the rig's is in V/krpm", 1e-3: "the rig's is in mV s/rad, or per krpm",
         TURN: "the rig's is divided by 2 pi once too often",
     },
     "R": {1e-3: "the rig's is in mohm", 2.0: "the rig's is of one phase, the log's of two",
           0.5: "the rig's is of two phases, the log's of one"},
     "J": {1e-4: "the rig's is in kg cm^2", 1e-7: "the rig's is in g cm^2", 1e-3: "the rig's is in g m^2"},
-    "M g L": {1e-3: "the rig's mass is in g or its length in mm", 1e-2: "the rig's length is in cm"},
+    "M g L": {1e-3: "the rig's mass is in g or its length in mm", 1e-2: "the rig's length is in cm",
+              1e3: "the rig has kg as g, or m as mm", 1e2: "the rig has m as cm"},
 }  # fmt: skip
 
 
@@ -202,7 +203,7 @@ def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[
     blamed: dict[str, Cause] = {}
     if ratio.name == "k_e":
         made = (_misread(words, factor, logged) for words, factor in _sides(logged).items())
-        blamed = {cause.text: cause for cause in made if not _refuted(cause.ratios, every)}
+        blamed = {c.text: c for c in made if not _refuted(c.ratios, every, ("J", "M g L"))}
         causes |= {cause.ratios["k_e"]: cause.text for cause in blamed.values()}
     if ratio.name == "J" and not logged.axis.wraps:
         return "", None
@@ -219,7 +220,8 @@ def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[
         if ratio.name == "R" and abs(math.log(ratio.found)) < abs(math.log(ratio.found / ratio.value)):
             continue
         cause = _prefixed("current" if ratio.letter in ("R", "k_i") else drive, factor, logged)
-        if ratio.name in cause.ratios and ratio.value > 0.0 and ratio.near(cause.ratios[ratio.name]):
+        explains = ratio.name in cause.ratios and ratio.value > 0.0 and ratio.near(cause.ratios[ratio.name])
+        if explains and not _refuted(cause.ratios, every, cause.ratios):
             return f" ({cause.text}?)", cause
     near = {math.inf: ""}
     if ratio.value > 0.0:
@@ -229,10 +231,10 @@ def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[
         return f" ({near[best]}?)", blamed.get(near[best])
     if ratio.name == "k_e" and logged.of_link and mu is not None and ratio.value > 0.0:
         gear = Cause("contradiction", "mu", f"or is mu {mu / ratio.value:.3g}", {"M g L": 1.0 / ratio.value})
-        gravity = [other for other in every if other.name == "M g L"]
-        return ("", None) if _refuted(gear.ratios, gravity) else (f" ({gear.text}?)", gear)
+        return ("", None) if _refuted(gear.ratios, every, gear.ratios) else (f" ({gear.text}?)", gear)
     if level:
         return " (is the plane of motion horizontal, case C1?)", None
     # Gravity is the larger part of a torque; an inertia off by the same factor may not show.
-    either = ratio.name == "M g L" and drive == "current"
+    scaled = {"J": ratio.value}
+    either = ratio.name == "M g L" and drive == "current" and not _refuted(scaled, every, scaled)
     return (" (or is k_i off by this factor?)" if either else ""), None
