@@ -166,6 +166,23 @@ def test_an_effect_of_the_circuit_alone_is_compared_by_the_error_of_the_circuit(
     assert own.circuit < 0.8 * plain.circuit
     assert own.circuit == pytest.approx(noise, rel=0.01)
     assert f"{own.circuit:.4g}" in found.summary()
+    assert "is the best" not in found.summary()
+
+
+def test_a_ripple_that_is_the_best_below_the_low_pass_only_is_told() -> None:
+    """Row by row the model of a fast ripple adds error: the order of the table says the opposite."""
+    effects = (("kt_ripple", 0.5),)
+    run = simulate(drawn_scenario(5, effects=effects, case="C2", mu=1 / 30, seconds=40.0))
+    (effect,) = run.truth["effects"]
+    ripple = f"c2_parallel+kt_ripple[n={effect['shape'][0]:.0f}]"
+    found = eccentric.compare(run.columns, run.rig, ["c2_parallel", ripple])
+    first, *others = found.contest.entries
+    other = next(e for e in others if e.name == ripple)
+
+    assert first.below is not None
+    assert other.below is not None
+    assert other.below < first.below
+    assert f"below 25 Hz {ripple} is the best" in found.summary()
 
 
 def test_json_is_printed_for_programs(capsys: pytest.CaptureFixture[str]) -> None:

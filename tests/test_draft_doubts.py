@@ -53,6 +53,17 @@ def test_counts_by_a_part_of_a_period_are_told_as_a_guess_by_the_check(
     assert doubted == any("encoder_counts_per_rev" in line for line in found.doubts)
 
 
+def test_a_column_with_a_text_in_it_is_left_out_with_the_place() -> None:
+    """Not silently: its row and its entry are told."""
+    log = swing("q_rad", 1.0)
+    spoilt = np.asarray(np.char.mod("%.6g", 2.0 * log["torque_Nm"]), dtype="<U12")
+    spoilt[1000] = "ERR"
+    draft = eccentric.draft_rig({**log, "u_V": spoilt, "mode": np.where(log["t_s"] < 5.0, "a", "b")})
+
+    assert "'ERR'" in draft.left_out["u_V"]
+    assert "mode" not in draft.left_out
+
+
 def test_a_torque_in_newton_metres_goes_before_one_in_per_cent() -> None:
     """Both are the same signal; the log does not say of what the per cent are."""
     log = swing("q_rad", 1.0)

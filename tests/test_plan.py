@@ -238,6 +238,7 @@ def test_an_effect_of_the_circuit_beside_what_is_open_changes_nothing(
     plain, beside = (question_from(one, [tied[0]], read_rig(tied[1]), None) for one in (said, also))
 
     assert plain.screen.balance.name == beside.screen.balance.name
+    assert ((), ("inverter_deadtime",)) == (plain.elsewhere, beside.elsewhere)
     for one, other in zip(plain.rivals, beside.rivals, strict=True):
         assert (one.family, one.chance) == (other.family, other.chance)
         np.testing.assert_allclose(one.coefficients, other.coefficients, rtol=1e-6)

@@ -244,7 +244,20 @@ def contest_lines(found: Contest) -> list[str]:
         for row in rows
     ]
     above = [head, *([found.excerpt] if found.excerpt else [])]
-    return [*above, *table, f"noise of the sensors: {found.noise_floor:.3g} {found.unit}"]
+    noise = f"noise of the sensors: {found.noise_floor:.3g} {found.unit}"
+    return [*above, *table, noise, *filter(None, [_first_below(found)])]
+
+
+def _first_below(found: Contest) -> str:
+    """What to make of another order below the low pass."""
+    first = found.entries[0]
+    best = min(found.entries, key=lambda e: np.inf if e.below is None else e.below)
+    if first.below is None or best.below == first.below:
+        return ""
+    return (
+        f"below {found.low_pass_hz:g} Hz {best.name} is the best: the low pass removes the acceleration that"
+        " a faster ripple causes, so that row by row a model of it adds error"
+    )
 
 
 def _called(entry: Entry) -> str:

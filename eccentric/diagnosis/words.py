@@ -145,8 +145,9 @@ def _gain(found: Diagnosis) -> str:
     score = found.score
     before, after = (score.rmse[score.balance][model] for model in ("paper", "extended"))
     whole = _falls(before, after, found.unit, score.percent, score.interval)
+    of = " of the electrical balance" if score.balance == "electrical" else ""
     if score.below is None or not score.only_below:
-        return f"the held-out error {whole}"
+        return f"the held-out error{of} {whole}"
     below = score.below
     falls = _falls(below.before, below.after, found.unit, below.percent, below.interval)
     goes, why = "goes", ""

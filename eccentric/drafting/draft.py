@@ -27,7 +27,7 @@ from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.questions import entries_of, facts_of
 from eccentric.drafting.units import Reading, Shown, readings
 from eccentric.errors import InputError, few
-from eccentric.logs import Log
+from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
 
 __all__ = ["Draft", "draft_of"]
@@ -98,6 +98,7 @@ def draft_of(log: Log) -> Draft:
     ratio = {c.text: _RATIO[c.name.quantity] for c in left.values() if c.name.quantity in _RATIO}
     taken = {*ratio} | {c.text for c in flags} | ({temperature.column} if temperature else set())
     left_out = {n: "it is constant" for n, c in left.items() if c.is_constant and n not in taken}
+    left_out |= {name: why for name, entries in texts.items() if (why := _spoilt(log, name, entries))}
     free = [c for n, c in left.items() if n not in taken and n not in left_out]
     angle, speed, pair, doubt = _moving(grid, free, log.path)
     motion = motion_from(grid, angle, speed)
@@ -149,6 +150,17 @@ def draft_of(log: Log) -> Draft:
         entries = [RigLine("columns", "current", '"its column"', why, asked=True, needed=True), *entries]
     facts, axis = facts_of(grid, motion), LINEAR if carried else TURNING
     return Draft(log.path, tuple(proposals), tuple(entries), left_out, tuple(facts), axis)
+
+
+def _spoilt(log: Log, name: str, entries: NDArray[np.str_]) -> str:
+    """The first entry that makes a column of numbers none; "" for a column of text, such as a mode."""
+    if np.mean([number_of(str(entry)) is not None for entry in entries]) < limits.MOSTLY_NUMBERS:
+        return ""
+    try:
+        log.numbers(name)
+    except InputError as error:
+        return str(error)
+    return ""
 
 
 def _said(pair: Pair | None) -> list[str]:

@@ -55,6 +55,8 @@ SAME_SHAFT = 0.1
 """Relative error of the number of turns in which gravity repeats: less than two shafts of a gear differ."""
 NEAR_WHOLE = 0.02
 """A gear this close to a whole number is taken for it: gravity and a filtered speed say no more."""
+MOSTLY_NUMBERS = 0.5
+"""Part of the entries of a column that are numbers: a column of text has a number here and there."""
 MOST_TURNS = 400
 """Periods within the travel that are tried: an axis that turned further is cut."""
 TOLD = 0.1

@@ -8,6 +8,7 @@ May import: `errors`.  A new format is one more file beside `csv_file.py` and on
 
 from eccentric.logs.arithmetic import evaluate
 from eccentric.logs.arrow import arrow_columns
+from eccentric.logs.assemble import number_of
 from eccentric.logs.batches import LogStream, stream_log
 from eccentric.logs.log import Excerpt, Log, LogSource, log_names, log_stems, read_log
 from eccentric.logs.units import Unit, parse_unit, parse_value, require_unit
@@ -22,6 +23,7 @@ __all__ = [
     "evaluate",
     "log_names",
     "log_stems",
+    "number_of",
     "parse_unit",
     "parse_value",
     "read_log",

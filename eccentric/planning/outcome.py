@@ -47,6 +47,7 @@ class MeasurementPlan:
         narrower: of one alone: coefficient -> expected standard error over that on the log.
         otherwise: a measurement that needs more than a motion, "" where none is known.
         follows: variables of the structure that no effect explains, for a log with some.
+        elsewhere: ids of the named effects that the other balance shows.
         axis: what moves.
     """
 
@@ -64,6 +65,7 @@ class MeasurementPlan:
     follows: tuple[str, ...]
     axis: AxisKind = TURNING
     added: float = 0.0
+    elsewhere: tuple[str, ...] = ()
 
     @property
     def strength(self) -> tuple[str, str]:
@@ -138,6 +140,7 @@ def planned(
         follows=question.follows,
         axis=axis,
         added=added,
+        elsewhere=question.elsewhere,
     )
 
 
@@ -179,6 +182,9 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         said += [f"  {r.family}: {r.headline} ({100 * r.chance:.0f} %)" for r in plan.rivals]
     else:
         said = [f"Nothing is left to decide; this motion narrows the intervals of {first.headline}"]
+    if plan.elsewhere:
+        balance = "mechanical" if first.balance == "electrical" else "electrical"
+        said.append(f"Not part of this: {', '.join(plan.elsewhere)}, which the {balance} balance shows.")
     if plan.follows:
         said.append(f"Something depends on {', '.join(plan.follows)} that no effect explains.")
         said += [f"What would show it: {plan.otherwise}"] if plan.otherwise else []
@@ -259,6 +265,7 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
         "heavier": None if plan.heavier is None else vars(plan.heavier),
         "otherwise": plan.otherwise,
         "residual_depends_on": list(plan.follows),
+        "elsewhere": list(plan.elsewhere),
         "parts": list(plan.parts),
         "seconds": moved.seconds,
         "rate_Hz": RATE_HZ,

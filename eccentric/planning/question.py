@@ -38,6 +38,7 @@ class Question:
         effects: of the library, those that the candidates are made of among them.
         otherwise: a measurement that needs more than a motion, "" where none is known.
         follows: variables of the structure that no effect explains, for a log with some.
+        elsewhere: ids of the named effects that the other balance shows: no motion is judged by them.
     """
 
     rivals: tuple[Rival, ...]
@@ -48,6 +49,7 @@ class Question:
     effects: tuple[Effect, ...]
     otherwise: str = ""
     follows: tuple[str, ...] = ()
+    elsewhere: tuple[str, ...] = ()
 
 
 def question_of(found: Diagnosis) -> Question:
@@ -60,6 +62,7 @@ def question_of(found: Diagnosis) -> Question:
         raise _unfit(found.rig.path, f" that does not ({found.models.misfit})")
     searched, rivals = found.attribution.searches, rivals_of(found)
     unexplained = found.attribution.verdict == "unexplained"
+    elsewhere = (a.variant.candidate.id for a in found.attribution.adopted if a.balance != rivals[0].balance)
     return Question(
         rivals,
         found.data,
@@ -69,6 +72,7 @@ def question_of(found: Diagnosis) -> Question:
         found.offered,
         found.attribution.next_measurement,
         found.attribution.depends_on if unexplained else (),
+        tuple(elsewhere),
     )
 
 
@@ -146,6 +150,7 @@ def question_from(
         effects,
         said["next_measurement"],
         tuple(follows),
+        tuple(name for name in adopted if shown[name] != balance.name),
     )
 
 

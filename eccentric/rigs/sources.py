@@ -107,6 +107,13 @@ def read_columns(
     for left, right in (("theta_m", "theta_l"), ("omega_m", "omega_l"), ("torque", "torque_l")):
         if left in columns and right in columns:
             raise InputError(f"{where}: only one of {left} and {right} is required, received both")
+    measured: dict[str, str] = {}
+    for channel, source in columns.items():
+        if channels[channel][1] and (other := measured.setdefault(source.text, channel)) != channel:
+            raise InputError(
+                f"{where}: a column of its own is required for {axis.said(other)} and {axis.said(channel)},"
+                f" received {source.text!r} for both"
+            )
     return columns, []
 
 
