@@ -210,7 +210,7 @@ BAD = {
     '[known]\ncase = "C2"\n[columns]\nrun = {column = "t", unit = "s"}': "run: no unit",
     '[known]\ncase = "C2"\n[columns]\ntheta_m = {column = "q", unit = "counts"}': "encoder_counts_per_rev",
     '[known]\ncase = "C2"\n[columns]\ntheta_m = "a"\ntheta_l = "b"': "one of theta_m and theta_l is required",
-    '[known]\ncase = "C2"\n[columns]\ncurrent = "a"\nvoltage = "a"': "column of its own is required for current",
+    '[known]\ncase = "C2"\n[columns]\ncurrent = "a"\nvoltage = "a"': "of its own is required for current",
     "[known\n": "rig.toml: not valid TOML: ",
     "\nname = bench\n": 'rig.toml: a text in quotes is required, name = "bench", received',
     "\nname = bench x\n": "rig.toml: not valid TOML: Invalid value (at line 2, column 8)",
