@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import tomllib
 from collections.abc import Mapping
 
@@ -15,10 +16,16 @@ MU = 0.2
 DEG, RPM = 180.0 / np.pi, 30.0 / np.pi
 
 
+@functools.cache
+def bench(case: str) -> dict[str, np.ndarray]:
+    """A simulated log without effects."""
+    rng = np.random.default_rng(5)
+    return simulate(random_scenario(rng, case=case, mu=MU, log_type="traj", seconds=20.0)).columns
+
+
 def log_of(case: str, angle: tuple[str, float], speed: tuple[str, float]) -> dict[str, np.ndarray]:
     """A simulated log whose angle and speed, of the motor in SI, have other names and factors."""
-    rng = np.random.default_rng(5)
-    run = simulate(random_scenario(rng, case=case, mu=MU, log_type="traj", seconds=25.0)).columns
+    run = bench(case)
     named = {"theta_m_rad": angle, "omega_m_rad_s": speed}
     return {named[k][0] if k in named else k: x * named[k][1] if k in named else x for k, x in run.items()}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 import re
@@ -13,18 +14,24 @@ import pytest
 from numpy.typing import NDArray
 
 from eccentric.api import check_rig
-from eccentric.virtual_bench import random_scenario, simulate
+from eccentric.virtual_bench import BenchRun, random_scenario, simulate
 
 MU = 0.2
 MOTOR, LINK = ("theta_m", "omega_m"), ("theta_l", "omega_l")
+
+
+@functools.cache
+def bench(case: str) -> BenchRun:
+    """A log of the motor without effects, and its rig."""
+    rng = np.random.default_rng(3)
+    return simulate(random_scenario(rng, case=case, mu=MU, log_type="traj", seconds=15.0))
 
 
 def told(
     case: str, folder: Path, at_link: bool, mapped: tuple[str, str], mu: float, k_e: float = 1.0
 ) -> tuple[str, ...]:
     """What is said of a log of one side of the gear under a rig with this mapping, mu and k_e off by this."""
-    rng = np.random.default_rng(3)
-    run = simulate(random_scenario(rng, case=case, mu=MU, log_type="traj", seconds=25.0))
+    run = bench(case)
     columns: dict[str, NDArray[np.float64]] = dict(run.columns)
     for name in ("theta_m_rad", "omega_m_rad_s"):
         columns[name] = columns[name] * (MU if at_link else 1.0)
