@@ -244,6 +244,30 @@ def test_a_form_that_was_right_beside_what_is_dropped_gives_way_to_that_of_an_ea
     assert ["a[first]"] == adopted(found)
 
 
+def test_a_comparison_that_brings_back_what_was_dropped_ends() -> None:
+    """Where the rare effect takes the place of an earlier step again and again, it is dropped for good."""
+    event = 12.0 * shown_by(2)
+    balance = design({2: 3.0})
+    balance = replace(balance, target=balance.target + event[:, 0])
+    rare = candidate("rare", of=lambda _: event)
+    screen = Screen(balance, [A, rare])
+    alone, both = (screen.fit([grid(c)[0] for c in effects]) for effects in ([A], [A, rare]))
+
+    class Returning(Search):
+        """A search whose comparison prefers both effects whenever it is asked."""
+
+        def _compare(self, changes: int = 0) -> None:
+            self.best = both
+            self.alternatives = [{v.candidate.family: (1.0, both)} for v in both.variants]
+
+    base = screen.fit([])
+    found = Returning(screen, Screen(screen.balance, []), base, both, steps=[alone, both])
+    found.stability = found_by("a" * 100)
+    found._examine([replace(alone, cross=0.5 * alone.cross), both])
+
+    assert ["a"] == adopted(found)
+
+
 def test_an_effect_that_was_dropped_does_not_come_back_with_an_earlier_step() -> None:
     """The rare effect is found first, and few variants find it: the other one stays, which all find."""
     event = 12.0 * shown_by(2)

@@ -74,7 +74,7 @@ class Search:
             self.best = self.pruned(min(tried, key=lambda f: f.score))
             self.steps.append(self.best)
         self._compare()
-        self._examine()
+        self._examine(self.steps)
         self.smoothed = self.smooth.rank(self.best.variants)
 
     def deviance(self, before: Fitted, after: Fitted, screen: Screen | None = None) -> float:
@@ -245,12 +245,13 @@ class Search:
         found = self.stability.instead(family, beside, declared, limits.IN_PLACE)
         return {other: times for other, times in found.items() if times >= least}
 
-    def _examine(self) -> None:
+    def _examine(self, steps: Sequence[Fitted]) -> None:
         """Drop the effects that too few variants of the log find, even with what takes their place.
 
         Those that stay keep their alternatives: what is dropped is still missing, and would confuse them. But
         what was right only beside it gives way to an earlier step without it that explained clearly more,
-        which is compared and examined as if the search had ended there.
+        which is compared and examined as if the search had ended there. Each of the steps is gone back to
+        once: what is compared with it may bring back what was dropped.
         """
         if not self.best.variants:
             return
@@ -262,15 +263,15 @@ class Search:
             dropped = {family for k, family in enumerate(families) if k not in kept}
             earlier = [
                 step
-                for step in self.steps
+                for step in steps
                 if dropped.isdisjoint(v.candidate.family for v in step.variants)
                 and step.score < limits.SWAPPED * left.score
             ]
             if earlier:
                 self.tried.append(self.best)
-                self.best = min(earlier, key=lambda f: f.score)
+                self.best = again = min(earlier, key=lambda f: f.score)
                 self._compare()
-                self._examine()
+                self._examine([step for step in steps if step is not again])
             else:
                 self.best, self.alternatives = left, [self.alternatives[k] for k in kept]
 
