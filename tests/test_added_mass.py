@@ -203,7 +203,7 @@ def test_a_rig_with_an_added_mass_is_checked_entry_by_entry() -> None:
     assert len(found) == 2
     assert rest["added"] == {"b": "0.2 kg"}
     found, _ = rig_complaints({"known": {"case": "C1", "M": "0.5 kg"}, "added": {"b": "0.2 kg"}})
-    assert any("[known] L is required with [added]" in line for line in found)
+    assert any("[known] L is required with [added]" in one.text for one in found)
 
 
 def test_an_added_mass_needs_the_mass_that_is_there(tmp_path: Path) -> None:

@@ -141,7 +141,8 @@ def test_keys_in_the_wrong_place_or_spelling_are_put_right(tmp_path: Path) -> No
         f"{path}: [known] M: a decimal point is required, as in '0.5 kg', received '0,5 kg'",
         f"{path}: [known]: unknown key 'ML'; did you mean 'M_l'?",
         f"{path}: [known] drive: this key belongs at the top, above all tables",
-    ] == found
+    ] == [one.text for one in found]
+    assert [("", "k_i"), ("columns", "Theta_M")] == [(one.table, one.key) for one in found[:2]]
 
 
 def test_a_decimal_comma_of_a_bare_number_is_named_with_its_line(tmp_path: Path) -> None:
