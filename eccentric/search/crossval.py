@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import lsq_linear, nnls
 
-from eccentric.search.limits import ALIASED, ORDER_OF_FOLDS, ORDERS
+from eccentric.search.limits import ALIASED, ORDER_OF_FOLDS
 
 __all__ = ["Gram", "bounded_solve", "cross_validate", "fold_of_block", "scaled_solve"]
 
@@ -106,29 +106,11 @@ def _scaled(matrix: Array, ridge: Array | float) -> tuple[Array, Array]:
     return scaled, scale
 
 
-def fold_of_block(design: Array, block: Array, folds: int) -> Array:
-    """Fold number of each block (b,): every run of `folds` neighbours holds each once, in shuffled order.
-
-    Of the orders drawn, the one whose most informative fold holds the smallest share of the information of
-    the design (n, p) on any combination of coefficients: where one fold has both of the fastest blocks, the
-    others cannot predict it, whatever the model.
-    """
-    rng, blocks = np.random.default_rng(ORDER_OF_FOLDS), int(block[-1]) + 1
-    turns = -(-blocks // folds)
-    orders = [np.concatenate([rng.permutation(folds) for _ in range(turns)])[:blocks] for _ in range(ORDERS)]
-    matrix = Gram.of(design, np.zeros(len(block)), block).matrix
-    whole, scale = _scaled(matrix.sum(axis=0), 0.0)
-    try:
-        inverse = np.linalg.inv(np.linalg.cholesky(whole)) / scale
-    except np.linalg.LinAlgError:
-        return orders[0]
-    share = inverse @ matrix @ inverse.T
-
-    def most(fold: Array) -> float:
-        parts = [share[fold == number].sum(axis=0) for number in np.unique(fold)]
-        return float(np.max(np.linalg.eigvalsh(parts), initial=0.0))
-
-    return min(orders, key=most)
+def fold_of_block(blocks: int, folds: int) -> Array:
+    """Fold number of each block: every run of `folds` neighbours holds each fold once, in shuffled order."""
+    rng = np.random.default_rng(ORDER_OF_FOLDS)
+    turns = [rng.permutation(folds) for _ in range(-(-blocks // folds))]
+    return np.concatenate(turns)[:blocks]
 
 
 def cross_validate(gram: Gram, lower: Array, fold: Array, ridge: Array | float = 0.0) -> Array:

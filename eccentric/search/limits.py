@@ -66,7 +66,6 @@ __all__ = [
     "NEIGHBOUR",
     "NOTHING",
     "NO_RANGE",
-    "ORDERS",
     "ORDER_OF_FOLDS",
     "PADDED",
     "PARTNERS",
@@ -303,8 +302,6 @@ NOTHING = 1e-12
 """RMS of a column, in its own unit, below which it is rounding and explains nothing."""
 ORDER_OF_FOLDS = 7
 """Seed of the order of the folds: the same log is always divided alike."""
-ORDERS = 50
-"""Orders of the folds that are drawn: the best of so many is nearly as good as any."""
 
 # How far the search looks.
 

@@ -67,7 +67,7 @@ class Screen:
         self.block = balance.rows.block
         self.rows = len(balance.target)
         self.floor = self.rows * noise**2
-        self.fold = fold_of_block(balance.columns, self.block, FOLDS)
+        self.fold = fold_of_block(int(self.block[-1]) + 1, FOLDS)
         self._kept: dict[tuple[object, ...], Array] = {}
         self._changed: dict[tuple[object, ...], tuple[Array | float, Array]] = {}
         self.points: list[Variant] = []
