@@ -255,8 +255,8 @@ def _first_below(found: Contest) -> str:
     if first.below is None or best.below == first.below:
         return ""
     return (
-        f"below {found.low_pass_hz:g} Hz {best.name} is the best: the low pass removes the acceleration that"
-        " a faster ripple causes, so that row by row a model of it adds error"
+        f"below {found.low_pass_hz:g} Hz {best.name} is the best; if it has a faster ripple, that adds error"
+        " row by row, since the low pass removes the acceleration that it causes"
     )
 
 
