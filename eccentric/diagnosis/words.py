@@ -335,7 +335,10 @@ def stability_words(found: Diagnosis, effect: Effect) -> str:
     if not own.variants:
         return "stability not checked (too few stretches)"
     instead = ", ".join(f"{family} in {times}" for family, times in own.instead.items())
-    return f"in {own.found} of {own.variants} variants of the log" + (f" ({instead})" if instead else "")
+    both = effect.family in found.attribution.searches[own.balance].by_both
+    alone = f", by the {own.balance} balance alone: both together decide" if both else ""
+    found_in = f"in {own.found} of {own.variants} variants of the log"
+    return found_in + (f" ({instead})" if instead else "") + alone
 
 
 def _errors(models: Mapping[str, float]) -> str:

@@ -16,7 +16,7 @@ from scipy.optimize import lsq_linear, nnls
 
 from eccentric.search.limits import ALIASED, ORDER_OF_FOLDS
 
-__all__ = ["Gram", "bounded_solve", "cross_validate", "fold_of_block", "scaled_solve"]
+__all__ = ["Gram", "bounded_solve", "cross_validate", "fold_of_block", "leave_one_out", "scaled_solve"]
 
 Array = np.ndarray
 
@@ -45,14 +45,9 @@ class Gram:
             matrix[b], vector[b], square[b] = x.T @ x, x.T @ y, y @ y
         return cls(matrix, vector, square, np.bincount(block, minlength=count))
 
-    def drawn(self, times: Array) -> Gram:
-        """The same with each block counted several times, (b,)."""
-        return Gram(
-            self.matrix * times[:, None, None],
-            self.vector * times[:, None],
-            self.square * times,
-            self.rows * times,
-        )
+    def drawn(self, chosen: Array) -> Gram:
+        """Some of the blocks, by number."""
+        return Gram(self.matrix[chosen], self.vector[chosen], self.square[chosen], self.rows[chosen])
 
     def loss(self, coefficients: Array) -> Array:
         """Sum of squared residuals of each block; coefficients (p,) or one set per block (b, p)."""
@@ -127,3 +122,35 @@ def cross_validate(gram: Gram, lower: Array, fold: Array, ridge: Array | float =
         )
         loss[mine] = gram.loss(coefficients)[mine]
     return loss
+
+
+def leave_one_out(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Array:
+    """Loss of every block (b,) under the coefficients fitted without it: no order of folds is left to chance.
+
+    Coefficients that the fit of all blocks holds at their bound are held there; only where others leave their
+    range is the bounded fit made anew.
+    """
+    total_matrix, total_vector = gram.matrix.sum(axis=0), gram.vector.sum(axis=0)
+    bounded = np.isfinite(lower)
+    free = ~bounded | (bounded_solve(total_matrix, total_vector, lower, ridge) > 0.0)
+    matrix, vector = total_matrix - gram.matrix, total_vector - gram.vector
+    coefficients = np.zeros(vector.shape)
+    inner = np.ix_(range(len(matrix)), free, free)
+    penalty = np.broadcast_to(ridge, total_vector.shape)[free]
+    try:
+        coefficients[:, free] = _solved(matrix[inner], vector[:, free], penalty)
+        beyond = np.any(coefficients[:, bounded] < 0.0, axis=1)
+    except np.linalg.LinAlgError:
+        beyond = np.ones(len(matrix), dtype=bool)
+    for block in np.flatnonzero(beyond):
+        coefficients[block] = bounded_solve(matrix[block], vector[block], lower, ridge)
+    return gram.loss(coefficients)
+
+
+def _solved(matrices: Array, vectors: Array, ridge: Array) -> Array:
+    """Least squares (b, p) from several normal equations, matrices (b, p, p) and vectors (b, p)."""
+    diagonal = np.arange(matrices.shape[1])
+    scale = np.sqrt(np.maximum(matrices[:, diagonal, diagonal], 1e-300))
+    scaled = matrices / (scale[:, :, None] * scale[:, None, :])
+    scaled[:, diagonal, diagonal] += ALIASED + ridge
+    return np.linalg.solve(scaled, (vectors / scale)[..., None])[..., 0] / scale

@@ -69,6 +69,7 @@ __all__ = [
     "ORDER_OF_FOLDS",
     "PADDED",
     "PARTNERS",
+    "PARTS",
     "PIECES",
     "POSSIBLE",
     "RIDGE",
@@ -169,6 +170,9 @@ a shape that none of them has."""
 
 VARIANTS = 100
 """Variants of a log: shares of them are known to some percent."""
+PARTS = 0.8, 0.5
+"""Parts of the blocks that a variant has: by default a fifth is held out, of these blocks as well had it been
+another fifth; and half of them, the choice of stability selection."""
 IN_A_DRAW = 2.0
 """Log-odds in a draw over those on the log: what a superfluous parameter gains is the square of what chance
 gives it, and chance counts twice there, in the log and in which of its blocks are drawn."""

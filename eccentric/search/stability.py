@@ -1,7 +1,9 @@
 """How stable a search is: which effects it would have found had an engineer chosen otherwise.
 
-A hundred variants of the log. In each, every model that came close is fitted and cross-validated on blocks
-drawn with replacement (on average 37 % of them are left out), in turn
+A hundred variants of the log. In each, every model that came close is fitted and cross-validated, block by
+block, in turn
+
+- on four fifths of the blocks (others held out) or on half of them, drawn at random;
 
 - on the rows as they are, or on means of two neighbouring rows (a lower bandwidth);
 - with the declared values as they are, or free within their usual tolerance (R, k_i, k_e: 2 %, J: 5 %).
@@ -10,9 +12,9 @@ The best model of a variant is the one with the best score. A family is stable i
 model of nearly every variant, whatever is beside it.
 
 References: N. Meinshausen, P. Buehlmann, "Stability selection", J. Royal Statistical Society B 72(4), 2010
-(halves of the data; draws with replacement vary as much, and keep the size of the log);
+(halves of the data);
 J. H. Huggins, J. W. Miller, "Reproducible model selection using bagged posteriors", Bayesian Analysis 18(1),
-2023 (the mean of the posterior over such draws).
+2023 (the mean of the posterior over such draws, each with the weight of the whole log).
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ import numpy as np
 
 from eccentric.search import limits
 from eccentric.search.candidate import Candidate, Variant
-from eccentric.search.crossval import Gram, bounded_solve, cross_validate
+from eccentric.search.crossval import Gram, bounded_solve, leave_one_out
 from eccentric.search.screen import Fitted, Screen
 
 __all__ = ["Stability", "stability_of"]
@@ -164,14 +166,21 @@ def _bonus(fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
     return limits.IN_A_DRAW * (limits.SPECIAL * special - orders) - 0.5 * (shapes + cost)
 
 
-def _draws(count: int) -> Array:
-    """How often each block is drawn (variants, blocks)."""
+def _draws(count: int) -> list[Array]:
+    """The blocks of each variant, by number, in ascending order."""
     rng = np.random.default_rng(limits.ORDER_OF_FOLDS)
-    return rng.multinomial(count, np.full(count, 1.0 / count), limits.VARIANTS)
+    # Every way to take the log with both sizes: the settings of a variant go through at most four.
+    sizes = [round(limits.PARTS[k // 4 % 2] * count) for k in range(limits.VARIANTS)]
+    return [np.sort(rng.permutation(count)[:size]) for size in sizes]
 
 
 def _evidence(
-    screen: Screen, fitted: Fitted, free: Sequence[Candidate], noise: float, effective: float, draws: Array
+    screen: Screen,
+    fitted: Fitted,
+    free: Sequence[Candidate],
+    noise: float,
+    effective: float,
+    draws: Sequence[Array],
 ) -> tuple[Array, list[frozenset[str]]]:
     """Log-likelihood of a model in every variant (variants,), but for what all models have in common.
 
@@ -188,7 +197,7 @@ def _evidence(
     if not screen.balance.rows.independent:
         bands.append(_means_of_two(stacked, screen.block))
     tolerance = np.array([candidate.tolerance for candidate in free])
-    count = draws.shape[1]
+    count = int(screen.block[-1]) + 1
     settings = [(_others(rows[:, : 1 + p], block, count), lower, np.zeros(p)) for rows, block in bands] + [
         (
             _others(rows, block, count),
@@ -201,10 +210,10 @@ def _evidence(
     # A log without noise leaves rounding.
     least = np.finfo(float).eps * float(screen.balance.target @ screen.balance.target)
     found, moved = np.empty(len(draws)), list[frozenset[str]]()
-    for number, times in enumerate(draws):
+    for number, chosen in enumerate(draws):
         gram, bounds, prior = settings[number % len(settings)]
-        drawn = gram.drawn(times)
-        score = max(cross_validate(drawn, bounds, screen.fold, prior).sum(), least)
+        drawn = gram.drawn(chosen)
+        score = max(leave_one_out(drawn, bounds, prior).sum(), least)
         whole = bounded_solve(drawn.matrix.sum(axis=0), drawn.vector.sum(axis=0), bounds, prior)
         off = whole[p:] / tolerance[: len(whole) - p]
         found[number] = -0.5 * (effective * np.log(score) + off @ off)
