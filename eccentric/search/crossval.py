@@ -1,9 +1,9 @@
 """Blocked cross-validation and block statistics for correlated samples.
 
-Everything a selection needs is in the normal equations summed per block: a fold is fitted on the sum of the
-other folds' blocks and judged on its own, so no row is visited twice.  Rows of one block are correlated (they
-share filter, motion and drift); blocks are taken as exchangeable, and standard errors and intervals come from
-them.
+Everything a selection needs is in the normal equations summed per block: each block is judged by a fit to the
+sum of all others, so no row is visited twice, and no order of folds is left to chance.  Rows of one block are
+correlated (they share filter, motion and drift); blocks are taken as exchangeable, and standard errors and
+intervals come from them.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import lsq_linear, nnls
 
-from eccentric.search.limits import ALIASED, ORDER_OF_FOLDS
+from eccentric.search.limits import ALIASED
 
-__all__ = ["Gram", "bounded_solve", "cross_validate", "fold_of_block", "leave_one_out", "scaled_solve"]
+__all__ = ["Gram", "bounded_solve", "inverses", "leave_one_out"]
 
 Array = np.ndarray
 
@@ -87,45 +87,17 @@ def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | flo
     return solution / scale
 
 
-def scaled_solve(matrix: Array, vectors: Array, ridge: Array | float = 0.0) -> Array:
-    """Least squares from normal equations with free coefficients, for several right-hand sides (p, k)."""
-    scaled, scale = _scaled(matrix, ridge)
-    return np.linalg.solve(scaled, vectors / scale[:, None]) / scale[:, None]
-
-
 def _scaled(matrix: Array, ridge: Array | float) -> tuple[Array, Array]:
-    """A matrix (p, p) with ones and the ridge on its diagonal, and the scale (p,) of its coefficients."""
-    scale = np.sqrt(np.maximum(matrix.diagonal(), 1e-300))
-    scaled = matrix / (scale[:, None] * scale)
-    scaled[np.diag_indices_from(scaled)] += ALIASED + ridge
+    """Matrices (..., p, p) with ones and the ridge on the diagonal, and scales (..., p) of coefficients."""
+    scale = np.sqrt(np.maximum(np.diagonal(matrix, axis1=-2, axis2=-1), 1e-200))
+    scaled = matrix / (scale[..., :, None] * scale[..., None, :])
+    diagonal = np.arange(matrix.shape[-1])
+    scaled[..., diagonal, diagonal] += ALIASED + ridge
     return scaled, scale
 
 
-def fold_of_block(blocks: int, folds: int) -> Array:
-    """Fold number of each block: every run of `folds` neighbours holds each fold once, in shuffled order."""
-    rng = np.random.default_rng(ORDER_OF_FOLDS)
-    turns = [rng.permutation(folds) for _ in range(-(-blocks // folds))]
-    return np.concatenate(turns)[:blocks]
-
-
-def cross_validate(gram: Gram, lower: Array, fold: Array, ridge: Array | float = 0.0) -> Array:
-    """Loss of every block (b,) under the coefficients fitted without its fold."""
-    total_matrix, total_vector = gram.matrix.sum(axis=0), gram.vector.sum(axis=0)
-    loss = np.zeros(len(gram.square))
-    for number in np.unique(fold):
-        mine = fold == number
-        coefficients = bounded_solve(
-            total_matrix - gram.matrix[mine].sum(axis=0),
-            total_vector - gram.vector[mine].sum(axis=0),
-            lower,
-            ridge,
-        )
-        loss[mine] = gram.loss(coefficients)[mine]
-    return loss
-
-
 def leave_one_out(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Array:
-    """Loss of every block (b,) under the coefficients fitted without it: no order of folds is left to chance.
+    """Loss of every block (b,) under the coefficients fitted without it.
 
     Coefficients that the fit of all blocks holds at their bound are held there; only where others leave their
     range is the bounded fit made anew.
@@ -138,7 +110,7 @@ def leave_one_out(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Array
     inner = np.ix_(range(len(matrix)), free, free)
     penalty = np.broadcast_to(ridge, total_vector.shape)[free]
     try:
-        coefficients[:, free] = _solved(matrix[inner], vector[:, free], penalty)
+        coefficients[:, free] = (inverses(matrix[inner], penalty) @ vector[:, free, None])[..., 0]
         beyond = np.any(coefficients[:, bounded] < 0.0, axis=1)
     except np.linalg.LinAlgError:
         beyond = np.ones(len(matrix), dtype=bool)
@@ -147,10 +119,7 @@ def leave_one_out(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Array
     return gram.loss(coefficients)
 
 
-def _solved(matrices: Array, vectors: Array, ridge: Array) -> Array:
-    """Least squares (b, p) from several normal equations, matrices (b, p, p) and vectors (b, p)."""
-    diagonal = np.arange(matrices.shape[1])
-    scale = np.sqrt(np.maximum(matrices[:, diagonal, diagonal], 1e-300))
-    scaled = matrices / (scale[:, :, None] * scale[:, None, :])
-    scaled[:, diagonal, diagonal] += ALIASED + ridge
-    return np.linalg.solve(scaled, (vectors / scale)[..., None])[..., 0] / scale
+def inverses(matrices: Array, ridge: Array | float = 0.0) -> Array:
+    """Inverses (b, p, p) of several matrices of normal equations, with the ridge of `bounded_solve`."""
+    scaled, scale = _scaled(matrices, ridge)
+    return np.linalg.inv(scaled) / (scale[:, :, None] * scale[:, None, :])

@@ -27,7 +27,6 @@ __all__ = [
     "EXTRAPOLATED",
     "FEW_TURNS",
     "FIRST_STEPS",
-    "FOLDS",
     "FORMS_OF_A_PATCH",
     "GRAVITY_ORDERS",
     "HIDES",
@@ -66,7 +65,7 @@ __all__ = [
     "NEIGHBOUR",
     "NOTHING",
     "NO_RANGE",
-    "ORDER_OF_FOLDS",
+    "ORDER_OF_DRAWS",
     "PADDED",
     "PARTNERS",
     "PARTS",
@@ -178,8 +177,8 @@ IN_A_DRAW = 2.0
 gives it, and chance counts twice there, in the log and in which of its blocks are drawn."""
 STABLE = 0.9
 """Least share of the variants that find a named effect."""
-WRONG = 0.5
-"""A declared value that a variant finds off by more than this part of its tolerance is part of its model."""
+WRONG = 1.0
+"""A declared value that a variant finds off by more standard deviations than this is part of its model."""
 IN_PLACE = 2
 """Families that may be tied with one that is not stable: if three take its place, nobody knows what it is."""
 LEAST_BLOCKS = 32
@@ -304,13 +303,11 @@ NO_RANGE = 1e-9
 """Part of its size below which the range of a signal is rounding: nothing depends on it smoothly."""
 NOTHING = 1e-12
 """RMS of a column, in its own unit, below which it is rounding and explains nothing."""
-ORDER_OF_FOLDS = 7
-"""Seed of the order of the folds: the same log is always divided alike."""
+ORDER_OF_DRAWS = 7
+"""Seed of the variants: the same log always has the same."""
 
 # How far the search looks.
 
-FOLDS = 8
-"""Folds of the cross-validation: one eighth of the blocks is predicted from the other seven."""
 LEADERS = 8
 """Candidates whose shapes are refined; four times as many are cross-validated at their grid point."""
 STEPS = 15

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eccentric.search.crossval import Gram, scaled_solve
+from eccentric.search.crossval import Gram, inverses
 from eccentric.search.limits import (
     AT_ONCE,
     CHANCE,
@@ -111,7 +111,7 @@ class _Drawn:
 
     fixed: of the prediction, blocks with rows only, as everywhere here; noise (seconds, p), squares, mixed
     (seconds,): the residual times the columns, itself and the prediction; starts (blocks,): the first second
-    of each; fold (blocks,); ridge (p,).
+    of each; inverse (blocks, p, p): of the normal equations without a block.
     """
 
     fixed: Gram
@@ -119,8 +119,7 @@ class _Drawn:
     squares: Array
     mixed: Array
     starts: Array
-    fold: Array
-    ridge: Array
+    inverse: Array
 
     @classmethod
     def of(cls, screen: Screen, fitted: Fitted, predicted: Array, residual: Array, second: Array) -> _Drawn:
@@ -130,16 +129,16 @@ class _Drawn:
         # A coefficient at its bound stays there.
         free = ~(np.isfinite(lower) & (fitted.coefficients <= 0.0))
         design = design[:, free]
-        numbers, block = np.unique(screen.block, return_inverse=True)
+        block = np.unique(screen.block, return_inverse=True)[1]
         first = np.flatnonzero(np.diff(second, prepend=-1))
+        gram = Gram.of(design, fixed, block)
         return cls(
-            Gram.of(design, fixed, block),
+            gram,
             np.add.reduceat(design * residual[:, None], first, axis=0),
             np.bincount(second, residual**2),
             np.bincount(second, fixed * residual),
             np.flatnonzero(np.diff(block[first], prepend=-1)),
-            screen.fold[numbers],
-            screen.ridge(fitted.variants)[free],
+            inverses(gram.matrix.sum(axis=0) - gram.matrix, screen.ridge(fitted.variants)[free]),
         )
 
     def losses(self, signs: Array) -> Array:
@@ -148,11 +147,7 @@ class _Drawn:
         vector = self.fixed.vector[:, :, None] + np.add.reduceat(noise, self.starts, axis=0)
         square = self.squares[:, None] + 2.0 * self.mixed[:, None] * signs
         loss = self.fixed.square[:, None] + np.add.reduceat(square, self.starts, axis=0)
-        matrix, right = self.fixed.matrix.sum(axis=0), vector.sum(axis=0)
-        for number in np.unique(self.fold):
-            mine = self.fold == number
-            left = matrix - self.fixed.matrix[mine].sum(axis=0)
-            c = scaled_solve(left, right - vector[mine].sum(axis=0), self.ridge)
-            curved = np.einsum("id,bid->bd", c, self.fixed.matrix[mine] @ c)
-            loss[mine] += curved - 2.0 * np.einsum("id,bid->bd", c, vector[mine])
+        c = self.inverse @ (vector.sum(axis=0) - vector)
+        curved = np.einsum("bid,bid->bd", c, self.fixed.matrix @ c)
+        loss += curved - 2.0 * np.einsum("bid,bid->bd", c, vector)
         return np.abs(loss)

@@ -10,14 +10,13 @@ import numpy as np
 from eccentric.model import Role
 from eccentric.search.candidate import Candidate, Variant, bounds_of, grid, instrument_of
 from eccentric.search.correlation import correlated
-from eccentric.search.crossval import Gram, bounded_solve, cross_validate, fold_of_block
+from eccentric.search.crossval import Gram, bounded_solve, leave_one_out
 from eccentric.search.exogeneity import exogenous
 from eccentric.search.limits import (
     BELOW_NOISE,
     CONFIRMED,
     EXTRAPOLATED,
     FIRST_STEPS,
-    FOLDS,
     LEADERS,
     LEAST_DEVIANCE,
     MOST_KEPT,
@@ -67,7 +66,6 @@ class Screen:
         self.block = balance.rows.block
         self.rows = len(balance.target)
         self.floor = self.rows * noise**2
-        self.fold = fold_of_block(int(self.block[-1]) + 1, FOLDS)
         self._kept: dict[tuple[object, ...], Array] = {}
         self._changed: dict[tuple[object, ...], tuple[Array | float, Array]] = {}
         self.points: list[Variant] = []
@@ -178,7 +176,7 @@ class Screen:
         gram = Gram.of(design, target, self.block)
         ridge = self.ridge(variants)
         coefficients = bounded_solve(gram.matrix.sum(axis=0), gram.vector.sum(axis=0), lower, ridge)
-        cross = cross_validate(gram, lower, self.fold, ridge)
+        cross = leave_one_out(gram, lower, ridge)
         if np.any(ridge):
             without = self.fit([v for v in variants if not v.candidate.ridge]).cross
             cross = np.where(cross > EXTRAPOLATED * without, without, cross)

@@ -14,7 +14,8 @@ model of nearly every variant, whatever is beside it.
 References: N. Meinshausen, P. Buehlmann, "Stability selection", J. Royal Statistical Society B 72(4), 2010
 (halves of the data);
 J. H. Huggins, J. W. Miller, "Reproducible model selection using bagged posteriors", Bayesian Analysis 18(1),
-2023 (the mean of the posterior over such draws, each with the weight of the whole log).
+2023 (the mean of the posterior over such draws, each with the weight of the whole log);
+JCGM 100:2008 (GUM), 4.3.7 (the standard deviation of a value of which only a tolerance is known).
 """
 
 from __future__ import annotations
@@ -168,7 +169,7 @@ def _bonus(fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
 
 def _draws(count: int) -> list[Array]:
     """The blocks of each variant, by number, in ascending order."""
-    rng = np.random.default_rng(limits.ORDER_OF_FOLDS)
+    rng = np.random.default_rng(limits.ORDER_OF_DRAWS)
     # Every way to take the log with both sizes: the settings of a variant go through at most four.
     sizes = [round(limits.PARTS[k // 4 % 2] * count) for k in range(limits.VARIANTS)]
     return [np.sort(rng.permutation(count)[:size]) for size in sizes]
@@ -196,13 +197,13 @@ def _evidence(
     bands = [(stacked, screen.block)]
     if not screen.balance.rows.independent:
         bands.append(_means_of_two(stacked, screen.block))
-    tolerance = np.array([candidate.tolerance for candidate in free])
+    deviation = np.array([candidate.tolerance for candidate in free]) / np.sqrt(3.0)
     count = int(screen.block[-1]) + 1
     settings = [(_others(rows[:, : 1 + p], block, count), lower, np.zeros(p)) for rows, block in bands] + [
         (
             _others(rows, block, count),
             np.r_[lower, np.full(len(free), -np.inf)],
-            np.r_[np.zeros(p), _held(rows[:, 1 + p :], noise, tolerance)],
+            np.r_[np.zeros(p), _held(rows[:, 1 + p :], noise, deviation)],
         )
         for rows, block in bands
         if len(free)
@@ -215,7 +216,7 @@ def _evidence(
         drawn = gram.drawn(chosen)
         score = max(leave_one_out(drawn, bounds, prior).sum(), least)
         whole = bounded_solve(drawn.matrix.sum(axis=0), drawn.vector.sum(axis=0), bounds, prior)
-        off = whole[p:] / tolerance[: len(whole) - p]
+        off = whole[p:] / deviation[: len(whole) - p]
         found[number] = -0.5 * (effective * np.log(score) + off @ off)
         # There are none where the declared values are not free.
         wrong = (c.family for c, x in zip(free, off, strict=False) if abs(x) > limits.WRONG)
@@ -223,9 +224,9 @@ def _evidence(
     return found, moved
 
 
-def _held(columns: Array, noise: float, tolerance: Array) -> Array:
+def _held(columns: Array, noise: float, deviation: Array) -> Array:
     """Penalties (k,) on the coefficients of columns (rows, k), in units of the scaled diagonal."""
-    return noise / (tolerance**2 * np.maximum(np.sum(columns**2, axis=0), np.finfo(float).tiny))
+    return noise / (deviation**2 * np.maximum(np.sum(columns**2, axis=0), np.finfo(float).tiny))
 
 
 def _others(rows: Array, block: Array, count: int) -> Gram:

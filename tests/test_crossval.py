@@ -1,0 +1,63 @@
+"""Every block predicted from the others, beside SciPy's bounded least squares on the rows themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+from eccentric.search.crossval import Gram, leave_one_out
+
+BLOCK = np.repeat(np.arange(12), 7)
+
+
+def rows(coefficients: list[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Columns (84, 3) and a target (84,) that follows them but for noise."""
+    rng = np.random.default_rng(3)
+    columns = rng.normal(size=(len(BLOCK), 3))
+    return columns, columns @ coefficients + rng.normal(size=len(BLOCK))
+
+
+def expected(columns: np.ndarray, target: np.ndarray, lower: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Loss of every block (12,), and the coefficients (12, 3) that were fitted without it."""
+    loss, fitted = [], []
+    for number in range(12):
+        mine = BLOCK == number
+        found = lsq_linear(columns[~mine], target[~mine], (lower, np.inf), method="bvls", tol=1e-14).x
+        loss.append(np.sum((target[mine] - columns[mine] @ found) ** 2))
+        fitted.append(found)
+    return np.array(loss), np.array(fitted)
+
+
+@pytest.mark.parametrize("last", [2.0, -0.8])
+@pytest.mark.parametrize("bounded", [False, True])
+def test_loss_of_a_block_under_the_fit_to_all_others(last: float, bounded: bool) -> None:
+    """Free, within its range, or at its bound whichever block is left out."""
+    columns, target = rows([1.0, -0.5, last])
+    lower = np.array([-np.inf, -np.inf, 0.0 if bounded else -np.inf])
+    loss, fitted = expected(columns, target, lower)
+
+    assert np.all(fitted[:, 2] == 0.0) if bounded and last < 0.0 else np.all(fitted[:, 2] != 0.0)
+    assert leave_one_out(Gram.of(columns, target, BLOCK), lower) == pytest.approx(loss, rel=1e-7)
+
+
+def test_a_coefficient_that_reaches_its_bound_without_a_block_stays_there() -> None:
+    """Only the first block shows it; without that block the least squares are at the bound."""
+    columns, target = rows([1.0, -0.5, -0.6])
+    columns[:, 2] = np.abs(columns[:, 2])
+    target[BLOCK == 0] += 15.0 * columns[BLOCK == 0, 2]
+    lower = np.array([-np.inf, -np.inf, 0.0])
+    loss, fitted = expected(columns, target, lower)
+
+    assert fitted[0, 2] == 0.0 < np.min(fitted[1:, 2])
+    assert leave_one_out(Gram.of(columns, target, BLOCK), lower) == pytest.approx(loss, rel=1e-7)
+
+
+def test_a_block_without_rows_loses_nothing() -> None:
+    """And changes nothing for the others: means of two rows may leave none."""
+    columns, target = rows([1.0, -0.5, 2.0])
+    lower = np.full(3, -np.inf)
+    some = leave_one_out(Gram.of(columns, target, BLOCK, 13), lower)
+
+    assert some[:12] == pytest.approx(leave_one_out(Gram.of(columns, target, BLOCK), lower), rel=1e-12)
+    assert some[12] == 0.0
