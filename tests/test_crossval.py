@@ -61,3 +61,18 @@ def test_a_block_without_rows_loses_nothing() -> None:
 
     assert some[:12] == pytest.approx(leave_one_out(Gram.of(columns, target, BLOCK), lower), rel=1e-12)
     assert some[12] == 0.0
+
+
+def test_neighbours_of_a_long_log_are_left_out_together() -> None:
+    """Of 96 blocks two and one in turn, in 64 groups, each predicted from all others."""
+    rng = np.random.default_rng(4)
+    columns, block = rng.normal(size=(480, 2)), np.repeat(np.arange(96), 5)
+    target = columns @ [1.0, 2.0] + rng.normal(size=480)
+    found = leave_one_out(Gram.of(columns, target, block), np.full(2, -np.inf))
+
+    group = np.array([3 * (k // 3) + (k % 3 > 1) for k in range(96)])
+    for number in range(96):
+        outside = group[block] != group[number]
+        fitted = np.linalg.lstsq(columns[outside], target[outside], rcond=None)[0]
+        rest = target[block == number] - columns[block == number] @ fitted
+        assert found[number] == pytest.approx(rest @ rest, rel=1e-7)

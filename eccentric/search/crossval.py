@@ -14,9 +14,9 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import lsq_linear, nnls
 
-from eccentric.search.limits import ALIASED
+from eccentric.search.limits import ALIASED, MOST_GROUPS
 
-__all__ = ["Gram", "bounded_solve", "inverses", "leave_one_out"]
+__all__ = ["Gram", "bounded_solve", "groups_of", "inverses", "leave_one_out"]
 
 Array = np.ndarray
 
@@ -96,16 +96,24 @@ def _scaled(matrix: Array, ridge: Array | float) -> tuple[Array, Array]:
     return scaled, scale
 
 
+def groups_of(blocks: int) -> Array:
+    """What is left out together (blocks,): each block by itself, or neighbours where there are many."""
+    return np.arange(blocks) * min(blocks, MOST_GROUPS) // blocks
+
+
 def leave_one_out(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Array:
-    """Loss of every block (b,) under the coefficients fitted without it.
+    """Loss of every block (b,) under the coefficients fitted without its group.
 
     Coefficients that the fit of all blocks holds at their bound are held there; only where others leave their
     range is the bounded fit made anew.
     """
     total_matrix, total_vector = gram.matrix.sum(axis=0), gram.vector.sum(axis=0)
+    group = groups_of(len(gram.square))
+    first = np.flatnonzero(np.diff(group, prepend=-1))
+    matrix = total_matrix - np.add.reduceat(gram.matrix, first)
+    vector = total_vector - np.add.reduceat(gram.vector, first)
     bounded = np.isfinite(lower)
     free = ~bounded | (bounded_solve(total_matrix, total_vector, lower, ridge) > 0.0)
-    matrix, vector = total_matrix - gram.matrix, total_vector - gram.vector
     coefficients = np.zeros(vector.shape)
     inner = np.ix_(range(len(matrix)), free, free)
     penalty = np.broadcast_to(ridge, total_vector.shape)[free]
@@ -114,9 +122,9 @@ def leave_one_out(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Array
         beyond = np.any(coefficients[:, bounded] < 0.0, axis=1)
     except np.linalg.LinAlgError:
         beyond = np.ones(len(matrix), dtype=bool)
-    for block in np.flatnonzero(beyond):
-        coefficients[block] = bounded_solve(matrix[block], vector[block], lower, ridge)
-    return gram.loss(coefficients)
+    for number in np.flatnonzero(beyond):
+        coefficients[number] = bounded_solve(matrix[number], vector[number], lower, ridge)
+    return gram.loss(coefficients[group])
 
 
 def inverses(matrices: Array, ridge: Array | float = 0.0) -> Array:

@@ -56,6 +56,7 @@ __all__ = [
     "LOWEST_BAND_HZ",
     "MOST_BESIDE",
     "MOST_EFFECTS",
+    "MOST_GROUPS",
     "MOST_KEPT",
     "MOST_LAGS",
     "MOST_PEAKS",
@@ -308,6 +309,9 @@ ORDER_OF_DRAWS = 7
 
 # How far the search looks.
 
+MOST_GROUPS = 64
+"""Groups of neighbouring blocks that the cross-validation leaves out in turn, at most: each then holds less
+than 2 % of a longer log, and its predictions are those of nearly all of it."""
 LEADERS = 8
 """Candidates whose shapes are refined; four times as many are cross-validated at their grid point."""
 STEPS = 15

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eccentric.search.crossval import Gram, inverses
+from eccentric.search.crossval import Gram, groups_of, inverses
 from eccentric.search.limits import (
     AT_ONCE,
     CHANCE,
@@ -111,7 +111,7 @@ class _Drawn:
 
     fixed: of the prediction, blocks with rows only, as everywhere here; noise (seconds, p), squares, mixed
     (seconds,): the residual times the columns, itself and the prediction; starts (blocks,): the first second
-    of each; inverse (blocks, p, p): of the normal equations without a block.
+    of each; inverse (groups, p, p): of the normal equations without the blocks of a group.
     """
 
     fixed: Gram
@@ -132,13 +132,14 @@ class _Drawn:
         block = np.unique(screen.block, return_inverse=True)[1]
         first = np.flatnonzero(np.diff(second, prepend=-1))
         gram = Gram.of(design, fixed, block)
+        left_out = np.add.reduceat(gram.matrix, _firsts(gram))
         return cls(
             gram,
             np.add.reduceat(design * residual[:, None], first, axis=0),
             np.bincount(second, residual**2),
             np.bincount(second, fixed * residual),
             np.flatnonzero(np.diff(block[first], prepend=-1)),
-            inverses(gram.matrix.sum(axis=0) - gram.matrix, screen.ridge(fitted.variants)[free]),
+            inverses(gram.matrix.sum(axis=0) - left_out, screen.ridge(fitted.variants)[free]),
         )
 
     def losses(self, signs: Array) -> Array:
@@ -147,7 +148,13 @@ class _Drawn:
         vector = self.fixed.vector[:, :, None] + np.add.reduceat(noise, self.starts, axis=0)
         square = self.squares[:, None] + 2.0 * self.mixed[:, None] * signs
         loss = self.fixed.square[:, None] + np.add.reduceat(square, self.starts, axis=0)
-        c = self.inverse @ (vector.sum(axis=0) - vector)
+        others = vector.sum(axis=0) - np.add.reduceat(vector, _firsts(self.fixed), axis=0)
+        c = (self.inverse @ others)[groups_of(len(vector))]
         curved = np.einsum("bid,bid->bd", c, self.fixed.matrix @ c)
         loss += curved - 2.0 * np.einsum("bid,bid->bd", c, vector)
         return np.abs(loss)
+
+
+def _firsts(gram: Gram) -> Array:
+    """The first block of each group that the cross-validation leaves out."""
+    return np.flatnonzero(np.diff(groups_of(len(gram.square)), prepend=-1))
