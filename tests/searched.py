@@ -1,8 +1,8 @@
 """Designs whose every fit is known in closed form: orthogonal columns, the same in each block.
 
 Each of 128 blocks holds the 16 columns of a Hadamard matrix, entries 1 and -1. A target is a sum of them. A
-fit takes out the columns that it has, both in sample and in every fold, and leaves N times the sum of the
-squared amplitudes of all others.
+fit takes out the columns that it has, in sample and in cross-validation alike, and leaves N times the sum of
+the squared amplitudes of all others.
 """
 
 from __future__ import annotations

@@ -10,7 +10,8 @@ import pytest
 from eccentric.effects import Evidence
 from eccentric.search import nulltest
 from eccentric.search.candidate import Candidate, Variant
-from eccentric.search.nulltest import beats_chance
+from eccentric.search.limits import EXTRAPOLATED, MOST_GROUPS
+from eccentric.search.nulltest import _Drawn, beats_chance
 from eccentric.search.screen import Fitted, Screen
 from eccentric.signals import balance_design
 from eccentric.signals.rows import Rows
@@ -59,7 +60,7 @@ def test_noise_of_the_log_itself_is_no_structure() -> None:
 
 @pytest.mark.parametrize("runs", [SECONDS, 8])
 def test_structure_beats_it(runs: int) -> None:
-    """What is planted beats it in every log, whether a fold leaves out seconds or runs."""
+    """What is planted beats it in every log, whether blocks are seconds or runs."""
     assert all(beats_chance(*drawn(seed, amplitude=12.0, runs=runs)) for seed in range(10))
 
 
@@ -75,6 +76,23 @@ def test_blocks_may_have_no_rows(amplitude: float) -> None:
     every = [beats_chance(*drawn(seed, amplitude, gaps=True)) for seed in range(10)]
 
     assert [amplitude > 0.0] * 10 == every
+
+
+def test_a_draw_with_the_signs_of_the_log_is_the_log() -> None:
+    """Its cross-validated losses are those of the fit: the same blocks are left out together, gaps or not."""
+    for gaps in (False, True):
+        screen, before, after = drawn(3, amplitude=5.0, gaps=gaps, runs=4 * SECONDS)
+        numbers = np.unique(screen.block)
+        assert len(numbers) > MOST_GROUPS
+        residual = screen.residual(before)
+        predicted = screen.balance.target - residual
+        of_one_block = np.cumsum(np.diff(screen.block, prepend=-1) != 0) - 1
+        found = _Drawn.of(screen, after, predicted, residual, of_one_block)
+
+        losses, without = found.losses(np.ones((len(numbers), 1)))[:, 0], before.cross[numbers]
+        # A block in which the curves extrapolate counts for nothing.
+        losses = np.where(losses > EXTRAPOLATED * without, without, losses)
+        assert losses == pytest.approx(after.cross[numbers], rel=1e-9)
 
 
 def test_a_signal_with_the_noise_of_the_target_has_to_gain_more() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from eccentric.search.crossval import Gram, leave_one_out
+from eccentric.search.crossval import Gram, cross_validate
 
 BLOCK = np.repeat(np.arange(12), 7)
 
@@ -38,7 +38,7 @@ def test_loss_of_a_block_under_the_fit_to_all_others(last: float, bounded: bool)
     loss, fitted = expected(columns, target, lower)
 
     assert np.all(fitted[:, 2] == 0.0) if bounded and last < 0.0 else np.all(fitted[:, 2] != 0.0)
-    assert leave_one_out(Gram.of(columns, target, BLOCK), lower) == pytest.approx(loss, rel=1e-7)
+    assert cross_validate(Gram.of(columns, target, BLOCK), lower) == pytest.approx(loss, rel=1e-7)
 
 
 def test_a_coefficient_that_reaches_its_bound_without_a_block_stays_there() -> None:
@@ -50,16 +50,30 @@ def test_a_coefficient_that_reaches_its_bound_without_a_block_stays_there() -> N
     loss, fitted = expected(columns, target, lower)
 
     assert fitted[0, 2] == 0.0 < np.min(fitted[1:, 2])
-    assert leave_one_out(Gram.of(columns, target, BLOCK), lower) == pytest.approx(loss, rel=1e-7)
+    assert cross_validate(Gram.of(columns, target, BLOCK), lower) == pytest.approx(loss, rel=1e-7)
+
+
+def test_a_ridge_is_a_row_of_its_own_in_every_fit() -> None:
+    """In units of the sum of squares of what is fitted: a third of it halves no column, but draws it to 0."""
+    columns, target = rows([1.0, -0.5, 2.0])
+    ridge, loss = np.array([0.0, 0.0, 1.0 / 3.0]), []
+    for number in range(12):
+        mine = BLOCK == number
+        held = np.sqrt(ridge * np.sum(columns[~mine] ** 2, axis=0))
+        fitted = np.linalg.lstsq(np.vstack([columns[~mine], np.diag(held)]), np.r_[target[~mine], 0, 0, 0])[0]
+        loss.append(np.sum((target[mine] - columns[mine] @ fitted) ** 2))
+    found = cross_validate(Gram.of(columns, target, BLOCK), np.full(3, -np.inf), ridge)
+
+    assert found == pytest.approx(np.array(loss), rel=1e-7)
 
 
 def test_a_block_without_rows_loses_nothing() -> None:
     """And changes nothing for the others: means of two rows may leave none."""
     columns, target = rows([1.0, -0.5, 2.0])
     lower = np.full(3, -np.inf)
-    some = leave_one_out(Gram.of(columns, target, BLOCK, 13), lower)
+    some = cross_validate(Gram.of(columns, target, BLOCK, 13), lower)
 
-    assert some[:12] == pytest.approx(leave_one_out(Gram.of(columns, target, BLOCK), lower), rel=1e-12)
+    assert some[:12] == pytest.approx(cross_validate(Gram.of(columns, target, BLOCK), lower), rel=1e-12)
     assert some[12] == 0.0
 
 
@@ -68,7 +82,7 @@ def test_neighbours_of_a_long_log_are_left_out_together() -> None:
     rng = np.random.default_rng(4)
     columns, block = rng.normal(size=(480, 2)), np.repeat(np.arange(96), 5)
     target = columns @ [1.0, 2.0] + rng.normal(size=480)
-    found = leave_one_out(Gram.of(columns, target, block), np.full(2, -np.inf))
+    found = cross_validate(Gram.of(columns, target, block), np.full(2, -np.inf))
 
     group = np.array([3 * (k // 3) + (k % 3 > 1) for k in range(96)])
     for number in range(96):

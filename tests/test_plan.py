@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
-from scipy.stats import norm
 
 import eccentric
 from eccentric.cli import main
@@ -26,7 +25,7 @@ from eccentric.planning.motion import joined, pieces
 from eccentric.planning.rivals import Rival
 from eccentric.planning.separation import Ground, Separation
 from eccentric.rigs import read_rig
-from eccentric.search import STABLE, SURE, Variant
+from eccentric.search import PARTS, STABLE, SURE, Variant
 from eccentric.virtual_bench import random_scenario, simulate
 
 LIMITS = {"speed_rad_s": 190.0, "acceleration_rad_s2": 500.0, "current_A": 9.0, "time_s": 40.0}
@@ -88,9 +87,11 @@ def test_the_probability_to_decide_has_its_limits() -> None:
         # Gaussian noise on rows whose means are `apart` from those of the other model.
         shift = np.sqrt(apart / 400.0)
         noise = rng.standard_normal((4000, 400))
-        ratio = 0.5 * (((noise + shift) ** 2).sum(axis=1) - (noise**2).sum(axis=1))
-        needed = max(np.log(SURE / (1.0 - SURE)), norm.ppf(STABLE) * np.sqrt(apart))
-        assert decided(apart) == pytest.approx(np.mean(ratio > needed), abs=0.03)
+        ratio = 0.5 * ((noise + shift) ** 2 - noise**2)
+        parts = np.array([rng.permutation(400) < part * 400 for part in PARTS for _ in range(50)])
+        agree = np.mean(ratio @ parts.T > 0.0, axis=1) >= STABLE
+        sure = ratio.sum(axis=1) > np.log(SURE / (1.0 - SURE))
+        assert decided(apart) == pytest.approx(np.mean(agree & sure), abs=0.03)
 
 
 def test_a_rival_is_not_apart_from_itself(contest: Separation) -> None:

@@ -335,10 +335,11 @@ def stability_words(found: Diagnosis, effect: Effect) -> str:
     if not own.variants:
         return "stability not checked (too few stretches)"
     instead = ", ".join(f"{family} in {times}" for family, times in own.instead.items())
-    both = effect.family in found.attribution.searches[own.balance].by_both
-    alone = f", by the {own.balance} balance alone: both together decide" if both else ""
-    found_in = f"in {own.found} of {own.variants} variants of the log"
-    return found_in + (f" ({instead})" if instead else "") + alone
+    others = f" ({instead})" if instead else ""
+    if own.by_both:
+        alone = f"in {own.found} of {own.variants} variants of the {own.balance} balance alone"
+        return f"{alone}{others}; both balances together decide"
+    return f"in {own.found} of {own.variants} variants of the log{others}"
 
 
 def _errors(models: Mapping[str, float]) -> str:

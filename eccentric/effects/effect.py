@@ -90,7 +90,7 @@ class Correction:
         quantity: the quantity.
         value: its true value; with the effect's parameters at 0 it is the declared one.
         looks_wrong: what else a check of the record finds wrong because of it: "J", "M g L".
-        tolerance: usual relative error of a declared value (data sheets state 2 to 10 %), 0 if it is weighed.
+        tolerance: usual limit of the relative error of a declared value, 0 if it is weighed.
     """
 
     quantity: Quantity

@@ -2,7 +2,7 @@
 
 For a true rival the log-likelihood ratio over another is normal, with mean D/2 and variance D, where D is
 what `separation` computes. A verdict needs the odds `ODDS`, and the same answer in nine variants of the log
-in ten, each a draw of its blocks: the ratio then varies once more by the same spread.
+in ten, each a part f of its blocks: the ratio then varies once more, by sqrt(1/f - 1) of that spread.
 """
 
 from __future__ import annotations

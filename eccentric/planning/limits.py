@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.stats import norm
 
-from eccentric.search import STABLE, SURE
+from eccentric.search import PARTS, STABLE, SURE
 
 __all__ = [
     "ACCELERATION_PART",
@@ -104,8 +105,10 @@ HEAVIER = 0.5
 to change the loads of the bearing and of the gear."""
 ODDS = SURE / (1.0 - SURE)
 """Odds at which a verdict names an effect."""
-VARIANTS_AGREE = float(norm.ppf(STABLE))
-"""Standard normal quantile of the share of variants of the log that must find the same."""
+VARIANTS_AGREE = float(
+    brentq(lambda x: np.mean([norm.cdf(x / np.sqrt(1.0 / f - 1.0)) for f in PARTS]) - STABLE, 0.0, 5.0)
+)
+"""Spreads of the log-likelihood ratio by which it has to be ahead for so many variants to find the same."""
 LEAST_CHANCE = 1e-3
 """What keeps a rival in the contest that the list of candidates has no probability for."""
 UNDECIDED = (2.0 * VARIANTS_AGREE) ** 2

@@ -203,8 +203,8 @@ class Separation:
         return found + np.diag(self._prior(rival.variants, len(found)))
 
     def _prior(self, variants: Sequence[Variant], count: int) -> Array:
-        """What is known of each coefficient (k,): of a declared value its tolerance, else nothing."""
-        declared = [v.candidate.tolerance**-2 for v in self._with_declared(variants)[len(variants) :]]
+        """What is known of each coefficient (k,): of a declared value its deviation, else nothing."""
+        declared = [v.candidate.deviation**-2 for v in self._with_declared(variants)[len(variants) :]]
         return np.r_[np.zeros(count - len(declared)), declared]
 
     def _sums(self, ground: Ground, truth: Rival, variants: Sequence[Variant]) -> Sums:

@@ -32,6 +32,7 @@ from eccentric.search.limits import (
     IN_A_DRAW,
     LEAST_DEVIANCE,
     LEAST_SHARE,
+    PARTS,
     STABLE,
     SURE,
 )
@@ -48,6 +49,7 @@ __all__ = [
     "IN_A_DRAW",
     "LEAST_DEVIANCE",
     "LEAST_SHARE",
+    "PARTS",
     "STABLE",
     "SURE",
     "Adopted",

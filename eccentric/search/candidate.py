@@ -83,6 +83,11 @@ class Candidate:
     words: Words = field(default_factory=Words)
     also_instrument: Callable[[Values], Array] | None = None
 
+    @property
+    def deviation(self) -> float:
+        """The standard deviation of a declared value of which only a tolerance is known (GUM 4.3.7)."""
+        return self.tolerance / float(np.sqrt(3.0))
+
     def in_the(self, balance: str, values: Values | None = None) -> Candidate:
         """The same effect as the other balance shows it, with its shapes free, or held at some values.
 

@@ -1,9 +1,9 @@
 """Blocked cross-validation and block statistics for correlated samples.
 
-Everything a selection needs is in the normal equations summed per block: each block is judged by a fit to the
-sum of all others, so no row is visited twice, and no order of folds is left to chance.  Rows of one block are
-correlated (they share filter, motion and drift); blocks are taken as exchangeable, and standard errors and
-intervals come from them.
+Everything a selection needs is in the normal equations summed per block: each block, or on a long log each
+group of neighbours, is judged by a fit to the sum of all others, so no row is visited twice.  Rows of one
+block are correlated (they share filter, motion and drift); blocks are taken as exchangeable, and standard
+errors and intervals come from them.
 """
 
 from __future__ import annotations
@@ -16,19 +16,18 @@ from scipy.optimize import lsq_linear, nnls
 
 from eccentric.search.limits import ALIASED, MOST_GROUPS
 
-__all__ = ["Gram", "bounded_solve", "groups_of", "inverses", "leave_one_out"]
+__all__ = ["Gram", "bounded_solve", "cross_validate", "groups_of", "inverses"]
 
 Array = np.ndarray
 
 
 @dataclass(frozen=True)
 class Gram:
-    """Normal equations per block: matrix (b, p, p), vector (b, p), square (b,), rows (b,)."""
+    """Normal equations per block: matrix (b, p, p), vector (b, p), square (b,)."""
 
     matrix: Array
     vector: Array
     square: Array
-    rows: Array
 
     @classmethod
     def of(cls, design: Array, target: Array, block: Array, blocks: int | None = None) -> Gram:
@@ -43,11 +42,11 @@ class Gram:
         for start, stop in zip(starts, np.r_[starts[1:], len(block)], strict=True):
             x, y, b = design[start:stop], target[start:stop], block[start]
             matrix[b], vector[b], square[b] = x.T @ x, x.T @ y, y @ y
-        return cls(matrix, vector, square, np.bincount(block, minlength=count))
+        return cls(matrix, vector, square)
 
-    def drawn(self, chosen: Array) -> Gram:
+    def of_blocks(self, chosen: Array) -> Gram:
         """Some of the blocks, by number."""
-        return Gram(self.matrix[chosen], self.vector[chosen], self.square[chosen], self.rows[chosen])
+        return Gram(self.matrix[chosen], self.vector[chosen], self.square[chosen])
 
     def loss(self, coefficients: Array) -> Array:
         """Sum of squared residuals of each block; coefficients (p,) or one set per block (b, p)."""
@@ -89,6 +88,7 @@ def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | flo
 
 def _scaled(matrix: Array, ridge: Array | float) -> tuple[Array, Array]:
     """Matrices (..., p, p) with ones and the ridge on the diagonal, and scales (..., p) of coefficients."""
+    # A column of zeros: its entry in an inverse, 1/ALIASED of the square, has to be a number.
     scale = np.sqrt(np.maximum(np.diagonal(matrix, axis1=-2, axis2=-1), 1e-200))
     scaled = matrix / (scale[..., :, None] * scale[..., None, :])
     diagonal = np.arange(matrix.shape[-1])
@@ -101,11 +101,11 @@ def groups_of(blocks: int) -> Array:
     return np.arange(blocks) * min(blocks, MOST_GROUPS) // blocks
 
 
-def leave_one_out(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Array:
+def cross_validate(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Array:
     """Loss of every block (b,) under the coefficients fitted without its group.
 
-    Coefficients that the fit of all blocks holds at their bound are held there; only where others leave their
-    range is the bounded fit made anew.
+    Coefficients that the fit of all blocks holds at their bound are held there: one group would let them off
+    it by little. Where others leave their range, the bounded fit is made anew.
     """
     total_matrix, total_vector = gram.matrix.sum(axis=0), gram.vector.sum(axis=0)
     group = groups_of(len(gram.square))

@@ -171,15 +171,16 @@ a shape that none of them has."""
 VARIANTS = 100
 """Variants of a log: shares of them are known to some percent."""
 PARTS = 0.8, 0.5
-"""Parts of the blocks that a variant has: by default a fifth is held out, of these blocks as well had it been
-another fifth; and half of them, the choice of stability selection."""
+"""Parts of the blocks that a variant has. Had another fifth of the log been held out, four fifths of these
+blocks would have stayed; half of them is the choice of stability selection."""
 IN_A_DRAW = 2.0
-"""Log-odds in a draw over those on the log: what a superfluous parameter gains is the square of what chance
-gives it, and chance counts twice there, in the log and in which of its blocks are drawn."""
+"""Log-odds in a variant over those on the log: half of the log has the weight of the whole there, so that
+what a superfluous parameter gains by chance counts twice; in four fifths it counts 1.25 times."""
 STABLE = 0.9
 """Least share of the variants that find a named effect."""
 WRONG = 1.0
-"""A declared value that a variant finds off by more standard deviations than this is part of its model."""
+"""Standard deviations beyond which a declared value that a variant finds off is part of its model: a third of
+all values are off by more, and what is off by less is no news."""
 IN_PLACE = 2
 """Families that may be tied with one that is not stable: if three take its place, nobody knows what it is."""
 LEAST_BLOCKS = 32
@@ -310,8 +311,8 @@ ORDER_OF_DRAWS = 7
 # How far the search looks.
 
 MOST_GROUPS = 64
-"""Groups of neighbouring blocks that the cross-validation leaves out in turn, at most: each then holds less
-than 2 % of a longer log, and its predictions are those of nearly all of it."""
+"""Groups of neighbouring blocks that the cross-validation leaves out in turn, at most: a fit for each of the
+thousand blocks of a long log takes longer and is no better than one to 97 % of it."""
 LEADERS = 8
 """Candidates whose shapes are refined; four times as many are cross-validated at their grid point."""
 STEPS = 15

@@ -111,7 +111,8 @@ class _Drawn:
 
     fixed: of the prediction, blocks with rows only, as everywhere here; noise (seconds, p), squares, mixed
     (seconds,): the residual times the columns, itself and the prediction; starts (blocks,): the first second
-    of each; inverse (groups, p, p): of the normal equations without the blocks of a group.
+    of each; group (blocks,): what the cross-validation leaves out together, as in `Screen.fit`; inverse
+    (groups, p, p): of the normal equations without the blocks of a group.
     """
 
     fixed: Gram
@@ -119,6 +120,7 @@ class _Drawn:
     squares: Array
     mixed: Array
     starts: Array
+    group: Array
     inverse: Array
 
     @classmethod
@@ -129,16 +131,18 @@ class _Drawn:
         # A coefficient at its bound stays there.
         free = ~(np.isfinite(lower) & (fitted.coefficients <= 0.0))
         design = design[:, free]
-        block = np.unique(screen.block, return_inverse=True)[1]
+        numbers, block = np.unique(screen.block, return_inverse=True)
+        group = np.unique(groups_of(int(numbers[-1]) + 1)[numbers], return_inverse=True)[1]
         first = np.flatnonzero(np.diff(second, prepend=-1))
         gram = Gram.of(design, fixed, block)
-        left_out = np.add.reduceat(gram.matrix, _firsts(gram))
+        left_out = np.add.reduceat(gram.matrix, _firsts(group))
         return cls(
             gram,
             np.add.reduceat(design * residual[:, None], first, axis=0),
             np.bincount(second, residual**2),
             np.bincount(second, fixed * residual),
             np.flatnonzero(np.diff(block[first], prepend=-1)),
+            group,
             inverses(gram.matrix.sum(axis=0) - left_out, screen.ridge(fitted.variants)[free]),
         )
 
@@ -148,13 +152,13 @@ class _Drawn:
         vector = self.fixed.vector[:, :, None] + np.add.reduceat(noise, self.starts, axis=0)
         square = self.squares[:, None] + 2.0 * self.mixed[:, None] * signs
         loss = self.fixed.square[:, None] + np.add.reduceat(square, self.starts, axis=0)
-        others = vector.sum(axis=0) - np.add.reduceat(vector, _firsts(self.fixed), axis=0)
-        c = (self.inverse @ others)[groups_of(len(vector))]
+        others = vector.sum(axis=0) - np.add.reduceat(vector, _firsts(self.group), axis=0)
+        c = (self.inverse @ others)[self.group]
         curved = np.einsum("bid,bid->bd", c, self.fixed.matrix @ c)
         loss += curved - 2.0 * np.einsum("bid,bid->bd", c, vector)
         return np.abs(loss)
 
 
-def _firsts(gram: Gram) -> Array:
-    """The first block of each group that the cross-validation leaves out."""
-    return np.flatnonzero(np.diff(groups_of(len(gram.square)), prepend=-1))
+def _firsts(group: Array) -> Array:
+    """The first block of each group."""
+    return np.flatnonzero(np.diff(group, prepend=-1))

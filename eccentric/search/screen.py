@@ -10,7 +10,7 @@ import numpy as np
 from eccentric.model import Role
 from eccentric.search.candidate import Candidate, Variant, bounds_of, grid, instrument_of
 from eccentric.search.correlation import correlated
-from eccentric.search.crossval import Gram, bounded_solve, leave_one_out
+from eccentric.search.crossval import Gram, bounded_solve, cross_validate
 from eccentric.search.exogeneity import exogenous
 from eccentric.search.limits import (
     BELOW_NOISE,
@@ -176,7 +176,7 @@ class Screen:
         gram = Gram.of(design, target, self.block)
         ridge = self.ridge(variants)
         coefficients = bounded_solve(gram.matrix.sum(axis=0), gram.vector.sum(axis=0), lower, ridge)
-        cross = leave_one_out(gram, lower, ridge)
+        cross = cross_validate(gram, lower, ridge)
         if np.any(ridge):
             without = self.fit([v for v in variants if not v.candidate.ridge]).cross
             cross = np.where(cross > EXTRAPOLATED * without, without, cross)

@@ -1,20 +1,21 @@
 """How stable a search is: which effects it would have found had an engineer chosen otherwise.
 
-A hundred variants of the log. In each, every model that came close is fitted and cross-validated, block by
-block, in turn
+A hundred variants of the log. In each, every model that came close is fitted and cross-validated. They differ
+in
 
-- on four fifths of the blocks (others held out) or on half of them, drawn at random;
+- the blocks: four fifths of them, as if others had been held out, or half of them, drawn at random;
+- the rows: as they are, or means of two neighbours (a lower bandwidth);
+- the declared values: as they are, or estimated, with the standard deviation that their usual tolerance
+  leaves (R, k_i, k_e: 2 %, J: 5 %).
 
-- on the rows as they are, or on means of two neighbouring rows (a lower bandwidth);
-- with the declared values as they are, or free within their usual tolerance (R, k_i, k_e: 2 %, J: 5 %).
+Every part of the log has the weight of the whole.
 
 The best model of a variant is the one with the best score. A family is stable if it is part of the best
 model of nearly every variant, whatever is beside it.
 
-References: N. Meinshausen, P. Buehlmann, "Stability selection", J. Royal Statistical Society B 72(4), 2010
-(halves of the data);
-J. H. Huggins, J. W. Miller, "Reproducible model selection using bagged posteriors", Bayesian Analysis 18(1),
-2023 (the mean of the posterior over such draws, each with the weight of the whole log);
+After N. Meinshausen, P. Buehlmann, "Stability selection", J. Royal Statistical Society B 72(4), 2010 (who
+take halves), and J. H. Huggins, J. W. Miller, "Reproducible model selection using bagged posteriors",
+Bayesian Analysis 18(1), 2023 (who draw with replacement, and take the mean of the posterior over the draws);
 JCGM 100:2008 (GUM), 4.3.7 (the standard deviation of a value of which only a tolerance is known).
 """
 
@@ -29,7 +30,7 @@ import numpy as np
 
 from eccentric.search import limits
 from eccentric.search.candidate import Candidate, Variant
-from eccentric.search.crossval import Gram, bounded_solve, leave_one_out
+from eccentric.search.crossval import Gram, bounded_solve, cross_validate
 from eccentric.search.screen import Fitted, Screen
 
 __all__ = ["Stability", "stability_of"]
@@ -170,7 +171,7 @@ def _bonus(fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
 def _draws(count: int) -> list[Array]:
     """The blocks of each variant, by number, in ascending order."""
     rng = np.random.default_rng(limits.ORDER_OF_DRAWS)
-    # Every way to take the log with both sizes: the settings of a variant go through at most four.
+    # Four of each size in turn: rows and declared values come in up to four combinations, in turn as well.
     sizes = [round(limits.PARTS[k // 4 % 2] * count) for k in range(limits.VARIANTS)]
     return [np.sort(rng.permutation(count)[:size]) for size in sizes]
 
@@ -185,11 +186,10 @@ def _evidence(
 ) -> tuple[Array, list[frozenset[str]]]:
     """Log-likelihood of a model in every variant (variants,), but for what all models have in common.
 
-    Also, for each variant, the families of declared values that it had to be off by a good part of their
-    tolerance.
+    Also, for each variant, the families of declared values that it had to be off by more than `limits.WRONG`.
 
     free: declared values that every second variant leaves free; noise: variance of one of the `effective`
-    number of independent rows, which weighs a log against a declared value and its tolerance.
+    number of independent rows, which weighs a log against a declared value and its deviation.
     """
     target, design, lower = screen.design(fitted.variants)
     extra = [screen.columns(Variant(c, {}), fitted.variants) for c in free]
@@ -197,7 +197,7 @@ def _evidence(
     bands = [(stacked, screen.block)]
     if not screen.balance.rows.independent:
         bands.append(_means_of_two(stacked, screen.block))
-    deviation = np.array([candidate.tolerance for candidate in free]) / np.sqrt(3.0)
+    deviation = np.array([candidate.deviation for candidate in free])
     count = int(screen.block[-1]) + 1
     settings = [(_others(rows[:, : 1 + p], block, count), lower, np.zeros(p)) for rows, block in bands] + [
         (
@@ -213,8 +213,8 @@ def _evidence(
     found, moved = np.empty(len(draws)), list[frozenset[str]]()
     for number, chosen in enumerate(draws):
         gram, bounds, prior = settings[number % len(settings)]
-        drawn = gram.drawn(chosen)
-        score = max(leave_one_out(drawn, bounds, prior).sum(), least)
+        drawn = gram.of_blocks(chosen)
+        score = max(cross_validate(drawn, bounds, prior).sum(), least)
         whole = bounded_solve(drawn.matrix.sum(axis=0), drawn.vector.sum(axis=0), bounds, prior)
         off = whole[p:] / deviation[: len(whole) - p]
         found[number] = -0.5 * (effective * np.log(score) + off @ off)

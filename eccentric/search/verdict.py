@@ -37,7 +37,8 @@ class Adopted:
         of the log its family is part of the best model; instead: family -> in how many it takes the place;
         alike: families that explain the log equally well, its own first; none if it is clearly
         ahead; undecided: whether it is a declared value, and what is alike is an effect: beside the
-        name of another the two stay open.
+        name of another the two stay open; by_both: whether too few variants find it, and both balances
+        together decide.
     """
 
     balance: str
@@ -49,6 +50,7 @@ class Adopted:
     instead: Mapping[str, int] = field(default_factory=dict)
     alike: tuple[str, ...] = ()
     undecided: bool = False
+    by_both: bool = False
 
 
 @dataclass(frozen=True)
@@ -185,6 +187,7 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
                 stability.variants,
                 search.instead(family),
                 () if clear else _alike(family, chances),
+                by_both=family in search.by_both and not stability.nearly_all(family),
             )
             found.append((one, entry))
     found.sort(key=lambda pair: -pair[0].share)

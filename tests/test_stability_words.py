@@ -1,0 +1,38 @@
+"""What the answer says of how many variants of the log find an effect."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from eccentric.diagnosis import stability_words
+from eccentric.search.candidate import Variant, grid
+from eccentric.search.verdict import Adopted
+from tests.searched import candidate
+
+A: Variant = grid(candidate("a", {2: 1.0}))[0]
+
+
+@pytest.mark.parametrize(
+    ("own", "expected"),
+    [
+        (None, ""),
+        (Adopted("electrical", A, (), 0.1), "stability not checked (too few stretches)"),
+        (Adopted("electrical", A, (), 0.1, 100, 100), "in 100 of 100 variants of the log"),
+        (
+            Adopted("electrical", A, (), 0.1, 93, 100, {"b": 6}),
+            "in 93 of 100 variants of the log (b in 6)",
+        ),
+        (
+            Adopted("electrical", A, (), 0.1, 62, 100, {"b": 30}, by_both=True),
+            "in 62 of 100 variants of the electrical balance alone (b in 30); both balances together decide",
+        ),
+    ],
+)
+def test_the_words_say_which_variants_find_it(own: Adopted | None, expected: str) -> None:
+    """And what takes its place in the others; too few are told with what decides instead."""
+    found = SimpleNamespace(attribution=SimpleNamespace(adopted_as={"a": own}.get))
+
+    assert stability_words(cast("Any", found), cast("Any", SimpleNamespace(id="a"))) == expected
