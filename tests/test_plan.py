@@ -81,7 +81,6 @@ def test_the_probability_to_decide_has_its_limits() -> None:
     assert decided(0.0) < 1e-6
     assert decided(UNDECIDED) == pytest.approx(0.5, abs=1e-6)
     assert decided(200.0) > 1.0 - 1e-6
-
     rng = np.random.default_rng(1)
     for apart in (10.0, 20.0):
         # Gaussian noise on rows whose means are `apart` from those of the other model.
