@@ -115,7 +115,7 @@ def cross_validate(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Arra
     bounded = np.isfinite(lower)
     free = ~bounded | (bounded_solve(total_matrix, total_vector, lower, ridge) > 0.0)
     coefficients = np.zeros(vector.shape)
-    inner = np.ix_(range(len(matrix)), free, free)
+    inner = np.ix_(np.ones(len(matrix), dtype=bool), free, free)
     penalty = np.broadcast_to(ridge, total_vector.shape)[free]
     try:
         coefficients[:, free] = (inverses(matrix[inner], penalty) @ vector[:, free, None])[..., 0]
