@@ -181,7 +181,16 @@ def test_why_the_runner_up_lost() -> None:
     (sentence,) = why(sample(50, candidates=(ADOPTED, elsewhere, RIVAL)))
 
     assert "dent leaves an error of 0.004 N m" in sentence
-    assert "2 times the 0.002 N m of the adopted effect" in sentence
+    assert "2 times the 0.002 N m of wobble[n=2] (probability" in sentence
+
+
+def test_the_runner_up_lost_to_the_effect_in_whose_place_it_would_be() -> None:
+    """Beside two effects: the second one is its rival, not the first of the list."""
+    second = replace(ADOPTED, id="second", family="second", rmse=0.003)
+    rival = replace(RIVAL, instead_of="second")
+    first = why(sample(50, candidates=(ADOPTED, second, rival)))[0]
+
+    assert "1.33 times the 0.003 N m of second" in first
 
 
 def test_probabilities_of_several_effects_are_said_to_be_their_own() -> None:

@@ -113,6 +113,17 @@ def test_step_up_drive_is_allowed_with_a_warning(tmp_path: Path) -> None:
     assert "mu = 3 is above 1" in rig.warnings[0]
 
 
+def test_a_column_that_is_no_channel_is_told_with_the_channel_that_may_be_meant(tmp_path: Path) -> None:
+    """What is listed already is not meant; what resembles nothing has no hint."""
+    listed = 'columns = ["time_s", "theta_m_rad", "curent_A", "theta_m_radd", "note"]\n'
+
+    assert read_rig(written(tmp_path, listed + MINIMAL)).warnings == (
+        "column 'curent_A' is not a channel, ignored; did you mean 'current_A'?",
+        "column 'theta_m_radd' is not a channel, ignored",
+        "column 'note' is not a channel, ignored",
+    )
+
+
 def test_inertia_less_than_that_of_the_mass_is_warned_of(tmp_path: Path) -> None:
     """J_l includes M L^2: less than it is possible for no link, as much as it for a massless one."""
     mass = '[known]\ncase = "C2"\nmu = 0.2\nM_kg = 0.5\nL_m = 0.25\nJ_l_kgm2 = '

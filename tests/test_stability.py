@@ -203,6 +203,15 @@ def test_named_is_what_nine_variants_of_ten_find(variants: str, expected: str, t
     assert (variants.count("a"), 100) == (only.found, only.variants)
 
 
+def test_a_rival_that_is_found_beside_the_effect_is_none_there() -> None:
+    """`b` is part of seventy variants, and in the place of `a` in ten: that is its probability."""
+    found = search({2: 3.0}, A, B, C)
+    found.stability = sets({"a": 30, "ab": 60, "b": 10})
+    chances = {one.family: one.probability for one in decided({"mechanical": found}).candidates}
+
+    assert chances == pytest.approx({"a": 91 / 102, "b": 0.1, "c": 0.0}, abs=1e-12)
+
+
 def shown_by(blocks: int) -> np.ndarray:
     """A column (N, 1) that this many blocks hold, none of them neighbours: those may be left out together."""
     chosen = np.isin(np.arange(BLOCKS), 8 * np.arange(blocks))

@@ -82,6 +82,7 @@ class CandidateRow:
         aliases: ids that are exactly the same within the base model.
         hint: what to measure to distinguish it from others; "" if unknown.
         headline: a description for a person; "" if unknown.
+        instead_of: the family of the adopted effect in whose place it is; "" for none.
     """
 
     id: str
@@ -94,6 +95,7 @@ class CandidateRow:
     aliases: tuple[str, ...] = ()
     hint: str = ""
     headline: str = ""
+    instead_of: str = ""
 
     @property
     def called(self) -> str:

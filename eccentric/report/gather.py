@@ -111,7 +111,7 @@ def _candidates(found: Diagnosis) -> Iterator[CandidateRow]:
         if e := about.get(c.id):
             words = {"hint": e.words.hint, "headline": e.words.headline}
             row = replace(row, formula=e.formula, aliases=e.evidence.aliases, **words)
-        yield row
+        yield replace(row, instead_of=c.instead_of)
 
 
 def _added(effect: Effect, found: Diagnosis) -> AddedEffect:

@@ -200,7 +200,9 @@ def why(data: ReportData) -> list[str]:
         winners, others = [c for c in own if c.adopted], [c for c in own if not c.adopted]
         if winners and data.conclusion.verdict in {"named", "not_identifiable"}:
             tied = [c for c in own if c.family in data.search.tied]
-            pair = (tied or [winners[0], *others])[:2]
+            # Every effect has rivals of its own.
+            beaten = [c for c in winners if others and c.family == others[0].instead_of]
+            pair = (tied or [(beaten or winners)[0], *others])[:2]
             if len(pair) == 2:
                 sentences.append(_against(pair[0], pair[1], units.get(name, ""), bool(tied)))
         elif name in data.search.chance:
@@ -224,7 +226,7 @@ def _against(winner: CandidateRow, runner: CandidateRow, unit: str, tied: bool) 
         )
     return (
         f"Why the runner-up lost: {runner.called} leaves an error of {error}, {number(times, 3)} times the"
-        f" {least} of the adopted effect (probability {runner.probability:.2f} against"
+        f" {least} of {winner.called} (probability {runner.probability:.2f} against"
         f" {winner.probability:.2f}). {_WINDOWS}"
     )
 

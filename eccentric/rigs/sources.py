@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, meant
 from eccentric.logs import Unit, parse_value, require_unit
 from eccentric.model import LINEAR, TURNING, AxisKind
 from eccentric.rigs.entries import read_names, read_table, refuse_unknown
@@ -72,6 +73,14 @@ class ColumnSource:
     gain: ForceGain | None = None
 
 
+def _ignored(name: str, listed: Sequence[str], standard: Iterable[str]) -> str:
+    """The warning of a listed column that is no channel, with the channel that may be meant."""
+    hint = meant(name, standard)
+    # What is listed as well is not meant.
+    taken = any(repr(other) in hint for other in listed)
+    return f"column {name!r} is not a channel, ignored{'' if taken else hint}"
+
+
 def read_columns(
     value: object, where: str, counts: float | None, axis: AxisKind = TURNING
 ) -> tuple[dict[str, ColumnSource] | None, list[str]]:
@@ -82,7 +91,7 @@ def read_columns(
     if isinstance(value, list):
         standard = {column: channel for channel, (column, _) in channels.items()}
         names = read_names(value, where)
-        ignored = [f"column {name!r} is not a channel, ignored" for name in names if name not in standard]
+        ignored = [_ignored(name, names, standard) for name in names if name not in standard]
         return {standard[name]: ColumnSource(name) for name in names if name in standard}, ignored
     columns: dict[str, ColumnSource] = {}
     table = read_table(value, where)

@@ -55,7 +55,10 @@ class Adopted:
 
 @dataclass(frozen=True)
 class Ranked:
-    """A candidate in the list: id, family, balance, cross-validated RMSE [N m], probability, words."""
+    """A candidate in the list: id, family, balance, cross-validated RMSE [N m], probability, words.
+
+    instead_of: the family of the adopted effect in whose place it is; "" for none.
+    """
 
     id: str
     family: str
@@ -63,6 +66,7 @@ class Ranked:
     rmse: float
     probability: float
     words: Words = field(default_factory=Words)
+    instead_of: str = ""
 
 
 @dataclass(frozen=True)
@@ -234,19 +238,21 @@ def _alike(own: str, chances: Mapping[str, float]) -> tuple[str, ...]:
 def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -> list[Ranked]:
     """The best of every other family: alternatives of the adopted variants, then the first step's candidates.
 
+    The probability of an alternative is that of its family without the one in whose place it is.
     Errors of different balances are not comparable: those that the verdict is about come first.
     """
     best: dict[str, Ranked] = {}
     for name, search in searches.items():
+        own = [variant.candidate.family for variant in search.best.variants]
         pool = [
-            (search.stability.weight(family) if search.stability.variants else p, f)
-            for options in search.alternatives
+            (search.stability.weight(family, {adopted}) if search.stability.variants else p, f, adopted)
+            for adopted, options in zip(own, search.alternatives, strict=True)
             for family, (p, f) in options.items()
             if f is not search.best
         ]
-        for probability, fitted in [*pool, *((0.0, fitted) for fitted in search.ranked)]:
+        for probability, fitted, adopted in [*pool, *((0.0, fitted, "") for fitted in search.ranked)]:
             candidate = fitted.last
-            entry = _ranked(candidate, name, search, fitted, probability)
+            entry = replace(_ranked(candidate, name, search, fitted, probability), instead_of=adopted)
             old = best.get(candidate.family)
             if candidate.family not in named and (old is None or old.probability < probability):
                 best[candidate.family] = entry
