@@ -107,11 +107,13 @@ def _candidates(found: Diagnosis) -> Iterator[CandidateRow]:
     adopted = {effect.family for effect, _ in found.models.extended.effects}
     about = {effect.id: effect for effect in found.offered}
     for c in found.attribution.candidates:
-        row = CandidateRow(c.id, c.family, c.balance, c.rmse, c.probability, c.family in adopted)
+        row = CandidateRow(
+            c.id, c.family, c.balance, c.rmse, c.probability, c.family in adopted, instead_of=c.instead_of
+        )
         if e := about.get(c.id):
             words = {"hint": e.words.hint, "headline": e.words.headline}
             row = replace(row, formula=e.formula, aliases=e.evidence.aliases, **words)
-        yield replace(row, instead_of=c.instead_of)
+        yield row
 
 
 def _added(effect: Effect, found: Diagnosis) -> AddedEffect:

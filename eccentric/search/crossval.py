@@ -16,7 +16,7 @@ from scipy.optimize import lsq_linear, nnls
 
 from eccentric.search.limits import ALIASED, MOST_GROUPS
 
-__all__ = ["Gram", "bounded_solve", "cross_validate", "groups_of", "inverses"]
+__all__ = ["Gram", "bounded_solve", "cross_validate", "groups_of", "inverses", "sum_of_each"]
 
 Array = np.ndarray
 
@@ -101,6 +101,11 @@ def groups_of(blocks: int) -> Array:
     return np.arange(blocks) * min(blocks, MOST_GROUPS) // blocks
 
 
+def sum_of_each(group: Array, values: Array) -> Array:
+    """Sums (groups, ...) of values (blocks, ...) over the blocks of every group (blocks,), numbered in order."""
+    return np.add.reduceat(values, np.flatnonzero(np.diff(group, prepend=-1)), axis=0)
+
+
 def cross_validate(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Array:
     """Loss of every block (b,) under the coefficients fitted without its group.
 
@@ -109,9 +114,8 @@ def cross_validate(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Arra
     """
     total_matrix, total_vector = gram.matrix.sum(axis=0), gram.vector.sum(axis=0)
     group = groups_of(len(gram.square))
-    first = np.flatnonzero(np.diff(group, prepend=-1))
-    matrix = total_matrix - np.add.reduceat(gram.matrix, first)
-    vector = total_vector - np.add.reduceat(gram.vector, first)
+    matrix = total_matrix - sum_of_each(group, gram.matrix)
+    vector = total_vector - sum_of_each(group, gram.vector)
     bounded = np.isfinite(lower)
     free = ~bounded | (bounded_solve(total_matrix, total_vector, lower, ridge) > 0.0)
     coefficients = np.zeros(vector.shape)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eccentric.search.crossval import Gram, groups_of, inverses
+from eccentric.search.crossval import Gram, groups_of, inverses, sum_of_each
 from eccentric.search.limits import (
     AT_ONCE,
     CHANCE,
@@ -135,7 +135,7 @@ class _Drawn:
         group = np.unique(groups_of(int(numbers[-1]) + 1)[numbers], return_inverse=True)[1]
         first = np.flatnonzero(np.diff(second, prepend=-1))
         gram = Gram.of(design, fixed, block)
-        left_out = np.add.reduceat(gram.matrix, _firsts(group))
+        others = gram.matrix.sum(axis=0) - sum_of_each(group, gram.matrix)
         return cls(
             gram,
             np.add.reduceat(design * residual[:, None], first, axis=0),
@@ -143,7 +143,7 @@ class _Drawn:
             np.bincount(second, fixed * residual),
             np.flatnonzero(np.diff(block[first], prepend=-1)),
             group,
-            inverses(gram.matrix.sum(axis=0) - left_out, screen.ridge(fitted.variants)[free]),
+            inverses(others, screen.ridge(fitted.variants)[free]),
         )
 
     def losses(self, signs: Array) -> Array:
@@ -152,13 +152,8 @@ class _Drawn:
         vector = self.fixed.vector[:, :, None] + np.add.reduceat(noise, self.starts, axis=0)
         square = self.squares[:, None] + 2.0 * self.mixed[:, None] * signs
         loss = self.fixed.square[:, None] + np.add.reduceat(square, self.starts, axis=0)
-        others = vector.sum(axis=0) - np.add.reduceat(vector, _firsts(self.group), axis=0)
+        others = vector.sum(axis=0) - sum_of_each(self.group, vector)
         c = (self.inverse @ others)[self.group]
         curved = np.einsum("bid,bid->bd", c, self.fixed.matrix @ c)
         loss += curved - 2.0 * np.einsum("bid,bid->bd", c, vector)
         return np.abs(loss)
-
-
-def _firsts(group: Array) -> Array:
-    """The first block of each group."""
-    return np.flatnonzero(np.diff(group, prepend=-1))
