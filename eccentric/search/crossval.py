@@ -102,7 +102,7 @@ def groups_of(blocks: int) -> Array:
 
 
 def sum_of_each(group: Array, values: Array) -> Array:
-    """Sums (groups, ...) of values (blocks, ...) over the blocks of each group (blocks,), in ascending order."""
+    """Sums (groups, ...) of values (blocks, ...) over the blocks of each group (blocks,), in their order."""
     return np.add.reduceat(values, np.flatnonzero(np.diff(group, prepend=-1)), axis=0)
 
 
