@@ -17,10 +17,12 @@ from scipy.optimize import minimize_scalar
 from eccentric.drafting.columns import LoggedColumn
 from eccentric.drafting.limits import (
     BOTH_WAYS,
+    DISTINCT,
     DRIFTS,
     GRAVITY,
     GRAVITY_OR_DRIFT,
     MOST_TURNS,
+    NUMBERS_AT_ONCE,
     SCANNED,
     SIGN,
     STILL,
@@ -156,7 +158,7 @@ def _wave(plain: Array, x: Array, y: Array) -> tuple[float, float]:
         q = np.linalg.qr(plain[rows] / np.maximum(np.max(np.abs(plain[rows]), axis=0), 1e-300))[0]
         rest = y[rows] - q @ (q.T @ y[rows])
         numbers = 2.0 * np.pi / travel * np.arange(0.25, MOST_TURNS, 0.2)
-        gains = np.array([_gain(k, x[rows], q, rest) for k in numbers])
+        gains = _gains(numbers, x[rows], q, rest)
         top = int(np.argmax(gains))
         share = float(gains[top] / (rest @ rest))
         if share > best[0]:
@@ -189,12 +191,28 @@ def _wave(plain: Array, x: Array, y: Array) -> tuple[float, float]:
 
 def _gain(k: float, x: Array, q: Array, rest: Array) -> float:
     """Sum of squares that sin and cos of k x take from the rest."""
-    two = np.column_stack([np.sin(k * x), np.cos(k * x)])
-    two = two - q @ (q.T @ two)
-    gram, right = two.T @ two, two.T @ rest
-    det = gram[0, 0] * gram[1, 1] - gram[0, 1] ** 2
-    if det <= 1e-9 * gram[0, 0] * gram[1, 1]:
-        return 0.0
-    return float(
-        (gram[1, 1] * right[0] ** 2 - 2 * gram[0, 1] * right[0] * right[1] + gram[0, 0] * right[1] ** 2) / det
-    )
+    return float(_gains(np.array([k]), x, q, rest)[0])
+
+
+def _gains(numbers: Array, x: Array, q: Array, rest: Array) -> Array:
+    """Sum of squares that sin and cos of k x take from the rest, which q has left, for each k (n,).
+
+    The numbers are evenly spaced: the waves of many come from those of one, multiplied by the same factors.
+    """
+    found = []
+    steps = np.exp(1j * np.outer(numbers[:NUMBERS_AT_ONCE] - numbers[0], x))
+    beside = np.column_stack([q, rest])
+    for first in range(0, len(numbers), NUMBERS_AT_ONCE):
+        wave = steps[: len(numbers) - first] * np.exp(1j * numbers[first] * x)
+        along = wave @ beside  # (numbers, columns), cos + i sin
+        c, s = along.real[:, :-1], along.imag[:, :-1]
+        square = np.sum(wave**2, axis=1)  # sum of cos^2 - sin^2, and twice that of cos sin
+        cc = 0.5 * (len(x) + square.real) - np.sum(c * c, axis=1)
+        ss = 0.5 * (len(x) - square.real) - np.sum(s * s, axis=1)
+        cs = 0.5 * square.imag - np.sum(c * s, axis=1)
+        of_c, of_s = along.real[:, -1], along.imag[:, -1]
+        det = cc * ss - cs**2
+        taken = cc * of_s**2 - 2.0 * cs * of_c * of_s + ss * of_c**2
+        kept = det > DISTINCT * cc * ss
+        found.append(np.where(kept, taken, 0.0) / np.where(kept, det, 1.0))
+    return np.concatenate(found)

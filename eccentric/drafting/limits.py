@@ -59,6 +59,10 @@ MOSTLY_NUMBERS = 0.5
 """Part of the entries of a column that are numbers: a column of text has a number here and there."""
 MOST_TURNS = 400
 """Periods within the travel that are tried: an axis that turned further is cut."""
+NUMBERS_AT_ONCE = 32
+"""Wave numbers that are tried at once: their waves on the points searched fit into the cache."""
+DISTINCT = 1e-9
+"""Determinant of sin and cos beside the other terms, relative: below, a log shows one of the two at most."""
 TOLD = 0.1
 """Share of a term from which it is told as evidence."""
 LIKE_VOLTAGE, OVER_THE_REST = 0.9, 3.0

@@ -32,6 +32,8 @@ LEAST_IN_PLANE = 1e-3
 """Cosine of a tilt below which a plane counts as level: a thousandth of gravity acts in it."""
 LEAST_TILT = 1e-6
 """Tilt [rad] below which gravity counts as independent of it to first order."""
+AT_ONCE = 64
+"""Samples of a hidden state that become numbers of Python at once: most of its excursions are shorter."""
 MOST_KEPT = 40
 """Shapes whose states are kept: a search returns to the points of its grid."""
 KEPT_STEPS = 200

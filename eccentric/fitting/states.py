@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from bisect import bisect_left
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -13,7 +13,7 @@ import sympy as sp
 from scipy.linalg.lapack import dtbtrs
 
 from eccentric.fitting.expressions import Signals, lambdified
-from eccentric.fitting.limits import KEPT_STEPS, MOST_KEPT
+from eccentric.fitting.limits import AT_ONCE, KEPT_STEPS, MOST_KEPT
 from eccentric.model import Model, State
 
 __all__ = ["States", "state_series"]
@@ -105,21 +105,31 @@ class States:
         """
         one, all_at_once = step
         moving = np.flatnonzero(all_at_once(initial, parts) != initial).tolist()
-        rows = list(zip(*(part.tolist() for part in parts), strict=True))
-        found = [initial] * self._signals.size
+        found = np.full(self._signals.size, initial)
         for start, end in zip(
             self._signals.starts, [*self._signals.starts[1:], self._signals.size], strict=True
         ):
             k = start
             while (k := _next(moving, k)) < end - 1:
-                now = initial
-                while k < end - 1:
-                    now = one(now, rows[k])
-                    k += 1
-                    if now == initial:
-                        break
-                    found[k] = now
-        return np.array(found)
+                moved = list(_until(one, initial, parts, k, end - 1))
+                found[k + 1 : k + 1 + len(moved)] = moved
+                k += 1 + len(moved)
+        return found
+
+
+def _until(
+    one: Callable[..., float], initial: float, parts: list[Array], k: int, end: int
+) -> Iterator[float]:
+    """The values from sample k + 1 on, up to the first that is the initial one again."""
+    now = initial
+    # Python's own numbers are several times faster than NumPy's for one sample at a time.
+    for at in range(k, end, AT_ONCE):
+        some = slice(at, min(at + AT_ONCE, end))
+        for row in zip(*(part[some].tolist() for part in parts), strict=True):
+            now = one(now, row)
+            if now == initial:
+                return
+            yield now
 
 
 @lru_cache(maxsize=KEPT_STEPS)
