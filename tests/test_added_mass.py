@@ -146,6 +146,7 @@ def test_what_is_wrong_with_the_link_is_not_wrong_with_the_added_mass(family: st
     assert effect["parameters"][name]["value"] == pytest.approx(1.0 / 1.07 - 1.0, abs=0.004)
 
 
+@pytest.mark.slow
 def test_a_second_mass_settles_what_one_leaves_open() -> None:
     """A torque constant that is 4 % off in C1: with one mass, the inertia may be off as well."""
     logs = _pair("C1", noise=0.003)

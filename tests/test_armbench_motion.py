@@ -67,6 +67,7 @@ def test_each_load_has_its_own_coefficient() -> None:
         np.testing.assert_allclose(law.of(bearing), (0.5 / mu + 3.0, 0.25 / mu**2 + 2.0))
 
 
+@pytest.mark.slow
 def test_the_step_is_short_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     """With steps of a quarter the currents of a run differ by less than 0.5 % of their rms.
 

@@ -9,6 +9,7 @@ from eccentric.virtual_bench import simulate
 from tests.virtual import drawn_scenario
 
 
+@pytest.mark.slow
 def test_a_gap_under_gravity_is_found_with_its_size() -> None:
     """The load changes its side where gravity outweighs the friction of the link, of both kinds."""
     effects = [("backlash", 0.2)]

@@ -151,6 +151,7 @@ def test_an_effect_of_both_balances_is_compared_by_what_it_does_to_the_drive() -
     assert bias.rmse == pytest.approx(alias.rmse, rel=0.01)
 
 
+@pytest.mark.slow
 def test_an_effect_of_the_circuit_alone_is_compared_by_the_error_of_the_circuit() -> None:
     """The dead time of the inverter leaves the drive's error as it is; the circuit is the better for it."""
     run = simulate(drawn_scenario(5, effects=(("inverter_deadtime", 0.2),), case="C2", mu=0.2, seconds=40.0))

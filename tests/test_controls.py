@@ -8,8 +8,8 @@ from eccentric.diagnosis import diagnose
 from tests.logged import SHARED
 
 CONTROLS = SHARED / "controls"
-FEW = {1, 6}
-"""A varying bus, a ringing loop; runs and a trajectory. The others are slow tests."""
+FEW = {6}
+"""A ringing loop. The others are slow tests."""
 
 
 @pytest.mark.skipif(not CONTROLS.is_dir(), reason="the shared control logs are not beside this clone")

@@ -40,6 +40,7 @@ def test_finds_effects_of_several_kinds(
     assert ("named", [effect]) == (found.attribution.verdict, [e.family for e, _ in found.effects])
 
 
+@pytest.mark.slow
 def test_a_busy_drive_does_not_pass_for_noise(tmp_path: Path) -> None:
     """What a drive does from sample to sample is no noise: a fit below it may be the right one."""
     options = {"case": "C1", "mu": 1.0, "log_type": "traj", "noise": 0.003}

@@ -26,6 +26,7 @@ def rig_with(tmp_path: Path, *changes: tuple[str, str]) -> Path:
     return tmp_path / "rig.toml"
 
 
+@pytest.mark.slow
 def test_torque_signal_needs_no_motor_constants(tmp_path: Path) -> None:
     """A rig with a torque signal is diagnosed without k_i, R and k_e, and says nothing of the armature."""
     rig = rig_with(

@@ -55,6 +55,7 @@ def test_intervals_cover_the_truth_under_coloured_noise(plain: tuple[Channels, R
     assert {name: count for name, count in hits.items() if count < least} == {}
 
 
+@pytest.mark.slow
 def test_interval_at_a_bound_is_one_sided_and_holds_the_truth(plain: tuple[Channels, Rig]) -> None:
     """With no motor friction planted, half of the draws end at a bound; their intervals begin there."""
     channels, rig = plain

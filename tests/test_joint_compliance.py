@@ -103,6 +103,7 @@ def log_of(kappa: float, seed: int) -> tuple[dict[str, Array], dict[str, object]
     return columns, {"known": known, "encoder_counts_per_rev": 32768}
 
 
+@pytest.mark.slow
 def test_an_elastic_joint_is_named_with_its_compliance() -> None:
     """A spring on which the link swings at 10 Hz; the damper and all orders are the simulation's."""
     kappa = 1.0 / (J_L * (2.0 * pi * 10.0) ** 2)

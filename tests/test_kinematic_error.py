@@ -189,6 +189,7 @@ def test_the_plant_moves_as_the_exact_equation_says(case: str) -> None:
     assert away[1] < 0.3 * away[0]
 
 
+@pytest.mark.slow
 def test_a_planted_one_is_named_with_its_size(tmp_path: Path) -> None:
     """On a bench log it is the only name, and its amplitude is the planted one."""
     scenario = drawn_scenario(97310, case="C2", mu=0.2, effects=["kinematic_error[motor,n=2]"], strength=0.1)

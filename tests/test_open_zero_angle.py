@@ -10,6 +10,7 @@ from eccentric.virtual_bench import simulate
 from tests.virtual import drawn_scenario
 
 
+@pytest.mark.slow
 def test_an_open_zero_angle_invents_no_effect_beside_a_current_offset() -> None:
     """The first fit takes the offset for a turn of the gravity torque; what was found says better.
 

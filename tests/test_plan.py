@@ -179,13 +179,11 @@ def test_the_plan_keeps_the_limits_and_is_written_as_it_is(
     assert np.max(np.abs(way - middle)) < 1e-3
 
 
+@pytest.mark.slow
 def test_the_angle_is_that_of_the_log() -> None:
     """A log shifted with its zero: the drive needs the same current at the same place of the machine."""
-    run = simulate(
-        random_scenario(np.random.default_rng(7), case="C2", mu=0.2, log_type="traj", seconds=30.0)
-    )
-    bounds = Bounds(20.0, 100.0, 1e3, 20.0)
-    currents = []
+    drawn = random_scenario(np.random.default_rng(7), case="C2", mu=0.2, log_type="traj", seconds=30.0)
+    run, bounds, currents = simulate(drawn), Bounds(20.0, 100.0, 1e3, 20.0), []
     for zero in (0.0, 1.2):
         columns = {**run.columns, "theta_m_rad": run.columns["theta_m_rad"] + zero / 0.2}
         found = diagnose([columns], {**run.rig, "theta_zero_rad": zero})

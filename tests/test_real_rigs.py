@@ -103,6 +103,7 @@ def test_worm_gear_is_periodic_in_its_turns_and_gets_no_wrong_name() -> None:
     assert not diagnosis.effects or diagnosis.score.interval[0] > 0.0
 
 
+@pytest.mark.slow
 def test_nothing_is_invented_on_the_quasi_direct_drive() -> None:
     """Of the disturbed pendulum nothing can be proved beyond the paper; gravity is that of its README."""
     diagnosis = found("dfki_ak80_pendulum")

@@ -12,6 +12,7 @@ from eccentric.virtual_bench import simulate
 from tests.virtual import drawn_scenario
 
 
+@pytest.mark.slow
 def test_the_knee_and_the_curvature_are_the_planted_ones() -> None:
     """k_i/(1 + (i/i_s)^2) is the fitted form with c = 1/i_s^2; the current reaches 2 i_s."""
     amplitude = 0.12

@@ -116,6 +116,7 @@ def test_a_nearly_upright_plane_has_an_error_of_its_size(
     assert np.isnan(phi.std_error) if bound else abs(phi.value - tilt) < 2.0 * phi.std_error < 0.1
 
 
+@pytest.mark.slow
 def test_a_wrong_tilt_is_corrected(tmp_path: Path) -> None:
     """A tilt that is declared 0.15 rad too large is named with the right one."""
     found = diagnosed(tmp_path, Tilted(), f"phi_rad = {TILT + 0.15}\n")

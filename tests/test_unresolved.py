@@ -51,6 +51,7 @@ def found() -> DiagnosisResult:
     return eccentric.diagnose(columns, {"known": known, "encoder_counts_per_rev": 32768})
 
 
+@pytest.mark.slow
 def test_a_fast_ripple_that_the_circuit_shows_is_named(found: DiagnosisResult) -> None:
     """The motion cannot show it at most of the speeds, and does not contradict it there."""
     (effect,) = found.document["effects"]
