@@ -222,7 +222,11 @@ def _grave(found: Diagnosis) -> str:
     said = {name for c in corrections for name in (c.quantity.name, *c.looks_wrong)}
     warnings = [f for f in found.channels.intake.findings if f.doubts_the_rig]
     grave = [f.text for f in warnings if f.channel not in said]
-    return f" {grave[0][0].upper()}{grave[0][1:]}." if grave else ""
+    if not grave:
+        return ""
+    first, text = grave[0].split()[0].rstrip(":,"), grave[0]
+    start = text[0] if first in found.rig.known else text[0].upper()  # k_i is not K_i
+    return f" {start}{text[1:]}{'' if text.endswith('?') else '.'}"
 
 
 def diagnosis_lines(found: Diagnosis) -> list[str]:
