@@ -155,8 +155,7 @@ def _wave(plain: Array, x: Array, y: Array) -> tuple[float, float]:
         travel = float(np.ptp(x[rows]))
         if travel <= 0.0:
             continue
-        q = np.linalg.qr(plain[rows] / np.maximum(np.max(np.abs(plain[rows]), axis=0), 1e-300))[0]
-        rest = y[rows] - q @ (q.T @ y[rows])
+        q, rest = _without(plain[rows], y[rows])
         numbers = 2.0 * np.pi / travel * np.arange(0.25, MOST_TURNS, 0.2)
         gains = _gains(numbers, x[rows], q, rest)
         top = int(np.argmax(gains))
@@ -172,15 +171,14 @@ def _wave(plain: Array, x: Array, y: Array) -> tuple[float, float]:
             best = (share, float(near.x), travel)
     _, k, travel = best
     whole = float(np.ptp(x))
-    q = np.linalg.qr(plain / np.maximum(np.max(np.abs(plain), axis=0), 1e-300))[0]
-    rest = y - q @ (q.T @ y)
     while k and travel < whole:
         # Refined on twice the travel at a time, within the uncertainty of the shorter one.
         travel = min(2.0 * travel, whole)
         rows = np.abs(x - x[0]) <= travel
+        q, rest = _without(plain[rows], y[rows])
         step = np.pi / travel
         near = minimize_scalar(
-            lambda k, rows=rows: -_gain(k, x[rows], q[rows], rest[rows]),
+            lambda k, q=q, rest=rest, rows=rows: -_gain(k, x[rows], q, rest),
             bounds=(max(k - step, 0.1 * step), k + step),
             method="bounded",
             options={"xatol": 1e-7 * k},
@@ -189,13 +187,19 @@ def _wave(plain: Array, x: Array, y: Array) -> tuple[float, float]:
     return k, whole * k / (2.0 * np.pi)
 
 
+def _without(plain: Array, y: Array) -> tuple[Array, Array]:
+    """Orthonormal columns of a design (n, p), and what they leave of y (n,)."""
+    q = np.linalg.qr(plain / np.maximum(np.max(np.abs(plain), axis=0), 1e-300))[0]
+    return q, y - q @ (q.T @ y)
+
+
 def _gain(k: float, x: Array, q: Array, rest: Array) -> float:
     """Sum of squares that sin and cos of k x take from the rest."""
     return float(_gains(np.array([k]), x, q, rest)[0])
 
 
 def _gains(numbers: Array, x: Array, q: Array, rest: Array) -> Array:
-    """Sum of squares that sin and cos of k x take from the rest, which q has left, for each k (n,).
+    """Sum of squares that sin and cos of k x take from the rest that q leaves, for each k (n,).
 
     The numbers are evenly spaced: the waves of many come from those of one, multiplied by the same factors.
     """
