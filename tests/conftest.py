@@ -26,7 +26,7 @@ settings.register_profile(
 settings.load_profile("eccentric")
 # What a command prints is compared: on a slow machine it would tell of its progress in between.
 os.environ["ECCENTRIC_PROGRESS"] = "off"
-# What SymPy keeps is never garbage, and each search for some goes through all of it.
+# What SymPy keeps is never garbage, and each collection goes through all of it.
 gc.set_threshold(50_000, 20, 50)
 
 BENCH = Path(__file__).resolve().parent.parent / "examples" / "bench"

@@ -201,7 +201,7 @@ def _gain(k: float, x: Array, q: Array, rest: Array) -> float:
 def _gains(numbers: Array, x: Array, q: Array, rest: Array) -> Array:
     """Sum of squares that sin and cos of k x take from the rest that q leaves, for each k (n,).
 
-    The numbers are evenly spaced: the waves of many come from those of one, multiplied by the same factors.
+    The numbers must be evenly spaced: the waves of many are those of one, multiplied by the same factors.
     """
     found = []
     steps = np.exp(1j * np.outer(numbers[:NUMBERS_AT_ONCE] - numbers[0], x))
@@ -217,6 +217,6 @@ def _gains(numbers: Array, x: Array, q: Array, rest: Array) -> Array:
         of_c, of_s = along.real[:, -1], along.imag[:, -1]
         det = cc * ss - cs**2
         taken = cc * of_s**2 - 2.0 * cs * of_c * of_s + ss * of_c**2
-        kept = det > DISTINCT * cc * ss
+        kept = (cc > 0.0) & (ss > 0.0) & (det > DISTINCT * cc * ss)
         found.append(np.where(kept, taken, 0.0) / np.where(kept, det, 1.0))
     return np.concatenate(found)

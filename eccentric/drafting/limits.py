@@ -62,7 +62,7 @@ MOST_TURNS = 400
 NUMBERS_AT_ONCE = 32
 """Wave numbers that are tried at once: their waves on the points searched fit into the cache."""
 DISTINCT = 1e-9
-"""Determinant of sin and cos beside the other terms, relative: below, a log shows one of the two at most."""
+"""Determinant of sin and cos beside the other terms, relative: below it, a log shows one at most."""
 TOLD = 0.1
 """Share of a term from which it is told as evidence."""
 LIKE_VOLTAGE, OVER_THE_REST = 0.9, 3.0

@@ -122,7 +122,6 @@ def _until(
 ) -> Iterator[float]:
     """The values from sample k + 1 on, up to the first that is the initial one again."""
     now = initial
-    # Python's own numbers are several times faster than NumPy's for one sample at a time.
     for at in range(k, end, AT_ONCE):
         some = slice(at, min(at + AT_ONCE, end))
         for row in zip(*(part[some].tolist() for part in parts), strict=True):
