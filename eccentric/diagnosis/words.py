@@ -225,7 +225,8 @@ def _grave(found: Diagnosis) -> str:
     if not grave:
         return ""
     first, text = grave[0].split()[0].rstrip(":,"), grave[0]
-    start = text[0] if first in found.rig.known else text[0].upper()  # k_i is not K_i
+    # The letter of a quantity is no word that a sentence begins with: k_i is not K_i.
+    start = text[0] if first in {*found.rig.known, *found.rig.unknown} else text[0].upper()
     return f" {start}{text[1:]}{'' if text.endswith('?') else '.'}"
 
 
