@@ -188,6 +188,7 @@ def _finish(made: Any) -> None:
     made.add_layout(legend, "above")
     legend.click_policy = "hide"
     legend.orientation = "horizontal"
+    legend.nrows = 1 + (len(legend.items) > 3)  # four in a row are wider than the plot on a narrow page
     legend.label_text_font = "system-ui, sans-serif"
     legend.label_text_font_size = "12px"
     legend.background_fill_color = None
