@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 import sympy as sp
+from sympy.printing.numpy import NumPyPrinter
 
 from eccentric.estimation import Coefficient
 from eccentric.model import Column, Model, meaning, regressor
@@ -207,5 +209,47 @@ def _in_full(expression: sp.Expr, definitions: tuple[tuple[sp.Symbol, sp.Expr], 
 @lru_cache(maxsize=2000)
 def _function_of(expression: sp.Expr) -> tuple[Callable[..., Any], tuple[str, ...]]:
     """An expression as a function of its symbols, and their names; compiled once per process."""
-    symbols = sorted(expression.free_symbols, key=str)
-    return sp.lambdify(symbols, expression, modules="numpy", cse=True), tuple(s.name for s in symbols)
+    names = tuple(sorted(s.name for s in expression.free_symbols))
+    printer = _SharedPartsPrinter(expression)
+    source = printer.function("evaluate", names)
+    namespace: dict[str, Any] = {module: import_module(module) for module in printer.module_imports}
+    exec(source, namespace)  # noqa: S102
+    return namespace["evaluate"], names
+
+
+class _SharedPartsPrinter(NumPyPrinter):
+    """Prints an expression as NumPy code that evaluates what occurs more than once only once.
+
+    `sp.lambdify` does the same, and spends most of its time on documentation and on sums that share a part.
+    """
+
+    def __init__(self, expression: sp.Expr) -> None:
+        super().__init__({"inline": True, "allow_unknown_functions": True})
+        self._expression = expression
+        self._repeated: set[sp.Basic] = set()
+        self._variables: dict[sp.Basic, str] = {}
+        self._lines: list[str] = []
+        seen: set[sp.Basic] = set()
+        left: list[sp.Basic] = [expression]
+        while left:
+            part = left.pop()
+            if part in seen:
+                self._repeated.add(part)
+            elif part.args:
+                seen.add(part)
+                left += part.args
+
+    def function(self, name: str, arguments: Sequence[str]) -> str:
+        """The text of a function of these arguments."""
+        result = self.doprint(self._expression)
+        body = "".join(f"    {line}\n" for line in [*self._lines, f"return {result}"])
+        return f"def {name}({', '.join(arguments)}):\n{body}"
+
+    def _print(self, expr: Any, **kwargs: Any) -> str:
+        if expr not in self._repeated:
+            return super()._print(expr, **kwargs)
+        if expr not in self._variables:
+            text = super()._print(expr, **kwargs)
+            self._variables[expr] = f"_{len(self._variables)}"
+            self._lines.append(f"{self._variables[expr]} = {text}")
+        return self._variables[expr]

@@ -10,6 +10,7 @@ differences, a - b and theta_l - pi; each is formed once, exactly, before anythi
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import sympy as sp
@@ -24,6 +25,10 @@ class OpaqueStep(sp.Function):
     @classmethod
     def eval(cls, *args: Any) -> None:
         """Remain as written, even for numbers."""
+
+    def _eval_rewrite_as_meaning(self, *args: sp.Expr, **_: Any) -> sp.Expr:
+        """Its plain formula."""
+        raise NotImplementedError
 
 
 class Sgn(OpaqueStep):
@@ -229,10 +234,13 @@ STEPS: tuple[type[OpaqueStep], ...] = tuple(OpaqueStep.__subclasses__())
 """All of the steps above, in this order."""
 
 
+@lru_cache(maxsize=20_000)
 def meaning(expression: sp.Expr) -> sp.Expr:
     """The expression with every step replaced by its plain formula."""
-    previous = None
-    while previous != expression:
-        previous = expression
-        expression = expression.rewrite("meaning")
-    return expression
+    # As `expression.rewrite("meaning")` until nothing changes, but shared parts are rewritten only once.
+    if not expression.args:
+        return expression
+    args = [meaning(arg) for arg in expression.args]
+    if isinstance(expression, OpaqueStep):
+        return meaning(expression._eval_rewrite_as_meaning(*args))
+    return expression.func(*args)

@@ -162,7 +162,13 @@ def _on_flux(effect: Effect) -> bool:
 
 def _collected(terms: Sequence[Any], coefficient: sp.Symbol) -> sp.Expr:
     """The factor of the coefficient in the terms of one balance."""
-    return sp.Add(*(sp.expand(term.value).coeff(coefficient) for term in terms))
+    own = [term for term in terms if term.value.has(coefficient)]
+    return sp.Add(
+        *(
+            term.basis if term.coefficient == coefficient else sp.expand(term.value).coeff(coefficient)
+            for term in own
+        )
+    )
 
 
 def _role(effect: Effect, coefficient: sp.Symbol) -> Role:
