@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import median_filter
-from scipy.signal import find_peaks, lombscargle
 
 from eccentric.diagnosis.limits import (
     ABOVE,
@@ -35,6 +34,8 @@ __all__ = ["Order", "orders_of"]
 Array = np.ndarray
 
 TURN = 2.0 * np.pi
+_GRID = np.arange(LOWEST_ORDER, HIGHEST_ORDER, ORDER_STEP)
+"""Orders of the spectra."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,6 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
     if not axis.wraps and "pitch" not in known:
         return ()
     turning = channels.motion.theta_m * (1.0 if axis.wraps else known["mu"])
-    grid = np.arange(LOWEST_ORDER, HIGHEST_ORDER, ORDER_STEP)
     spectra, variances = [], []
     for rows in _stretches(channels.selection.usable, channels.time.segment, channels.motion.omega_m):
         angle, y = turning[rows], target[rows]
@@ -77,7 +77,7 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
         rest = y - slow @ np.linalg.lstsq(slow, y, rcond=None)[0]
         if np.std(rest) <= 1e-12 * max(np.std(y), 1e-300):
             continue
-        spectra.append(lombscargle(angle, rest, grid, normalize=True))
+        spectra.append(_spectrum(angle, rest))
         variances.append(float(np.var(rest)))
     if len(spectra) < LEAST_STRETCHES:
         return ()
@@ -85,17 +85,45 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
     mean = every.mean(axis=0)
     around = median_filter(mean, AROUND, mode="nearest")
     local = median_filter(every, (1, AROUND), mode="nearest")
-    peaks, _ = find_peaks(mean, height=np.maximum(LEAST_SHARE, ABOVE * around), distance=ALONE)
     found = []
-    for k in peaks:
+    for k in _peaks(mean, np.maximum(LEAST_SHARE, ABOVE * around)):
         near = every[:, max(k - NEIGHBOURS, 0) : k + NEIGHBOURS + 1].max(axis=1)
         share = float(near.mean())
         # Leakage from one frequency in time is not a peak in the neighbouring orders.
         peak = near >= every[:, max(k - ALONE, 0) : k + ALONE + 1].max(axis=1)
         seen = int(np.count_nonzero(peak & (near > ABOVE * local[:, k])))
         amplitude = float(np.sqrt(np.mean(2.0 * near * np.array(variances))))
-        found.append(Order(_centre(grid, mean, int(k)), amplitude, share, seen, len(every)))
+        found.append(Order(_centre(_GRID, mean, k), amplitude, share, seen, len(every)))
     return tuple(sorted((o for o in found if 2 * o.seen > o.stretches), key=lambda o: -o.share))
+
+
+def _spectrum(angle: Array, y: Array) -> Array:
+    """The share of y (n,) that cosine and sine of each order of `_GRID` over the angle [rad] (n,) explain.
+
+    That is the normalised Lomb-Scargle periodogram. On an even grid e^(i nu theta) is a product of two factors,
+    one for every 20th order and one for the orders between, so that the sums over the rows are matrix products.
+    """
+    fine = 20
+    coarse = _GRID[::fine]
+    one = np.exp(1j * np.outer(angle, coarse))
+    other = np.exp(1j * np.outer(angle, ORDER_STEP * np.arange(fine)))
+    along = ((one.T * y) @ other).ravel()[: len(_GRID)]
+    twice = ((one.T**2) @ other**2).ravel()[: len(_GRID)]
+    # Sums of y cos, y sin, cos^2, sin^2 and sin cos: the normal equations of each order.
+    yc, ys = along.real, along.imag
+    cc, ss, cs = 0.5 * (len(y) + twice.real), 0.5 * (len(y) - twice.real), 0.5 * twice.imag
+    return (yc**2 * ss - 2.0 * yc * ys * cs + ys**2 * cc) / ((cc * ss - cs**2) * (y @ y))
+
+
+def _peaks(power: Array, least: Array) -> list[int]:
+    """Local maxima above `least`, in order; of those closer than `ALONE` to each other the highest."""
+    middle = power[1:-1]
+    places = 1 + np.flatnonzero((middle > power[:-2]) & (middle >= power[2:]) & (middle >= least[1:-1]))
+    found: list[int] = []
+    for k in places[np.argsort(-power[places], kind="stable")].tolist():
+        if all(abs(k - other) >= ALONE for other in found):
+            found.append(k)
+    return sorted(found)
 
 
 def _centre(grid: Array, power: Array, k: int) -> float:

@@ -6,7 +6,7 @@ import sys
 from types import ModuleType
 
 from eccentric.emission.executed import executed
-from eccentric.emission.render import render
+from eccentric.emission.render import render_code
 from eccentric.model import Model
 
 _KEPT = 32
@@ -21,7 +21,7 @@ def load_module(model: Model) -> ModuleType:
         InputError: the model cannot be emitted.
     """
     if id(model) not in _by_model:
-        module = executed(render(model, backends=("numpy",)), model.name)
+        module = executed(render_code(model, "numpy"), model.name)
         if len(_by_model) >= _KEPT:
             _, oldest = _by_model.pop(next(iter(_by_model)))
             del sys.modules[oldest.__name__]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 import sympy as sp
 
@@ -42,10 +43,27 @@ def render(
             that is emitted, or has one with an operation that no back end computes; the message names model
             and term.
     """
-    try:
+    with _printable(model):
         origin = origin or f"derivations/{model.name}.py"
         program = build_program(model, choice)
         return render_program(program, origin, command, backends, single_file=single_file)
+
+
+def render_code(model: Model, backend: str) -> dict[str, str]:
+    """The files of one back end without banner or digest, to be executed at once: file name -> text.
+
+    Raises:
+        InputError: the model cannot be emitted, as in `render`.
+    """
+    with _printable(model):
+        return _code(with_plain_text(build_program(model)), BACKENDS[backend])
+
+
+@contextmanager
+def _printable(model: Model) -> Iterator[None]:
+    """An operation that no back end computes becomes an InputError that names model and term."""
+    try:
+        yield
     except UnprintableError as error:
         raise InputError(f"model {model.name}: {_place(model, error.operation)}{error}") from None
 
