@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from importlib import import_module
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ import sympy as sp
 from sympy.printing.numpy import NumPyPrinter
 
 from eccentric.estimation import Coefficient
+from eccentric.fitting.limits import MOST_SHARED_BYTES
 from eccentric.model import Column, Model, meaning, regressor
 from eccentric.model import vocabulary as v
 
@@ -32,6 +34,7 @@ __all__ = [
 ]
 
 Array = np.ndarray
+_numbers = count()
 
 
 @dataclass(frozen=True)
@@ -91,6 +94,10 @@ class Signals:
         return found
 
     @cached_property
+    def _kept(self) -> dict[sp.Basic, Array]:
+        return {}
+
+    @cached_property
     def _own(self) -> dict[str, Any]:
         defined = {symbol.name: values for symbol, (_, values) in self.defined.items()}
         return {**self.known, **self.by_row, **defined, **self.values, "dt": self.dt}
@@ -110,6 +117,29 @@ class Signals:
     def given(self, shape: Mapping[str, Array | float], series: Mapping[str, Array]) -> dict[str, Any]:
         """Everything that an expression may use, by name."""
         return {**self._own, **series, **shape}
+
+    def shared_parts(self, expression: sp.Expr, names: Collection[str]) -> set[sp.Basic]:
+        """The largest functions in an expression, such as a cosine, of what is known before shapes and states."""
+        fixed = self._own.keys() - names
+        found: set[sp.Basic] = set()
+        left: list[sp.Basic] = [expression]
+        while left:
+            part = left.pop()
+            if isinstance(part, sp.Function) and fixed >= {s.name for s in part.free_symbols}:
+                found.add(part)
+            else:
+                left += part.args
+        return found
+
+    def values_of(self, part: sp.Basic) -> Array:
+        """A part that several expressions share (samples,), computed once as long as memory is small."""
+        if part not in self._kept:
+            function, arguments = _function_of(part)
+            values = np.asarray(function(*(self._own[a] for a in arguments)), float)
+            if len(self._kept) * values.nbytes > MOST_SHARED_BYTES:
+                return values
+            self._kept[part] = values
+        return self._kept[part]
 
     def expanded(self, model: Model, expression: sp.Expr, names: Collection[str]) -> sp.Expr:
         """The expression in signals, states and shapes of these names, with plain formulas for steps."""
@@ -148,15 +178,17 @@ def compiled(
     model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...] = ()
 ) -> Callable[[Mapping[str, float], Mapping[str, Array]], Array]:
     """An expression as a function of shape values and state series, over all samples."""
-    function, arguments = lambdified(model, expression, signals, names)
+    plain = signals.expanded(model, expression, names)
+    shared = {part: _part_symbol(part) for part in signals.shared_parts(plain, names)}
+    function, arguments = _function_of(plain.xreplace(shared))
+    waves = {symbol.name: part for part, symbol in shared.items()}
     parts = {q.name: signals.part(q.part_of) for q in model.parameters if q.name in names and signals.by_row}
 
     def evaluate(shape: Mapping[str, float], series: Mapping[str, Array]) -> Array:
         given = signals.given({name: x * parts.get(name, 1.0) for name, x in shape.items()}, series)
         with np.errstate(all="ignore"):
-            return np.broadcast_to(
-                np.asarray(function(*(given[a] for a in arguments)), float), (signals.size,)
-            )
+            values = (signals.values_of(waves[a]) if a in waves else given[a] for a in arguments)
+            return np.broadcast_to(np.asarray(function(*values), float), (signals.size,))
 
     return evaluate
 
@@ -200,9 +232,15 @@ def alike(columns: Sequence[Column]) -> list[tuple[int, ...]]:
 @lru_cache(maxsize=2000)
 def _in_full(expression: sp.Expr, definitions: tuple[tuple[sp.Symbol, sp.Expr], ...]) -> sp.Expr:
     """An expression with these definitions put in, each in those after it, and plain formulas for steps."""
+    values, needed, left = dict(definitions), set[sp.Basic](), [expression]
+    while left:
+        new = left.pop().free_symbols & values.keys() - needed
+        needed |= new
+        left += [values[symbol] for symbol in new]
     put_in: dict[sp.Symbol, sp.Expr] = {}
     for symbol, value in definitions:
-        put_in[symbol] = value.xreplace(put_in)
+        if symbol in needed:
+            put_in[symbol] = value.xreplace(put_in)
     return meaning(expression.xreplace(put_in))
 
 
@@ -215,6 +253,12 @@ def _function_of(expression: sp.Expr) -> tuple[Callable[..., Any], tuple[str, ..
     namespace: dict[str, Any] = {module: import_module(module) for module in printer.module_imports}
     exec(source, namespace)  # noqa: S102
     return namespace["evaluate"], names
+
+
+@cache
+def _part_symbol(part: sp.Basic) -> sp.Symbol:
+    """The symbol that stands for a shared part; the same for the same part, so that code is compiled once."""
+    return sp.Symbol(f"part_{next(_numbers)}")
 
 
 class _SharedPartsPrinter(NumPyPrinter):

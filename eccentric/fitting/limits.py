@@ -46,3 +46,5 @@ USABLE_PART = 0.5
 """Least fraction of usable samples in a row for effects of the armature to be fitted on it."""
 MOST_STEPS, LAST_STEP = 8, 1e-9
 """Steps of the refit at most, and the relative change that ends it earlier: far below the digits shown."""
+MOST_SHARED_BYTES = 64 * 2**20
+"""Memory for parts that expressions share, such as the cosines of the link angle: all of them on most logs."""
