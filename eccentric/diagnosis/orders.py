@@ -100,8 +100,8 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
 def _spectrum(angle: Array, y: Array) -> Array:
     """The share of y (n,) that cosine and sine of each order of `_GRID` over the angle [rad] (n,) explain.
 
-    That is the normalised Lomb-Scargle periodogram. On an even grid e^(i nu theta) is a product of two factors,
-    one for every 20th order and one for the orders between, so that the sums over the rows are matrix products.
+    That is the normalised Lomb-Scargle periodogram. On an even grid e^(i nu theta) is a product of two
+    factors, one for every 20th order and one for those between, so that sums over rows are matrix products.
     """
     fine = 20
     coarse = _GRID[::fine]

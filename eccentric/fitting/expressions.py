@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from importlib import import_module
-from itertools import count
 from typing import Any
 
 import numpy as np
@@ -34,7 +33,7 @@ __all__ = [
 ]
 
 Array = np.ndarray
-_numbers = count()
+_part_symbols: dict[sp.Basic, sp.Symbol] = {}
 
 
 @dataclass(frozen=True)
@@ -119,7 +118,7 @@ class Signals:
         return {**self._own, **series, **shape}
 
     def shared_parts(self, expression: sp.Expr, names: Collection[str]) -> set[sp.Basic]:
-        """The largest functions in an expression, such as a cosine, of what is known before shapes and states."""
+        """The largest functions in an expression, such as a cosine, that need neither shapes nor states."""
         fixed = self._own.keys() - names
         found: set[sp.Basic] = set()
         left: list[sp.Basic] = [expression]
@@ -255,10 +254,9 @@ def _function_of(expression: sp.Expr) -> tuple[Callable[..., Any], tuple[str, ..
     return namespace["evaluate"], names
 
 
-@cache
 def _part_symbol(part: sp.Basic) -> sp.Symbol:
     """The symbol that stands for a shared part; the same for the same part, so that code is compiled once."""
-    return sp.Symbol(f"part_{next(_numbers)}")
+    return _part_symbols.setdefault(part, sp.Symbol(f"part_{len(_part_symbols)}"))
 
 
 class _SharedPartsPrinter(NumPyPrinter):

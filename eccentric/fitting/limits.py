@@ -47,4 +47,4 @@ USABLE_PART = 0.5
 MOST_STEPS, LAST_STEP = 8, 1e-9
 """Steps of the refit at most, and the relative change that ends it earlier: far below the digits shown."""
 MOST_SHARED_BYTES = 64 * 2**20
-"""Memory for parts that expressions share, such as the cosines of the link angle: all of them on most logs."""
+"""Memory for parts that expressions share, such as cosines of the angle: enough for all but long logs."""

@@ -242,5 +242,5 @@ def meaning(expression: sp.Expr) -> sp.Expr:
         return expression
     args = [meaning(arg) for arg in expression.args]
     if isinstance(expression, OpaqueStep):
-        return meaning(expression._eval_rewrite_as_meaning(*args))
+        return meaning(expression._eval_rewrite_as_meaning(*args))  # noqa: SLF001 - SymPy's name for it
     return expression.func(*args)

@@ -6,6 +6,7 @@ result is differentiated, and the raw angle gives the mask.
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -34,9 +35,9 @@ _PADDING = 9
 
 
 def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
-    """Return evenly sampled x (n, ...) after a zero-phase second-order Butterworth low pass, None if it fails.
+    """Return evenly sampled x (n, ...) after a second-order Butterworth low pass without phase, or None.
 
-    It fails if the cut-off frequency is above 0.4 of the sampling rate, or the stretch is too short.
+    None if the cut-off frequency is above 0.4 of the sampling rate, or the stretch is too short.
     The result is that of SciPy's `sosfiltfilt`; importing `scipy.signal` takes longer than filtering a log.
     """
     if cut_hz > COARSE * rate_hz or len(x) <= _PADDING:
@@ -58,20 +59,27 @@ def _one_way(rows: Array, cut: float) -> Array:
     y[n] + a_1 y[n - 1] + a_2 y[n - 2] = b (x[n] + 2 x[n - 1] + x[n - 2]): the bilinear transform of
     1/(s^2 + sqrt(2) s + 1), its frequency prewarped. `cut` is the cut-off frequency over the sampling rate.
     """
-    k = math.tan(math.pi * cut)
-    scale = 1.0 / (1.0 + math.sqrt(2.0) * k + k * k)
-    a_1, a_2 = 2.0 * (k * k - 1.0) * scale, (1.0 - math.sqrt(2.0) * k + k * k) * scale
+    bands, b = _recursion(rows.shape[1], cut)
     first = rows[:, :1]
     before = np.hstack([first, first, rows])
     right = 2.0 * before[:, 1:-1]
     right += before[:, 2:]
     right += before[:, :-2]
-    right *= k * k * scale
+    right *= b
+    _, a_1, a_2 = bands[:, 0]
     right[:, :1] -= (a_1 + a_2) * first
     right[:, 1:2] -= a_2 * first
-    bands = np.empty((3, rows.shape[1]), order="F")
-    bands[:] = [[1.0], [a_1], [a_2]]
     return dtbtrs(bands, right.T, uplo="L", diag="U", overwrite_b=True)[0].T
+
+
+@functools.lru_cache(maxsize=8)
+def _recursion(length: int, cut: float) -> tuple[Array, float]:
+    """The bands 1, a_1 and a_2 of the recursion (3, length), and b; cached, since a fit filters one log often."""
+    k = math.tan(math.pi * cut)
+    scale = 1.0 / (1.0 + math.sqrt(2.0) * k + k * k)
+    bands = np.empty((3, length), order="F")
+    bands[:] = [[1.0], [2.0 * (k * k - 1.0) * scale], [(1.0 - math.sqrt(2.0) * k + k * k) * scale]]
+    return bands, k * k * scale
 
 
 @dataclass(frozen=True)
