@@ -16,14 +16,25 @@ from scipy.optimize import lsq_linear, nnls
 
 from eccentric.search.limits import ALIASED, MOST_GROUPS
 
-__all__ = ["Gram", "bounded_solve", "cross_validate", "groups_of", "inverses", "sum_of_each"]
+__all__ = [
+    "Gram",
+    "bounded_solve",
+    "cross_validate",
+    "cross_validate_each",
+    "groups_of",
+    "inverses",
+    "sum_of_each",
+]
 
 Array = np.ndarray
 
 
 @dataclass(frozen=True)
 class Gram:
-    """Normal equations per block: matrix (b, p, p), vector (b, p), square (b,)."""
+    """Normal equations per block: matrix (..., b, p, p), vector (..., b, p), square (..., b).
+
+    Leading axes are several logs with the same number of blocks.
+    """
 
     matrix: Array
     vector: Array
@@ -45,15 +56,15 @@ class Gram:
         return cls(matrix, vector, square)
 
     def of_blocks(self, chosen: Array) -> Gram:
-        """Some of the blocks, by number."""
+        """Some of the blocks, by number; of an array of numbers (v, b) one log for each row."""
         return Gram(self.matrix[chosen], self.vector[chosen], self.square[chosen])
 
     def loss(self, coefficients: Array) -> Array:
-        """Sum of squared residuals of each block; coefficients (p,) or one set per block (b, p)."""
+        """Sum of squared residuals of each block; coefficients (p,) or one set per block (..., b, p)."""
         c = np.broadcast_to(coefficients, self.vector.shape)
-        quadratic = np.einsum("bi,bij,bj->b", c, self.matrix, c)
+        product = (self.matrix @ c[..., None])[..., 0]
         # Coefficients that extrapolate wildly leave the rounding of huge numbers, of either sign.
-        return np.abs(self.square - 2.0 * np.einsum("bi,bi->b", c, self.vector) + quadratic)
+        return np.abs(self.square + np.sum(c * (product - 2.0 * self.vector), axis=-1))
 
 
 def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | float = 0.0) -> Array:
@@ -101,9 +112,9 @@ def groups_of(blocks: int) -> Array:
     return np.arange(blocks) * min(blocks, MOST_GROUPS) // blocks
 
 
-def sum_of_each(group: Array, values: Array) -> Array:
+def sum_of_each(group: Array, values: Array, axis: int = 0) -> Array:
     """Sums (groups, ...) of values (blocks, ...) over the blocks of each group (blocks,), in their order."""
-    return np.add.reduceat(values, np.flatnonzero(np.diff(group, prepend=-1)), axis=0)
+    return np.add.reduceat(values, np.flatnonzero(np.diff(group, prepend=-1)), axis=axis)
 
 
 def cross_validate(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Array:
@@ -112,23 +123,41 @@ def cross_validate(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> Arra
     Coefficients that the fit of all blocks holds at their bound are held there: one group would let them off
     it by little. Where others leave their range, the bounded fit is made anew.
     """
-    total_matrix, total_vector = gram.matrix.sum(axis=0), gram.vector.sum(axis=0)
-    group = groups_of(len(gram.square))
-    matrix = total_matrix - sum_of_each(group, gram.matrix)
-    vector = total_vector - sum_of_each(group, gram.vector)
+    one = Gram(gram.matrix[None], gram.vector[None], gram.square[None])
+    return cross_validate_each(one, lower, ridge)[0][0]
+
+
+def cross_validate_each(gram: Gram, lower: Array, ridge: Array | float = 0.0) -> tuple[Array, Array]:
+    """`cross_validate` of several logs at once: losses (v, b), and the coefficients of all blocks (v, p)."""
+    total_matrix, total_vector = gram.matrix.sum(axis=1), gram.vector.sum(axis=1)
+    group = groups_of(gram.square.shape[1])
+    matrix = total_matrix[:, None] - sum_of_each(group, gram.matrix, axis=1)
+    vector = total_vector[:, None] - sum_of_each(group, gram.vector, axis=1)
     bounded = np.isfinite(lower)
-    free = ~bounded | (bounded_solve(total_matrix, total_vector, lower, ridge) > 0.0)
-    coefficients = np.zeros(vector.shape)
-    inner = np.ix_(np.ones(len(matrix), dtype=bool), free, free)
-    penalty = np.broadcast_to(ridge, total_vector.shape)[free]
+    whole = np.array(
+        [bounded_solve(m, x, lower, ridge) for m, x in zip(total_matrix, total_vector, strict=True)]
+    )
+    coefficients = _free_solutions(matrix, vector, ~bounded | (whole > 0.0), ridge)
+    beyond = ~np.all(np.isfinite(coefficients), axis=2) | np.any(coefficients[..., bounded] < 0.0, axis=2)
+    for place in zip(*np.nonzero(beyond), strict=True):
+        coefficients[place] = bounded_solve(matrix[place], vector[place], lower, ridge)
+    return gram.loss(coefficients[:, group]), whole
+
+
+def _free_solutions(matrix: Array, vector: Array, free: Array, ridge: Array | float) -> Array:
+    """Solutions (v, g, p) of normal equations, 0 where not free (v, p); NaN for a log with a singular one."""
+    scaled, scale = _scaled(matrix, ridge)
+    held = ~np.broadcast_to(free[:, None], vector.shape)
+    scaled[held[..., :, None] | held[..., None, :]] = 0.0
+    scaled[held[..., None] & np.eye(held.shape[-1], dtype=bool)] = 1.0
+    right = np.where(held, 0.0, vector / scale)
     try:
-        coefficients[:, free] = (inverses(matrix[inner], penalty) @ vector[:, free, None])[..., 0]
-        beyond = np.any(coefficients[:, bounded] < 0.0, axis=1)
+        return np.linalg.solve(scaled, right[..., None])[..., 0] / scale
     except np.linalg.LinAlgError:
-        beyond = np.ones(len(matrix), dtype=bool)
-    for number in np.flatnonzero(beyond):
-        coefficients[number] = bounded_solve(matrix[number], vector[number], lower, ridge)
-    return gram.loss(coefficients[group])
+        if len(matrix) == 1:
+            return np.full(vector.shape, np.nan)
+        each = zip(matrix, vector, free, strict=True)
+        return np.concatenate([_free_solutions(m[None], x[None], f[None], ridge) for m, x, f in each])
 
 
 def inverses(matrices: Array, ridge: Array | float = 0.0) -> Array:

@@ -30,7 +30,7 @@ import numpy as np
 
 from eccentric.search import limits
 from eccentric.search.candidate import Candidate, Variant
-from eccentric.search.crossval import Gram, bounded_solve, cross_validate
+from eccentric.search.crossval import Gram, cross_validate_each
 from eccentric.search.screen import Fitted, Screen
 
 __all__ = ["Stability", "stability_of"]
@@ -210,17 +210,20 @@ def _evidence(
     ]
     # A log without noise leaves rounding.
     least = np.finfo(float).eps * float(screen.balance.target @ screen.balance.target)
-    found, moved = np.empty(len(draws)), list[frozenset[str]]()
+    found, moved = np.empty(len(draws)), [frozenset[str]()] * len(draws)
+    together: dict[tuple[int, int], list[int]] = {}
     for number, chosen in enumerate(draws):
-        gram, bounds, prior = settings[number % len(settings)]
-        drawn = gram.of_blocks(chosen)
-        score = max(cross_validate(drawn, bounds, prior).sum(), least)
-        whole = bounded_solve(drawn.matrix.sum(axis=0), drawn.vector.sum(axis=0), bounds, prior)
-        off = whole[p:] / deviation[: len(whole) - p]
-        found[number] = -0.5 * (effective * np.log(score) + off @ off)
+        together.setdefault((number % len(settings), len(chosen)), []).append(number)
+    for (setting, _), numbers in together.items():
+        gram, bounds, prior = settings[setting]
+        drawn = gram.of_blocks(np.array([draws[number] for number in numbers]))
+        losses, whole = cross_validate_each(drawn, bounds, prior)
         # There are none where the declared values are not free.
-        wrong = (c.family for c, x in zip(free, off, strict=False) if abs(x) > limits.WRONG)
-        moved.append(frozenset(wrong))
+        off = whole[:, p:] / deviation[: whole.shape[1] - p]
+        score = np.maximum(losses.sum(axis=1), least)
+        found[numbers] = -0.5 * (effective * np.log(score) + np.sum(off**2, axis=1))
+        for number, own in zip(numbers, np.abs(off) > limits.WRONG, strict=True):
+            moved[number] = frozenset(c.family for c, wrong in zip(free, own, strict=False) if wrong)
     return found, moved
 
 

@@ -74,7 +74,7 @@ def _one_way(rows: Array, cut: float) -> Array:
 
 @functools.lru_cache(maxsize=8)
 def _recursion(length: int, cut: float) -> tuple[Array, float]:
-    """The bands 1, a_1 and a_2 of the recursion (3, length), and b; cached, since a fit filters one log often."""
+    """The bands 1, a_1 and a_2 of the recursion (3, length), and b; cached: a fit filters one log often."""
     k = math.tan(math.pi * cut)
     scale = 1.0 / (1.0 + math.sqrt(2.0) * k + k * k)
     bands = np.empty((3, length), order="F")
