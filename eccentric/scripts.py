@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
-__all__ = ["Script", "asks", "run_script", "run_text", "scripts_behind"]
+__all__ = ["Script", "asks", "loads_behind", "remember_loads", "run_script", "run_text", "scripts_behind"]
 
 
 @dataclass(frozen=True)
@@ -81,3 +82,23 @@ def scripts_behind(asked: str, path: Path) -> tuple[Script, ...] | None:
             found.append(script)
             left += _loads[path].items()
     return tuple(found)
+
+
+def loads_behind(path: Path) -> dict[str, dict[str, str]]:
+    """What an executed script loaded, and what that loaded: path -> name or path as requested -> path."""
+    found: dict[str, dict[str, str]] = {}
+    left = [path]
+    while left:
+        path = left.pop()
+        if str(path) not in found:
+            found[str(path)] = {asked: str(other) for asked, other in _loads[path].items()}
+            left += _loads[path].values()
+    return found
+
+
+def remember_loads(loads: Mapping[str, Mapping[str, str]]) -> None:
+    """Record as executed the scripts of a result that was kept; the argument is that of `loads_behind`."""
+    for name, others in loads.items():
+        path = Path(name)
+        _executed.setdefault(path, set()).add(path.read_bytes())
+        _loads[path] = {asked: Path(other) for asked, other in others.items()}

@@ -20,7 +20,8 @@ from pathlib import Path, PurePath
 
 from eccentric import started
 from eccentric.compiled.compiler import Compiler
-from eccentric.compiled.entry import CacheEntry, digest, read_entry, read_record, write_record
+from eccentric.compiled.entry import CacheEntry, read_entry, read_record, write_record
+from eccentric.output import digest
 from eccentric.places import derivation, folder
 from eccentric.scripts import scripts_behind
 

@@ -13,14 +13,13 @@ from eccentric.compiled.compiler import Compiler, local_compiler
 from eccentric.compiled.entry import (
     CacheEntry,
     Signature,
-    cache_folder,
-    digest,
     keep_library,
     read_entry,
     write_entry,
 )
 from eccentric.compiled.lookup import look_up, remember
 from eccentric.errors import InputError
+from eccentric.output import cache_folder, digest
 from eccentric.places import is_arm_file
 from eccentric.scripts import run_text
 

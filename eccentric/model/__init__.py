@@ -2,7 +2,7 @@
 
 In: the scripts of `derivations/`, by `load_model`.  Out: `Model`, `regressor` (what of its friction a log can
 show), `extended` (a model with further terms), `meaning` (an expression without the stable steps).
-May import: no other room; it knows no data and no templates.
+May import: no room but `output`, whose cache keeps models; it knows no data and no templates.
 """
 
 from eccentric.model import steps, vocabulary
@@ -32,6 +32,7 @@ from eccentric.model.change import Change, Extension
 from eccentric.model.defaults import in_general_letters, with_values
 from eccentric.model.definition import Definition, State
 from eccentric.model.equation import Equation, Identity
+from eccentric.model.exact import fingerprint
 from eccentric.model.extension import extended
 from eccentric.model.load import load_model, model_names
 from eccentric.model.model import Model
@@ -109,6 +110,7 @@ __all__ = [
     "at_rest",
     "drives",
     "extended",
+    "fingerprint",
     "friction_units",
     "identity_of",
     "in_general_letters",

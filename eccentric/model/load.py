@@ -7,9 +7,11 @@ from pathlib import Path
 
 from eccentric.errors import InputError, meant
 from eccentric.model.axis import LINEAR
+from eccentric.model.exact import from_bytes, to_bytes
 from eccentric.model.model import Model
+from eccentric.output import derived
 from eccentric.places import derivation, folder
-from eccentric.scripts import asks, run_script
+from eccentric.scripts import asks, loads_behind, remember_loads, run_script
 
 _BESIDE = frozenset({"serial_chain", "linear_axis", "screw_axis"})
 """Derivations that are not of the paper's drive: several joints, and a carriage."""
@@ -27,7 +29,8 @@ def model_names() -> tuple[str, ...]:
 def load_model(name_or_path: str | os.PathLike[str]) -> Model:
     """The model of a derivation: a name such as "c2_parallel", or the path of a script.
 
-    A script is executed once; further calls return the same object.
+    A script is executed once; further calls return the same object. The models of the bundled derivations are
+    kept in the user's cache until a source of the toolkit changes.
 
     Raises:
         InputError: there is no such derivation, scripts load each other in a circle, the script raises an
@@ -40,6 +43,11 @@ def load_model(name_or_path: str | os.PathLike[str]) -> Model:
     if path in _loading:
         circle = " -> ".join(p.stem for p in [*_loading[_loading.index(path) :], path])
         raise InputError(f"{path.name}: derivations load each other in a circle: {circle}")
+    bundled = path.parent == folder("derivations").resolve()
+    if bundled and (kept := derived.get(f"model {path.stem}")) is not None:
+        _loaded[path], loads = from_bytes(kept)
+        remember_loads(loads)
+        return _loaded[path]
     _loading.append(path)
     try:
         module = run_script(path, f"eccentric_derivation_{path.stem}")
@@ -55,6 +63,8 @@ def load_model(name_or_path: str | os.PathLike[str]) -> Model:
             f"{path}: a module-level `model` of type Model is required, received {type(model).__name__}"
         )
     _loaded[path] = model
+    if bundled:
+        derived.put(f"model {path.stem}", to_bytes((model, loads_behind(path))))
     return model
 
 

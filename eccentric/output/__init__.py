@@ -6,6 +6,7 @@
     workshop    a temporary folder beside the target; those of killed runs are removed
     swap        a set of files in the place of another: all or none
     folders     which folder may be written, and which command wrote what there
+    cache       what was derived or built once, in the user's cache
     whole       one file, a set of files, or a folder of a command's files
 
 What holds, whenever a run is killed: a file is the old one or the new one. Files of one set that are there
@@ -20,6 +21,16 @@ a temporary folder is taken for abandoned after an hour; a run that finds a youn
 one line, and two that move files into one folder within the same milliseconds are not kept apart.
 """
 
+from eccentric.output.cache import (
+    OURS_ALONE,
+    cache_folder,
+    derived,
+    digest,
+    own_bytes,
+    own_cache,
+    read_cached,
+    write_cached,
+)
 from eccentric.output.folders import MARKER, folder_to_write, own_folder
 from eccentric.output.interrupts import Ended, ended_by_signals, held
 from eccentric.output.printed import UNREAD, escape_unprintable, nobody_reads, show
@@ -28,18 +39,26 @@ from eccentric.output.workshop import workshop
 
 __all__ = [
     "MARKER",
+    "OURS_ALONE",
     "UNREAD",
     "Ended",
+    "cache_folder",
+    "derived",
+    "digest",
     "ended_by_signals",
     "escape_unprintable",
     "folder_to_write",
     "held",
     "nobody_reads",
+    "own_bytes",
+    "own_cache",
     "own_folder",
+    "read_cached",
     "remove_folder",
     "show",
     "whole_file",
     "whole_files",
     "whole_folder",
     "workshop",
+    "write_cached",
 ]
