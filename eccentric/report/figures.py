@@ -21,7 +21,7 @@ from eccentric.report.text import curve_name
 __all__ = ["Figures", "library"]
 
 _SCRIPTS = ("bokeh.min.js", "bokeh-api.min.js")
-"""The part that draws and the one that builds figures, without widgets and without loaders of fonts or TeX."""
+"""What draws and what builds figures, without widgets and without loaders of fonts or TeX."""
 _WITH_BARS = {"measured", "before", "after"}
 _FEW = 100
 """Points of a trace are marked up to this number."""
@@ -51,7 +51,7 @@ class Figures:
         self._plots = 0
 
     def json(self) -> str:
-        """All figures, "" without any; "<" is escaped, so that no text can end the enclosing script element."""
+        """All figures, "" without any; "<" is escaped: no text can end the enclosing script element."""
         if not self._figures:
             return ""
         return json.dumps(self._figures, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")

@@ -244,9 +244,7 @@ def trace(balance: BalanceResiduals) -> Trace | None:
         return parted(np.add.reduceat(y, begins) / sizes)
 
     def spread(y: Array) -> Curve:
-        return Curve(
-            parted(np.minimum.reduceat(y, begins)), each(y), parted(np.maximum.reduceat(y, begins))
-        )
+        return Curve(parted(np.minimum.reduceat(y, begins)), each(y), parted(np.maximum.reduceat(y, begins)))
 
     return Trace(
         at=each(axis),

@@ -45,7 +45,7 @@ _MARKS = {"named": "✓", "not_identifiable": "≈", "unexplained": "?", "nothin
 
 
 def view(data: ReportData, library: str) -> dict[str, Any]:
-    """The variables of the templates; without the `library` that draws figures their sections are left out."""
+    """The variables of the templates; without the `library` that draws, figures are left out."""
     shown = [b for k, b in enumerate(data.errors.balances) if k == 0 or b.extended is not None]
     figures = Figures(data.source.axis.said)
     residuals = [(b, _residuals(figures, b, data)) for b in shown] if library else []
@@ -90,9 +90,7 @@ def _residuals(figures: Figures, balance: BalanceResiduals, data: ReportData) ->
         panel = residual_panel(balance, channel)
         if panel is not None:
             ids = figures.panel(panel, "residual", balance.unit)
-            found.append(
-                _figure(ids, figure_words(panel, balance.unit)) | {"depends": channel.key in order}
-            )
+            found.append(_figure(ids, figure_words(panel, balance.unit)) | {"depends": channel.key in order})
     return found
 
 

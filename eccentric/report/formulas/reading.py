@@ -24,7 +24,7 @@ def plain(expression: sp.Expr) -> sp.Expr:
     half = v.mu.symbol * v.theta_m.symbol / 2
     if expression.has(sp.sin(half), sp.cos(half)):
         expression = sp.trigsimp(expression)
-    expression = expression.replace(_stable_tanh, lambda e: sp.tanh(-_exponent(e) / 2))
+    expression = expression.replace(lambda e: isinstance(e, sp.Add), _tanh)
     expression = expression.subs(v.mu.symbol * v.theta_m.symbol, v.theta_l.symbol)
     return expression.xreplace({x: sp.Float(x, 4) for x in expression.atoms(sp.Rational) if _long(x)})
 
@@ -34,19 +34,14 @@ def _long(x: sp.Rational) -> bool:
     return x.q > 1000 and not (abs(x.p) == 1 and str(x.q).rstrip("0") == "1")
 
 
-def _stable_tanh(total: sp.Basic) -> bool:
-    return _exponent(total) is not None
-
-
-def _exponent(total: sp.Basic) -> sp.Expr | None:
-    """The x of 2/(1 + exp(x)) - 1; None for anything else. By its parts: matching with a wildcard is slow."""
-    if not isinstance(total, sp.Add):
-        return None
+def _tanh(total: sp.Add) -> sp.Expr:
+    """The plain form of 2/(1 + exp(-2x)) - 1, any other sum as it is; matching with a wildcard is slow."""
     before, fraction = total.as_coeff_Add()
     above, inverse = fraction.as_coeff_Mul()
     below, power = inverse.as_base_exp()
     one, e = below.as_coeff_Add()
-    return e.args[0] if (before, above, power, one) == (-1, 2, -1, 1) and isinstance(e, sp.exp) else None
+    stable = (before, above, power, one) == (-1, 2, -1, 1) and isinstance(e, sp.exp)
+    return sp.tanh(-e.args[0] / 2) if stable else total
 
 
 def _pair(expression: sp.Basic) -> bool:
