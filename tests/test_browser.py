@@ -45,6 +45,17 @@ FIRST_LEGEND = """() => {
 }"""
 FIRST_CURVE = """() => Bokeh.documents[0].roots()[0].above.find((model) => model.type === "Legend")
   .items[0].renderers.map((renderer) => renderer.visible)"""
+LABEL_KINDS = """() => Bokeh.documents[0].roots().flatMap((root) =>
+  [...root.references()].filter((m) => m.type === "LinearAxis").map((m) => m.axis_label.type))"""
+# Pixels of the first plot in the colour of the fitted effect, #009e73.
+EFFECT_PIXELS = """() => {
+  const canvases = (node) => [...node.querySelectorAll("*")].flatMap((one) =>
+    one.tagName === "CANVAS" ? [one] : one.shadowRoot ? canvases(one.shadowRoot) : []);
+  return canvases(document.querySelector(".plot")).map((canvas) => {
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    return new Uint32Array(data.buffer).filter((pixel) => pixel === 0xff739e00).length;
+  }).reduce((all, one) => Math.max(all, one), 0);
+}"""
 # How many pictures for the printer have letters in the ink of the light page, #1b1e23, opaque.
 DARK_LETTERS = """() => [...document.querySelectorAll(".printed")].filter((canvas) => {
   const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
@@ -152,6 +163,40 @@ def test_names_that_are_attacks_are_text(opened: Opened) -> None:
     assert 0 == one.locator("img").count()
     assert 3 == one.locator("script").count()
     assert HOSTILE in (one.locator("main").text_content() or "")
+    # A string between dollar signs would be TeX, for which Bokeh would fetch a typesetter.
+    assert ["PlainText"] * 16 == one.evaluate(LABEL_KINDS)
+
+
+def test_the_pointer_shows_values_and_leaves_the_curves(opened: Opened) -> None:
+    """Over the middle of the first plot: channel, curves with their unit, rows; no curve is taken away."""
+    one = opened("long")
+    all_drawn(one)
+    first = one.locator(".plot").first
+    first.scroll_into_view_if_needed()
+    before = one.evaluate(EFFECT_PIXELS)
+    first.hover()
+    said = one.locator(".bk-tooltip-content").inner_text()
+
+    assert before > 100
+    assert before == one.evaluate(EFFECT_PIXELS)
+    assert all(name in said for name in ("at:", "paper's model:", "fitted effect:", " N m", "rows:")), said
+
+
+def test_a_box_that_is_drawn_is_zoomed_into(opened: Opened) -> None:
+    """Three tenths of the width of the first plot then take all of it."""
+    one = opened("long")
+    all_drawn(one)
+    first = one.locator(".plot").first
+    first.scroll_into_view_if_needed()
+    box = first.bounding_box()
+    ends = "[Bokeh.documents[0].roots()[0].x_range].map((range) => range.end - range.start)[0]"
+    whole = one.evaluate(ends)
+    x, y, width = box["x"], box["y"], box["width"]
+    one.mouse.move(x + 0.3 * width, y + 80)
+    one.mouse.down()
+    one.mouse.move(x + 0.6 * width, y + 160, steps=5)
+    one.mouse.up()
+    one.wait_for_function(f"() => {ends} < {0.5 * whole}")
 
 
 @pytest.mark.parametrize("zoom", [0.9, 1.0, 1.1])

@@ -1,11 +1,13 @@
 """report.html: what it says, in which order, for whom."""
 
+import json
 import re
 import sys
 from dataclasses import replace
 from itertools import pairwise
 
 import jinja2
+import numpy as np
 import pytest
 from jinja2 import meta
 
@@ -30,7 +32,7 @@ def plain() -> str:
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without figures, a page takes no time."""
-    monkeypatch.setattr(package, "_figures", lambda: None)
+    monkeypatch.setattr(package, "library", str)
 
 
 def test_the_verdict_comes_first(plain: str) -> None:
@@ -72,17 +74,60 @@ def test_figures_are_told_in_words(plain: str) -> None:
 
 def test_without_bokeh_the_report_is_words_and_tables(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bokeh missing, everything else is there and the page says how to get the figures."""
-    for name in [name for name in sys.modules if name.split(".")[0] == "bokeh"]:
-        monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "bokeh", None)
-    monkeypatch.delitem(sys.modules, "eccentric.report.figures", raising=False)
-    monkeypatch.delattr(package, "figures", raising=False)
     text = page(sample())
     reader = Reader(text)
 
     assert 'pip install "eccentric[report]"' in reader.text
     assert (0, 0) == (reader.count("script"), reader.count("figcaption"))
     assert "wobble_s2" in reader.text
+
+
+def test_the_page_is_written_without_importing_bokeh(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its scripts are files; its Python half would take longer than the rest of the report."""
+    for name in [name for name in sys.modules if name.split(".")[0] == "bokeh"]:
+        monkeypatch.delitem(sys.modules, name)
+
+    assert "Bokeh" in page(sample(500))
+    assert "bokeh" not in sys.modules
+
+
+def test_the_figures_carry_what_was_planted(plain: str) -> None:
+    """0.03 sin(2 theta_l) over the link angle, which comes first, with labels and units."""
+    first = json.loads(figures_of(plain))[0]
+    (plot,) = first["plots"]
+    at, effect = (np.array(first["columns"][name]) for name in ("at", "effect"))
+
+    assert ("link angle [rad]", "residual × sgn ω [N m]", "N m") == (first["x"], plot["y"], first["unit"])
+    assert ["paper's model", "extended model", "fitted effect"] == [c["label"] for c in plot["curves"]]
+    assert [True, True, False] == [curve["bars"] for curve in plot["curves"]]
+    assert first["turn"]
+    assert 5000 == sum(first["columns"]["rows"])
+    # A bin is a sixtieth of a turn wide: its mean is within the square of that of the value in the middle.
+    assert np.allclose(0.03 * np.sin(2 * at), effect, atol=0.03 * (2 * np.pi / 60) ** 2)
+    low, high = (np.array(first["columns"][f"before_{end}"]) for end in ("low", "high"))
+    assert np.all(low < high)
+
+
+def test_the_figures_carry_friction_and_the_held_out_part() -> None:
+    """Friction with a curve that is hidden at first; two plots along time that share their columns."""
+    friction, trace = json.loads(figures_of(page(sample(5000, 2))))[-2:]
+    (plot,) = friction["plots"]
+    upper, lower = trace["plots"]
+
+    assert ["measured", "Coulomb + viscous", "paper's model", "extended model"] == [
+        curve["label"] for curve in plot["curves"]
+    ]
+    assert ["linear"] == [curve["name"] for curve in plot["curves"] if curve["hidden"]]
+    assert ("friction [N m]", "residual [N m]") == (upper["y"], lower["y"])
+    assert ["run 1", "run 2"] == trace["runs"]
+    # Two held-out stretches in each of two runs, a gap between two of them.
+    assert 3 == len(trace["cuts"]) == trace["columns"]["at"].count(None)
+    assert {0, 1, -1} == set(trace["columns"]["run"])
+    measured, paper, before = (
+        np.array(trace["columns"][name][:5]) for name in ("measured", "paper", "before")
+    )
+    assert np.allclose(before, measured - paper, atol=1e-7)
 
 
 def test_a_rig_in_volts_has_no_newton_metres() -> None:
@@ -226,4 +271,4 @@ def test_templates_use_what_they_are_given() -> None:
             continue
         used |= meta.find_undeclared_variables(environment.parse(path.read_text(encoding="utf-8")))
 
-    assert set(view(sample(50), None)) == used
+    assert set(view(sample(50), "")) == used

@@ -2,7 +2,7 @@
 
     gather    Diagnosis -> ReportData: plain numbers, arrays and strings, the interface   (`report_data`)
     panels    rows -> means over a channel and time traces, few enough points to draw
-    figures   -> Bokeh models and their JSON; without Bokeh the report consists of text and tables
+    figures   -> their data as JSON, which BokehJS draws in the page; without Bokeh there are text and tables
     plot      -> two of them on matplotlib axes
     arm_page  the page of an arm, which leads to those of its joints
     view      -> the strings that the templates see (`templates/report/`)
@@ -14,7 +14,7 @@ JSON of the figures. The page's own content policy forbids it to fetch anything.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from types import ModuleType
+from functools import cache
 from typing import Any
 
 import jinja2
@@ -25,6 +25,7 @@ from eccentric.model import TURNING
 from eccentric.places import folder
 from eccentric.report.arm_page import arm_view
 from eccentric.report.data import Parameter, ReportData
+from eccentric.report.figures import library
 from eccentric.report.gather import report_data
 from eccentric.report.plot import plot_report
 from eccentric.report.text import number
@@ -50,7 +51,7 @@ def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
 
 def page(data: ReportData) -> str:
     """The page, its text in the words of the axis."""
-    html = rendered("report", view(data, _figures()))
+    html = rendered("report", view(data, library()))
     axis = data.source.axis
     if axis is TURNING:
         return html
@@ -70,6 +71,7 @@ def rendered(page: str, variables: Mapping[str, Any]) -> str:
     return _environment().get_template(f"report/{page}.html.jinja").render(variables)
 
 
+@cache
 def _environment() -> jinja2.Environment:
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder("templates")),
@@ -78,14 +80,3 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
         autoescape=True,
     )
-
-
-def _figures() -> ModuleType | None:
-    """The module that draws; None if Bokeh is not installed."""
-    try:
-        from eccentric.report import figures
-    except ModuleNotFoundError as error:
-        if (error.name or "").split(".")[0] != "bokeh":
-            raise
-        return None
-    return figures

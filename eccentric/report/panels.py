@@ -21,6 +21,8 @@ BINS = 60
 """Most bins of a panel; up to this many rows are drawn singly."""
 POINTS = 1200
 """Most points of a time trace."""
+SPREAD = (0.1, 0.9)
+"""Quantiles of its rows from which to which the bar of a point extends."""
 CUT_S = 0.5
 """Longer pauses between held-out rows are cut out of the time axis."""
 
@@ -99,10 +101,13 @@ def residual_panel(balance: BalanceResiduals, channel: Channel) -> Panel | None:
     plain = _binned(balance.rows, channel, curves)
     velocity = balance.rows.channel("velocity")
     if plain is None or velocity is None or channel.key == "velocity":
-        return plain
-    facing = {name: x * np.sign(velocity.values) for name, x in curves.items()}
-    turned = _binned(balance.rows, channel, facing, against_motion=True)
-    return turned if turned is not None and _structure(turned) > _structure(plain) else plain
+        return plain and _panel(channel, plain, curves)
+    sign = np.sign(velocity.values)
+    facing = {name: x * sign for name, x in curves.items()}
+    turned = _binned(balance.rows, channel, facing)
+    if turned is not None and turned.structure(facing["before"]) > plain.structure(curves["before"]):
+        return _panel(channel, turned, facing, against_motion=True)
+    return _panel(channel, plain, curves)
 
 
 def friction_panel(balance: BalanceResiduals, channel: Channel) -> Panel | None:
@@ -116,49 +121,89 @@ def friction_panel(balance: BalanceResiduals, channel: Channel) -> Panel | None:
     turn = channel.key != "velocity" and velocity is not None
     if turn and velocity is not None:
         curves = {name: x * np.sign(velocity.values) for name, x in curves.items()}
-    return _binned(balance.rows, channel, curves, against_motion=turn)
+    bins = _binned(balance.rows, channel, curves)
+    return bins and _panel(channel, bins, curves, against_motion=turn)
 
 
-def _structure(panel: Panel) -> float:
-    """Mean square of the means of the residual before, weighted with their rows."""
-    there = np.isfinite(panel.at)
-    return float(np.average(panel.curves["before"].middle[there] ** 2, weights=panel.rows[there]))
+@dataclass(frozen=True)
+class _Bins:
+    """Rows by the bins of a channel; of bins that are not `drawn`, means and quantiles are NaN.
+
+    Attributes:
+        x: the channel, on all rows.
+        index: rows in the drawn bins, bin by bin; begins: where each of these bins begins in it.
+        sizes: rows in each bin.
+        drawn: whether a bin has enough rows.
+    """
+
+    x: Array
+    index: Array
+    begins: Array
+    sizes: Array
+    drawn: Array
+
+    def mean(self, y: Array) -> Array:
+        return self._on_all(np.add.reduceat(y[self.index], self.begins) / self.sizes[self.drawn])
+
+    def curve(self, y: Array) -> Curve:
+        """Mean and spread of the rows; each bin is sorted once for both quantiles."""
+        ordered = y[self.index]
+        for part in np.split(ordered, self.begins[1:]):
+            part.sort()
+        low, high = (self._on_all(self._quantile(ordered, level)) for level in SPREAD)
+        return Curve(low, self.mean(y), high)
+
+    def structure(self, y: Array) -> float:
+        """Mean square of the means, weighted with their rows."""
+        return float(np.average(self.mean(y)[self.drawn] ** 2, weights=self.sizes[self.drawn]))
+
+    def _quantile(self, ordered: Array, level: float) -> Array:
+        """Linear between rows, as `numpy.quantile`."""
+        place = level * (self.sizes[self.drawn] - 1)
+        below = np.floor(place).astype(int)
+        first, part = ordered[self.begins + below], place - below
+        return first + part * (ordered[self.begins + np.ceil(place).astype(int)] - first)
+
+    def _on_all(self, values: Array) -> Array:
+        found = np.full(len(self.sizes), np.nan)
+        found[self.drawn] = values
+        return found
 
 
-def _binned(
-    rows: ResidualRows, channel: Channel, curves: Mapping[str, Array], against_motion: bool = False
-) -> Panel | None:
+def _panel(
+    channel: Channel, bins: _Bins, curves: Mapping[str, Array], *, against_motion: bool = False
+) -> Panel:
+    return Panel(
+        channel,
+        against_motion,
+        at=bins.mean(bins.x),
+        rows=np.where(bins.drawn, bins.sizes, 0),
+        left_out=int(bins.sizes[~bins.drawn].sum()),
+        curves={name: bins.curve(y) for name, y in curves.items()},
+    )
+
+
+def _binned(rows: ResidualRows, channel: Channel, curves: Mapping[str, Array]) -> _Bins | None:
     x = channel.values if channel.period is None else np.mod(channel.values, channel.period)
-    use = shown_rows(rows) & np.all([np.isfinite(y) for y in (x, *curves.values())], axis=0)
-    x, count = x[use], int(np.count_nonzero(use))
+    use = np.flatnonzero(shown_rows(rows) & np.all([np.isfinite(y) for y in (x, *curves.values())], axis=0))
+    count, own = len(use), x[use]
     if count < 4:
         return None
     if count <= BINS:
-        order = np.argsort(x, kind="stable")
-        rows_drawn = {name: y[use][order] for name, y in curves.items()}
-        made = {name: Curve(y, y, y) for name, y in rows_drawn.items()}
-        return Panel(channel, against_motion, x[order], np.ones(count, int), 0, made)
+        each = np.arange(count)
+        return _Bins(x, use[np.argsort(own, kind="stable")], each, np.ones(count, int), np.ones(count, bool))
     # Rare extremes of a channel would stretch the axis: they are put into the outermost bins.
-    low, high = (0.0, channel.period) if channel.period else np.quantile(x, [0.002, 0.998])
+    low, high = (0.0, channel.period) if channel.period else np.quantile(own, [0.002, 0.998])
     bins = int(np.clip(count // 10, 12, BINS)) if high > low else 1
     least = 5 if count >= 20 * bins else 2
-    place = np.clip(((x - low) / max(high - low, 1e-300) * bins).astype(int), 0, bins - 1)
-    order = np.argsort(place, kind="stable")
-    members = np.split(order, np.cumsum(np.bincount(place, minlength=bins))[:-1])
-    sizes = np.array([len(m) for m in members])
-    thick = sizes >= least
-    if not thick.any():
+    place = np.clip(((own - low) / max(high - low, 1e-300) * bins).astype(int), 0, bins - 1)
+    sizes = np.bincount(place, minlength=bins)
+    drawn = sizes >= least
+    if not drawn.any():
         return None
-
-    def curve(y: Array) -> Curve:
-        none = np.full(3, np.nan)
-        parts = [y[m] if ok else None for m, ok in zip(members, thick, strict=True)]
-        ends = [none if y is None else (np.quantile(y, 0.1), y.mean(), np.quantile(y, 0.9)) for y in parts]
-        return Curve(*np.transpose(ends))
-
-    made = {name: curve(y[use]) for name, y in curves.items()}
-    left_out = int(sizes[~thick].sum())
-    return Panel(channel, against_motion, curve(x).middle, np.where(thick, sizes, 0), left_out, made)
+    order = np.argsort(place, kind="stable")
+    index = use[order[drawn[place[order]]]]
+    return _Bins(x, index, np.r_[0, np.cumsum(sizes[drawn])[:-1]], sizes, drawn)
 
 
 def trace(balance: BalanceResiduals) -> Trace | None:
@@ -186,25 +231,25 @@ def trace(balance: BalanceResiduals) -> Trace | None:
     cut = (np.diff(run[index]) != 0) | (steps > CUT_S) | (steps <= 0)
     axis = np.r_[0.0, np.cumsum(np.where(cut, 10.0 * usual, steps))]
     per = -(-len(index) // POINTS)
-    begins = np.flatnonzero(np.r_[True, broken])
-    groups = [
-        group
-        for stretch in np.split(np.arange(len(index)), begins[1:])
-        for group in (*np.split(stretch, range(per, len(stretch), per)), None)
-    ][:-1]
+    # The first row of every point: of each stretch, and within it of every `per` rows.
+    row, stretch = np.arange(len(index)), np.r_[True, broken]
+    begins = np.flatnonzero(stretch | ((row - np.maximum.accumulate(np.where(stretch, row, 0))) % per == 0))
+    sizes = np.diff(begins, append=len(index))
+    gaps = np.flatnonzero(stretch[begins])[1:]
+
+    def parted(values: Array, gap: float = np.nan) -> Array:
+        return np.insert(values, gaps, gap)
 
     def each(y: Array) -> Array:
-        return np.array([np.nan if g is None else y[g].mean() for g in groups])
+        return parted(np.add.reduceat(y, begins) / sizes)
 
     def spread(y: Array) -> Curve:
-        low = np.array([np.nan if g is None else y[g].min() for g in groups])
-        high = np.array([np.nan if g is None else y[g].max() for g in groups])
-        return Curve(low, each(y), high)
+        return Curve(parted(np.minimum.reduceat(y, begins)), each(y), parted(np.maximum.reduceat(y, begins)))
 
     return Trace(
         at=each(axis),
         t=each(t[index]),
-        run=np.array([-1 if g is None else run[index][g[0]] for g in groups]),
+        run=parted(run[index][begins], -1),
         cuts=0.5 * (axis[:-1] + axis[1:])[cut],
         rows_per_point=per,
         rows=len(index),

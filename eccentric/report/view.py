@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Callable
-from types import ModuleType
 from typing import Any
 
-from eccentric.model import AxisKind
 from eccentric.report.arrays import BalanceResiduals
 from eccentric.report.data import CandidateRow, Errors, Parameter, ReportData
+from eccentric.report.figures import Figures
 from eccentric.report.formulas import short_formula
 from eccentric.report.limits import SHOWN_RUNS
 from eccentric.report.panels import friction_panel, residual_panel, trace
@@ -47,13 +44,13 @@ _LEADING = 5
 _MARKS = {"named": "✓", "not_identifiable": "≈", "unexplained": "?", "nothing_missing": "○"}
 
 
-def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
-    """The variables of the templates; without `figures` (no Bokeh) their sections are left out."""
+def view(data: ReportData, library: str) -> dict[str, Any]:
+    """The variables of the templates; without the `library` that draws, figures are left out."""
     shown = [b for k, b in enumerate(data.errors.balances) if k == 0 or b.extended is not None]
-    drawn = _Figures(figures)
-    residuals = [(b, _residuals(drawn, b, data)) for b in shown]
-    friction = [one for b in shown for one in _friction(drawn, b)]
-    traces = [one for b in shown for one in _traces(drawn, b)]
+    figures = Figures(data.source.axis.said)
+    residuals = [(b, _residuals(figures, b, data)) for b in shown] if library else []
+    friction = [one for b in shown for one in _friction(figures, b)] if library else []
+    traces = [one for b in shown for one in _traces(figures, b)] if library else []
     return {
         "title": f"What does the model lack? {', '.join(data.source.logs)}",
         "headline": headline(data),
@@ -75,73 +72,45 @@ def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
         "parameters": [_parameter(p) for p in data.extended.parameters],
         "effects": [(e, short_formula(e.formula), number(100.0 * e.share, 3)) for e in data.extended.effects],
         "hints": _hints(data),
-        "figures_json": _in_words_of(data.source.axis, drawn.json()),
-        "bokeh": figures.library() if figures else "",
+        "figures_json": figures.json(),
+        "bokeh": library,
     }
 
 
-def _in_words_of(axis: AxisKind, document: str) -> str:
-    """The document of the figures with its own texts in the words of the axis; its labels are already."""
-    for text in (*MODELS.values(), "sgn ω"):
-        old, new = (json.dumps(x)[1:-1] for x in (text, axis.said(text)))
-        document = document.replace(old, new)
-    return document
+def _figure(ids: list[str], caption: tuple[str, str]) -> dict[str, Any]:
+    """The template's view of a figure, with one plot or several that belong together."""
+    return {"ids": ids, "caption": caption[0], "alternative": caption[1]}
 
 
-class _Figures:
-    """Collects the plots; each figure receives the id of its element in the page."""
-
-    def __init__(self, module: ModuleType | None) -> None:
-        self.module = module
-        self.roots: list[tuple[str, Any]] = []
-
-    def add(self, caption: tuple[str, str], make: Callable[[ModuleType], list[Any]]) -> dict[str, Any]:
-        """The template's view of a figure, with one plot or several that belong together."""
-        made = make(self.module) if self.module else []
-        ids = [f"plot-{len(self.roots) + k + 1}" for k in range(len(made))]
-        self.roots += zip(ids, made, strict=True)
-        return {"ids": ids, "caption": caption[0], "alternative": caption[1]}
-
-    def json(self) -> str:
-        """The document of all figures; "" without any."""
-        return self.module.document_json(self.roots) if self.module and self.roots else ""
-
-
-def _residuals(drawn: _Figures, balance: BalanceResiduals, data: ReportData) -> list[dict[str, Any]]:
+def _residuals(figures: Figures, balance: BalanceResiduals, data: ReportData) -> list[dict[str, Any]]:
     """One figure per channel; those that the residual depends on come first."""
     order = {key: k for k, key in enumerate(data.conclusion.depends_on)}
     found = []
     for channel in sorted(balance.rows.channels, key=lambda c: order.get(c.key, len(order))):
         panel = residual_panel(balance, channel)
         if panel is not None:
-            words = figure_words(panel, balance.unit)
-            found.append(
-                drawn.add(words, lambda m, p=panel: [m.panel_figure(p, "residual", balance.unit)])
-                | {"depends": channel.key in order, "label": channel.label}
-            )
+            ids = figures.panel(panel, "residual", balance.unit)
+            found.append(_figure(ids, figure_words(panel, balance.unit)) | {"depends": channel.key in order})
     return found
 
 
-def _friction(drawn: _Figures, balance: BalanceResiduals) -> list[dict[str, Any]]:
+def _friction(figures: Figures, balance: BalanceResiduals) -> list[dict[str, Any]]:
     found = []
     for key in ("velocity", "link_angle"):
         channel = balance.rows.channel(key)
         panel = channel and friction_panel(balance, channel)
         if panel:
-            words = figure_words(panel, balance.unit)
-            found.append(
-                drawn.add(words, lambda m, p=panel: [m.panel_figure(p, balance.quantity, balance.unit)])
-            )
+            ids = figures.panel(panel, balance.quantity, balance.unit)
+            found.append(_figure(ids, figure_words(panel, balance.unit)))
     return found
 
 
-def _traces(drawn: _Figures, balance: BalanceResiduals) -> list[dict[str, Any]]:
+def _traces(figures: Figures, balance: BalanceResiduals) -> list[dict[str, Any]]:
     found = trace(balance)
     if found is None:
         return []
-    names = balance.rows.run_names
-    words = trace_words(found, balance)
-    return [drawn.add(words, lambda m: m.trace_figures(found, names, balance.quantity, balance.unit))]
+    ids = figures.trace(found, balance.rows.run_names, balance.quantity, balance.unit)
+    return [_figure(ids, trace_words(found, balance))]
 
 
 def _key_figures(data: ReportData) -> list[tuple[str, str]]:

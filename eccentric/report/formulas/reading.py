@@ -12,8 +12,6 @@ from eccentric.model import vocabulary as v
 
 __all__ = ["factors", "grouped", "plain"]
 
-_X = sp.Wild("x")
-_TANH = 2 / (1 + sp.exp(-2 * _X)) - 1
 _EVERYWHERE = {q.symbol for q in (v.mu, v.omega_m, v.dt)}
 """Factors of this many terms stay inside: extracting them would hide what belongs together."""
 
@@ -26,7 +24,7 @@ def plain(expression: sp.Expr) -> sp.Expr:
     half = v.mu.symbol * v.theta_m.symbol / 2
     if expression.has(sp.sin(half), sp.cos(half)):
         expression = sp.trigsimp(expression)
-    expression = expression.replace(_TANH, sp.tanh(_X))
+    expression = expression.replace(lambda e: isinstance(e, sp.Add), _tanh)
     expression = expression.subs(v.mu.symbol * v.theta_m.symbol, v.theta_l.symbol)
     return expression.xreplace({x: sp.Float(x, 4) for x in expression.atoms(sp.Rational) if _long(x)})
 
@@ -34,6 +32,16 @@ def plain(expression: sp.Expr) -> sp.Expr:
 def _long(x: sp.Rational) -> bool:
     """Whether a number is a fitted one rather than a fraction or a power of ten."""
     return x.q > 1000 and not (abs(x.p) == 1 and str(x.q).rstrip("0") == "1")
+
+
+def _tanh(total: sp.Add) -> sp.Expr:
+    """The plain form of 2/(1 + exp(-2x)) - 1, any other sum as it is; matching with a wildcard is slow."""
+    before, fraction = total.as_coeff_Add()
+    above, inverse = fraction.as_coeff_Mul()
+    below, power = inverse.as_base_exp()
+    one, e = below.as_coeff_Add()
+    stable = (before, above, power, one) == (-1, 2, -1, 1) and isinstance(e, sp.exp)
+    return sp.tanh(-e.args[0] / 2) if stable else total
 
 
 def _pair(expression: sp.Basic) -> bool:
