@@ -9,16 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 import sympy as sp
-from sympy.printing.numpy import NumPyPrinter
 
 from eccentric.estimation import Coefficient
+from eccentric.fitting.functions import Function, function_of, printed
 from eccentric.fitting.limits import MOST_SHARED_BYTES
-from eccentric.model import Column, Model, meaning, regressor
+from eccentric.model import Column, Model, fingerprint, meaning, regressor
 from eccentric.model import vocabulary as v
 
 __all__ = [
@@ -33,7 +32,6 @@ __all__ = [
 ]
 
 Array = np.ndarray
-_part_symbols: dict[sp.Basic, sp.Symbol] = {}
 
 
 @dataclass(frozen=True)
@@ -84,7 +82,7 @@ class Signals:
         given = {**self.known, **self.by_row, **self.values}
         others = {*given, "dt"}
         for definition in () if self.base is None else self.base.definitions:
-            function, arguments = _function_of(meaning(definition.value))
+            function, arguments = function_of(meaning(definition.value))
             if definition.quantity.name not in others and given.keys() >= set(arguments):
                 with np.errstate(all="ignore"):
                     values = np.asarray(function(*(given[a] for a in arguments)), float)
@@ -93,7 +91,7 @@ class Signals:
         return found
 
     @cached_property
-    def _kept(self) -> dict[sp.Basic, Array]:
+    def _kept(self) -> dict[str, Array]:
         return {}
 
     @cached_property
@@ -117,28 +115,30 @@ class Signals:
         """Everything that an expression may use, by name."""
         return {**self._own, **series, **shape}
 
-    def shared_parts(self, expression: sp.Expr, names: Collection[str]) -> set[sp.Basic]:
-        """The largest functions in an expression, such as a cosine, that need neither shapes nor states."""
-        fixed = self._own.keys() - names
-        found: set[sp.Basic] = set()
-        left: list[sp.Basic] = [expression]
-        while left:
-            part = left.pop()
-            if isinstance(part, sp.Function) and fixed >= {s.name for s in part.free_symbols}:
-                found.add(part)
-            else:
-                left += part.args
-        return found
+    @cached_property
+    def fixed(self) -> frozenset[str]:
+        """Names of all that has one value on the log, before shapes and states."""
+        return frozenset(self._own)
 
-    def values_of(self, part: sp.Basic) -> Array:
+    @cached_property
+    def varying(self) -> frozenset[str]:
+        """Those of them that change along the log."""
+        return frozenset(name for name, x in self._own.items() if np.ndim(x))
+
+    @cached_property
+    def key(self) -> str:
+        """The digest of what decides how an expression is printed: names, and formulas of what is defined."""
+        formulas = {symbol: formula for symbol, (formula, _) in self.defined.items()}
+        return fingerprint((self.fixed, self.varying, formulas))
+
+    def values_of(self, part: Function) -> Array:
         """A part that several expressions share (samples,), computed once as long as memory is small."""
-        if part not in self._kept:
-            function, arguments = _function_of(part)
-            values = np.asarray(function(*(self._own[a] for a in arguments)), float)
+        if part.key not in self._kept:
+            values = np.asarray(part.call(*(self._own[a] for a in part.arguments)), float)
             if len(self._kept) * values.nbytes > MOST_SHARED_BYTES:
                 return values
-            self._kept[part] = values
-        return self._kept[part]
+            self._kept[part.key] = values
+        return self._kept[part.key]
 
     def expanded(self, model: Model, expression: sp.Expr, names: Collection[str]) -> sp.Expr:
         """The expression in signals, states and shapes of these names, with plain formulas for steps."""
@@ -177,26 +177,36 @@ def compiled(
     model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...] = ()
 ) -> Callable[[Mapping[str, float], Mapping[str, Array]], Array]:
     """An expression as a function of shape values and state series, over all samples."""
-    plain = signals.expanded(model, expression, names)
-    shared = {part: _part_symbol(part) for part in signals.shared_parts(plain, names)}
-    function, arguments = _function_of(plain.xreplace(shared))
-    waves = {symbol.name: part for part, symbol in shared.items()}
+    evaluated_at = lambdified(model, expression, signals, names)
     parts = {q.name: signals.part(q.part_of) for q in model.parameters if q.name in names and signals.by_row}
 
     def evaluate(shape: Mapping[str, float], series: Mapping[str, Array]) -> Array:
         given = signals.given({name: x * parts.get(name, 1.0) for name, x in shape.items()}, series)
         with np.errstate(all="ignore"):
-            values = (signals.values_of(waves[a]) if a in waves else given[a] for a in arguments)
-            return np.broadcast_to(np.asarray(function(*values), float), (signals.size,))
+            return np.broadcast_to(np.asarray(evaluated_at(given), float), (signals.size,))
 
     return evaluate
 
 
 def lambdified(
     model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...]
-) -> tuple[Callable[..., Any], tuple[str, ...]]:
-    """An expression as a NumPy function, and the names of its arguments; `names` are those of shapes."""
-    return _function_of(signals.expanded(model, expression, names))
+) -> Callable[[Mapping[str, Any]], Any]:
+    """An expression as a function of what `Signals.given` gives; `names` are those of shapes."""
+    definitions = [(definition.symbol, definition.value) for definition in model.definitions]
+    key = fingerprint((expression, definitions, sorted(names)))
+    function = printed(
+        f"expression {key} {signals.key}",
+        lambda: signals.expanded(model, expression, names),
+        signals.fixed.difference(names),
+        signals.varying,
+    )
+
+    def evaluate(given: Mapping[str, Any]) -> Any:
+        parts = function.parts
+        values = (signals.values_of(parts[a]) if a in parts else given[a] for a in function.arguments)
+        return function.call(*values)
+
+    return evaluate
 
 
 def evaluated(expression: sp.Expr, given: Mapping[str, Any]) -> Any:
@@ -204,7 +214,7 @@ def evaluated(expression: sp.Expr, given: Mapping[str, Any]) -> Any:
 
     Raises KeyError if one is missing.
     """
-    function, arguments = _function_of(meaning(expression))
+    function, arguments = function_of(meaning(expression))
     return function(*(given[name] for name in arguments))
 
 
@@ -227,7 +237,7 @@ def alike(columns: Sequence[Column]) -> list[tuple[int, ...]]:
     return [tuple(group) for group in groups.values()]
 
 
-# Both caches hold as many as all effects of the library have on a few models.
+# As many as all effects of the library have on a few models.
 @lru_cache(maxsize=2000)
 def _in_full(expression: sp.Expr, definitions: tuple[tuple[sp.Symbol, sp.Expr], ...]) -> sp.Expr:
     """An expression with these definitions put in, each in those after it, and plain formulas for steps."""
@@ -241,57 +251,3 @@ def _in_full(expression: sp.Expr, definitions: tuple[tuple[sp.Symbol, sp.Expr], 
         if symbol in needed:
             put_in[symbol] = value.xreplace(put_in)
     return meaning(expression.xreplace(put_in))
-
-
-@lru_cache(maxsize=2000)
-def _function_of(expression: sp.Expr) -> tuple[Callable[..., Any], tuple[str, ...]]:
-    """An expression as a function of its symbols, and their names; compiled once per process."""
-    names = tuple(sorted(s.name for s in expression.free_symbols))
-    printer = _SharedPartsPrinter(expression)
-    source = printer.function("evaluate", names)
-    namespace: dict[str, Any] = {module: import_module(module) for module in printer.module_imports}
-    exec(source, namespace)  # noqa: S102
-    return namespace["evaluate"], names
-
-
-def _part_symbol(part: sp.Basic) -> sp.Symbol:
-    """The symbol that stands for a shared part; the same for the same part, so that code is compiled once."""
-    return _part_symbols.setdefault(part, sp.Symbol(f"part_{len(_part_symbols)}"))
-
-
-class _SharedPartsPrinter(NumPyPrinter):
-    """Prints an expression as NumPy code that evaluates what occurs more than once only once.
-
-    `sp.lambdify` does the same, and spends most of its time on documentation and on sums that share a part.
-    """
-
-    def __init__(self, expression: sp.Expr) -> None:
-        super().__init__({"inline": True, "allow_unknown_functions": True})
-        self._expression = expression
-        self._repeated: set[sp.Basic] = set()
-        self._variables: dict[sp.Basic, str] = {}
-        self._lines: list[str] = []
-        seen: set[sp.Basic] = set()
-        left: list[sp.Basic] = [expression]
-        while left:
-            part = left.pop()
-            if part in seen:
-                self._repeated.add(part)
-            elif part.args:
-                seen.add(part)
-                left += part.args
-
-    def function(self, name: str, arguments: Sequence[str]) -> str:
-        """The text of a function of these arguments."""
-        result = self.doprint(self._expression)
-        body = "".join(f"    {line}\n" for line in [*self._lines, f"return {result}"])
-        return f"def {name}({', '.join(arguments)}):\n{body}"
-
-    def _print(self, expr: Any, **kwargs: Any) -> str:
-        if expr not in self._repeated:
-            return super()._print(expr, **kwargs)
-        if expr not in self._variables:
-            text = super()._print(expr, **kwargs)
-            self._variables[expr] = f"_{len(self._variables)}"
-            self._lines.append(f"{self._variables[expr]} = {text}")
-        return self._variables[expr]

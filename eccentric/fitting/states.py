@@ -61,8 +61,7 @@ class States:
             given = self._signals.given(shape, series)
             n = self._signals.size
             parts = [
-                np.array(np.broadcast_to(np.asarray(f(*(given[a] for a in names)), float), (n,)))
-                for f, names in functions
+                np.array(np.broadcast_to(np.asarray(function(given), float), (n,))) for function in functions
             ]
             initial = float(state.initial)
             found = self._affine(initial, *parts) if step is None else self._loop(initial, step, parts)

@@ -18,6 +18,10 @@ from sympy.core.function import AppliedUndef
 
 __all__ = ["fingerprint", "from_bytes", "to_bytes"]
 
+_MOST_KNOWN = 50_000
+_known: dict[sp.Basic, bytes] = {}
+"""Digests of expressions: those of effects consist of the same few thousand parts."""
+
 
 def to_bytes(value: Any) -> bytes:
     """A model, an expression or a record of them as bytes.
@@ -58,7 +62,9 @@ def _record(kind: type, values: dict[str, Any]) -> Any:
 
 def fingerprint(value: Any) -> str:
     """The digest of a record of expressions, the same in every process; TypeError for one with a function."""
-    return _print_of(value, {}).hex()
+    if len(_known) > _MOST_KNOWN:
+        _known.clear()
+    return _print_of(value, _known).hex()
 
 
 def _print_of(value: Any, known: dict[sp.Basic, bytes]) -> bytes:

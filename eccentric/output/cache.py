@@ -142,7 +142,7 @@ class Derived:
 
     def _read(self) -> dict[str, bytes]:
         content = read_cached(self._file)
-        return {} if content is None else marshal.loads(content)  # noqa: S302 - the user's own
+        return {} if content is None else marshal.loads(content)  # noqa: S302 - ours
 
     def _write(self) -> None:
         """Add the new results to what other processes have stored meanwhile."""
@@ -163,7 +163,7 @@ derived = Derived()
 
 
 def _file_of_sources() -> tuple[str, bool]:
-    """The file of results for the sources, Python and libraries in use; whether no source is newer than us."""
+    """The file of results for these sources, Python and libraries; whether no source is newer than us."""
     found = [(str(path), path.stat()) for path in _sources()]
     libraries = (spec.origin for spec in map(find_spec, _LIBRARIES) if spec and spec.origin)
     found += [(path, Path(path).stat()) for path in libraries]

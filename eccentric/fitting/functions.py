@@ -1,0 +1,174 @@
+"""Expressions as NumPy functions: printed once, and kept in the user's cache until a source changes.
+
+A search evaluates the columns of 150 effects at 800 values of their shapes. So what needs neither shapes nor
+states is a function of its own, whose values are computed once on a log: the parts of an expression.
+"""
+
+from __future__ import annotations
+
+import marshal
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from types import CodeType
+from typing import Any
+
+import sympy as sp
+from sympy.printing.numpy import NumPyPrinter
+
+from eccentric.model import fingerprint
+from eccentric.output import derived
+
+__all__ = ["Function", "function_of", "printed"]
+
+
+@dataclass(frozen=True)
+class Function:
+    """An expression as code.
+
+    Attributes:
+        key: the digest of the expression.
+        call: the function, of the values of its arguments.
+        arguments: names of signals, parameters, shapes, states and parts.
+        parts: those of the arguments that are functions of signals and parameters.
+    """
+
+    key: str
+    call: Callable[..., Any]
+    arguments: tuple[str, ...]
+    parts: Mapping[str, Function]
+
+
+_MOST = 2000
+"""Functions kept in a process: as many as all effects of the library have on a few models."""
+_functions: dict[str, Function] = {}
+
+
+@lru_cache(maxsize=_MOST)
+def function_of(expression: sp.Expr) -> tuple[Callable[..., Any], tuple[str, ...]]:
+    """An expression as a function of its symbols, and their names; compiled once per process."""
+    code, names = _code(expression)
+    return _executed(code), names
+
+
+def printed(
+    key: str, expression: Callable[[], sp.Expr], fixed: Collection[str], signals: Collection[str]
+) -> Function:
+    """An expression with its parts as functions.
+
+    Args:
+        key: of the result: it determines all other arguments.
+        expression: makes the expression, if it is not in the cache.
+        fixed: names that have one value on a log, whatever the shapes and states.
+        signals: those of them that change along the log.
+    """
+    if key in _functions:
+        return _functions[key]
+    kept = derived.get(key)
+    if kept is None:
+        whole, parts = _split(expression(), set(fixed), set(signals))
+        record = (*_code(whole), {name: (fingerprint(part), *_code(part)) for name, part in parts.items()})
+        derived.put(key, marshal.dumps(record))
+    else:
+        record = marshal.loads(kept)  # noqa: S302 - the user's own
+    if len(_functions) >= _MOST:
+        del _functions[next(iter(_functions))]
+    _functions[key] = _function(key, *record)
+    return _functions[key]
+
+
+def _function(
+    key: str,
+    code: CodeType,
+    arguments: tuple[str, ...],
+    parts: Mapping[str, tuple[str, CodeType, tuple[str, ...]]],
+) -> Function:
+    own = {name: Function(part, _executed(of), of_names, {}) for name, (part, of, of_names) in parts.items()}
+    return Function(key, _executed(code), arguments, own)
+
+
+def _split(expression: sp.Expr, fixed: set[str], signals: set[str]) -> tuple[sp.Expr, dict[str, sp.Expr]]:
+    """An expression with symbols for its largest parts without shapes and states, and those parts by name.
+
+    In one that has neither shapes nor states they are the functions, such as cosines, which others share.
+    """
+    parts: dict[sp.Expr, sp.Symbol] = {}
+    names = {s.name for s in expression.free_symbols}
+    every = names <= fixed
+
+    def part(e: sp.Expr) -> sp.Expr:
+        return parts.setdefault(e, sp.Symbol(f"part_{len(parts)}"))
+
+    def is_part(e: sp.Basic) -> bool:
+        inside = {s.name for s in e.free_symbols}
+        return bool(e.args) and inside <= fixed and not inside.isdisjoint(signals)
+
+    def walk(e: sp.Basic) -> sp.Basic:
+        if isinstance(e, sp.Function) and is_part(e):
+            return part(e)
+        if isinstance(e, sp.Piecewise) or not e.args:
+            return e
+        if every:
+            return e.func(*map(walk, e.args))
+        if is_part(e):
+            return part(e)
+        if isinstance(e, sp.Add | sp.Mul):
+            own = [arg for arg in e.args if {s.name for s in arg.free_symbols} <= fixed]
+            if len(own) > 1 and is_part(together := e.func(*own)):
+                rest = [arg for arg in e.args if arg not in own]
+                return e.func(part(together), *map(walk, rest))
+        return e.func(*map(walk, e.args))
+
+    whole = walk(expression)
+    return whole, {symbol.name: e for e, symbol in parts.items()}
+
+
+def _code(expression: sp.Expr) -> tuple[CodeType, tuple[str, ...]]:
+    names = tuple(sorted(s.name for s in expression.free_symbols))
+    return compile(_SharedPartsPrinter(expression).function("evaluate", names), "<expression>", "exec"), names
+
+
+def _executed(code: CodeType) -> Callable[..., Any]:
+    namespace: dict[str, Any] = {}
+    exec(code, namespace)  # noqa: S102
+    return namespace["evaluate"]
+
+
+class _SharedPartsPrinter(NumPyPrinter):
+    """Prints an expression as NumPy code that evaluates what occurs more than once only once.
+
+    `sp.lambdify` does the same, and spends most of its time on documentation and on sums that share a part.
+    """
+
+    def __init__(self, expression: sp.Expr) -> None:
+        super().__init__({"inline": True, "allow_unknown_functions": True})
+        self._expression = expression
+        self._repeated: set[sp.Basic] = set()
+        self._variables: dict[sp.Basic, str] = {}
+        self._lines: list[str] = []
+        seen: set[sp.Basic] = set()
+        left: list[sp.Basic] = [expression]
+        while left:
+            part = left.pop()
+            if part in seen:
+                self._repeated.add(part)
+            elif part.args:
+                seen.add(part)
+                left += part.args
+
+    def function(self, name: str, arguments: Sequence[str]) -> str:
+        """The text of a module with a function of these arguments."""
+        result = self.doprint(self._expression)
+        lines = [*self._lines, f"return {result}"]
+        body = "".join(f"    {line}\n" for line in lines)
+        imports = "".join(f"import {module}\n" for module in self.module_imports)
+        return f"{imports}def {name}({', '.join(arguments)}):\n{body}"
+
+    def _print(self, expr: Any, **kwargs: Any) -> str:
+        if expr not in self._repeated:
+            return super()._print(expr, **kwargs)
+        if expr not in self._variables:
+            text = super()._print(expr, **kwargs)
+            self._variables[expr] = f"_{len(self._variables)}"
+            self._lines.append(f"{self._variables[expr]} = {text}")
+        return self._variables[expr]
