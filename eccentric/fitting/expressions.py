@@ -15,9 +15,16 @@ import numpy as np
 import sympy as sp
 
 from eccentric.estimation import Coefficient
-from eccentric.fitting.functions import Function, function_of, printed
-from eccentric.fitting.limits import MOST_SHARED_BYTES
-from eccentric.model import Column, Model, fingerprint, meaning, regressor
+from eccentric.model import (
+    Column,
+    Model,
+    PartValues,
+    fingerprint,
+    function_of,
+    meaning,
+    printed,
+    regressor,
+)
 from eccentric.model import vocabulary as v
 
 __all__ = [
@@ -91,8 +98,9 @@ class Signals:
         return found
 
     @cached_property
-    def _kept(self) -> dict[str, Array]:
-        return {}
+    def parts(self) -> PartValues:
+        """The values of parts that several expressions share."""
+        return PartValues(self._own)
 
     @cached_property
     def _own(self) -> dict[str, Any]:
@@ -130,15 +138,6 @@ class Signals:
         """The digest of what decides how an expression is printed: names, and formulas of what is defined."""
         formulas = {symbol: formula for symbol, (formula, _) in self.defined.items()}
         return fingerprint((self.fixed, self.varying, formulas))
-
-    def values_of(self, part: Function) -> Array:
-        """A part that several expressions share (samples,), computed once as long as memory is small."""
-        if part.key not in self._kept:
-            values = np.asarray(part.call(*(self._own[a] for a in part.arguments)), float)
-            if len(self._kept) * values.nbytes > MOST_SHARED_BYTES:
-                return values
-            self._kept[part.key] = values
-        return self._kept[part.key]
 
     def expanded(self, model: Model, expression: sp.Expr, names: Collection[str]) -> sp.Expr:
         """The expression in signals, states and shapes of these names, with plain formulas for steps."""
@@ -203,7 +202,7 @@ def lambdified(
 
     def evaluate(given: Mapping[str, Any]) -> Any:
         parts = function.parts
-        values = (signals.values_of(parts[a]) if a in parts else given[a] for a in function.arguments)
+        values = (signals.parts[parts[a]] if a in parts else given[a] for a in function.arguments)
         return function.call(*values)
 
     return evaluate

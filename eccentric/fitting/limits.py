@@ -46,5 +46,3 @@ USABLE_PART = 0.5
 """Least fraction of usable samples in a row for effects of the armature to be fitted on it."""
 MOST_STEPS, LAST_STEP = 8, 1e-9
 """Steps of the refit at most, and the relative change that ends it earlier: far below the digits shown."""
-MOST_SHARED_BYTES = 64 * 2**20
-"""Memory for parts that expressions share, such as cosines of the angle: enough for all but long logs."""

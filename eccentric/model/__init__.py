@@ -34,6 +34,7 @@ from eccentric.model.definition import Definition, State
 from eccentric.model.equation import Equation, Identity
 from eccentric.model.exact import fingerprint
 from eccentric.model.extension import extended
+from eccentric.model.functions import NumericFunction, PartValues, function_of, printed
 from eccentric.model.load import load_model, model_names
 from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity, quantity, symbols
@@ -97,7 +98,9 @@ __all__ = [
     "Magnitude",
     "Model",
     "Moments",
+    "NumericFunction",
     "OpaqueStep",
+    "PartValues",
     "Placement",
     "Quantity",
     "Recursion",
@@ -112,12 +115,14 @@ __all__ = [
     "extended",
     "fingerprint",
     "friction_units",
+    "function_of",
     "identity_of",
     "in_general_letters",
     "letters_of",
     "load_model",
     "meaning",
     "model_names",
+    "printed",
     "quantity",
     "recursion",
     "regressor",

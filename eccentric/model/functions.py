@@ -13,17 +13,18 @@ from functools import lru_cache
 from types import CodeType
 from typing import Any
 
+import numpy as np
 import sympy as sp
 from sympy.printing.numpy import NumPyPrinter
 
-from eccentric.model import fingerprint
+from eccentric.model.exact import fingerprint
 from eccentric.output import derived
 
-__all__ = ["Function", "function_of", "printed"]
+__all__ = ["NumericFunction", "PartValues", "function_of", "printed"]
 
 
 @dataclass(frozen=True)
-class Function:
+class NumericFunction:
     """An expression as code.
 
     Attributes:
@@ -36,12 +37,34 @@ class Function:
     key: str
     call: Callable[..., Any]
     arguments: tuple[str, ...]
-    parts: Mapping[str, Function]
+    parts: Mapping[str, NumericFunction]
 
 
+_MOST_BYTES = 64 * 2**20
+"""Memory for the values of parts on one log: enough for all of them but on long logs."""
 _MOST = 2000
 """Functions kept in a process: as many as all effects of the library have on a few models."""
-_functions: dict[str, Function] = {}
+_functions: dict[str, NumericFunction] = {}
+
+
+class PartValues:
+    """The values of parts on one log, each computed once as long as memory is small.
+
+    given: signals (samples,) and parameters, by name.
+    """
+
+    def __init__(self, given: Mapping[str, Any]) -> None:
+        self._given = given
+        self._kept: dict[str, np.ndarray] = {}
+
+    def __getitem__(self, part: NumericFunction) -> np.ndarray:
+        """The values of a part (samples,)."""
+        if part.key not in self._kept:
+            values = np.asarray(part.call(*(self._given[name] for name in part.arguments)), float)
+            if len(self._kept) * values.nbytes > _MOST_BYTES:
+                return values
+            self._kept[part.key] = values
+        return self._kept[part.key]
 
 
 @lru_cache(maxsize=_MOST)
@@ -53,7 +76,7 @@ def function_of(expression: sp.Expr) -> tuple[Callable[..., Any], tuple[str, ...
 
 def printed(
     key: str, expression: Callable[[], sp.Expr], fixed: Collection[str], signals: Collection[str]
-) -> Function:
+) -> NumericFunction:
     """An expression with its parts as functions.
 
     Args:
@@ -82,9 +105,12 @@ def _function(
     code: CodeType,
     arguments: tuple[str, ...],
     parts: Mapping[str, tuple[str, CodeType, tuple[str, ...]]],
-) -> Function:
-    own = {name: Function(part, _executed(of), of_names, {}) for name, (part, of, of_names) in parts.items()}
-    return Function(key, _executed(code), arguments, own)
+) -> NumericFunction:
+    own = {
+        name: NumericFunction(part, _executed(of), of_names, {})
+        for name, (part, of, of_names) in parts.items()
+    }
+    return NumericFunction(key, _executed(code), arguments, own)
 
 
 def _split(expression: sp.Expr, fixed: set[str], signals: set[str]) -> tuple[sp.Expr, dict[str, sp.Expr]]:
