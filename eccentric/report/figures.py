@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.report.panels import Curve, Panel, Trace
+from eccentric.report.bins import Curve
+from eccentric.report.panels import Panel, Trace
 from eccentric.report.text import curve_name
 
 __all__ = ["Figures", "library"]
