@@ -23,6 +23,25 @@ def test_every_moving_row_is_in_a_bin_or_counted(n: int, key: str) -> None:
     assert n == panel.rows.sum() + panel.left_out
 
 
+def test_bars_are_quantiles_of_the_rows_of_their_bin() -> None:
+    """By `numpy.quantile`, for an angle in sixty bins of a turn; the mean is NumPy's too."""
+    balance = balance_of(rows_of(5000))
+    channel = balance.rows.channel("link_angle")
+    velocity = balance.rows.channel("velocity")
+    assert channel is not None
+    assert velocity is not None
+    panel = residual_panel(balance, channel)
+    place = np.floor(np.mod(channel.values, 2 * np.pi) / (2 * np.pi) * 60).astype(int)
+
+    assert panel is not None
+    assert 60 == len(panel.at)
+    facing = balance.paper * np.sign(velocity.values)
+    for k in range(60):
+        own, drawn = facing[place == k], panel.curves["before"]
+        expected = (np.quantile(own, 0.1), np.mean(own), np.quantile(own, 0.9))
+        assert np.allclose(expected, (drawn.low[k], drawn.middle[k], drawn.high[k]), rtol=1e-12)
+
+
 def test_before_is_after_plus_effect_in_every_bin() -> None:
     """The fitted effect that is drawn is what lies between the two residuals."""
     balance = balance_of(rows_of(5000))

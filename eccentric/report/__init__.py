@@ -1,7 +1,8 @@
 """`report.html`: the diagnosis for a person, one file that opens offline.
 
     gather    Diagnosis -> ReportData: plain numbers, arrays and strings, the interface   (`report_data`)
-    panels    rows -> means over a channel and time traces, few enough points to draw
+    bins      rows -> means and quantiles over a channel
+    panels    -> the curves of each figure, and time traces, few enough points to draw
     figures   -> their data as JSON, which BokehJS draws in the page; without Bokeh there are text and tables
     plot      -> two of them on matplotlib axes
     arm_page  the page of an arm, which leads to those of its joints

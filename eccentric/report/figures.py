@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.report.panels import Curve, Panel, Trace
+from eccentric.report.bins import Curve
+from eccentric.report.panels import Panel, Trace
 from eccentric.report.text import curve_name
 
 __all__ = ["Figures", "library"]
@@ -127,7 +128,9 @@ def _columns(curves: Mapping[str, Curve], with_bars: set[str]) -> dict[str, Any]
 
 
 def _numbers(x: np.ndarray) -> list[float | int | None]:
-    """Seven digits, more than a screen resolves."""
+    """To seven digits of the largest, more than a screen resolves."""
     if x.dtype.kind != "f":
         return x.tolist()
-    return [None if value != value else float(f"{value:.7g}") for value in x.tolist()]  # noqa: PLR0124 - NaN
+    largest = float(np.nanmax(np.abs(x), initial=0.0))
+    shown = np.round(x, 6 - int(np.floor(np.log10(largest)))) if largest > 1e-300 else x
+    return [None if value != value else value for value in shown.tolist()]  # noqa: PLR0124 - NaN

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from eccentric.report.arrays import BalanceResiduals
+from eccentric.report.bins import shown_rows
 from eccentric.report.limits import BLOCK_S, LEAST_BLOCKS, LEAST_DIFFERENCE, SIGMAS
-from eccentric.report.panels import shown_rows
 
 __all__ = ["RunErrors", "runs_apart", "runs_of"]
 

@@ -180,7 +180,7 @@ def _bars(errors: Errors, noise: float | None, top: float) -> dict[str, Any]:
 def _runs(data: ReportData) -> dict[str, Any] | None:
     """The table of runs, the first of it shown, the rest folded; None with a single run."""
     balance = data.errors.balances[0]
-    runs = runs_of(balance)
+    runs = runs_of(balance) if len(balance.rows.run_names) > 1 else []
     if len(runs) < 2:
         return None
     rows = [_run(run) for run in runs]

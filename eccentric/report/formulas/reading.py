@@ -25,7 +25,8 @@ def plain(expression: sp.Expr) -> sp.Expr:
     if expression.has(sp.sin(half), sp.cos(half)):
         expression = sp.trigsimp(expression)
     expression = expression.replace(lambda e: isinstance(e, sp.Add), _tanh)
-    expression = expression.subs(v.mu.symbol * v.theta_m.symbol, v.theta_l.symbol)
+    if expression.has(v.theta_m.symbol):
+        expression = expression.subs(v.mu.symbol * v.theta_m.symbol, v.theta_l.symbol)
     return expression.xreplace({x: sp.Float(x, 4) for x in expression.atoms(sp.Rational) if _long(x)})
 
 
