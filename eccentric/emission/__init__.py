@@ -28,7 +28,7 @@ from eccentric.emission.program import (
     build_program,
 )
 from eccentric.emission.render import render, render_arm, render_program
-from eccentric.emission.templates import template
+from eccentric.emission.templates import TemplateCache, template
 from eccentric.emission.write import complete, complete_arm, differences, write
 
 __all__ = [
@@ -41,6 +41,7 @@ __all__ = [
     "FittedValues",
     "Program",
     "Routine",
+    "TemplateCache",
     "build_arm_program",
     "build_program",
     "checked_name",

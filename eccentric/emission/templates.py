@@ -5,14 +5,30 @@ from __future__ import annotations
 from functools import cache
 
 import jinja2
+from jinja2.bccache import Bucket
 
+from eccentric.output import derived
 from eccentric.places import folder
+
+
+class TemplateCache(jinja2.BytecodeCache):
+    """Compiled templates, kept in the user's cache until one of them changes."""
+
+    def load_bytecode(self, bucket: Bucket) -> None:
+        """Take what was kept for a template."""
+        if (kept := derived.get(f"template {bucket.key}")) is not None:
+            bucket.bytecode_from_string(kept)
+
+    def dump_bytecode(self, bucket: Bucket) -> None:
+        """Keep a compiled template."""
+        derived.put(f"template {bucket.key}", bucket.bytecode_to_string())
 
 
 @cache
 def _environment() -> jinja2.Environment:
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder("templates")),
+        bytecode_cache=TemplateCache(),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

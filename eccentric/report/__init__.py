@@ -21,6 +21,7 @@ from typing import Any
 import jinja2
 
 from eccentric.diagnosis import Diagnosis
+from eccentric.emission import TemplateCache
 from eccentric.joints import ArmDiagnosis
 from eccentric.model import TURNING
 from eccentric.places import folder
@@ -76,6 +77,7 @@ def rendered(page: str, variables: Mapping[str, Any]) -> str:
 def _environment() -> jinja2.Environment:
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder("templates")),
+        bytecode_cache=TemplateCache(),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

@@ -19,6 +19,7 @@ from eccentric.search.limits import ALIASED, MOST_GROUPS
 __all__ = [
     "Gram",
     "bounded_solve",
+    "bounded_solve_each",
     "cross_validate",
     "cross_validate_each",
     "groups_of",
@@ -97,6 +98,22 @@ def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | flo
     return solution / scale
 
 
+def bounded_solve_each(matrix: Array, vector: Array, lower: Array, ridge: Array | float = 0.0) -> Array:
+    """`bounded_solve` of several normal equations (v, p, p), (v, p); bounds for all (p,) or each (v, p)."""
+    scaled, scale = _scaled(matrix, ridge)
+    bounded = np.broadcast_to(np.isfinite(lower), vector.shape)
+    try:
+        solution = np.linalg.solve(scaled, (vector / scale)[..., None])[..., 0]
+        beyond = np.any(bounded & ~(solution >= 0.0), axis=1)
+        found = solution / scale
+    except np.linalg.LinAlgError:
+        beyond, found = np.ones(len(vector), dtype=bool), np.empty(vector.shape)
+    bounds = np.broadcast_to(lower, vector.shape)
+    for k in np.flatnonzero(beyond):
+        found[k] = bounded_solve(matrix[k], vector[k], bounds[k], ridge)
+    return found
+
+
 def _scaled(matrix: Array, ridge: Array | float) -> tuple[Array, Array]:
     """Matrices (..., p, p) with ones and the ridge on the diagonal, and scales (..., p) of coefficients."""
     # A column of zeros: its entry in an inverse, 1/ALIASED of the square, has to be a number.
@@ -134,9 +151,7 @@ def cross_validate_each(gram: Gram, lower: Array, ridge: Array | float = 0.0) ->
     matrix = total_matrix[:, None] - sum_of_each(group, gram.matrix, axis=1)
     vector = total_vector[:, None] - sum_of_each(group, gram.vector, axis=1)
     bounded = np.isfinite(lower)
-    whole = np.array(
-        [bounded_solve(m, x, lower, ridge) for m, x in zip(total_matrix, total_vector, strict=True)]
-    )
+    whole = bounded_solve_each(total_matrix, total_vector, lower, ridge)
     coefficients = _free_solutions(matrix, vector, ~bounded | (whole > 0.0), ridge)
     beyond = ~np.all(np.isfinite(coefficients), axis=2) | np.any(coefficients[..., bounded] < 0.0, axis=2)
     for place in zip(*np.nonzero(beyond), strict=True):

@@ -10,7 +10,7 @@ import numpy as np
 from eccentric.model import Role
 from eccentric.search.candidate import Candidate, Variant, bounds_of, grid, instrument_of
 from eccentric.search.correlation import correlated
-from eccentric.search.crossval import Gram, bounded_solve, cross_validate
+from eccentric.search.crossval import Gram, bounded_solve, bounded_solve_each, cross_validate
 from eccentric.search.exogeneity import exogenous
 from eccentric.search.limits import (
     BELOW_NOISE,
@@ -211,20 +211,50 @@ class Screen:
         mixed, cross = design.T @ self.library, self.library.T @ target
         best: dict[str, tuple[float, int]] = {}
         slope: dict[str, float] = {}
-        for number, variant in enumerate(self.points):
-            candidate, where = variant.candidate, self.where[number]
-            if candidate.id in taken or candidate.family in closed:
-                continue
-            matrix = np.block([[inner, mixed[:, where]], [mixed[:, where].T, self.inner[number]]])
-            vector = np.r_[right, cross[where]]
-            c = bounded_solve(matrix, vector, np.r_[lower, bounds_of(candidate, len(vector) - len(right))])
-            loss = total + float(c @ matrix @ c - 2.0 * c @ vector)
+        numbers = [
+            number
+            for number, variant in enumerate(self.points)
+            if variant.candidate.id not in taken and variant.candidate.family not in closed
+        ]
+        losses = self._losses(numbers, (inner, right, total), (mixed, cross), lower)
+        for number, linear in zip(numbers, losses.tolist(), strict=True):
+            variant, loss = self.points[number], linear
+            candidate = variant.candidate
             if candidate.changes is not None:
-                slope[candidate.id] = min(loss, slope.get(candidate.id, np.inf))
+                slope[candidate.id] = min(linear, slope.get(candidate.id, np.inf))
                 loss = float(np.sum(self._left([*variants, variant]) ** 2))
             if candidate.id not in best or loss < best[candidate.id][0]:
                 best[candidate.id] = (loss, number)
         return sorted((min(loss, slope.get(name, loss)), number) for name, (loss, number) in best.items())
+
+    def _losses(
+        self,
+        numbers: Sequence[int],
+        base: tuple[Array, Array, float],
+        library: tuple[Array, Array],
+        lower: Array,
+    ) -> Array:
+        """The losses (n,) of points by number, each beside a base.
+
+        base: its products with itself (q, q) and with the target (q,), and the target's square; library:
+        products of all columns of the points with the base (q, total) and with the target (total,).
+        """
+        (inner, right, total), (mixed, cross), q = base, library, len(lower)
+        losses = np.empty(len(numbers))
+        widths = np.array([len(self.inner[number]) for number in numbers], int)
+        for width in np.unique(widths):
+            places = np.flatnonzero(widths == width)
+            own = [numbers[place] for place in places]
+            columns = np.array([np.arange(self.where[n].start, self.where[n].stop) for n in own])
+            matrix = np.empty((len(own), q + width, q + width))
+            matrix[:, :q, :q], matrix[:, q:, q:] = inner, np.array([self.inner[n] for n in own])
+            matrix[:, :q, q:] = np.moveaxis(mixed[:, columns], 0, 1)
+            matrix[:, q:, :q] = np.swapaxes(matrix[:, :q, q:], 1, 2)
+            vector = np.hstack([np.broadcast_to(right, (len(own), q)), cross[columns]])
+            bounds = np.array([np.r_[lower, bounds_of(self.points[n].candidate, width)] for n in own])
+            c = bounded_solve_each(matrix, vector, bounds)
+            losses[places] = total + np.sum(c * ((matrix @ c[..., None])[..., 0] - 2.0 * vector), axis=1)
+        return losses
 
     def rank(self, variants: Sequence[Variant], leaders: int = LEADERS) -> list[Fitted]:
         """Every candidate added to `variants`, best cross-validated score first.

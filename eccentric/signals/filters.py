@@ -44,32 +44,37 @@ def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
         return None
     if not np.size(x):  # LAPACK's wrapper writes beyond an array without columns
         return np.array(x, float)
-    rows = np.ascontiguousarray(np.reshape(x, (len(x), -1)).T, float)
+    rows = np.reshape(x, (len(x), -1)).T
+    forwards = np.empty((len(rows), len(x) + 2 * _PADDING))
+    backwards = np.empty_like(forwards)
     # Reflected about its ends, the signal goes on with its slope there.
-    begin = 2.0 * rows[:, :1] - rows[:, _PADDING:0:-1]
-    end = 2.0 * rows[:, -1:] - rows[:, -2 : -_PADDING - 2 : -1]
-    forwards = _one_way(np.hstack([begin, rows, end]), cut_hz / rate_hz)
-    both = _one_way(forwards[:, ::-1], cut_hz / rate_hz)[:, ::-1]
-    return np.ascontiguousarray(both[:, _PADDING:-_PADDING].T).reshape(np.shape(x))
+    forwards[:, _PADDING:-_PADDING] = rows
+    np.subtract(2.0 * rows[:, :1], rows[:, _PADDING:0:-1], out=forwards[:, :_PADDING])
+    np.subtract(2.0 * rows[:, -1:], rows[:, -2 : -_PADDING - 2 : -1], out=forwards[:, -_PADDING:])
+    _one_way(forwards, backwards, cut_hz / rate_hz)
+    _one_way(backwards[:, ::-1], forwards, cut_hz / rate_hz)
+    return np.ascontiguousarray(forwards[:, -_PADDING - 1 : _PADDING - 1 : -1].T).reshape(np.shape(x))
 
 
-def _one_way(rows: Array, cut: float) -> Array:
-    """Each row (k, n) after a causal Butterworth low pass; before its first sample it has been constant.
+def _one_way(rows: Array, out: Array, cut: float) -> None:
+    """Put each row (k, n) after a causal Butterworth low pass into `out`; before its start it is constant.
 
     y[n] + a_1 y[n - 1] + a_2 y[n - 2] = b (x[n] + 2 x[n - 1] + x[n - 2]): the bilinear transform of
     1/(s^2 + sqrt(2) s + 1), its frequency prewarped. `cut` is the cut-off frequency over the sampling rate.
     """
     bands, b = _recursion(rows.shape[1], cut)
-    first = rows[:, :1]
-    before = np.hstack([first, first, rows])
-    right = 2.0 * before[:, 1:-1]
-    right += before[:, 2:]
-    right += before[:, :-2]
-    right *= b
+    first = rows[:, 0]
+    np.multiply(rows[:, 1:-1], 2.0, out=out[:, 2:])
+    out[:, 2:] += rows[:, 2:]
+    out[:, 2:] += rows[:, :-2]
+    out[:, 0], out[:, 1] = 4.0 * first, rows[:, 1] + 3.0 * first
+    out *= b
     _, a_1, a_2 = bands[:, 0]
-    right[:, :1] -= (a_1 + a_2) * first
-    right[:, 1:2] -= a_2 * first
-    return dtbtrs(bands, right.T, uplo="L", diag="U", overwrite_b=True)[0].T
+    out[:, 0] -= (a_1 + a_2) * first
+    out[:, 1] -= a_2 * first
+    solved, _ = dtbtrs(bands, out.T, uplo="L", diag="U", overwrite_b=True)
+    if not np.shares_memory(solved, out):
+        out[:] = solved.T
 
 
 @functools.lru_cache(maxsize=8)
