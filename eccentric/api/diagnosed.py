@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eccentric.api.files import described
 from eccentric.api.inputs import (
     LogSources,
     ModelSource,
@@ -46,6 +45,24 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = ["DiagnosisResult", "diagnose", "result_of"]
+
+_WRITTEN = (
+    ("diagnosis.json", "the figures of this page, for programs"),
+    (
+        "model.py",
+        "the extended model as a derivation: python model.py prints it, eccentric emit model.py emits it",
+    ),
+)
+_BASE = "the base model, as it was given"
+_EMITTED = {
+    ".py": "the extended model in NumPy",
+    "eccentric_runtime.py": "the runtime of every emitted NumPy module",
+    ".h": "its C99 header",
+    ".c": "its C99 source",
+    "_selftest.c": "a self-test of the source, for your board",
+    "_vectors.h": "the reference values of the self-test",
+    "_proof.c": "a driver to prove that the source is free of undefined behaviour",
+}
 
 
 def diagnose(
@@ -250,7 +267,7 @@ class DiagnosisResult(Result):
             (folder / name).write_text(text, encoding="utf-8")
         emitted = complete(self.model, "eccentric diagnose", "model.py")
         write(emitted, folder)
-        text = page(dataclasses.replace(self.data, files=described(self.own, emitted, self.model.name)))
+        text = page(dataclasses.replace(self.data, files=_described(self.own, emitted, self.model.name)))
         (folder / "report.html").write_text(text, encoding="utf-8")
         return ["report.html", "diagnosis.json", "model.py", *self.own, *emitted]
 
@@ -265,3 +282,12 @@ class DiagnosisResult(Result):
 def _row(p: Parameter) -> tuple[Any, ...]:
     error, (low, high) = None if p.widened else p.std_error, p.interval or (None, None)
     return (p.name, p.value, error, low, high, p.unit, p.origin)
+
+
+def _described(own: Iterable[str], emitted: Iterable[str], model: str) -> tuple[tuple[str, str], ...]:
+    """(name, what it is) of the files beside a report; `own` are the scripts that the model loads."""
+    return (
+        *_WRITTEN,
+        *((name, _BASE if name == BASE else "your own script") for name in own),
+        *((name, _EMITTED[name.rpartition(model)[2]]) for name in emitted),
+    )

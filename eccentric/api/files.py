@@ -1,48 +1,29 @@
-"""Files that are written atomically: the emitted files of a model, and the report's list of files."""
+"""The emitted files of a model, written atomically."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from eccentric.diagnosis import BASE
 from eccentric.emission import (
     BACKENDS,
     DEFAULT,
     WHOLE,
-    Adaptation,
     Choice,
     complete,
     complete_arm,
-    prior_of,
-    render_adapt,
     write,
 )
 from eccentric.errors import InputError
 from eccentric.model import Model, Recursion
 from eccentric.output import whole_folder
 
-__all__ = ["described", "require_fit", "write_arm", "write_emitted"]
+if TYPE_CHECKING:
+    from eccentric.emission.adapt import Adaptation
 
-_WRITTEN = (
-    ("diagnosis.json", "the figures of this page, for programs"),
-    (
-        "model.py",
-        "the extended model as a derivation: python model.py prints it, eccentric emit model.py emits it",
-    ),
-)
-_BASE = "the base model, as it was given"
-_EMITTED = {
-    ".py": "the extended model in NumPy",
-    "eccentric_runtime.py": "the runtime of every emitted NumPy module",
-    ".h": "its C99 header",
-    ".c": "its C99 source",
-    "_selftest.c": "a self-test of the source, for your board",
-    "_vectors.h": "the reference values of the self-test",
-    "_proof.c": "a driver to prove that the source is free of undefined behaviour",
-}
+__all__ = ["require_fit", "write_arm", "write_emitted"]
 
 
 def write_emitted(
@@ -67,6 +48,8 @@ def write_emitted(
     names = _backends(backend)
     files = complete(model, "eccentric emit", origin, names, single_file=single_file, choice=choice)
     if adapt is not None:
+        from eccentric.emission.adapt import prior_of, render_adapt
+
         if missing := [name for name in DEFAULT if name not in names]:
             raise InputError(f"adapt: backend {' and '.join(missing)} is required as well")
         files |= render_adapt(model, files, prior_of(model, fit), adapt)
@@ -112,12 +95,3 @@ def require_fit(fits_the_rig: bool, source: str, accept_misfit: bool) -> None:
         raise InputError(
             f"accept_misfit: this is required to emit {source}, since its log does not fit the rig"
         )
-
-
-def described(own: Iterable[str], emitted: Iterable[str], model: str) -> tuple[tuple[str, str], ...]:
-    """(name, what it is) of the files beside a report; `own` are the scripts that the model loads."""
-    return (
-        *_WRITTEN,
-        *((name, _BASE if name == BASE else "your own script") for name in own),
-        *((name, _EMITTED[name.rpartition(model)[2]]) for name in emitted),
-    )

@@ -84,6 +84,7 @@ class Printed:
                 with rc_context({"svg.hashsalt": "eccentric", "font.size": 9.0}):
                     draw(figure := Figure(figsize=size, layout="constrained"))
                     figure.savefig(folder / f"{command}.png", dpi=150)
+                    figure.set_layout_engine("none")  # the layout is that of the first file
                     figure.savefig(folder / f"{command}.svg", dpi=150, metadata={"Date": None})
                 names += [f"{command}.png", f"{command}.svg"]
         return [Path(out) / name for name in names]

@@ -16,22 +16,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jinja2
 
 from eccentric.diagnosis import Diagnosis
 from eccentric.emission import TemplateCache
-from eccentric.joints import ArmDiagnosis
 from eccentric.model import TURNING
 from eccentric.places import folder
-from eccentric.report.arm_page import arm_view
 from eccentric.report.data import Parameter, ReportData
 from eccentric.report.figures import library
 from eccentric.report.gather import report_data
 from eccentric.report.plot import plot_report
 from eccentric.report.text import number
 from eccentric.report.view import view
+
+if TYPE_CHECKING:
+    from eccentric.joints import ArmDiagnosis
 
 __all__ = [
     "Parameter",
@@ -65,6 +66,8 @@ def page(data: ReportData) -> str:
 
 def arm_page(found: ArmDiagnosis) -> str:
     """The page of an arm, which leads to that of each joint, joint_NUMBER/report.html."""
+    from eccentric.report.arm_page import arm_view  # the joints of an arm take a while to import
+
     return rendered("arm", arm_view(found))
 
 
