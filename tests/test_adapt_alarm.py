@@ -111,7 +111,7 @@ def test_a_step_of_friction_is_announced(folder: Path) -> None:
 
 def test_a_rate_out_of_range_is_refused() -> None:
     """False alarms in every sample, or none ever, cannot be asked for, and forgetting has its range too."""
-    from eccentric.emission.adapt import Adaptation
+    from eccentric.emission import Adaptation
 
     refused: list[dict[str, Any]] = [
         {"false_alarms": 1.0},

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.adaptation.inputs import inputs_of
-from eccentric.emission import executed_beside, load_module, render
-from eccentric.emission.adapt import Adaptation, prior_of, render_adapt
+from eccentric.emission import Adaptation, executed_beside, load_module, prior_of, render, render_adapt
 from eccentric.model import TURNING, AxisKind, Model
 from eccentric.signals import Channels
 

@@ -28,8 +28,7 @@ from eccentric.api.inputs import (
 )
 from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable
-from eccentric.emission import document_of, read_parameters, with_fitted
-from eccentric.emission.adapt import Adaptation
+from eccentric.emission import Adaptation, document_of, read_parameters, with_fitted
 from eccentric.errors import InputError
 from eccentric.fitting import Drive, fit_document
 from eccentric.fitting import fit as fit_channels

@@ -5,23 +5,23 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from eccentric.emission import (
     BACKENDS,
     DEFAULT,
     WHOLE,
+    Adaptation,
     Choice,
     complete,
     complete_arm,
+    prior_of,
+    render_adapt,
     write,
 )
 from eccentric.errors import InputError
 from eccentric.model import Model, Recursion
 from eccentric.output import whole_folder
-
-if TYPE_CHECKING:
-    from eccentric.emission.adapt import Adaptation
 
 __all__ = ["require_fit", "write_arm", "write_emitted"]
 
@@ -48,8 +48,6 @@ def write_emitted(
     names = _backends(backend)
     files = complete(model, "eccentric emit", origin, names, single_file=single_file, choice=choice)
     if adapt is not None:
-        from eccentric.emission.adapt import prior_of, render_adapt
-
         if missing := [name for name in DEFAULT if name not in names]:
             raise InputError(f"adapt: backend {' and '.join(missing)} is required as well")
         files |= render_adapt(model, files, prior_of(model, fit), adapt)

@@ -3,13 +3,14 @@
     program    Model -> Program: routines in primitive operations, bounds of their rounding
     backends   Program -> text: a folder for each target
     check      emitted C -> a self-test and a driver for its proof
-    adapt      Model, fit -> an estimator of the friction coefficients beside the C; imported where it is used
+    adapt      Model, fit -> an estimator of the friction coefficients beside the C
     render     the emitted files of a model, name -> text; `write` writes them, `hot` loads the module
 
 In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model`, `eccentric.places` and
 `eccentric.output`; it knows no data, and its templates know no physics.
 """
 
+from eccentric.emission.adapt import Adaptation, prior_of, render_adapt
 from eccentric.emission.backends import BACKENDS, DEFAULT
 from eccentric.emission.check import render_check
 from eccentric.emission.defaults import FittedValues, document_of, read_parameters, with_fitted
@@ -34,6 +35,7 @@ __all__ = [
     "BACKENDS",
     "DEFAULT",
     "WHOLE",
+    "Adaptation",
     "Arrays",
     "Choice",
     "FittedValues",
@@ -51,8 +53,10 @@ __all__ = [
     "executed_beside",
     "load_module",
     "plain",
+    "prior_of",
     "read_parameters",
     "render",
+    "render_adapt",
     "render_arm",
     "render_check",
     "render_program",
