@@ -81,20 +81,24 @@ def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | flo
         solution = np.linalg.solve(scaled, right)
         if np.all(solution[bounded] >= 0.0):
             return solution / scale
-        factor = np.linalg.cholesky(scaled)
+        # With the free coefficients first, the rest of a Cholesky factor is that of the bounded ones alone.
+        order = np.argsort(bounded, kind="stable")
+        factor = np.linalg.cholesky(scaled[order][:, order])
     except np.linalg.LinAlgError:
         return np.zeros(len(vector))
-    free = ~bounded
-    # a free coefficient is the difference of two nonnegative ones
-    design = np.hstack([factor.T, -factor.T[:, free]])
-    target = solve_triangular(factor, right, lower=True, check_finite=False)
+    target = solve_triangular(factor, right[order], lower=True, check_finite=False)
+    free = slice(len(vector) - np.count_nonzero(bounded))
+    held = slice(free.stop, None)
     try:
-        doubled, _ = nnls(design, target)
+        found, _ = nnls(factor[held, held].T, target[held])
     except RuntimeError:
         # Columns that are nearly dependent make it go in circles; this one is slower and does not.
-        doubled = lsq_linear(design, target, (0.0, np.inf), method="bvls").x
-    solution = doubled[: len(vector)].copy()
-    solution[free] -= doubled[len(vector) :]
+        found = lsq_linear(factor[held, held].T, target[held], (0.0, np.inf), method="bvls").x
+    solution[order[held]] = found
+    rest = target[free] - factor[held, free].T @ found
+    solution[order[free]] = solve_triangular(
+        factor[free, free], rest, trans=1, lower=True, check_finite=False
+    )
     return solution / scale
 
 
