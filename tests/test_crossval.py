@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from eccentric.search.crossval import Gram, cross_validate
+from eccentric.search.crossval import (
+    Gram,
+    bounded_solve,
+    bounded_solve_each,
+    cross_validate,
+    cross_validate_each,
+)
 
 BLOCK = np.repeat(np.arange(12), 7)
 
@@ -90,3 +96,38 @@ def test_neighbours_of_a_long_log_are_left_out_together() -> None:
         fitted = np.linalg.lstsq(columns[outside], target[outside], rcond=None)[0]
         rest = target[block == number] - columns[block == number] @ fitted
         assert found[number] == pytest.approx(rest @ rest, rel=1e-7)
+
+
+@pytest.mark.parametrize("singular", [False, True])
+def test_several_logs_at_once_are_each_as_alone(singular: bool) -> None:
+    """With a coefficient that is free in one log, at its bound in another; and beside a log of zeros."""
+    lower = np.array([-np.inf, -np.inf, 0.0])
+    grams = [
+        Gram.of(columns, target, BLOCK)
+        for columns, target in (rows([1.0, -0.5, last]) for last in (2.0, -0.8, 0.02))
+    ]
+    if singular:
+        grams.append(Gram.of(np.zeros((84, 3)), np.ones(84), BLOCK))
+    together = Gram(*(np.stack([getattr(g, name) for g in grams]) for name in ("matrix", "vector", "square")))
+    losses, whole = cross_validate_each(together, lower)
+
+    for gram, loss, coefficients in zip(grams, losses, whole, strict=True):
+        alone = bounded_solve(gram.matrix.sum(axis=0), gram.vector.sum(axis=0), lower)
+        assert loss == pytest.approx(cross_validate(gram, lower), rel=1e-10)
+        assert coefficients == pytest.approx(alone, rel=1e-10, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_bounded_least_squares_from_normal_equations_are_scipys(seed: int) -> None:
+    """Any number of free and bounded columns, in any order, several of them at their bound."""
+    rng = np.random.default_rng(seed)
+    count = 2 + seed
+    columns, lower = rng.normal(size=(60, count)), np.where(rng.random(count) < 0.6, 0.0, -np.inf)
+    target = columns @ rng.normal(size=count) + rng.normal(size=60)
+    matrix, vector = columns.T @ columns, columns.T @ target
+
+    expected = lsq_linear(columns, target, (lower, np.inf), method="bvls", tol=1e-14).x
+    assert bounded_solve(matrix, vector, lower) == pytest.approx(expected, rel=1e-7, abs=1e-8)
+    assert bounded_solve_each(matrix[None], vector[None], lower)[0] == pytest.approx(
+        expected, rel=1e-7, abs=1e-8
+    )

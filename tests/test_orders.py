@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import find_peaks, lombscargle
 
-from eccentric.diagnosis import Diagnosis, diagnose, orders_of
+from eccentric.diagnosis import Diagnosis, diagnose, orders, orders_of
 from tests import screw
 from tests.screw import Array
 
@@ -86,3 +87,25 @@ def test_a_fraction_of_the_turn_is_found_as_such(found: Diagnosis) -> None:
     (order,) = orders_of(found.data, 0.2e-3 * np.cos(2.5 * found.channels.motion.theta_m) + noise(found, 2))
     assert order.per_turn == pytest.approx(2.5, abs=0.02)
     assert order.amplitude == pytest.approx(0.2e-3, rel=0.05)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_spectrum_over_the_angle_is_that_of_lomb_and_scargle(sign: float) -> None:
+    """SciPy's normalised periodogram, on uneven angles in either direction."""
+    rng = np.random.default_rng(1)
+    angle = sign * np.cumsum(rng.uniform(0.01, 0.1, 800))
+    y = np.cos(3.0 * angle + 1.0) + rng.normal(size=800)
+
+    np.testing.assert_allclose(
+        orders._spectrum(angle, y), lombscargle(angle, y, orders._GRID, normalize=True), atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_peaks_are_those_that_scipy_finds(seed: int) -> None:
+    """Above their height, the highest first, no two closer than the least distance."""
+    rng = np.random.default_rng(seed)
+    power, least = rng.random(400), 0.5 * rng.random(400)
+
+    expected, _ = find_peaks(power, height=least, distance=orders.ALONE)
+    assert expected.tolist() == orders._peaks(power, least)

@@ -1,0 +1,116 @@
+"""Results that are kept between processes: models and functions are those that would be made anew."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import sympy as sp
+
+from eccentric.model import fingerprint, load_model
+from eccentric.model.exact import from_bytes, to_bytes
+
+ROOT = Path(__file__).resolve().parents[1]
+MODELS = sorted(path.stem for path in (ROOT / "derivations").glob("[a-z]*.py"))
+PRINT = """
+import sympy as sp
+from eccentric.model import fingerprint, load_model
+model = load_model("c2_parallel")
+print(fingerprint(model))
+print([sp.srepr(e.right) for e in model.equations if isinstance(e.right, sp.Expr)])
+"""
+
+
+def run(cache: Path, code: str = PRINT, root: Path = ROOT, **environment: str) -> str:
+    """What a process prints that has its cache in this folder."""
+    own = os.environ | {"XDG_CACHE_HOME": str(cache)} | environment
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, check=True, capture_output=True, text=True, env=own, cwd=root)
+    assert "" == done.stderr
+    return done.stdout
+
+
+def stored(cache: Path) -> list[Path]:
+    """The files of derived results in a cache."""
+    return sorted((cache / "eccentric").glob("derived_*"))
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_a_model_comes_back_from_bytes_as_it_was_written(name: str) -> None:
+    """Also the equations that SymPy was kept from evaluating, argument by argument."""
+    model = load_model(name)
+    back = from_bytes(to_bytes(model))
+
+    assert model == back
+    assert [sp.srepr(e.right) for e in model.equations] == [sp.srepr(e.right) for e in back.equations]
+    assert model.axis is back.axis
+
+
+def test_a_root_of_a_quotient_stays_one_root() -> None:
+    """SymPy's own pickles take it apart, since evaluating sqrt(a/b) does."""
+    a, b = sp.symbols("a b", positive=True)
+    root = sp.Pow(a / b, sp.Rational(1, 2), evaluate=False)
+
+    assert (root.args, root) == (from_bytes(to_bytes(root)).args, from_bytes(to_bytes(root)))
+
+
+def test_a_fingerprint_sees_every_letter() -> None:
+    """Of a name, an assumption, an order of arguments that is kept, and a number."""
+    x, positive = sp.Symbol("x"), sp.Symbol("x", positive=True)
+    values = [x, positive, sp.Symbol("y"), x + 1, x + 2, x + 1.0, ("x",), "x", (), None, 1, 1.0, True]
+
+    assert len(values) == len({fingerprint(value) for value in values})
+
+
+def test_a_fingerprint_needs_what_has_one() -> None:
+    """A function may do anything: two that print alike need not be the same."""
+    with pytest.raises(TypeError, match="a record of expressions is required, received function"):
+        fingerprint((1, run))
+
+
+def test_the_next_process_has_the_same_model(tmp_path: Path) -> None:
+    """With another order of sets and dictionaries, from what the first has stored."""
+    first = run(tmp_path, PYTHONHASHSEED="1")
+    assert 1 == len(stored(tmp_path))
+    before = stored(tmp_path)[0].stat().st_mtime_ns
+
+    assert first == run(tmp_path, PYTHONHASHSEED="2")
+    assert before == stored(tmp_path)[0].stat().st_mtime_ns
+
+
+def test_a_damaged_file_is_made_again(tmp_path: Path) -> None:
+    """One with other content than was written: nothing of it is used."""
+    first = run(tmp_path)
+    (file,) = stored(tmp_path)
+    whole = file.read_bytes()
+    file.write_bytes(whole[:-1] + b"x")
+
+    assert first == run(tmp_path)
+    assert len(whole) == len(file.read_bytes())
+
+
+def test_without_a_cache_everything_is_derived(tmp_path: Path) -> None:
+    """A file in the place of the folder is no error, and stays."""
+    (tmp_path / "eccentric").write_text("mine", encoding="utf-8")
+
+    assert run(tmp_path / "empty") == run(tmp_path)
+    assert "mine" == (tmp_path / "eccentric").read_text(encoding="utf-8")
+
+
+def test_a_changed_source_is_derived_again(tmp_path: Path) -> None:
+    """Results of other sources have a file of their own: a letter in a derivation changes what comes out."""
+    copy = tmp_path / "clone"
+    for name in ("eccentric", "derivations", "templates"):
+        shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    (copy / "pyproject.toml").touch()
+    code = 'from eccentric.model import load_model; print(load_model("c2_parallel").title)'
+    before = run(tmp_path / "cache", code, copy)
+    with (copy / "derivations" / "c2_parallel.py").open("a", encoding="utf-8") as script:
+        script.write("\nfrom dataclasses import replace\n\nmodel = replace(model, title='changed')\n")
+
+    assert "changed" == run(tmp_path / "cache", code, copy).strip()
+    assert before == run(tmp_path / "cache", code)
