@@ -22,6 +22,7 @@ from benchmarks import (
     arms_diagnosis,
     calls,
     checks,
+    commands,
     derivation,
     diagnosis,
     drafted,
@@ -42,6 +43,7 @@ from benchmarks.record import Part, progress, table
 HERE = Path(__file__).resolve().parent
 PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "derivation": ("Derivation", derivation.measured),
+    "commands": ("Commands", commands.measured),
     "speed": ("NumPy and compiled C", speed.measured),
     "host": ("C on the host, arrays", host.measured),
     "calls": ("C on the host, single calls", calls.measured),
