@@ -63,9 +63,10 @@ class Gram:
     def loss(self, coefficients: Array) -> Array:
         """Sum of squared residuals of each block; coefficients (p,) or one set per block (..., b, p)."""
         c = np.broadcast_to(coefficients, self.vector.shape)
-        product = (self.matrix @ c[..., None])[..., 0]
-        # Coefficients that extrapolate wildly leave the rounding of huge numbers, of either sign.
-        return np.abs(self.square + np.sum(c * (product - 2.0 * self.vector), axis=-1))
+        # Coefficients that extrapolate wildly leave the rounding of huge numbers, of either sign, or no number.
+        with np.errstate(over="ignore", invalid="ignore"):
+            product = (self.matrix @ c[..., None])[..., 0]
+            return np.abs(self.square + np.sum(c * (product - 2.0 * self.vector), axis=-1))
 
 
 def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | float = 0.0) -> Array:

@@ -253,7 +253,8 @@ class Screen:
             vector = np.hstack([np.broadcast_to(right, (len(own), q)), cross[columns]])
             bounds = np.array([np.r_[lower, bounds_of(self.points[n].candidate, width)] for n in own])
             c = bounded_solve_each(matrix, vector, bounds)
-            losses[places] = total + np.sum(c * ((matrix @ c[..., None])[..., 0] - 2.0 * vector), axis=1)
+            with np.errstate(over="ignore", invalid="ignore"):
+                losses[places] = total + np.sum(c * ((matrix @ c[..., None])[..., 0] - 2.0 * vector), axis=1)
         return losses
 
     def rank(self, variants: Sequence[Variant], leaders: int = LEADERS) -> list[Fitted]:
