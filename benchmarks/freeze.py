@@ -15,6 +15,7 @@ what another one has cached.  Figures as PNG and tables as Parquet are removed; 
 from __future__ import annotations
 
 import argparse
+import gc
 import gzip
 import importlib
 import inspect
@@ -22,6 +23,7 @@ import json
 import os
 import pkgutil
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -30,37 +32,52 @@ import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-ROOT = Path(__file__).resolve().parents[1]
-if __name__ == "__main__":
-    sys.path.append(str(ROOT))  # at the end: the tree that is frozen comes first
+sys.path.append(str(Path(__file__).resolve().parents[1]))  # at the end: the tree that is frozen comes first
 from benchmarks.measured_logs import SETS
 from benchmarks.refusals import CALLS, commands, prepare
 
+ROOT = Path(__file__).resolve().parents[1]
 Command = tuple[str, ...]
+Step = Command | Callable[[], object]
+"""Arguments of `eccentric`, or a function of this process."""
 PARTS = ("core", "all")
 INPUTS = "inputs"
 """Folder of what the commands read, written by this script."""
 DRIVES = {"C1": "c1_perpendicular", "C2": "c2_parallel"}
-FIVE = ("stribeck[d=1]", "link_harmonic_friction[n=2]", "viscosity_temperature", "gear_efficiency[transmitted]", "backlash")
+FIVE = (
+    "stribeck[d=1]",
+    "link_harmonic_friction[n=2]",
+    "viscosity_temperature",
+    "gear_efficiency[transmitted]",
+    "backlash",
+)
 """Effects that every option of `emit` is frozen with: a shape, a harmonic, a temperature, a load, a state."""
-INERTIA = {"J_m": 1e-4, "J_l": 0.04}
-ONE = "mechanical_friction_torque"
-OPTIONS: Mapping[str, Sequence[str]] = {
-    "functions": ("--functions", ONE),
-    "arrays": ("--functions", ONE, "--arrays"),
-    "fixed": ("--fixed",),
-    "small": ("--functions", ONE, "--fixed"),
-    "single": ("--backend", "numpy", "--single-file"),
-    "jax": ("--backend", "jax"),
-    "c99": ("--backend", "c99", "--prefix", "firmware"),
-    "adapt": ("--adapt", "--parameters", f"{INPUTS}/inertia.json"),
-    "settled": ("--adapt", "--parameters", f"{INPUTS}/inertia.json", "--forgetting", "0.99", "--false-alarms", "1e5", "--settle", "5"),
+FITTED: Mapping[str, Mapping[str, float]] = {
+    "turning": {"J_m": 1e-4, "J_l": 0.04},
+    "linear_axis": {"mass": 95.0, "R": 1.0, "k_f": 5.0, "k_e": 5.0, "B": 200.0, "C": 20.0},
+    "screw_axis": {"mass": 95.0, "R": 1.0, "k_f": 5.0, "k_e": 5.0, "kappa": 628.0, "B": 200.0, "C": 20.0},
+    "planar_2r": {"R_0": 1.0, "k_i_0": 0.05, "k_e_0": 0.05, "R_1": 1.0, "k_i_1": 0.05, "k_e_1": 0.05},
 }
+"""What `--adapt` and `--fixed` need beside the defaults, by model; all others turn."""
+OPTIONS: Mapping[str, str] = {
+    "default": "",
+    "functions": "--functions ONE",
+    "arrays": "--functions ONE --arrays",
+    "small": "--functions ONE --fixed",
+    "fixed": "--fixed --parameters FITTED",
+    "single": "--backend numpy --single-file",
+    "jax": "--backend jax",
+    "c99": "--backend c99 --prefix firmware",
+    "adapt": "--adapt --parameters FITTED",
+    "settled": "--adapt --parameters FITTED --forgetting 0.99 --false-alarms 1e5 --settle 5",
+}
+"""Options of `emit`; ONE is the friction that a drive compensates."""
 
 
 @dataclass(frozen=True)
@@ -69,18 +86,18 @@ class Job:
 
     Attributes:
         name: of the file NAME.txt with what they print, and of the folder for what they write.
-        commands: arguments of `eccentric`, or functions of this process.
+        commands: what it runs.
         core: whether PART=core has it.
         seconds: roughly how long it takes; long ones start first.
     """
 
     name: str
-    commands: Sequence[Command | Callable[[], None]]
+    commands: Sequence[Step]
     core: bool = False
     seconds: float = 1.0
 
 
-# What the frozen tree is asked through: `eccentric.cli.main`, the public names, and the following function.
+# The frozen tree is called through `eccentric.cli.main`, the public names, and the scripts of the next function.
 
 
 def effect_script(model: str, effect: str | None) -> str:
@@ -118,28 +135,31 @@ def effects_of(model: str) -> list[str]:
 def jobs(data: Path | None) -> Iterator[Job]:
     """Everything that is frozen, from inside the folder."""
     tree = Path(str(importlib.import_module("eccentric").__file__)).parents[1]
-    models = sorted(path.stem for path in (tree / "derivations").glob("*.py"))
-    drives = [name for name in models if name != "serial_chain"]
-    yield from _emitted(drives)
-    yield from _derivations(models)
+    yield from _emitted(
+        [path.stem for path in sorted((tree / "derivations").glob("*.py")) if path.stem != "serial_chain"]
+    )
+    yield from _derivations(tree)
     yield from _documents(data)
-    yield Job("help/eccentric", [("--help",), ("--version",), ()], core=True)
+    yield Job("help/eccentric", [("--help",), ("--version",)], core=True)
     for name in importlib.import_module("eccentric.cli").COMMANDS:
-        yield Job(f"help/{name}", [(name, "--help"), (name,)][: 1 if name in {"audit", "derive", "doctor"} else 2], core=True)
+        yield Job(f"help/{name}", [(name, "--help")], core=True)
     for group, rows in commands().items():
-        yield Job(f"refusals/{group}", rows, core=True, seconds=0.06 * len(rows))
-    yield Job("refusals/python", [_refused_call(line) for line in CALLS], core=True, seconds=3)
+        yield Job(f"refusals/{group}", rows, core=True, seconds=0.2 * len(rows))
+    yield Job("refusals/python", [partial(_refused_call, line) for line in CALLS], core=True, seconds=15)
     yield Job("api/signatures", [lambda: _write("api/signatures.json", _signatures())], core=True)
 
 
 def _emitted(drives: Sequence[str]) -> Iterator[Job]:
     """Base models, arms and five effects with all options; every effect of every model."""
-    _write(f"{INPUTS}/inertia.json", INERTIA)
+    for kind, values in FITTED.items():
+        _write(f"{INPUTS}/fitted_{kind}.json", {"parameters": values})
     for name in drives:
         yield from _all_options(f"emitted/{name}", name, core=True)
     for path in sorted(Path("examples/arms").iterdir()):
-        long = path.stem in {"six_joints", "ur10e"}
-        yield from _all_options(f"emitted/arms/{path.stem}", str(path), core=not long, seconds=20 if long else 3)
+        seconds = 20.0 if path.stem in {"six_joints", "ur10e"} else 3.0
+        for job in _all_options(f"emitted/arms/{path.stem}", str(path), core=seconds < 20, seconds=seconds):
+            few = path.stem != "planar_2r" and not job.name.endswith("default")
+            yield replace(job, core=job.core and not few)
     for model in drives:
         found = effects_of(model)
         for effect in found:
@@ -161,15 +181,23 @@ def _same_but_order(effect: str) -> bool:
 
 
 def _all_options(name: str, model: str, *, core: bool, seconds: float = 1.0) -> Iterator[Job]:
-    for option, arguments in {"default": (), **OPTIONS}.items():
+    """A model with each of the options."""
+    kind = Path(model).stem if Path(model).stem in FITTED else "turning"
+    one = "mechanical_friction_force" if kind.endswith("_axis") else "mechanical_friction_torque"
+    for option, words in OPTIONS.items():
+        arguments = words.replace("ONE", one).replace("FITTED", f"{INPUTS}/fitted_{kind}.json").split()
         place = f"{name}/{option}"
         yield Job(place, [("emit", model, *arguments, "--out", place)], core, seconds)
 
 
-def _derivations(models: Sequence[str]) -> Iterator[Job]:
-    for name in models:
-        place = f"derivations/{name}"
-        yield Job(place, [("derive", name, "--out", place), ("derive", name, "--latex", "--out", place)], core=True, seconds=2)
+def _derivations(tree: Path) -> Iterator[Job]:
+    """Each derivation as text and LaTeX; audit and figures of the paper."""
+    for path in sorted((tree / "derivations").glob("*.py")):
+        name, place = path.stem, f"derivations/{path.stem}"
+        rows: list[Step] = [("derive", name, "--out", place), ("derive", name, "--latex", "--out", place)]
+        if name == "serial_chain":  # no model by itself: arms are made from it
+            rows = [partial(runpy.run_path, str(path), run_name="__main__")]
+        yield Job(place, rows, core=True, seconds=2)
     yield Job("derivations/all", [("derive", "--out", "derivations/all")], seconds=4)
     yield Job("derivations/audit", [("audit",)], core=True, seconds=2)
     yield Job("derivations/figures", [("figures", "--out", "derivations/figures")], seconds=4)
@@ -193,7 +221,13 @@ FULL = ("fit", "diagnose", "compare", "rig", "adapt", "plan")
 def _drives(data: Path | None) -> Iterator[Drive]:
     """The bundled logs and, where they are, the open ones."""
     yield Drive("bench", "examples/bench/bench.csv.gz", "examples/bench/bench.json", FULL, FULL)
-    yield Drive("bench_toml", "examples/bench/bench.csv.gz", "examples/bench/bench.toml", (), ("fit", "diagnose", "rig"))
+    yield Drive(
+        "bench_toml",
+        "examples/bench/bench.csv.gz",
+        "examples/bench/bench.toml",
+        (),
+        ("fit", "diagnose", "rig"),
+    )
     yield Drive("slide", "examples/slide/slide.csv.gz", "examples/slide/slide.toml", ("fit", "rig"), FULL)
     yield Drive("tutorial", "examples/tutorial/arm.csv.gz", "examples/tutorial/arm.toml", (), FULL)
     if data is None:
@@ -202,7 +236,13 @@ def _drives(data: Path | None) -> Iterator[Drive]:
         for log in sorted(Path("data", folder).glob("*.csv.gz")):
             name = log.name.partition(".")[0]
             every = FULL if folder == "examples" else ("fit", "diagnose")
-            yield Drive(name, str(log), str(log.with_name(f"{name}.json")), ("diagnose",) if name in core else (), every)
+            yield Drive(
+                name,
+                str(log),
+                str(log.with_name(f"{name}.json")),
+                ("diagnose",) if name in core else (),
+                every,
+            )
     for name, folder in SETS.items():
         log = Path("data", "measured", folder, "data.csv.gz")
         if log.is_file():
@@ -220,7 +260,9 @@ def _documents(data: Path | None) -> Iterator[Job]:
     for case in DRIVES:
         place = f"documents/virtual_{case}"
         run = ("bench", "--case", case, "--seconds", "20", "--effect", "stribeck=0.15", "--temperature")
-        yield Job(place, [("bench", "--list-effects"), (*run, "--out", f"{place}/log.csv.gz")], core=True, seconds=3)
+        yield Job(
+            place, [("bench", "--list-effects"), (*run, "--out", f"{place}/log.csv.gz")], core=True, seconds=3
+        )
 
 
 def _of_a_drive(drive: Drive) -> Iterator[Job]:
@@ -238,12 +280,33 @@ def _of_a_drive(drive: Drive) -> Iterator[Job]:
     every: dict[str, list[Command]] = {
         "fit": [("fit", *given, "--out", fitted)],
         "diagnose": [("diagnose", *given, "--out", found)],
-        "compare": [("compare", *given, base, others, f"{base}+stribeck[d=1]+cogging", "--out", f"{place}/compare")],
-        "rig": [("rig", drive.log, "--out", f"{place}/rig/draft.toml"), ("rig", drive.log, "--check", drive.rig)],
+        "compare": [
+            ("compare", *given, base, others, f"{base}+stribeck[d=1]+cogging", "--out", f"{place}/compare")
+        ],
+        "rig": [
+            ("rig", drive.log, "--out", f"{place}/rig/draft.toml"),
+            ("rig", drive.log, "--check", drive.rig),
+        ],
         "adapt": [("adapt", *given, "--parameters", f"{fitted}/fit.json", "--out", f"{place}/adapt")],
-        "plan": [("plan", *given, "--limits", str(limits), "--diagnosis", f"{found}/diagnosis.json", "--out", f"{place}/plan")],
+        "plan": [
+            (
+                "plan",
+                *given,
+                "--limits",
+                str(limits),
+                "--diagnosis",
+                f"{found}/diagnosis.json",
+                "--out",
+                f"{place}/plan",
+            )
+        ],
     }
-    for head, tail, share in (("fit", "adapt", 0.5), ("diagnose", "plan", 1.5), ("compare", "", 0.5), ("rig", "", 0.4)):
+    for head, tail, share in (
+        ("fit", "adapt", 0.5),
+        ("diagnose", "plan", 1.5),
+        ("compare", "", 0.5),
+        ("rig", "", 0.4),
+    ):
         if head in drive.every:
             rows = every[head] + (every[tail] if tail in drive.every else [])
             yield Job(f"{place}/{head}", rows, head in drive.core, share * drive.seconds)
@@ -253,7 +316,19 @@ def _of_arms(data: Path | None) -> Iterator[Job]:
     """Fit, diagnosis and draft of arms: one of the virtual bench, three measured."""
     place = "documents/arm"
     log, rig = f"{place}/log.csv.gz", f"{place}/log.toml"
-    made = ("bench", "--arm", "2r", "--seconds", "15", "--runs", "3", "--effect", "gear_efficiency@2=0.2", "--out", log)
+    made = (
+        "bench",
+        "--arm",
+        "2r",
+        "--seconds",
+        "15",
+        "--runs",
+        "3",
+        "--effect",
+        "gear_efficiency@2=0.2",
+        "--out",
+        log,
+    )
     draft = ("rig", log, "--arm", f"{place}/log.arm.toml", "--out", f"{place}/draft.toml")
     rows = [
         made,
@@ -273,20 +348,19 @@ def _of_arms(data: Path | None) -> Iterator[Job]:
         if Path(log).is_file():
             for name in names:
                 place, rig = f"documents/{name}", f"examples/rigs/{name}.toml"
-                rows = [(command, log, "--rig", rig, "--out", f"{place}/{command}") for command in ("fit", "diagnose")]
+                rows = [
+                    (command, log, "--rig", rig, "--out", f"{place}/{command}")
+                    for command in ("fit", "diagnose")
+                ]
                 yield Job(place, rows, seconds=500 if name == "ur10e_arm" else 150)
 
 
-def _refused_call(line: str) -> Callable[[], None]:
-    """A call of a public name with bad arguments, as a line of Python: prints what it raises."""
-
-    def call() -> None:
-        print(f">>> {line}")
-        space: dict[str, Any] = {"eccentric": importlib.import_module("eccentric")}
-        space["LOG"], space["RIG"] = "examples/bench/bench.csv.gz", "examples/bench/bench.json"
-        print("accepted:", type(eval(line, space)).__name__)  # noqa: S307 - a line of the table of refusals
-
-    return call
+def _refused_call(line: str) -> None:
+    """Call a public name with bad arguments, as a line of Python says, and print what comes of it."""
+    print(f">>> {line}")
+    space: dict[str, Any] = {"eccentric": importlib.import_module("eccentric")}
+    space["LOG"], space["RIG"] = "examples/bench/bench.csv.gz", "examples/bench/bench.json"
+    print("accepted:", type(eval(line, space)).__name__)  # noqa: S307 - a line of the table of refusals
 
 
 def _signatures() -> dict[str, str]:
@@ -301,8 +375,7 @@ def _signatures() -> dict[str, str]:
         if inspect.isclass(value):
             for member in sorted(set(dir(value))):
                 if not member.startswith("_"):
-                    static = inspect.getattr_static(value, member)
-                    found[f"{name}.{member}"] = _signature(static)
+                    found[f"{name}.{member}"] = _signature(inspect.getattr_static(value, member))
             for field, kind in getattr(value, "__annotations__", {}).items():
                 if not field.startswith("_"):
                     found[f"{name}.{field}"] = str(kind)
@@ -347,7 +420,7 @@ def _forked(run: Callable[[], int]) -> int:
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
-def _recorded(command: Command | Callable[[], None]) -> str:
+def _recorded(command: Step) -> str:
     """What a command prints, and its status, as one text."""
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
 
@@ -369,7 +442,8 @@ def _recorded(command: Command | Callable[[], None]) -> str:
         for name, file in (("stdout", out), ("stderr", err)):
             file.seek(0)
             if text := file.read().decode("utf-8", "replace"):
-                text = text.replace(os.getcwd(), ".")  # of the frozen folder, the only path that is not relative
+                # Two texts that differ from run to run: the path of this folder, and addresses of objects.
+                text = re.sub(r" at 0x[0-9a-f]{6,}", " at 0x...", text.replace(str(Path.cwd()), "."))
                 texts.append(f"--- {name}\n{text}" + ("" if text.endswith("\n") else "\n"))
     said = "" if callable(command) else f"$ eccentric {' '.join(command)}\n"
     return f"{said}--- status {status}\n{''.join(texts)}\n"
@@ -419,7 +493,13 @@ def _preload() -> None:
             with suppress(ImportError), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 importlib.import_module(module.name)
-    for name in ("scipy.optimize", "scipy.signal", "matplotlib.figure", "matplotlib.backends.backend_agg", "bokeh.plotting"):
+    for name in (
+        "scipy.optimize",
+        "scipy.signal",
+        "matplotlib.figure",
+        "matplotlib.backends.backend_agg",
+        "bokeh.plotting",
+    ):
         with suppress(ImportError):
             importlib.import_module(name)
 
@@ -427,6 +507,7 @@ def _preload() -> None:
 def _inside(arguments: argparse.Namespace) -> int:
     """The part that runs in the folder, with the tree's code."""
     _preload()
+    gc.freeze()  # a collection in a forked process would copy every page of this one
     prepare(Path(INPUTS))
     chosen = [job for job in jobs(arguments.data) if arguments.part == "all" or job.core]
     if arguments.only:
@@ -450,9 +531,26 @@ def freeze(arguments: argparse.Namespace, tree: Path, out: Path) -> int:
         links[out / "data"] = arguments.data
     for link, target in links.items():
         link.symlink_to(target.resolve(), target_is_directory=True)
-    settings = {"ECCENTRIC_PROGRESS": "off", "NO_COLOR": "1", "COLUMNS": "100", "OMP_NUM_THREADS": "1", "PYTHONUTF8": "1"}
-    settings |= {"PYTHONPATH": os.pathsep.join([str(tree.resolve()), str(ROOT)]), "PYTHONDONTWRITEBYTECODE": "1"}
-    options = ["--inside", "--part", arguments.part, "--processes", str(arguments.processes), "--only", arguments.only]
+    settings = {
+        "ECCENTRIC_PROGRESS": "off",
+        "NO_COLOR": "1",
+        "COLUMNS": "100",
+        "OMP_NUM_THREADS": "1",
+        "PYTHONUTF8": "1",
+    }
+    settings |= {
+        "PYTHONPATH": os.pathsep.join([str(tree.resolve()), str(ROOT)]),
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
+    options = [
+        "--inside",
+        "--part",
+        arguments.part,
+        "--processes",
+        str(arguments.processes),
+        "--only",
+        arguments.only,
+    ]
     options += [] if arguments.data is None else ["--data", "data"]
     run = [sys.executable, "-P", str(Path(__file__).resolve()), *options]
     try:
@@ -509,7 +607,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=layout)
     parser.add_argument("--part", choices=PARTS, default="core", help="core takes two minutes (default)")
     parser.add_argument("--tree", type=Path, default=ROOT, help="the tree that is frozen (this one)")
-    parser.add_argument("--rev", help="a commit, taken from a temporary worktree, instead of the tree as it is")
+    parser.add_argument(
+        "--rev", help="a commit, taken from a temporary worktree, instead of the tree as it is"
+    )
     parser.add_argument("--data", type=Path, help="folder of the logs that are not bundled")
     parser.add_argument("--out", type=Path, help="a new folder (../frozen/COMMIT-PART beside this tree)")
     parser.add_argument("--only", default="", help="only the jobs whose name this pattern finds")
@@ -520,7 +620,9 @@ def main() -> int:
         return _inside(arguments)
     if arguments.data is not None and not arguments.data.is_dir():
         parser.error(f"{arguments.data}: no such folder")
-    out = arguments.out or ROOT.parent / "frozen" / f"{_named(arguments.tree, arguments.rev)}-{arguments.part}"
+    out = (
+        arguments.out or ROOT.parent / "frozen" / f"{_named(arguments.tree, arguments.rev)}-{arguments.part}"
+    )
     if out.exists():
         parser.error(f"{out}: expected a new folder, and it exists")
     if out.resolve().is_relative_to(arguments.tree.resolve()):
