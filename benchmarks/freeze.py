@@ -132,12 +132,11 @@ def effects_of(model: str) -> list[str]:
 # The jobs.
 
 
-def jobs(data: Path | None) -> Iterator[Job]:
-    """Everything that is frozen, from inside the folder."""
+def jobs(data: Path | None, *, every: bool) -> Iterator[Job]:
+    """What is frozen, from inside the folder; the jobs of PART=core are marked, not chosen."""
     tree = Path(str(importlib.import_module("eccentric").__file__)).parents[1]
-    yield from _emitted(
-        [path.stem for path in sorted((tree / "derivations").glob("*.py")) if path.stem != "serial_chain"]
-    )
+    names = [path.stem for path in sorted((tree / "derivations").glob("*.py"))]
+    yield from _emitted([name for name in names if name != "serial_chain"], every=every)
     yield from _derivations(tree)
     yield from _documents(data)
     yield Job("help/eccentric", [("--help",), ("--version",)], core=True)
@@ -149,8 +148,8 @@ def jobs(data: Path | None) -> Iterator[Job]:
     yield Job("api/signatures", [lambda: _write("api/signatures.json", _signatures())], core=True)
 
 
-def _emitted(drives: Sequence[str]) -> Iterator[Job]:
-    """Base models, arms and five effects with all options; every effect of every model."""
+def _emitted(drives: Sequence[str], *, every: bool) -> Iterator[Job]:
+    """Base models, arms and five effects with all options; with `every`, each effect of each model."""
     for kind, values in FITTED.items():
         _write(f"{INPUTS}/fitted_{kind}.json", {"parameters": values})
     for name in drives:
@@ -160,24 +159,26 @@ def _emitted(drives: Sequence[str]) -> Iterator[Job]:
         for job in _all_options(f"emitted/arms/{path.stem}", str(path), core=seconds < 20, seconds=seconds):
             few = path.stem != "planar_2r" and not job.name.endswith("default")
             yield replace(job, core=job.core and not few)
-    for model in drives:
-        found = effects_of(model)
-        for effect in found:
-            script = Path(INPUTS, "effects", model, f"{_file_name(effect)}.py")
-            script.parent.mkdir(parents=True, exist_ok=True)
-            script.write_text(effect_script(model, effect), encoding="utf-8")
-            five = model == "c2_parallel" and effect in FIVE
-            name = f"emitted/effects/{model}/{script.stem}"
-            if five:
-                yield from _all_options(name, str(script), core=effect in FIVE[:2])
-            elif model == "c2_parallel" or not _same_but_order(effect):
-                yield Job(name, [("emit", str(script), "--out", name)])
+    for effect in FIVE:
+        name, script = _effect("c2_parallel", effect)
+        yield from _all_options(name, script, core=effect in FIVE[:2])
+    for model in drives if every else ():
+        for effect in effects_of(model):
+            # Of effects that differ by their order alone, one model has all.
+            order = re.search(r"\[n=(\d+)\]", effect)
+            if model == "c2_parallel" or not order or int(order[1]) <= 2:
+                name, script = _effect(model, effect)
+                if model != "c2_parallel" or effect not in FIVE:
+                    yield Job(name, [("emit", script, "--out", name)])
 
 
-def _same_but_order(effect: str) -> bool:
-    """Whether an effect differs by its order n > 2 alone from others of its family, which are frozen."""
-    order = re.search(r"\[n=(\d+)\]", effect)
-    return bool(order) and int(order[1]) > 2
+def _effect(model: str, effect: str) -> tuple[str, str]:
+    """Name of the jobs and path of the script of a model with an effect, which is written."""
+    place = re.sub(r"[^\w.+-]+", "_", effect).strip("_")
+    script = Path(INPUTS, "effects", model, f"{place}.py")
+    script.parent.mkdir(parents=True, exist_ok=True)
+    script.write_text(effect_script(model, effect), encoding="utf-8")
+    return f"emitted/effects/{model}/{place}", str(script)
 
 
 def _all_options(name: str, model: str, *, core: bool, seconds: float = 1.0) -> Iterator[Job]:
@@ -400,10 +401,6 @@ def _write(name: str, content: object) -> None:
     path.write_text(json.dumps(content, indent=1, sort_keys=True) + "\n", encoding="utf-8")
 
 
-def _file_name(text: str) -> str:
-    return re.sub(r"[^\w.+-]+", "_", text).strip("_")
-
-
 def _forked(run: Callable[[], int]) -> int:
     """Run in a child process; return its status."""
     sys.stdout.flush()
@@ -509,9 +506,11 @@ def _inside(arguments: argparse.Namespace) -> int:
     _preload()
     gc.freeze()  # a collection in a forked process would copy every page of this one
     prepare(Path(INPUTS))
-    chosen = [job for job in jobs(arguments.data) if arguments.part == "all" or job.core]
-    if arguments.only:
-        chosen = [job for job in chosen if re.search(arguments.only, job.name)]
+    every = arguments.part == "all"
+    wanted = re.compile(arguments.only)
+    chosen = [
+        job for job in jobs(arguments.data, every=every) if (every or job.core) and wanted.search(job.name)
+    ]
     failed = run_all(chosen, arguments.processes)
     for name in sorted(failed):
         print(f"{name}: a command ended with an exception, see {name}.txt")

@@ -464,7 +464,8 @@ _TABLES = {"rigs": (BASE, RIG_ROWS), "arms": (ARM, ARM_ROWS), "limits": (LIMITS,
 _TEXTS = {"rig_texts": RIG_TEXTS, "fits": FIT_TEXTS, "scripts": SCRIPTS}
 
 
-def _safe(name: str) -> str:
+def safe(name: str) -> str:
+    """The name of a mutation as that of a file."""
     return "".join(letter if letter.isalnum() or letter in "._=+-" else "_" for letter in name)
 
 
@@ -483,7 +484,7 @@ def prepare(folder: Path) -> None:
         files |= {f"{place}/{name}": text.encode("latin-1") for name, text in texts.items()}
     for place, (document, rows) in _TABLES.items():
         for name, (key, value) in rows.items():
-            files[f"{place}/{_safe(name)}.json"] = json.dumps(
+            files[f"{place}/{safe(name)}.json"] = json.dumps(
                 _mutated(document, key, value), indent=1
             ).encode()
     files |= {f"logs/{name}": content for name, content in _broken_logs(log[:ROWS]).items()}
@@ -496,11 +497,11 @@ def prepare(folder: Path) -> None:
 def commands() -> dict[str, list[Command]]:
     """Group -> command lines that should be refused, after `prepare`."""
     out = ("--out", OUT)
-    rigs = [f"{HERE}/rigs/{_safe(name)}.json" for name in RIG_ROWS] + [
+    rigs = [f"{HERE}/rigs/{safe(name)}.json" for name in RIG_ROWS] + [
         f"{HERE}/rig_texts/{name}" for name in RIG_TEXTS
     ]
     logs = sorted(str(path) for path in Path(HERE, "logs").iterdir())
-    arms = [f"{HERE}/arms/{_safe(name)}.json" for name in ARM_ROWS]
+    arms = [f"{HERE}/arms/{safe(name)}.json" for name in ARM_ROWS]
     scripts = [f"{HERE}/scripts/{name}" for name in SCRIPTS]
     groups: dict[str, list[Command]] = {
         "rig_check": [("rig", LOG, "--check", rig) for rig in rigs[::5]],  # each tries a fit: seconds
@@ -509,7 +510,7 @@ def commands() -> dict[str, list[Command]]:
         "log_rig": [("rig", log) for log in logs],
         "arm": [("emit", arm, *out) for arm in arms],
         "limits": [
-            ("plan", *GIVEN, "--limits", f"{HERE}/limits/{_safe(name)}.json", *out) for name in LIMIT_ROWS
+            ("plan", *GIVEN, "--limits", f"{HERE}/limits/{safe(name)}.json", *out) for name in LIMIT_ROWS
         ],
         "fits": [("emit", "c2_parallel", "--parameters", f"{HERE}/fits/{name}", *out) for name in FIT_TEXTS],
         "scripts": [("emit", script, *out) for script in scripts],
