@@ -503,7 +503,8 @@ def _preload() -> None:
 
 def _inside(arguments: argparse.Namespace) -> int:
     """The part that runs in the folder, with the tree's code."""
-    _preload()
+    if not arguments.only:
+        _preload()
     gc.freeze()  # a collection in a forked process would copy every page of this one
     prepare(Path(INPUTS))
     every = arguments.part == "all"
