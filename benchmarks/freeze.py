@@ -43,12 +43,23 @@ from benchmarks.measured_logs import SETS
 from benchmarks.refusals import CALLS, commands, prepare
 
 ROOT = Path(__file__).resolve().parents[1]
-Command = tuple[str, ...]
-Step = Command | Callable[[], object]
-"""Arguments of `eccentric`, or a function of this process."""
+Step = str | Callable[[], object]
+"""Arguments of `eccentric`, separated by blanks, or a function of this process."""
 PARTS = ("core", "all")
+EXCEPTION = 3
+"""Status of a job with a command that ended with an exception, which is frozen like any answer."""
 INPUTS = "inputs"
 """Folder of what the commands read, written by this script."""
+ARMS = {
+    "ur10e_arm": "ur10e_arm",
+    "dfki_double_pendulum_a": "dfki_double_pendulum",
+    "dfki_double_pendulum_c": "dfki_double_pendulum",
+}
+"""Rig file of a measured arm -> folder of its log; of one drive: `SETS`."""
+SPEEDS = {"speed_rad_s": 30.0, "acceleration_rad_s2": 200.0, "current_A": 8.0, "time_s": 20.0}
+"""Limits of a planned motion."""
+API = ("eccentric", "eccentric.model", "eccentric.effects")
+"""Packages that scripts import: the door, and what derivations and effects are written in."""
 DRIVES = {"C1": "c1_perpendicular", "C2": "c2_parallel"}
 FIVE = (
     "stribeck[d=1]",
@@ -132,20 +143,20 @@ def effects_of(model: str) -> list[str]:
 # The jobs.
 
 
-def jobs(data: Path | None, *, every: bool) -> Iterator[Job]:
+def jobs(tree: Path, data: Path | None, *, every: bool) -> Iterator[Job]:
     """What is frozen, from inside the folder; the jobs of PART=core are marked, not chosen."""
-    tree = Path(str(importlib.import_module("eccentric").__file__)).parents[1]
     names = [path.stem for path in sorted((tree / "derivations").glob("*.py"))]
     yield from _emitted([name for name in names if name != "serial_chain"], every=every)
     yield from _derivations(tree)
     yield from _documents(data)
-    yield Job("help/eccentric", [("--help",), ("--version",)], core=True)
+    yield Job("help/eccentric", ["--help", "--version"], core=True)
     for name in importlib.import_module("eccentric.cli").COMMANDS:
-        yield Job(f"help/{name}", [(name, "--help")], core=True)
+        yield Job(f"help/{name}", [f"{name} --help"], core=True)
     for group, rows in commands().items():
         yield Job(f"refusals/{group}", rows, core=True, seconds=0.2 * len(rows))
     yield Job("refusals/python", [partial(_refused_call, line) for line in CALLS], core=True, seconds=15)
-    yield Job("api/signatures", [lambda: _write("api/signatures.json", _signatures())], core=True)
+    for name in API:
+        yield Job(f"api/{name}", [partial(_write_signatures, name)], core=True)
 
 
 def _emitted(drives: Sequence[str], *, every: bool) -> Iterator[Job]:
@@ -169,7 +180,7 @@ def _emitted(drives: Sequence[str], *, every: bool) -> Iterator[Job]:
             if model == "c2_parallel" or not order or int(order[1]) <= 2:
                 name, script = _effect(model, effect)
                 if model != "c2_parallel" or effect not in FIVE:
-                    yield Job(name, [("emit", script, "--out", name)])
+                    yield Job(name, [f"emit {script} --out {name}"])
 
 
 def _effect(model: str, effect: str) -> tuple[str, str]:
@@ -186,174 +197,124 @@ def _all_options(name: str, model: str, *, core: bool, seconds: float = 1.0) -> 
     kind = Path(model).stem if Path(model).stem in FITTED else "turning"
     one = "mechanical_friction_force" if kind.endswith("_axis") else "mechanical_friction_torque"
     for option, words in OPTIONS.items():
-        arguments = words.replace("ONE", one).replace("FITTED", f"{INPUTS}/fitted_{kind}.json").split()
+        arguments = words.replace("ONE", one).replace("FITTED", f"{INPUTS}/fitted_{kind}.json")
         place = f"{name}/{option}"
-        yield Job(place, [("emit", model, *arguments, "--out", place)], core, seconds)
+        yield Job(place, [f"emit {model} {arguments} --out {place}"], core, seconds)
 
 
 def _derivations(tree: Path) -> Iterator[Job]:
     """Each derivation as text and LaTeX; audit and figures of the paper."""
     for path in sorted((tree / "derivations").glob("*.py")):
         name, place = path.stem, f"derivations/{path.stem}"
-        rows: list[Step] = [("derive", name, "--out", place), ("derive", name, "--latex", "--out", place)]
+        rows: list[Step] = [f"derive {name} --out {place}", f"derive {name} --latex --out {place}"]
         if name == "serial_chain":  # no model by itself: arms are made from it
             rows = [partial(runpy.run_path, str(path), run_name="__main__")]
         yield Job(place, rows, core=True, seconds=2)
-    yield Job("derivations/all", [("derive", "--out", "derivations/all")], seconds=4)
-    yield Job("derivations/audit", [("audit",)], core=True, seconds=2)
-    yield Job("derivations/figures", [("figures", "--out", "derivations/figures")], seconds=4)
+    yield Job("derivations/all", ["derive --out derivations/all"], seconds=4)
+    yield Job("derivations/audit", ["audit"], core=True, seconds=2)
+    yield Job("derivations/figures", ["figures --out derivations/figures"], seconds=4)
+
+
+FULL = ("fit", "diagnose", "compare", "rig")
 
 
 @dataclass(frozen=True)
 class Drive:
-    """A log of one drive, and its rig."""
+    """A log of one drive and its rig file: what is frozen of it, and what of that in PART=core."""
 
     name: str
     log: str
     rig: str
+    every: tuple[str, ...] = FULL
     core: tuple[str, ...] = ()
-    every: tuple[str, ...] = ("fit", "diagnose")
     seconds: float = 12.0
-
-
-FULL = ("fit", "diagnose", "compare", "rig", "adapt", "plan")
 
 
 def _drives(data: Path | None) -> Iterator[Drive]:
     """The bundled logs and, where they are, the open ones."""
-    yield Drive("bench", "examples/bench/bench.csv.gz", "examples/bench/bench.json", FULL, FULL)
-    yield Drive(
-        "bench_toml",
-        "examples/bench/bench.csv.gz",
-        "examples/bench/bench.toml",
-        (),
-        ("fit", "diagnose", "rig"),
-    )
-    yield Drive("slide", "examples/slide/slide.csv.gz", "examples/slide/slide.toml", ("fit", "rig"), FULL)
-    yield Drive("tutorial", "examples/tutorial/arm.csv.gz", "examples/tutorial/arm.toml", (), FULL)
+    bench, slide, tutorial = (f"examples/{name}" for name in ("bench/bench", "slide/slide", "tutorial/arm"))
+    yield Drive("bench", f"{bench}.csv.gz", f"{bench}.json", core=FULL)
+    yield Drive("bench_toml", f"{bench}.csv.gz", f"{bench}.toml", ("fit", "diagnose", "rig"))
+    yield Drive("slide", f"{slide}.csv.gz", f"{slide}.toml", core=("fit", "rig"))
+    yield Drive("tutorial", f"{tutorial}.csv.gz", f"{tutorial}.toml")
     if data is None:
         return
-    for folder, core in (("examples", {"example1", "example3"}), ("controls", set[str]())):
-        for log in sorted(Path("data", folder).glob("*.csv.gz")):
-            name = log.name.partition(".")[0]
-            every = FULL if folder == "examples" else ("fit", "diagnose")
-            yield Drive(
-                name,
-                str(log),
-                str(log.with_name(f"{name}.json")),
-                ("diagnose",) if name in core else (),
-                every,
-            )
+    for log in sorted(Path("data/examples").glob("*.csv.gz")):
+        name = log.name.partition(".")[0]
+        core = ("diagnose",) if name in {"example1", "example3"} else ()
+        yield Drive(name, str(log), f"data/examples/{name}.json", core=core)
+    for log in sorted(Path("data/controls").glob("*.csv.gz")):
+        name = log.name.partition(".")[0]
+        yield Drive(name, str(log), f"data/controls/{name}.json", ("fit", "diagnose"))
     for name, folder in SETS.items():
-        log = Path("data", "measured", folder, "data.csv.gz")
+        log = Path("data/measured", folder, "data.csv.gz")
         if log.is_file():
-            yield Drive(name, str(log), f"examples/rigs/{name}.toml", (), ("fit", "diagnose", "rig"), 40.0)
+            yield Drive(name, str(log), f"examples/rigs/{name}.toml", ("fit", "diagnose", "rig"), seconds=40)
 
 
 def _documents(data: Path | None) -> Iterator[Job]:
+    """Logs of one drive, arms, a fleet and two logs of the virtual bench."""
     for drive in _drives(data):
-        yield from _of_a_drive(drive)
-    yield from _of_arms(data)
+        yield from _drive_documents(drive)
+    yield from _arm_documents(data)
     fleet, place = f"{INPUTS}/fleet", "documents/fleet"
-    simulated = ("bench", "--fleet", "--out", fleet, "--joints", "3", "--months", "3")
-    reduced = ("fleet", f"{fleet}/logs", "--rigs", f"{fleet}/rigs.csv", "--workers", "1", "--out", place)
-    yield Job(place, [simulated, reduced], seconds=40)
+    rows = [
+        f"bench --fleet --out {fleet} --joints 3 --months 3",
+        f"fleet {fleet}/logs --rigs {fleet}/rigs.csv --workers 1 --out {place}",
+    ]
+    yield Job(place, rows, seconds=40)
     for case in DRIVES:
         place = f"documents/virtual_{case}"
-        run = ("bench", "--case", case, "--seconds", "20", "--effect", "stribeck=0.15", "--temperature")
-        yield Job(
-            place, [("bench", "--list-effects"), (*run, "--out", f"{place}/log.csv.gz")], core=True, seconds=3
+        run = (
+            f"bench --case {case} --seconds 20 --effect stribeck=0.15 --temperature --out {place}/log.csv.gz"
         )
+        yield Job(place, ["bench --list-effects", run], core=True, seconds=3)
 
 
-def _of_a_drive(drive: Drive) -> Iterator[Job]:
-    """The commands on the log of one drive; `adapt` and `plan` go on from what was fitted and diagnosed."""
-    place, given = f"documents/{drive.name}", (drive.log, "--rig", drive.rig)
-    text = Path(drive.rig).read_text(encoding="utf-8")
-    case = re.search(r'case"?\s*[=:]\s*"(C\d)"', text)
-    base = DRIVES[case[1]] if case else "screw_axis"
-    others = {"C1": "c1_asymmetric", "C2": "c2_asymmetric"}.get(case[1] if case else "", "linear_axis")
-    units = ("speed_rad_s = 30", "acceleration_rad_s2 = 200", "current_A = 8", "time_s = 20")
-    slide = ("speed_m_s = 0.3", "acceleration_m_s2 = 3", "force_N = 100", "time_s = 20")
-    limits = Path(INPUTS, f"{drive.name}_limits.toml")
-    limits.write_text("\n".join(units if case else slide) + "\n", encoding="utf-8")
-    fitted, found = f"{place}/fit", f"{place}/diagnose"
-    every: dict[str, list[Command]] = {
-        "fit": [("fit", *given, "--out", fitted)],
-        "diagnose": [("diagnose", *given, "--out", found)],
-        "compare": [
-            ("compare", *given, base, others, f"{base}+stribeck[d=1]+cogging", "--out", f"{place}/compare")
-        ],
-        "rig": [
-            ("rig", drive.log, "--out", f"{place}/rig/draft.toml"),
-            ("rig", drive.log, "--check", drive.rig),
-        ],
-        "adapt": [("adapt", *given, "--parameters", f"{fitted}/fit.json", "--out", f"{place}/adapt")],
-        "plan": [
-            (
-                "plan",
-                *given,
-                "--limits",
-                str(limits),
-                "--diagnosis",
-                f"{found}/diagnosis.json",
-                "--out",
-                f"{place}/plan",
-            )
-        ],
+def _drive_documents(drive: Drive) -> Iterator[Job]:
+    """The commands on the log of one drive; `adapt` starts from its fit, and `plan` from its diagnosis."""
+    place, source = f"documents/{drive.name}", f"{drive.log} --rig {drive.rig}"
+    found = re.search(r'case"?\s*[=:]\s*"(C\d)"', Path(drive.rig).read_text(encoding="utf-8"))
+    base, other = (
+        (DRIVES[found[1]], f"{found[1].lower()}_asymmetric") if found else ("screw_axis", "linear_axis")
+    )
+    limits = (
+        SPEEDS if found else {"speed_m_s": 0.3, "acceleration_m_s2": 3.0, "force_N": 100.0, "time_s": 20.0}
+    )
+    _write(f"{INPUTS}/{drive.name}_limits.json", limits)
+    planned = f"--limits {INPUTS}/{drive.name}_limits.json --diagnosis {place}/diagnose/diagnosis.json"
+    rows = {
+        "fit": [f"fit {source} --out {place}/fit"],
+        "diagnose": [f"diagnose {source} --out {place}/diagnose"],
+        "compare": [f"compare {source} {base} {other} {base}+stribeck[d=1]+cogging --out {place}/compare"],
+        "rig": [f"rig {drive.log} --out {place}/rig/draft.toml", f"rig {drive.log} --check {drive.rig}"],
     }
-    for head, tail, share in (
-        ("fit", "adapt", 0.5),
-        ("diagnose", "plan", 1.5),
-        ("compare", "", 0.5),
-        ("rig", "", 0.4),
-    ):
-        if head in drive.every:
-            rows = every[head] + (every[tail] if tail in drive.every else [])
-            yield Job(f"{place}/{head}", rows, head in drive.core, share * drive.seconds)
+    if drive.every == FULL:
+        rows["fit"].append(f"adapt {source} --parameters {place}/fit/fit.json --out {place}/adapt")
+        rows["diagnose"].append(f"plan {source} {planned} --out {place}/plan")
+    for name in drive.every:
+        seconds = drive.seconds * (1.5 if name == "diagnose" else 0.5)
+        yield Job(f"{place}/{name}", rows[name], name in drive.core, seconds)
 
 
-def _of_arms(data: Path | None) -> Iterator[Job]:
+def _arm_documents(data: Path | None) -> Iterator[Job]:
     """Fit, diagnosis and draft of arms: one of the virtual bench, three measured."""
     place = "documents/arm"
     log, rig = f"{place}/log.csv.gz", f"{place}/log.toml"
-    made = (
-        "bench",
-        "--arm",
-        "2r",
-        "--seconds",
-        "15",
-        "--runs",
-        "3",
-        "--effect",
-        "gear_efficiency@2=0.2",
-        "--out",
-        log,
-    )
-    draft = ("rig", log, "--arm", f"{place}/log.arm.toml", "--out", f"{place}/draft.toml")
     rows = [
-        made,
-        draft,
-        ("rig", log, "--check", rig),
-        ("fit", log, "--rig", rig, "--out", f"{place}/fit"),
-        ("diagnose", log, "--rig", rig, "--out", f"{place}/diagnose"),
+        f"bench --arm 2r --seconds 15 --runs 3 --effect gear_efficiency@2=0.2 --out {log}",
+        f"rig {log} --arm {place}/log.arm.toml --out {place}/draft.toml",
+        f"rig {log} --check {rig}",
+        f"fit {log} --rig {rig} --out {place}/fit",
+        f"diagnose {log} --rig {rig} --out {place}/diagnose",
     ]
     yield Job(place, rows, seconds=90)
-    if data is None:
-        return
-    for folder, names in {
-        "dfki_double_pendulum": ("dfki_double_pendulum_a", "dfki_double_pendulum_c"),
-        "ur10e_arm": ("ur10e_arm",),
-    }.items():
-        log = f"data/measured/{folder}/data.csv.gz"
-        if Path(log).is_file():
-            for name in names:
-                place, rig = f"documents/{name}", f"examples/rigs/{name}.toml"
-                rows = [
-                    (command, log, "--rig", rig, "--out", f"{place}/{command}")
-                    for command in ("fit", "diagnose")
-                ]
-                yield Job(place, rows, seconds=500 if name == "ur10e_arm" else 150)
+    for name, folder in ARMS.items() if data is not None else ():
+        source = f"data/measured/{folder}/data.csv.gz --rig examples/rigs/{name}.toml"
+        if Path(source.partition(" ")[0]).is_file():
+            place = f"documents/{name}"
+            rows = [f"{command} {source} --out {place}/{command}" for command in ("fit", "diagnose")]
+            yield Job(place, rows, seconds=500 if name == "ur10e_arm" else 100)
 
 
 def _refused_call(line: str) -> None:
@@ -364,23 +325,24 @@ def _refused_call(line: str) -> None:
     print("accepted:", type(eval(line, space)).__name__)  # noqa: S307 - a line of the table of refusals
 
 
-def _signatures() -> dict[str, str]:
-    """Public names with their signatures, those of methods and fields included."""
-    package = importlib.import_module("eccentric")
-    found: dict[str, str] = {}
-    for name in sorted(set(dir(package))):
+def _signatures(package_name: str) -> dict[str, str]:
+    """Public names of a package with their signatures, those of methods and fields included."""
+    package, found = importlib.import_module(package_name), dict[str, str]()
+    for name in sorted(set(getattr(package, "__all__", dir(package)))):
         value = getattr(package, name)
         if name.startswith("_") or isinstance(value, ModuleType):
             continue
         found[name] = _signature(value)
-        if inspect.isclass(value):
-            for member in sorted(set(dir(value))):
-                if not member.startswith("_"):
-                    found[f"{name}.{member}"] = _signature(inspect.getattr_static(value, member))
-            for field, kind in getattr(value, "__annotations__", {}).items():
-                if not field.startswith("_"):
-                    found[f"{name}.{field}"] = str(kind)
+        for base in value.__mro__ if inspect.isclass(value) else ():
+            if base.__module__.startswith("eccentric"):  # not what it inherits from SymPy
+                members = {key: _signature(member) for key, member in vars(base).items()}
+                members |= {key: str(kind) for key, kind in vars(base).get("__annotations__", {}).items()}
+                found |= {f"{name}.{key}": text for key, text in members.items() if not key.startswith("_")}
     return found
+
+
+def _write_signatures(name: str) -> None:
+    _write(f"api/{name}.json", _signatures(name))
 
 
 def _signature(value: object) -> str:
@@ -428,7 +390,7 @@ def _recorded(command: Step) -> str:
                 if callable(command):
                     command()
                     return 0
-                return importlib.import_module("eccentric.cli").main(list(command))
+                return importlib.import_module("eccentric.cli").main(command.split())
             except SystemExit as end:
                 return int(end.code or 0)
             except Exception as error:  # noqa: BLE001 - no traceback: it has the paths of the tree
@@ -442,25 +404,25 @@ def _recorded(command: Step) -> str:
                 # Two texts that differ from run to run: the path of this folder, and addresses of objects.
                 text = re.sub(r" at 0x[0-9a-f]{6,}", " at 0x...", text.replace(str(Path.cwd()), "."))
                 texts.append(f"--- {name}\n{text}" + ("" if text.endswith("\n") else "\n"))
-    said = "" if callable(command) else f"$ eccentric {' '.join(command)}\n"
-    return f"{said}--- status {status}\n{''.join(texts)}\n"
+    line = "" if callable(command) else f"$ eccentric {' '.join(command.split())}\n"
+    return f"{line}--- status {status}\n{''.join(texts)}\n"
 
 
 def _run(job: Job) -> int:
-    """Run a job and write NAME.txt; 1 if a command has ended with an exception."""
+    """Run a job and write NAME.txt; 3 if a command has ended with an exception."""
     folder, printed = Path(job.name), Path(f"{job.name}.txt")
     printed.parent.mkdir(parents=True, exist_ok=True)
     if job.name.startswith("documents/"):
         folder.mkdir(parents=True, exist_ok=True)  # where a command writes beside others, it makes no folder
     text = "".join(map(_recorded, job.commands))
     printed.write_text(text, encoding="utf-8")
-    return int("--- status 70" in text)
+    return EXCEPTION if "--- status 70" in text else 0
 
 
-def run_all(chosen: Iterable[Job], processes: int) -> list[str]:
-    """Run jobs, the longest first, a few at a time; return the names of those with an exception."""
+def run_all(chosen: Iterable[Job], processes: int) -> dict[str, int]:
+    """Run jobs, the longest first, a few at a time; return the status of those that have one."""
     waiting = sorted(chosen, key=lambda job: -job.seconds)
-    total, running, failed, done = len(waiting), dict[int, tuple[Job, float]](), list[str](), 0
+    total, running, failed, done = len(waiting), dict[int, tuple[Job, float]](), dict[str, int](), 0
     while waiting or running:
         while waiting and len(running) < processes:
             job = waiting.pop(0)
@@ -476,7 +438,7 @@ def run_all(chosen: Iterable[Job], processes: int) -> list[str]:
         job, start = running.pop(child)
         done += 1
         if status:
-            failed.append(job.name)
+            failed[job.name] = os.waitstatus_to_exitcode(status)
         if sys.stderr.isatty():
             print(f"{done}/{total} {job.name} {time.monotonic() - start:.1f} s", file=sys.stderr)
     return failed
@@ -490,32 +452,35 @@ def _preload() -> None:
             with suppress(ImportError), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 importlib.import_module(module.name)
-    for name in (
-        "scipy.optimize",
-        "scipy.signal",
-        "matplotlib.figure",
-        "matplotlib.backends.backend_agg",
-        "bokeh.plotting",
-    ):
+    for name in ("scipy.optimize", "scipy.signal", "matplotlib.backends.backend_agg", "bokeh.plotting"):
         with suppress(ImportError):
             importlib.import_module(name)
 
 
 def _inside(arguments: argparse.Namespace) -> int:
     """The part that runs in the folder, with the tree's code."""
-    if not arguments.only:
-        _preload()
-    gc.freeze()  # a collection in a forked process would copy every page of this one
+    package = Path(str(importlib.import_module("eccentric").__file__))
+    if not package.is_relative_to(arguments.tree):
+        print(f"{package}: expected the package of {arguments.tree}")
+        return 1
     prepare(Path(INPUTS))
     every = arguments.part == "all"
     wanted = re.compile(arguments.only)
     chosen = [
-        job for job in jobs(arguments.data, every=every) if (every or job.core) and wanted.search(job.name)
+        job
+        for job in jobs(arguments.tree, arguments.data, every=every)
+        if (every or job.core) and wanted.search(job.name)
     ]
+    if sum(len(job.commands) for job in chosen) > 20:  # imports take as long as twenty short commands
+        _preload()
+    gc.freeze()  # a collection in a forked process would copy every page of this one
     failed = run_all(chosen, arguments.processes)
-    for name in sorted(failed):
-        print(f"{name}: a command ended with an exception, see {name}.txt")
-    return int(bool(failed))
+    for name, status in sorted(failed.items()):
+        reason = (
+            "a command ended with an exception" if status == EXCEPTION else f"not frozen, status {status}"
+        )
+        print(f"{name}: {reason}, see {name}.txt")
+    return int(any(status != EXCEPTION for status in failed.values()))
 
 
 # From outside.
@@ -531,28 +496,12 @@ def freeze(arguments: argparse.Namespace, tree: Path, out: Path) -> int:
         links[out / "data"] = arguments.data
     for link, target in links.items():
         link.symlink_to(target.resolve(), target_is_directory=True)
-    settings = {
-        "ECCENTRIC_PROGRESS": "off",
-        "NO_COLOR": "1",
-        "COLUMNS": "100",
-        "OMP_NUM_THREADS": "1",
-        "PYTHONUTF8": "1",
-    }
-    settings |= {
-        "PYTHONPATH": os.pathsep.join([str(tree.resolve()), str(ROOT)]),
-        "PYTHONDONTWRITEBYTECODE": "1",
-    }
-    options = [
-        "--inside",
-        "--part",
-        arguments.part,
-        "--processes",
-        str(arguments.processes),
-        "--only",
-        arguments.only,
-    ]
-    options += [] if arguments.data is None else ["--data", "data"]
-    run = [sys.executable, "-P", str(Path(__file__).resolve()), *options]
+    settings = {"ECCENTRIC_PROGRESS": "off", "NO_COLOR": "1", "COLUMNS": "100", "OMP_NUM_THREADS": "1"}
+    settings |= {"PYTHONUTF8": "1", "PYTHONDONTWRITEBYTECODE": "1"}
+    settings["PYTHONPATH"] = os.pathsep.join([str(tree.resolve()), str(ROOT)])
+    run = [sys.executable, "-P", str(Path(__file__).resolve()), "--inside", "--tree", str(tree.resolve())]
+    run += ["--part", arguments.part, "--only", arguments.only, "--processes", str(arguments.processes)]
+    run += [] if arguments.data is None else ["--data", "data"]
     try:
         return subprocess.run(run, cwd=out, env={**os.environ, **settings}, check=False).returncode
     finally:
@@ -566,9 +515,11 @@ def _tidy(out: Path) -> None:
     for name in ("effects", "out", "fleet"):
         shutil.rmtree(out / INPUTS / name, ignore_errors=True)
     for path in sorted(out.rglob("*")):
-        if path.suffix in {".png", ".parquet", ".pyc"}:
+        if out / INPUTS in path.parents:
+            continue
+        if path.suffix in {".png", ".parquet"}:
             path.unlink()
-        elif path.suffix == ".gz" and out / INPUTS not in path.parents:
+        elif path.suffix == ".gz":
             path.with_suffix("").write_bytes(gzip.decompress(path.read_bytes()))
             path.unlink()
 
@@ -602,14 +553,12 @@ def _named(tree: Path, commit: str | None) -> str:
 
 
 def main() -> int:
-    """Freeze; status 1 if a command ended with an exception, 2 if nothing was started."""
+    """Freeze; status 1 if something could not be frozen, 2 if nothing was started."""
     layout = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=layout)
     parser.add_argument("--part", choices=PARTS, default="core", help="core takes two minutes (default)")
     parser.add_argument("--tree", type=Path, default=ROOT, help="the tree that is frozen (this one)")
-    parser.add_argument(
-        "--rev", help="a commit, taken from a temporary worktree, instead of the tree as it is"
-    )
+    parser.add_argument("--rev", help="a commit instead of the tree as it is, from a temporary worktree")
     parser.add_argument("--data", type=Path, help="folder of the logs that are not bundled")
     parser.add_argument("--out", type=Path, help="a new folder (../frozen/COMMIT-PART beside this tree)")
     parser.add_argument("--only", default="", help="only the jobs whose name this pattern finds")
@@ -620,9 +569,8 @@ def main() -> int:
         return _inside(arguments)
     if arguments.data is not None and not arguments.data.is_dir():
         parser.error(f"{arguments.data}: no such folder")
-    out = (
-        arguments.out or ROOT.parent / "frozen" / f"{_named(arguments.tree, arguments.rev)}-{arguments.part}"
-    )
+    name = f"{_named(arguments.tree, arguments.rev)}-{arguments.part}"
+    out = arguments.out or ROOT.parent / "frozen" / name
     if out.exists():
         parser.error(f"{out}: expected a new folder, and it exists")
     if out.resolve().is_relative_to(arguments.tree.resolve()):

@@ -9,18 +9,16 @@ from __future__ import annotations
 import copy
 import gzip
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-Command = tuple[str, ...]
 HERE = "inputs"
-LOG, RIG, OUT = f"{HERE}/log.csv", f"{HERE}/rig.json", f"{HERE}/out"
-GIVEN = (LOG, "--rig", RIG)
+FILES = {"LOG": f"{HERE}/log.csv", "RIG": f"{HERE}/rig.json"}
 ABSENT = object()
 """Instead of a value: the key is removed."""
 ROWS = 1200
-HEADER = "time_s,theta_m_rad,omega_m_rad_s,voltage_V,current_A"
 
 BASE: dict[str, Any] = {
     "name": "small",
@@ -306,7 +304,7 @@ LIMIT_ROWS: Mapping[str, tuple[str, object]] = {
     "unknown_key": ("colour", 1),
     "misspelled": ("sped_rad_s", 1),
 }
-OPTIONS: Mapping[str, tuple[str, ...]] = {
+OPTIONS: Mapping[str, str] = {
     "emit": (
         "|c2_paralel|nothing.py|nothing.toml|nothing.urdf|examples|inputs/arm.xacro|inputs/arm.xml|C2|c2_parallel c1_perpendicular"
         "|c2_parallel --out .|c2_parallel --out inputs/rig.json|c2_parallel --out inputs/rig.json/x|serial_chain"
@@ -319,17 +317,17 @@ OPTIONS: Mapping[str, tuple[str, ...]] = {
         "|c2_parallel --adapt --false-alarms 0|c2_parallel --adapt --settle -1|c2_parallel --adapt --settle 1.5"
         "|c2_parallel --adapt --backend jax|c2_parallel --adapt --fixed|c2_parallel --parameters nothing.json"
         "|c2_parallel --parameters examples|c2_parallel --nothing|examples/arms/planar_2r.toml --adapt"
-        "|examples/arms/planar_2r.toml --functions friction_torque|examples/arms/two_links.urdf#nothing",
+        "|examples/arms/planar_2r.toml --functions friction_torque|examples/arms/two_links.urdf#nothing"
     ),
-    "derive": ("nothing|c2_paralel|nothing.py|--out inputs/rig.json|--latx|examples",),
-    "figures": ("--out .|--out inputs/rig.json|--nothing|",),
-    "audit": ("now|--nothing",),
-    "doctor": ("now|--nothing",),
+    "derive": "nothing|c2_paralel|nothing.py|--out inputs/rig.json|--latx|examples",
+    "figures": "--out .|--out inputs/rig.json|--nothing|",
+    "audit": "now|--nothing",
+    "doctor": "now|--nothing",
     "fit": (
         "LOG|--rig RIG|LOG --rig|LOG --rig nothing.toml|LOG --rig examples|nothing.csv --rig RIG|examples --rig RIG|LOG LOG --rig RIG"
         "|LOG --rig RIG --model nothing|LOG --rig RIG --model c2_paralel|LOG --rig RIG --model screw_axis"
         "|LOG --rig RIG --model nothing.py|LOG --rig RIG --model serial_chain|LOG --rig RIG --mode x|LOG --rig LOG"
-        "|LOG --rig RIG --out .|LOG --rig RIG --out inputs/rig.json",
+        "|LOG --rig RIG --out .|LOG --rig RIG --out inputs/rig.json"
     ),
     "diagnose": (
         "LOG|LOG --rig nothing.toml|nothing.csv --rig RIG|LOG --rig RIG --with nothing|LOG --rig RIG --with strbeck"
@@ -337,34 +335,34 @@ OPTIONS: Mapping[str, tuple[str, ...]] = {
         "|LOG --rig RIG --only stribeck --without stribeck"
         "|LOG --rig RIG --with cogging[n=99]|LOG --rig RIG --with viscosity_temperature|LOG --rig RIG --effects nothing.py"
         "|LOG --rig RIG --effects RIG|LOG --rig RIG --effects examples|LOG --rig RIG --model nothing|LOG --rig RIG --out ."
-        "|LOG --rig RIG --model screw_axis|LOG LOG --rig RIG|LOG --rig RIG --opn",
+        "|LOG --rig RIG --model screw_axis|LOG LOG --rig RIG|LOG --rig RIG --opn"
     ),
     "compare": (
         "LOG --rig RIG|LOG c2_parallel|nothing.csv --rig RIG c2_parallel|LOG --rig nothing.json c2_parallel|LOG --rig RIG nothing"
         "|LOG --rig RIG c2_paralel|LOG --rig RIG c2_parallel+nothing|LOG --rig RIG c2_parallel+strbeck|LOG --rig RIG c2_parallel+"
         "|LOG --rig RIG +stribeck|LOG --rig RIG c2_parallel++stribeck|LOG --rig RIG c2_parallel+stribeck+stribeck"
         "|LOG --rig RIG c2_parallel+cogging[n=99]|LOG --rig RIG screw_axis|LOG --rig RIG serial_chain|LOG --rig RIG nothing.py"
-        "|LOG --rig RIG c2_parallel c2_parallel|LOG --rig RIG c2_parallel --effects nothing.py|LOG --rig RIG c2_parallel --out .",
+        "|LOG --rig RIG c2_parallel c2_parallel|LOG --rig RIG c2_parallel --effects nothing.py|LOG --rig RIG c2_parallel --out ."
     ),
     "plan": (
         "LOG --rig RIG|LOG --rig RIG --limits nothing.toml|LOG --rig RIG --limits examples|LOG --rig RIG --limits LOG"
         "|LOG --rig RIG --limits inputs/limits.json --diagnosis nothing.json|LOG --rig RIG --limits inputs/limits.json --diagnosis RIG"
         "|LOG --rig RIG --limits inputs/limits.json --added heavy|LOG --rig RIG --limits inputs/limits.json --added 2"
         "|LOG --rig RIG --limits inputs/limits.json --added -1kg|LOG --rig RIG --limits inputs/limits.json --model nothing"
-        "|nothing.csv --rig RIG --limits inputs/limits.json|LOG --rig nothing.json --limits inputs/limits.json",
+        "|nothing.csv --rig RIG --limits inputs/limits.json|LOG --rig nothing.json --limits inputs/limits.json"
     ),
     "adapt": (
         "LOG|nothing.csv --rig RIG|LOG --rig nothing.toml|LOG --rig RIG --forgetting 0|LOG --rig RIG --forgetting 2"
         "|LOG --rig RIG --forgetting x|LOG --rig RIG --false-alarms 0|LOG --rig RIG --false-alarms x|LOG --rig RIG --settle -1"
         "|LOG --rig RIG --settle x|LOG --rig RIG --parameters nothing.json|LOG --rig RIG --parameters RIG|LOG --rig RIG --model nothing"
-        "|LOG --rig RIG --out .",
+        "|LOG --rig RIG --out ."
     ),
     "fleet": (
         "|nothing --rigs RIG|inputs/none --rigs RIG|inputs/fleet_logs|inputs/fleet_logs --rigs nothing.csv|inputs/fleet_logs --rigs LOG"
         "|inputs/fleet_logs --rigs RIG --rate 2|inputs/fleet_logs --rigs RIG --rate 0|inputs/fleet_logs --rigs RIG --rate x"
         "|inputs/fleet_logs --rigs RIG --workers 0|inputs/fleet_logs --rigs RIG --workers x|inputs/fleet_logs --rigs RIG --pattern x"
         "|inputs/fleet_logs --rigs RIG --pattern {joint}|inputs/fleet_logs --rigs RIG --pattern {month}_{joint}"
-        "|inputs/fleet_logs --rigs RIG --out .|inputs/fleet_logs --rigs examples",
+        "|inputs/fleet_logs --rigs RIG --out .|inputs/fleet_logs --rigs examples"
     ),
     "bench": (
         "|--case C3|--mu 0|--mu 5|--mu x|--seconds 1|--seconds 1e9|--seconds x|--noise -1|--noise 2|--noise x|--seed x|--seed -1"
@@ -373,14 +371,14 @@ OPTIONS: Mapping[str, tuple[str, ...]] = {
         "|--arm 4|--arm 2r --runs 1|--arm 2r --rate 100|--arm 2r --measured x|--arm 2r --mu 0.5|--arm 2r --effect stribeck@9"
         "|--arm 2r --effect nothing|--arm 2r --case C1|--runs 5|--rate 500|--fleet --joints 0|--fleet --months 0"
         "|--fleet --degrading 99|--fleet --bad-sensors -1|--fleet --arm 2r|--joints 5|--fleet --seconds 1|--nothing"
-        "|--out inputs/log.csv|--out inputs/log.txt|--out inputs|--out nothing/log.csv",
+        "|--out inputs/log.csv|--out inputs/log.txt|--out inputs|--out nothing/log.csv"
     ),
     "rig": (
         "|nothing.csv|examples|LOG --check nothing.toml|LOG --check examples|LOG --check RIG --out inputs/new.toml|LOG --out RIG"
         "|LOG --out inputs/new.yaml|LOG --out inputs/rig.json/new.toml|LOG --arm nothing.toml|LOG --arm RIG|LOG --arm examples/arms/planar_2r.toml"
-        "|LOG --name ''|LOG --nothing",
+        "|LOG --nothing"
     ),
-    "": ("|nothing|diagnos|--nothing|-x|fit diagnose|Fit",),
+    "": "|nothing|diagnos|--nothing|-x|fit diagnose|Fit",
 }
 """Command -> its bad arguments, separated by bars; where they name no --out, a fresh folder is added."""
 NEEDS_OUT = {"emit", "fit", "diagnose", "plan", "adapt", "fleet"}
@@ -494,39 +492,36 @@ def prepare(folder: Path) -> None:
         path.write_bytes(content)
 
 
-def commands() -> dict[str, list[Command]]:
-    """Group -> command lines that should be refused, after `prepare`."""
-    out = ("--out", OUT)
-    rigs = [f"{HERE}/rigs/{safe(name)}.json" for name in RIG_ROWS] + [
-        f"{HERE}/rig_texts/{name}" for name in RIG_TEXTS
-    ]
+def commands() -> dict[str, list[str]]:
+    """Group -> command lines that should be refused, after `prepare`; each group writes into its own folder."""
+    rigs = [f"{HERE}/rigs/{safe(name)}.json" for name in RIG_ROWS]
+    rigs += [f"{HERE}/rig_texts/{name}" for name in RIG_TEXTS]
     logs = sorted(str(path) for path in Path(HERE, "logs").iterdir())
-    arms = [f"{HERE}/arms/{safe(name)}.json" for name in ARM_ROWS]
     scripts = [f"{HERE}/scripts/{name}" for name in SCRIPTS]
-    groups: dict[str, list[Command]] = {
-        "rig_check": [("rig", LOG, "--check", rig) for rig in rigs[::5]],  # each tries a fit: seconds
-        "rig_fit": [("fit", LOG, "--rig", rig, *out) for rig in rigs],
-        "log_fit": [("fit", log, "--rig", RIG, *out) for log in logs],
-        "log_rig": [("rig", log) for log in logs],
-        "arm": [("emit", arm, *out) for arm in arms],
-        "limits": [
-            ("plan", *GIVEN, "--limits", f"{HERE}/limits/{safe(name)}.json", *out) for name in LIMIT_ROWS
-        ],
-        "fits": [("emit", "c2_parallel", "--parameters", f"{HERE}/fits/{name}", *out) for name in FIT_TEXTS],
-        "scripts": [("emit", script, *out) for script in scripts],
+    limits = [f"{HERE}/limits/{safe(name)}.json" for name in LIMIT_ROWS]
+    groups = {
+        "rig_check": [f"rig LOG --check {rig}" for rig in rigs[::5]],  # each tries a fit: seconds
+        "rig_fit": [f"fit LOG --rig {rig} --out OUT" for rig in rigs],
+        "log_fit": [f"fit {log} --rig RIG --out OUT" for log in logs],
+        "log_rig": [f"rig {log}" for log in logs],
+        "arm": [f"emit {HERE}/arms/{safe(name)}.json --out OUT" for name in ARM_ROWS],
+        "limits": [f"plan LOG --rig RIG --limits {path} --out OUT" for path in limits],
+        "fits": [f"emit c2_parallel --parameters {HERE}/fits/{name} --out OUT" for name in FIT_TEXTS],
+        "scripts": [f"emit {script} --out OUT" for script in scripts],
         "effects": [
-            ("diagnose", *GIVEN, "--effects", script, *out) for script in scripts if "empty" not in script
+            f"diagnose LOG --rig RIG --effects {script} --out OUT"
+            for script in scripts
+            if "empty" not in script
         ],
     }
-    for command, (text,) in OPTIONS.items():
-        rows = []
-        for words in text.split("|"):
-            filled = words.replace("LOG", LOG).replace("RIG", RIG).replace("''", "").split(" ")
-            line = tuple(filter(None, (command, *filled)))
-            rows.append(line if "--out" in words or command not in NEEDS_OUT else (*line, *out))
-        groups[f"options_{command or 'none'}"] = rows
-    # Groups run beside each other: a folder for each of them.
+    for command, text in OPTIONS.items():
+        rows = [f"{command} {words}" for words in text.split("|")]
+        out = " --out OUT" if command in NEEDS_OUT else ""
+        groups[f"options_{command or 'none'}"] = [row if "--out" in row else row + out for row in rows]
     return {
-        name: [tuple(f"{OUT}/{name}" if word == OUT else word for word in row) for row in rows]
+        name: [
+            re.sub(r"\b(LOG|RIG|OUT)\b", lambda word: {**FILES, "OUT": f"{HERE}/out/{name}"}[word[0]], row)  # noqa: B023
+            for row in rows
+        ]
         for name, rows in groups.items()
     }
