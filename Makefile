@@ -63,8 +63,9 @@ bench: $(TEST)
 	@OMP_NUM_THREADS=1 $(BIN)/python benchmarks/page.py
 
 # Results in a folder outside the tree, ../frozen/COMMIT-PART or FROZEN=, before and after a change. REV= takes a
-# commit instead of the tree as it is, DATA= the folder of the logs that are not bundled, PART=all everything.
-freeze: $(TEST)
+# commit instead of the tree as it is, DATA= the folder of the logs that are not bundled, PART=all everything. An
+# environment that exists is used as it is: installing it again would point one shared by worktrees at this one.
+freeze: | $(TEST)
 	@$(BIN)/python benchmarks/freeze.py --part $(or $(PART),core) $(if $(REV),--rev $(REV)) \
 	    $(if $(DATA),--data $(DATA)) $(if $(FROZEN),--out $(FROZEN))
 
