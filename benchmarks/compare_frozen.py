@@ -66,7 +66,8 @@ def compare_values(
         for number, (one, two) in enumerate(zip(before, after, strict=True)):
             yield from compare_values(one, two, tolerance, f"{at}/{number}", scale)
     elif not _agree(before, after, tolerance, scale):
-        yield f"{at}: {_short(before)}, then {_short(after)}"
+        one, two = (value if isinstance(value, str) else repr(value) for value in (before, after))
+        yield f"{at}: {_around(one, one, two)}, then {_around(two, one, two)}"
 
 
 def _decoded(value: dict[str, Any]) -> Any:
@@ -96,11 +97,6 @@ def _agree(before: Any, after: Any, tolerance: float, scale: float) -> bool:
     return math.isclose(before, after, rel_tol=tolerance, abs_tol=tolerance * scale)
 
 
-def _short(value: object) -> str:
-    text = value if isinstance(value, str) else repr(value)
-    return text if len(text) <= 200 else f"{text[:200]}..."
-
-
 def compare_lines(before: str, after: str, most: int, close: Any = None) -> Iterator[str]:
     """Yield the first lines that differ and how many more there are; `close(number, number)` accepts numbers."""
     pairs = itertools.zip_longest(before.splitlines(), after.splitlines())
@@ -113,7 +109,8 @@ def compare_lines(before: str, after: str, most: int, close: Any = None) -> Iter
         found += 1
         if found <= most:
             sides = (
-                "no such line" if line is None else _around(line, one or "", two or "") for line in (one, two)
+                "no such line" if line is None else repr(_around(line, one or "", two or ""))
+                for line in (one, two)
             )
             yield f"line {number}: {', then '.join(sides)}"
     if found > most:

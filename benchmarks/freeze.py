@@ -8,8 +8,8 @@ that both sides of a comparison come from one machine and one script.  DATA has 
 `examples`, `controls` and `measured`; what is absent is left out.  FOLDER is new and outside the tree.
 
 A result is what a command of `eccentric` prints and writes.  Commands run inside FOLDER with relative paths, each in
-a process of its own that is forked from one that has imported the tree: imports are paid once, and no command sees
-what another one has cached.  Figures as PNG and tables as Parquet are removed; logs are unpacked.
+a process of its own that is forked from one that has imported the tree (and loaded a model, for refusals): imports
+are paid once, and no command sees what another one has cached.  Figures as PNG and tables as Parquet are removed; logs are unpacked.
 """
 
 from __future__ import annotations
@@ -346,11 +346,14 @@ def _write_signatures(name: str) -> None:
 
 
 def _signature(value: object) -> str:
-    """How a name is called, or what kind of thing it is; without addresses."""
+    """How a name is called, or what kind of thing it is; without addresses, and with sets in order."""
     function = value.fget if isinstance(value, property) else getattr(value, "__func__", value)
     kind = type(value).__name__
     with suppress(TypeError, ValueError):
-        return f"{kind} {re.sub(r' at 0x[0-9a-f]+', '', str(inspect.signature(function)))}"  # type: ignore[arg-type]
+        text = re.sub(r" at 0x[0-9a-f]+", "", str(inspect.signature(function)))  # type: ignore[arg-type]
+        return f"{kind} " + re.sub(
+            r"(?<=set\(\{)[^}]*", lambda some: ", ".join(sorted(some[0].split(", "))), text
+        )
     return kind
 
 
@@ -414,6 +417,8 @@ def _run(job: Job) -> int:
     printed.parent.mkdir(parents=True, exist_ok=True)
     if job.name.startswith("documents/"):
         folder.mkdir(parents=True, exist_ok=True)  # where a command writes beside others, it makes no folder
+    if job.name.startswith("refusals/") and len(job.commands) > 10:
+        importlib.import_module("eccentric").load_model("c2_parallel")  # once, not before each refusal
     text = "".join(map(_recorded, job.commands))
     printed.write_text(text, encoding="utf-8")
     return EXCEPTION if "--- status 70" in text else 0

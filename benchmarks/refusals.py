@@ -500,7 +500,7 @@ def commands() -> dict[str, list[str]]:
     scripts = [f"{HERE}/scripts/{name}" for name in SCRIPTS]
     limits = [f"{HERE}/limits/{safe(name)}.json" for name in LIMIT_ROWS]
     groups = {
-        "rig_check": [f"rig LOG --check {rig}" for rig in rigs[::5]],  # each tries a fit: seconds
+        "rig_check": [f"rig LOG --check {rig}" for rig in rigs[::12]],  # each tries a fit: seconds
         "rig_fit": [f"fit LOG --rig {rig} --out OUT" for rig in rigs],
         "log_fit": [f"fit {log} --rig RIG --out OUT" for log in logs],
         "log_rig": [f"rig {log}" for log in logs],
