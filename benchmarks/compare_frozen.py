@@ -119,14 +119,14 @@ def compare_lines(before: str, after: str, most: int, close: Any = None) -> Iter
         yield "ends of lines differ"
 
 
-def _around(line: str, one: str, two: str) -> str:
-    """A line as it is or, of a long one, the part where two of them begin to differ."""
-    if len(line) <= 160:
-        return repr(line)
+def _around(text: str, one: str, two: str) -> str:
+    """A text as it is or, of a long one, the part where two of them begin to differ."""
+    if len(text) <= 160:
+        return text
     start = next(
         (k for k, (a, b) in enumerate(zip(one, two, strict=False)) if a != b), min(len(one), len(two))
     )
-    return f"column {start + 1} {line[max(0, start - 40) : start + 80]!r}"
+    return f"... {text[max(0, start - 40) : start + 80]} ... (column {start + 1})"
 
 
 def _same_but_numbers(before: str, after: str, close: Any) -> bool:

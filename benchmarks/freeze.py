@@ -172,7 +172,7 @@ def _emitted(drives: Sequence[str], *, every: bool) -> Iterator[Job]:
             yield replace(job, core=job.core and not few)
     for effect in FIVE:
         name, script = _effect("c2_parallel", effect)
-        yield from _all_options(name, script, core=effect in FIVE[:2])
+        yield from _all_options(name, script, core=effect == FIVE[0])
     for model in drives if every else ():
         for effect in effects_of(model):
             # Of effects that differ by their order alone, one model has all.
