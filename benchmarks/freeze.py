@@ -259,7 +259,7 @@ def _documents(data: Path | None) -> Iterator[Job]:
     yield from _arm_documents(data)
     fleet, place = f"{INPUTS}/fleet", "documents/fleet"
     rows = [
-        f"bench --fleet --out {fleet} --joints 3 --months 3",
+        f"bench --fleet --out {fleet} --joints 4 --months 6",
         f"fleet {fleet}/logs --rigs {fleet}/rigs.csv --workers 1 --out {place}",
     ]
     yield Job(place, rows, seconds=40)
