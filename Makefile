@@ -19,7 +19,7 @@ LINT := $(VENV)/.stamp-lint
 DOCS := $(VENV)/.stamp-docs
 DERIVED := $(VENV)/.stamp-derived
 
-.PHONY: run test test-slow derive figures docs lint check bench clean
+.PHONY: run test test-slow derive figures docs lint check bench freeze compare clean
 .NOTPARALLEL:
 
 run: $(DERIVED)
@@ -61,6 +61,16 @@ check: lint test
 # algebra library would disturb what is timed, and stand in the way of processes.
 bench: $(TEST)
 	@OMP_NUM_THREADS=1 $(BIN)/python benchmarks/page.py
+
+# Results in a folder outside the tree, ../frozen/COMMIT-PART or FROZEN=, before and after a change. REV= takes a
+# commit instead of the tree as it is, DATA= the folder of the logs that are not bundled, PART=all everything. An
+# environment that exists is used as it is: installing it again would point one shared by worktrees at this one.
+freeze: | $(TEST)
+	@$(BIN)/python benchmarks/freeze.py --part $(or $(PART),core) $(if $(REV),--rev $(REV)) \
+	    $(if $(DATA),--data $(DATA)) $(if $(FROZEN),--out $(FROZEN))
+
+compare:
+	@$(BIN)/python benchmarks/compare_frozen.py $(BEFORE) $(AFTER) $(if $(RENAMED),--renamed $(RENAMED))
 
 # The environment stays: delete $(VENV) by hand to start over.
 clean:
