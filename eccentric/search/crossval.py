@@ -63,7 +63,7 @@ class Gram:
     def loss(self, coefficients: Array) -> Array:
         """Sum of squared residuals of each block; coefficients (p,) or one set per block (..., b, p)."""
         c = np.broadcast_to(coefficients, self.vector.shape)
-        # Coefficients that extrapolate wildly leave the rounding of huge numbers, of either sign, or no number.
+        # Coefficients that extrapolate wildly leave the rounding of huge numbers, of either sign, or nothing.
         with np.errstate(over="ignore", invalid="ignore"):
             product = (self.matrix @ c[..., None])[..., 0]
             return np.abs(self.square + np.sum(c * (product - 2.0 * self.vector), axis=-1))
