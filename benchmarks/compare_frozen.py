@@ -6,7 +6,8 @@ Files are paired by their path.  How they are compared follows from it:
 
 numbers     documents/ except printed lines.  Keys, texts, lists and truth values of JSON have to be equal, verdicts
             among them; a number may differ by the tolerance times its magnitude or, where an object has a
-            `std_error`, times that one for every number of the object, whichever is larger.  In HTML this applies
+            `std_error`, times that one for every number of the object, whichever is larger; a list of them counts
+            entry by entry.  In HTML this applies
             to JSON in scripts, whose arrays in base64 are decoded: of 32 bits, they may differ by a unit in the last
             place.  The rest of a page, emitted code, CSV and TOML are compared line by line; lines that differ in
             decimal numbers alone agree if the numbers do (coordinates of SVG: to 1e-5).  The digest of a program
@@ -43,7 +44,7 @@ ABSENT = object()
 
 
 def compare_values(
-    before: Any, after: Any, tolerance: float, at: str = "", scale: float = 0.0
+    before: Any, after: Any, tolerance: float, at: str = "", scale: float | list[float] = 0.0
 ) -> Iterator[str]:
     """Yield a line for each place where two JSON documents differ; `scale` is a standard error, if there is one."""
     if isinstance(before, dict) and isinstance(after, dict):
@@ -52,7 +53,7 @@ def compare_values(
             yield from compare_values(before, after, max(tolerance, SINGLE), at)
             return
         error = before.get("std_error")
-        own = abs(error) if _is_number(error) and math.isfinite(error) else 0.0
+        own = [_size(x) for x in error] if isinstance(error, list) else _size(error)
         for key in sorted({*before, *after}):
             one, two = before.get(key, ABSENT), after.get(key, ABSENT)
             if one is ABSENT or two is ABSENT:
@@ -63,11 +64,17 @@ def compare_values(
         if len(before) != len(after):
             yield f"{at}: {len(before)} entries, then {len(after)}"
             return
+        scales = scale if isinstance(scale, list) and len(scale) == len(before) else [scale] * len(before)
         for number, (one, two) in enumerate(zip(before, after, strict=True)):
-            yield from compare_values(one, two, tolerance, f"{at}/{number}", scale)
-    elif not _agree(before, after, tolerance, scale):
+            yield from compare_values(one, two, tolerance, f"{at}/{number}", scales[number])
+    elif not _agree(before, after, tolerance, 0.0 if isinstance(scale, list) else scale):
         one, two = (value if isinstance(value, str) else repr(value) for value in (before, after))
         yield f"{at}: {_around(one, one, two)}, then {_around(two, one, two)}"
+
+
+def _size(error: Any) -> float:
+    """The size of a standard error; 0 for none."""
+    return abs(error) if _is_number(error) and math.isfinite(error) else 0.0
 
 
 def _decoded(value: dict[str, Any]) -> Any:
