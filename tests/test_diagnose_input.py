@@ -205,3 +205,17 @@ def test_a_wrong_constant_of_the_rig_is_told_as_what_it_is(tmp_path: Path, k_e: 
     # The bench has 0.063 V s/rad; its encoder and its low pass cost some per mille.
     assert float(value) == pytest.approx(0.063, rel=5e-3)
     assert 1 == said.lower().count("k_e")
+
+
+@pytest.mark.parametrize("command", ["fit", "diagnose", "compare"])
+def test_a_chain_of_joints_is_no_model_of_one_drive(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its balances are one for each joint: the one of a drive is what is missing, in one line."""
+    model = ["serial_chain"] if command == "compare" else ["--model", "serial_chain"]
+
+    assert 2 == main([command, str(LOG), "--rig", str(TOML), *model, "--out", str(tmp_path / "out")])
+    assert capsys.readouterr().err == (
+        "eccentric: error: model serial_chain: a mechanical balance of one drive is required,"
+        " received mechanical_0, electrical_0, mechanical_1, electrical_1\n"
+    )

@@ -136,8 +136,14 @@ class Model:
         return sp.diff(drive.sum_of("drive"), i.symbol) / sp.diff(resistive.sum_of("resistive"), i.symbol)
 
     def balance(self, name: str) -> Balance:
-        """The balance of that name; KeyError if there is none."""
-        return {balance.name: balance for balance in self.balances}[name]
+        """The balance of that name; InputError if there is none, as in a chain of several joints."""
+        found = {balance.name: balance for balance in self.balances}
+        if name not in found:
+            raise InputError(
+                f"model {self.name}: a {name} balance of one drive is required,"
+                f" received {', '.join(found) or 'none'}"
+            )
+        return found[name]
 
     def definition(self, name: str) -> Definition:
         """The definition of the quantity of that name; KeyError if there is none."""
