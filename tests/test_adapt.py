@@ -165,6 +165,7 @@ def test_rest_does_not_wind_it_up(folder: Path, python: ModuleType, in_turns: An
         previous = list(c.state.coefficient)
 
 
+@pytest.mark.slow
 def test_plain_least_squares_winds_up(python: ModuleType, in_turns: Any) -> None:
     """On this log the plain covariance turns negative after the first rest, and plain U-D drifts off."""
     sigma, spread = 1 / python._DOUBLE.PER_NOISE, np.array(python._DOUBLE.step)

@@ -142,7 +142,13 @@ PRINTING = {"eccentric audit": ("-m", "eccentric", "audit")} | {
 }
 
 
-@pytest.mark.parametrize("name", sorted(PRINTING))
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[] if name in {"eccentric audit", "c2_parallel"} else [pytest.mark.slow])
+        for name in sorted(PRINTING)
+    ],
+)
 def test_a_reader_that_leaves_is_no_error(name: str) -> None:
     """Output into a pipe that nobody reads ends quietly, as it does for other programs."""
     command = [sys.executable, *PRINTING[name]]

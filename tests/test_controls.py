@@ -8,14 +8,11 @@ from eccentric.diagnosis import diagnose
 from tests.logged import SHARED
 
 CONTROLS = SHARED / "controls"
-FEW = {6}
-"""A ringing loop. The others are slow tests."""
 
 
 @pytest.mark.skipif(not CONTROLS.is_dir(), reason="the shared control logs are not beside this clone")
-@pytest.mark.parametrize(
-    "number", [pytest.param(k, marks=[] if k in FEW else [pytest.mark.slow]) for k in range(1, 13)]
-)
+@pytest.mark.slow  # `test_diagnose` has a control of the virtual bench
+@pytest.mark.parametrize("number", range(1, 13))
 def test_nothing_is_missing(number: int) -> None:
     """No name, no tie, no `unexplained`: the noise of bus, loop and encoder is no effect."""
     log = CONTROLS / f"control{number:02}.csv.gz"

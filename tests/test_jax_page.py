@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from eccentric.cli import main
 from tests.test_tutorial import first_difference
 
@@ -12,6 +14,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = (ROOT / "docs" / "jax.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_blocks_print_what_the_page_shows(tmp_path: Path) -> None:
     """Run in order beside the emitted file, they print the numbers below them."""
     assert 0 == main(["emit", "c2_parallel", "--backend", "jax", "--out", str(tmp_path / "out")])
