@@ -19,7 +19,7 @@ LINT := $(VENV)/.stamp-lint
 DOCS := $(VENV)/.stamp-docs
 DERIVED := $(VENV)/.stamp-derived
 
-.PHONY: run test test-slow derive figures docs lint check bench clean
+.PHONY: run test test-slow derive figures docs lint check bench mutants clean
 .NOTPARALLEL:
 
 run: $(DERIVED)
@@ -61,6 +61,10 @@ check: lint test
 # algebra library would disturb what is timed, and stand in the way of processes.
 bench: $(TEST)
 	@OMP_NUM_THREADS=1 $(BIN)/python benchmarks/page.py
+
+# Small changes to the sources, each of which a test should notice. Goes on where an earlier run was interrupted.
+mutants: $(TEST)
+	@OMP_NUM_THREADS=1 $(BIN)/python benchmarks/mutants.py --number $(or $(NUMBER),200) --seed $(or $(SEED),1)
 
 # The environment stays: delete $(VENV) by hand to start over.
 clean:
