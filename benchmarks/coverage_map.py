@@ -12,7 +12,7 @@ import json
 import os
 import shutil
 import sqlite3
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -70,16 +70,21 @@ class Map:
                     found[test] += bits.bit_count()
         return found
 
-    def reaching(self, file: str, span: tuple[int, int], *, local: bool) -> tuple[list[str], list[str]]:
+    def reaching(
+        self, file: str, span: tuple[int, int], *, local: bool = True, uses: Mapping[str, int] | None = None
+    ) -> tuple[list[str], list[str]]:
         """The tests that execute one of the lines, and the other tests in their files; each the closest first.
 
-        Lines outside functions are executed on import: there it is the tests that execute anything in the file.
+        Lines outside functions are executed on import: there it is the tests that execute anything in the file, or
+        one of the lines (file -> bit per line) that use the constant.
         Files of tests are in the order of the time for the share of the lines that are in this source file.
         """
         first, last = span
         bits = (1 << last + 1) - (1 << first) if local else -1
         tests = self.lines.get(file, {})
         hit = {test for test, mask in tests.items() if mask & bits}
+        for name, used in (uses or {}).items():
+            hit |= {test for test, mask in self.lines.get(name, {}).items() if mask & used}
         files: dict[str, list[str]] = {}
         for test in hit & self.seconds.keys():
             files.setdefault(test.partition("::")[0], []).append(test)
@@ -89,7 +94,7 @@ class Map:
 
         def distance(name: str) -> tuple[bool, float]:
             own = files[name]
-            share = sum(tests[t].bit_count() / self.breadth[t] for t in own) or 1e-9
+            share = sum(tests.get(t, 0).bit_count() / self.breadth[t] for t in own) or 1e-9
             return not own, (1e-3 + sum(self.seconds[t] for t in own)) * max(len(own), 1) / share
 
         order = sorted(files, key=distance)

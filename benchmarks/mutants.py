@@ -13,10 +13,12 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import sys
 import tempfile
 import time
 import tomllib
+import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -29,7 +31,7 @@ if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
 from benchmarks.coverage_map import Map, digest, taken  # noqa: E402 - found by the line above
-from benchmarks.mutations import Mutant, drawn  # noqa: E402
+from benchmarks.mutations import Mutant, drawn, rooms  # noqa: E402
 from benchmarks.processes import Run, Steps, copied, run_all, run_pytest, warm  # noqa: E402
 
 _FIRST_S = 6.0
@@ -160,18 +162,23 @@ def _tested(
     """Run the tests on one mutant; a test that fails without it as well is left out from then on."""
     start, path, seen = time.monotonic(), copy / mutant.file, copy.with_name(f"{copy.name}-failed")
     source = path.read_bytes()
-    reached = reach.reaching(mutant.file, mutant.span, local=mutant.local)
+    stat = path.stat()
+    uses = {} if mutant.local else used(copy, mutant.name)
+    reached = reach.reaching(mutant.file, mutant.span, local=mutant.local, uses=uses)
     batches, cut = chosen(*reached, reach.seconds, most_s)
     outcome, by, count = "survived" if batches else "unreached", "", 0
     for batch in batches:
         while outcome != "killed" and (tests := [t for t in batch if sound.get(t, True)]):
             limit = 60.0 + 5.0 * sum(reach.seconds[t] for t in tests)
-            path.write_bytes(mutant.applied(source))
+            changed = mutant.applied(source)
+            path.write_bytes(changed)
+            stamp = zlib.crc32(changed)  # compiled files are told apart by size and time
+            os.utime(path, (stamp, stamp))
             try:
                 status = yield _pytest(tests, seen, limit, log)
             finally:
                 path.write_bytes(source)
-                os.utime(path, (1e9, 1e9))  # never as old as what is compiled from a mutant
+                os.utime(path, ns=(stat.st_atime_ns, stat.st_mtime_ns))
             count += len(tests)
             if status in {0, 5}:  # 5: the tests are no longer there
                 break
@@ -186,16 +193,23 @@ def _tested(
     note(replace(blank, outcome=outcome, by=by, tests=count, seconds=spent, cut=cut))
 
 
+def used(root: Path, name: str) -> dict[str, int]:
+    """The lines of Python files with a name: file -> bit per line."""
+    found = dict[str, int]()
+    word = re.compile(rf"\b{re.escape(name)}\b")
+    for files in rooms(root).values() if name else ():
+        for file in files:
+            text = (root / file).read_text(encoding="utf-8") if file.endswith(".py") else ""
+            if name in text:
+                found[file] = sum(1 << k for k, line in enumerate(text.splitlines(), 1) if word.search(line))
+    return found
+
+
 def _pytest(tests: list[str], seen: Path, limit: float, log: Path) -> Run:
     files = list(dict.fromkeys(test.partition("::")[0] for test in tests))
     seen.unlink(missing_ok=True)
 
-    def work() -> int:
-        sys.dont_write_bytecode = True
-        os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
-        return run_pytest(files, _Chosen(tests, seen), "-x")
-
-    return Run(work, limit, log)
+    return Run(lambda: run_pytest(files, _Chosen(tests, seen), "-x"), limit, log)
 
 
 class _Chosen:

@@ -65,6 +65,7 @@ class Mutant:
         start, end, text: the bytes that are replaced, and by what.
         span: first and last line of the statement; a test that executes one of them can notice.
         local: inside a function; all else is executed when the module is imported.
+        name: the constant of the module that is concerned, if any; a test that executes a line with it can notice.
     """
 
     file: str
@@ -75,6 +76,7 @@ class Mutant:
     text: str
     span: tuple[int, int]
     local: bool = True
+    name: str = ""
 
     def applied(self, source: bytes) -> bytes:
         """The changed source."""
@@ -195,6 +197,8 @@ class _Python:
         for line in source.splitlines(keepends=True):
             self._starts.append(self._starts[-1] + len(line))
         for node in ast.parse(source).body:
+            target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", None)
+            self._name = target.id if isinstance(target, ast.Name) else ""
             self._walk(node, (1, 1), local=False)
 
     def _walk(self, node: ast.AST, span: tuple[int, int], *, local: bool) -> None:
@@ -212,11 +216,12 @@ class _Python:
             span = node.lineno, end
         for start, stop, kind, text in self._changes(node, local=local):
             line = self.source.count(b"\n", 0, start) + 1
-            self.found.append(Mutant(self.file, line, kind, start, stop, text, span, local))
+            self.found.append(Mutant(self.file, line, kind, start, stop, text, span, local, self._name))
         if isinstance(node, _FUNCTIONS):
+            inner = node.body[0].lineno, node.end_lineno or node.lineno
             for default in (*node.args.defaults, *node.args.kw_defaults):
                 if default:
-                    self._walk(default, span, local=local)
+                    self._walk(default, inner, local=True)
             for child in node.body:
                 self._walk(child, span, local=True)
             return

@@ -126,10 +126,12 @@ def test_the_closest_tests_come_first() -> None:
         {"law.py": {"a::all": 0b110, "b::one": 0b010}, "more.py": {"a::all": 0xFFFF, "c::none": 1}},
     )
 
-    assert (["b::one", "a::all"], ["b::other"]) == found.reaching("law.py", (1, 1), local=True)
-    assert (["a::all"], []) == found.reaching("law.py", (2, 2), local=True)
-    assert ([], []) == found.reaching("law.py", (3, 3), local=True)
+    assert (["b::one", "a::all"], ["b::other"]) == found.reaching("law.py", (1, 1))
+    assert (["a::all"], []) == found.reaching("law.py", (2, 2))
+    assert ([], []) == found.reaching("law.py", (3, 3))
     assert (["b::one", "a::all"], ["b::other"]) == found.reaching("law.py", (3, 3), local=False)
+    uses = {"more.py": 1}
+    assert ["b::one", "a::all", "c::none"] == found.reaching("law.py", (3, 3), local=False, uses=uses)[0]
 
 
 def test_the_time_for_a_mutant_is_shared_by_the_files_of_tests() -> None:
