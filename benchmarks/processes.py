@@ -13,6 +13,7 @@ import signal
 import sys
 import time
 import traceback
+import types
 from collections.abc import Callable, Generator, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -139,9 +140,13 @@ def _enter(copy: Path) -> None:
     sys.path[:] = [str(copy), *(p for p in sys.path if Path(p or ".").resolve() not in {here, here.parent})]
     for name in [n for n in sys.modules if n.partition(".")[0] in {"benchmarks", "eccentric", "tests"}]:
         del sys.modules[name]
+    # What a test starts with multiprocessing would run this process's script again.
+    sys.modules["__main__"] = types.ModuleType("__main__")
     os.chdir(copy)
     cache = copy.with_name(f"{copy.name}-cache")
     shutil.rmtree(cache, ignore_errors=True)
+    sys.dont_write_bytecode = False
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     os.environ |= {"PYTHONPATH": str(copy), "XDG_CACHE_HOME": str(cache)}
 
 
