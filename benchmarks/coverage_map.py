@@ -62,12 +62,11 @@ class Map:
 
     @cached_property
     def breadth(self) -> dict[str, int]:
-        """How many lines each test executes."""
-        found = dict.fromkeys(self.seconds, 1)
+        """How many lines each test executes, or the collection of a file of tests."""
+        found: dict[str, int] = {}
         for tests in self.lines.values():
             for test, bits in tests.items():
-                if test in found:
-                    found[test] += bits.bit_count()
+                found[test] = found.get(test, 0) + bits.bit_count()
         return found
 
     def reaching(
@@ -76,7 +75,8 @@ class Map:
         """The tests that execute one of the lines, and the other tests in their files; each the closest first.
 
         Lines outside functions are executed on import: there it is the tests that execute anything in the file, or
-        one of the lines (file -> bit per line) that use the constant.
+        one of the lines (file -> bit per line) that use the constant. A derivation is executed once, by whoever asks
+        for its model first: there it is all tests of that file, and so it is for what is executed in collecting it.
         Files of tests are in the order of the time for the share of the lines that are in this source file.
         """
         first, last = span
@@ -90,11 +90,13 @@ class Map:
             files.setdefault(test.partition("::")[0], []).append(test)
         for name in hit - self.seconds.keys():
             if name in self.of_file:
-                files.setdefault(name, [])
+                files[name] = self.of_file[name] if local else files.get(name, [])
+        if file.startswith("derivations/"):
+            files = {name: self.of_file[name] for name in files}
 
         def distance(name: str) -> tuple[bool, float]:
             own = files[name]
-            share = sum(tests.get(t, 0).bit_count() / self.breadth[t] for t in own) or 1e-9
+            share = sum(tests[t].bit_count() / self.breadth[t] for t in [name, *own] if t in tests) or 1e-9
             return not own, (1e-3 + sum(self.seconds[t] for t in own)) * max(len(own), 1) / share
 
         order = sorted(files, key=distance)
