@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.emission.program import accuracy as stated
+from eccentric.model import load_model, with_values
 from tests import accelerated, accuracy, oracle, random_drives
 from tests.compiled import GENERATED, Library, Real
 from tests.emitted import both_precisions, module
@@ -169,3 +170,14 @@ def test_the_header_states_the_bounds(name: str) -> None:
 
     stated_reach, told = re.findall(r"parameters count as exact(.*):\n((?: \*   .*\n)+)", header)[0]
     assert (reach, lines + given) == (stated_reach, [line.strip(" *") for line in told.splitlines()])
+
+
+def test_table_1_is_that_of_the_paper_s_parameters_without_values_of_their_own() -> None:
+    """A model of the paper is, one with other parameters or with values of a fit is not."""
+    paper = load_model("c2_parallel")
+    fitted = with_values(paper, {"C_m": 0.02}, "fitted")
+
+    assert [True, True, False, False] == [
+        stated._of_table_1(model)
+        for model in (paper, load_model("c2_asymmetric"), load_model("linear_axis"), fitted)
+    ]
