@@ -424,5 +424,5 @@ def test_a_limit_is_drawn_where_it_does_not_flatten_the_motion(
     PlanResult.draw(SimpleNamespace(plan=plan), figure)  # pyright: ignore[reportArgumentType]
     speed = figure.axes[1]
 
-    assert lines == [line.get_ydata()[0] for line in speed.lines if line.get_linestyle() == "--"]
+    assert lines == [np.asarray(line.get_ydata())[0] for line in speed.lines if line.get_linestyle() == "--"]
     assert title == speed.get_title(loc="right")
