@@ -7,8 +7,10 @@ used by later tests of the same process without executing the lines again: those
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
+import operator
 import os
 import shutil
 import sqlite3
@@ -80,8 +82,11 @@ class Map:
         Files of tests are in the order of the time for the share of the lines that are in this source file.
         """
         first, last = span
-        bits = (1 << last + 1) - (1 << first) if local else -1
         tests = self.lines.get(file, {})
+        if file.endswith(".jinja"):  # text of several lines is executed as its first one
+            every = functools.reduce(operator.or_, tests.values(), 0)
+            first = last = max((every & ((1 << last + 1) - 1)).bit_length() - 1, 0)
+        bits = (1 << last + 1) - (1 << first) if local else -1
         hit = {test for test, mask in tests.items() if mask & bits}
         for name, used in (uses or {}).items():
             hit |= {test for test, mask in self.lines.get(name, {}).items() if mask & used}

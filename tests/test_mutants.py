@@ -134,6 +134,14 @@ def test_the_closest_tests_come_first() -> None:
     assert ["b::one", "a::all", "c::none"] == found.reaching("law.py", (3, 3), local=False, uses=uses)[0]
 
 
+def test_text_of_a_template_is_executed_as_its_first_line() -> None:
+    """Jinja writes the lines from one tag to the next at once."""
+    found = Map({"a::one": 1.0, "b::two": 1.0}, {"x.c.jinja": {"a::one": 0b00010, "b::two": 0b10010}})
+
+    assert {"a::one", "b::two"} == set(found.reaching("x.c.jinja", (3, 3))[0])
+    assert ["b::two"] == found.reaching("x.c.jinja", (6, 6))[0]
+
+
 def test_the_time_for_a_mutant_is_shared_by_the_files_of_tests() -> None:
     """A file has a quarter of it; what is left out is said."""
     seconds = {"a::1": 2.0, "a::2": 30.0, "b::1": 3.0, "b::2": 4.0}
