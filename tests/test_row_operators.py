@@ -259,7 +259,7 @@ def test_a_low_pass_stops_at_gaps_and_leaves_short_stretches_alone() -> None:
 )
 def test_time_stamps_are_even_within_a_tenth_of_a_step(off: float, expected: bool) -> None:
     """At 250 Hz 0.4 ms: one of a thousand may be off by 0.3 ms, and not by 0.6 ms."""
-    t = 3.0 + 0.004 * np.arange(1000)
+    t = 3.0 + 0.004 * np.arange(1000.0)
     t[500] += off
 
     assert expected == is_even(t)
