@@ -79,7 +79,7 @@ class Map:
         Lines outside functions are executed on import: there it is the tests that execute anything in the file, or
         one of the lines (file -> bit per line) that use the constant. A derivation is executed once, by whoever asks
         for its model first: there it is all tests of that file, and so it is for what is executed in collecting it.
-        Files of tests are in the order of the time for the share of the lines that are in this source file.
+        The order is that of the time over the share of a test's lines that are in this source file.
         """
         first, last = span
         tests = self.lines.get(file, {})
@@ -99,16 +99,14 @@ class Map:
         if file.startswith("derivations/"):
             files = {name: self.of_file[name] for name in files}
 
-        def distance(name: str) -> tuple[bool, float]:
-            own = files[name]
-            share = sum(tests[t].bit_count() / self.breadth[t] for t in [name, *own] if t in tests) or 1e-9
-            return not own, (1e-3 + sum(self.seconds[t] for t in own)) * max(len(own), 1) / share
+        def distance(test: str) -> float:
+            name = test.partition("::")[0]
+            share = max(tests[t].bit_count() / self.breadth[t] if t in tests else 1e-9 for t in (test, name))
+            return (0.05 + self.seconds[test]) / share
 
-        order = sorted(files, key=distance)
-        return (
-            [t for name in order for t in self.of_file[name] if t in files[name]],
-            [t for name in order for t in self.of_file[name] if t not in files[name]],
-        )
+        reached = sorted((test for own in files.values() for test in own), key=distance)
+        order = dict.fromkeys([*(test.partition("::")[0] for test in reached), *files])
+        return reached, [t for name in order for t in self.of_file[name] if t not in files[name]]
 
 
 def taken(root: Path, out: Path) -> tuple[list[Callable[[Path], Steps]], Callable[[], Map]]:

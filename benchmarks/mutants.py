@@ -233,31 +233,19 @@ def chosen(
 ) -> tuple[list[list[str]], bool]:
     """The tests to run in two batches, and whether some that execute the line are left out.
 
-    A file of tests has a quarter of the time, its quickest tests first; so have all tests together that are in the same
-    files and do not execute the line, for what an earlier test has left in memory.
+    A quarter of the time is for tests in the same files that do not execute the line, for what an earlier test has left
+    in memory. Tests of one file are run together.
     """
-    spent, of_file, found, late = 0.0, dict[str, float](), list[str](), list[str]()
-
-    def take(tests: list[str], limit: float) -> list[str]:
-        nonlocal spent
-        left = []
-        for test in sorted(tests, key=seconds.__getitem__):
-            file = test.partition("::")[0]
-            used = of_file.get(file, 0.0) + seconds[test]
-            if found and (spent + seconds[test] > most_s or used > limit):
-                left.append(test)
-                continue
-            spent, of_file[file] = spent + seconds[test], used
-            found.append(test)
-        return left
-
-    for file in dict.fromkeys(test.partition("::")[0] for test in reaching):
-        late += take([test for test in reaching if test.partition("::")[0] == file], most_s / 4)
-    late = take(late, most_s)
-    most_s = min(most_s, spent + most_s / 4)
-    take(others, most_s)
-    place = {test: k for k, test in enumerate([*reaching, *others])}
-    found.sort(key=place.__getitem__)
+    spent, found = 0.0, list[str]()
+    for tests, limit in ((reaching, most_s), (others, most_s / 4)):
+        end = min(most_s, spent + limit)
+        for test in tests:
+            if not found or spent + seconds[test] <= end:
+                spent += seconds[test]
+                found.append(test)
+    late = set(reaching) - set(found)
+    place = {name: k for k, name in enumerate(dict.fromkeys(test.partition("::")[0] for test in found))}
+    found.sort(key=lambda test: place[test.partition("::")[0]])
     total, count = 0.0, 0
     while count < len(found) and (count == 0 or total + seconds[found[count]] <= _FIRST_S):
         total += seconds[found[count]]

@@ -142,12 +142,13 @@ def test_text_of_a_template_is_executed_as_its_first_line() -> None:
     assert ["b::two"] == found.reaching("x.c.jinja", (6, 6))[0]
 
 
-def test_the_time_for_a_mutant_is_shared_by_the_files_of_tests() -> None:
-    """A file has a quarter of it; what is left out is said."""
-    seconds = {"a::1": 2.0, "a::2": 30.0, "b::1": 3.0, "b::2": 4.0}
+def test_the_time_for_a_mutant_is_limited() -> None:
+    """The closest tests that fit, those of a file together; what is left out is said."""
+    seconds = {"a::1": 2.0, "b::1": 3.0, "a::2": 30.0, "b::2": 4.0}
 
     assert ([["a::1", "b::1"], ["b::2"]], True) == mutants.chosen([*seconds], [], seconds, 30.0)
     assert ([["a::1"], ["a::2", "b::1", "b::2"]], False) == mutants.chosen([*seconds], [], seconds, 39.0)
+    assert ([["a::1", "b::1"]], False) == mutants.chosen(["a::1"], ["b::1", "b::2"], seconds, 16.0)
 
 
 @pytest.mark.parametrize(("why", "left"), [({}, 1), ({("law.py", "a", "b"): "both are 0"}, 0)])
