@@ -19,7 +19,7 @@ LINT := $(VENV)/.stamp-lint
 DOCS := $(VENV)/.stamp-docs
 DERIVED := $(VENV)/.stamp-derived
 
-.PHONY: run test test-slow derive figures docs lint check bench freeze compare clean
+.PHONY: run test test-slow derive figures docs lint check bench freeze compare mutants clean
 .NOTPARALLEL:
 
 run: $(DERIVED)
@@ -71,6 +71,10 @@ freeze: | $(TEST)
 
 compare:
 	@$(BIN)/python benchmarks/compare_frozen.py $(BEFORE) $(AFTER) $(if $(RENAMED),--renamed $(RENAMED))
+
+# Small changes to the sources, each of which a test should notice. Goes on where an earlier run was interrupted.
+mutants: $(TEST)
+	@OMP_NUM_THREADS=1 $(BIN)/python benchmarks/mutants.py --number $(or $(NUMBER),200) --seed $(or $(SEED),1)
 
 # The environment stays: delete $(VENV) by hand to start over.
 clean:

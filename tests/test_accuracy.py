@@ -1,13 +1,16 @@
 """The bounds that emitted headers state, measured against 50 digits; full sets: benchmarks/accuracy.py."""
 
 import re
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
+import sympy as sp
 
 from eccentric.emission.program import accuracy as stated
+from eccentric.model import load_model, vocabulary, with_values
 from tests import accelerated, accuracy, oracle, random_drives
 from tests.compiled import GENERATED, Library, Real
 from tests.emitted import both_precisions, module
@@ -169,3 +172,25 @@ def test_the_header_states_the_bounds(name: str) -> None:
 
     stated_reach, told = re.findall(r"parameters count as exact(.*):\n((?: \*   .*\n)+)", header)[0]
     assert (reach, lines + given) == (stated_reach, [line.strip(" *") for line in told.splitlines()])
+
+
+def test_table_1_is_that_of_the_paper_s_parameters_without_values_of_their_own() -> None:
+    """A model of the paper is, one with other parameters or with values of a fit is not."""
+    paper = load_model("c2_parallel")
+    fitted = with_values(paper, {"C_m": 0.02}, "fitted")
+
+    assert [True, True, False, False] == [
+        stated._of_table_1(model)
+        for model in (paper, load_model("c2_asymmetric"), load_model("linear_axis"), fitted)
+    ]
+
+
+def test_a_torque_that_pushes_one_way_does_not_oppose_every_motion() -> None:
+    """C_m sgn w does, C_m alone pushes where w is negative: then there is cancellation, and no bound."""
+    model = load_model("c2_parallel")
+    (mechanical,) = [balance for balance in model.balances if balance.name == "mechanical"]
+    coulomb = next(t for t in mechanical.terms if t.kind == "friction" and t.value.has(vocabulary.C_m.symbol))
+    pushing = replace(coulomb, basis=sp.Integer(1))
+    beside = replace(model, balances=(replace(mechanical, terms=(*mechanical.terms, pushing)),))
+
+    assert [True, False] == [stated._of_one_sign(one) for one in (model, beside)]

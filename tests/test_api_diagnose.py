@@ -64,6 +64,14 @@ def test_the_command_finds_the_same(result: DiagnosisResult, written: Path, tmp_
         assert (written / name).read_bytes() == (tmp_path / "out" / name).read_bytes(), name
 
 
+def test_the_extended_model_leaves_less_below_the_low_pass(result: DiagnosisResult) -> None:
+    """Cut-off and noise are those that the fit of the shipped model has on this log."""
+    fit, own = eccentric.fit(LOG, RIG).document["error_band"], result.document["error_band"]
+
+    assert (fit["cut_hz"], pytest.approx(fit["noise"], rel=1e-9)) == (own["cut_hz"], own["noise"])
+    assert own["below"] < 0.5 * fit["below"]
+
+
 def test_it_says_what_it_found(result: DiagnosisResult, stages: list[str]) -> None:
     """The planted harmonic, the error before and after, and what the residual depends on."""
     before, after = (result.rmse["mechanical"][name] for name in ("paper", "extended"))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from eccentric.virtual_bench import ArmScenario
+from eccentric.virtual_bench import ArmScenario, random_arm_scenario
 from eccentric.virtual_bench.arms.engine import RigidArm
 from eccentric.virtual_bench.arms.friction import FrictionLaw
 from eccentric.virtual_bench.arms.plant import JointFriction
@@ -127,3 +127,10 @@ def test_an_effect_is_in_its_joint_alone_and_of_its_size(effect: str) -> None:
     assert np.sqrt(np.mean(found.effects[:, 0] ** 2)) > 0.1 * np.sqrt(
         np.mean(bare.friction[:, one.joint] ** 2)
     )
+
+
+def test_an_arm_moves_for_a_minute() -> None:
+    """Five runs of twelve seconds each, if nothing else is wanted."""
+    course = random_arm_scenario(np.random.default_rng(1)).course
+
+    assert (5, 12.0) == (course.runs, course.seconds)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.virtual_bench import EFFECTS, BenchRun, simulate, write
+from eccentric.virtual_bench import EFFECTS, BenchRun, simulate, simulation, write
 from tests.virtual import drawn_scenario
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -229,3 +229,14 @@ def test_the_bench_shares_nothing_with_the_toolkit() -> None:
     others = {name for name in foreign if not name.startswith("eccentric.virtual_bench")}
 
     assert others == {"eccentric.errors", "eccentric.output"}
+
+
+def test_the_angle_is_that_of_the_nearest_count() -> None:
+    """An encoder is off by half a count at most, to either side alike, beside the digits written."""
+    scenario = drawn_scenario()
+    raw = simulation._run(scenario)
+    count = 2.0 * pi / scenario.controller.counts
+    off = simulation._log(scenario, raw)["theta_m_rad"] - raw.theta
+
+    assert np.max(np.abs(off)) <= 0.5 * count + 0.5e-5 + 1e-12
+    assert 0.0 == pytest.approx(np.mean(off) / count, abs=0.05)

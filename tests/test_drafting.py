@@ -62,6 +62,15 @@ def test_a_disguised_log_is_read_right_or_doubted(seed: int, arm: BenchResult) -
         assert sum(one.right for one in found) >= 4
 
 
+def test_a_confidence_is_a_probability(arm: BenchResult) -> None:
+    """Of every column, whether its name says what it is or the log alone does."""
+    names = {"time_s": "t", "theta_m_rad": "a", "omega_m_rad_s": "b", "voltage_V": "c", "current_A": "d"}
+    found = [one for log in (arm.log, renamed(arm.log, names, {})) for one in draft_of(log).proposals]
+
+    assert {"voltage"} == {one.channel for one in found if one.source == "c"}
+    assert [] == [one for one in found if not 0.0 < one.confidence <= 1.0]
+
+
 def test_units_without_names_follow_from_physics(arm: BenchResult) -> None:
     """Degrees and rpm under plain words: the slope fixes their ratio, gravity and the encoder the degrees."""
     names = {"time_s": "t", "theta_m_rad": "position", "omega_m_rad_s": "velocity", "current_A": "Iq"}

@@ -130,3 +130,17 @@ def test_rig_that_is_known_leaves_nothing_open(tmp_path: Path) -> None:
     torque = np.concatenate([run.columns["torque_Nm"] for run in runs.values()])
     np.testing.assert_allclose(drive.torque()[driven_rows], torque[driven_rows], atol=1e-8)
     np.testing.assert_array_equal(drive.torque()[~driven_rows], 0.0)
+
+
+@pytest.mark.parametrize(("declared", "expected"), [(False, False), (True, True)])
+def test_a_voltage_gives_amperes_where_k_i_is_declared(
+    tmp_path: Path, declared: bool, expected: bool
+) -> None:
+    """Gravity gives R/k_i: without k_i no current can be told, and with it one can."""
+    rig = Swing()
+    known = rig.known + (f"k_i_Nm_per_A = {rig.k_i}\n" if declared else "")
+    log = write_runs(tmp_path / "log.csv", log_of(rig), VOLTAGE)
+    channels = read_channels([log], read_rig(write_rig(tmp_path / "rig.toml", known, HELD_OUT)))
+    drive = drive_of(channels, channels.rig, load_model("c2_parallel"))
+
+    assert (True, expected) == (drive.by_voltage, drive.current_known)

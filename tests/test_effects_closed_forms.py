@@ -4,9 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+import sympy as sp
 
+from eccentric.effects.forms import root
 from eccentric.emission import load_module
-from eccentric.model import load_model
+from eccentric.model import load_model, meaning
 from tests.extended import (
     BASE,
     CASES,
@@ -388,3 +390,16 @@ def test_scales_compose() -> None:
     actual = call(load_module(model), "mechanical_friction_torque", x)
 
     np.testing.assert_allclose(actual, friction(x, "C2", viscous=falls) * (1 + 0.005 * x["t"]), rtol=1e-12)
+
+
+@pytest.mark.parametrize("x", [-9.0, -0.25, 0.0, 1e-3, 2.0])
+def test_a_root_of_a_magnitude_is_a_millionth_off_at_most(x: float) -> None:
+    """sqrt(|x|), and exactly 0 where x is."""
+    letter = sp.Symbol("x", real=True)
+    symbol, definitions = root("test", letter, "x")
+    values: dict[sp.Expr, float] = {letter: x}
+    for one in definitions:
+        values[one.quantity.symbol] = float(meaning(one.value).subs(values))
+
+    assert abs(x) ** 0.5 == pytest.approx(values[symbol], abs=1.000001e-6)
+    assert x != 0.0 or values[symbol] == pytest.approx(0.0, abs=1e-15)

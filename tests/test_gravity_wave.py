@@ -37,3 +37,15 @@ def test_it_is_the_wave_that_explains_most(turns: float, unit: float) -> None:
     assert 1.0 - left(x, w, a, y, 2.0 * np.pi / found.period) / np.var(y) == pytest.approx(found.r2, abs=1e-9)
     assert 2.0 * np.pi * unit == pytest.approx(found.period, rel=0.02 / turns)
     assert 0.4 * unit == pytest.approx(found.zero, abs=0.05 * unit)
+
+
+def test_a_short_record_has_a_wave_too() -> None:
+    """Of 400 rows, fewer than the search takes from a long record, the wave comes out as it went in."""
+    t = np.linspace(0.0, 8.0, 400)
+    x = 2.0 * np.sin(1.3 * t) + t
+    w, a = np.gradient(x, t), np.gradient(np.gradient(x, t), t)
+    found = balance_of(Moved(x, w, a, np.abs(w) > 0.0), 0.3 * np.sign(w) + 0.02 * w + np.sin(1.5 * x - 0.4))
+    assert found is not None
+
+    assert 2.0 * np.pi / 1.5 == pytest.approx(found.period, rel=1e-5)
+    assert 1.0 == pytest.approx(found.r2, abs=1e-9)

@@ -316,3 +316,17 @@ def test_the_kind_of_an_axis_survives_a_copy() -> None:
     """A result that another process has made, by the same protocol, is of the same kind."""
     assert copy.deepcopy(LINEAR) is LINEAR
     assert copy.deepcopy(load_model("linear_axis")).axis is LINEAR
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("Angle of the link", "Angle of the screw"),
+        ("angle of the link", "angle of the screw"),
+        ("Turns of the motor", "Turns of the screw"),
+        ("Rotation", "Motion"),
+    ],
+)
+def test_a_sentence_begins_with_a_capital_in_either_words(text: str, expected: str) -> None:
+    """The first letter of what is replaced is that of what replaces it, large or small."""
+    assert expected == LINEAR.said(text)

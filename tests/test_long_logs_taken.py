@@ -16,7 +16,7 @@ from eccentric.errors import InputError
 from eccentric.logs import stream_log
 from eccentric.rigs import read_arm_rig
 from eccentric.signals import Channels, read_joints, read_long_joints
-from eccentric.signals.long import reading
+from eccentric.signals.long import choice, reading
 from tests.arm_logs import RATE_HZ, arm_log_of, arm_rig_of, planar_arm
 from tests.arm_logs import shoulder_by_load as by_load
 from tests.long_logs import RIG, columns, parquet, stribeck
@@ -116,3 +116,11 @@ def test_what_was_read_of_a_parquet_file_is_not_kept(tmp_path: Path) -> None:
         assert batch.rows <= 131_072
 
     assert most < path.stat().st_size / 2
+
+
+@pytest.mark.parametrize(
+    ("count", "expected"), [(5, {0, 25, 50, 75, 100}), (3, {0, 50, 100}), (1, {0}), (0, set())]
+)
+def test_windows_are_spread_evenly(count: int, expected: set[int]) -> None:
+    """Of 101 windows the first, the last and those between at equal distances; of none wanted, none."""
+    assert expected == choice._even(range(101), count)

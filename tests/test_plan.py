@@ -8,20 +8,24 @@ import subprocess
 from dataclasses import replace
 from itertools import permutations
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from scipy.optimize import lsq_linear
 
 import eccentric
+from eccentric.api.planned import PlanResult
 from eccentric.cli import main
 from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document
 from eccentric.errors import InputError
+from eccentric.model import TURNING
 from eccentric.planning import Bounds, plan_lines, planned, question_from, question_of, read_bounds
 from eccentric.planning.chance import decided
 from eccentric.planning.heavier import Heavier
 from eccentric.planning.limits import MARGIN, UNDECIDED
-from eccentric.planning.motion import joined, pieces
+from eccentric.planning.motion import Reference, joined, pieces
 from eccentric.planning.rivals import Rival
 from eccentric.planning.separation import Ground, Separation
 from eccentric.rigs import read_rig
@@ -396,3 +400,29 @@ def test_the_command_prints_what_is_open(
     assert main(given) == 0
     assert re.search(r"decides with a probability of \d+ %", capsys.readouterr().out)
     assert (out / "reference.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("limit", "lines", "title"), [(19.0, [-19.0, 19.0], ""), (21.0, [], "limits -21 to 21")]
+)
+def test_a_limit_is_drawn_where_it_does_not_flatten_the_motion(
+    limit: float, lines: list[float], title: str
+) -> None:
+    """Up to twice the largest value it is a line, beyond that it is in the title."""
+    t = np.linspace(0.0, 1.0, 50)
+    motion = Reference(t, t, 10.0 * np.sin(2.0 * np.pi * t * 49 / 4 / 12), np.zeros(50))
+    motion.omega[7] = 10.0
+    plan = SimpleNamespace(
+        motion=motion,
+        bounds=Bounds(limit, 1.0, 1.0, 1.0),
+        current=np.ones(50),
+        strength=("current", "A"),
+        axis=TURNING,
+        added=0.0,
+    )
+    figure = Figure()
+    PlanResult.draw(SimpleNamespace(plan=plan), figure)  # pyright: ignore[reportArgumentType]
+    speed = figure.axes[1]
+
+    assert lines == [np.asarray(line.get_ydata())[0] for line in speed.lines if line.get_linestyle() == "--"]
+    assert title == speed.get_title(loc="right")

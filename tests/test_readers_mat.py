@@ -14,7 +14,7 @@ from scipy.io import savemat
 from scipy.sparse import csc_array
 
 from eccentric.errors import InputError
-from eccentric.logs import Log, read_log
+from eccentric.logs import Log, read_log, stream_log
 
 T = np.arange(4.0)
 
@@ -265,6 +265,18 @@ def test_mat_7_3_gives_what_version_5_gives(hdf5: Any) -> None:
     table_note, other_note = log.notes
     assert table_note.endswith(": Run7")
     assert other_note == "left out, since most variables have 4 rows: label (2)"
+
+
+def test_a_square_matrix_of_mat_7_3_is_read_by_columns(hdf5: Any) -> None:
+    """As many columns as rows, read in parts: a column stays a column."""
+    square = np.arange(16.0).reshape(4, 4)
+    matlab(hdf5, "time_s", T[:, None])
+    matlab(hdf5, "m", square)
+    stream = stream_log(finished(hdf5))
+    (batch,) = stream.batches()
+
+    for k in range(4):
+        np.testing.assert_array_equal(square[:, k], batch.columns[f"m(:,{k + 1})"])
 
 
 def test_mat_7_3_without_its_extra_names_it(hdf5: Any, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,6 +14,7 @@ from scipy.integrate import quad
 from eccentric.errors import InputError
 from eccentric.signals import Rows, hann_windows, low_pass_of, white_noise
 from eccentric.signals.by_parts import windows_by_parts
+from eccentric.signals.filters import is_even
 from eccentric.signals.limits import BLOCK_S
 from eccentric.signals.rows import in_order
 
@@ -251,3 +252,14 @@ def test_a_low_pass_stops_at_gaps_and_leaves_short_stretches_alone() -> None:
         expected = signal.filtfilt(*signal.butter(2, 15.0, fs=1.0 / step), x[rows], axis=0)
         np.testing.assert_allclose(found[rows], expected, rtol=1e-9, atol=1e-9)
     np.testing.assert_array_equal(x[segment == 1], found[segment == 1])
+
+
+@pytest.mark.parametrize(
+    ("off", "expected"), [(0.0, True), (0.3e-3, True), (0.6e-3, False), (-0.6e-3, False)]
+)
+def test_time_stamps_are_even_within_a_tenth_of_a_step(off: float, expected: bool) -> None:
+    """At 250 Hz 0.4 ms: one of a thousand may be off by 0.3 ms, and not by 0.6 ms."""
+    t = 3.0 + 0.004 * np.arange(1000.0)
+    t[500] += off
+
+    assert expected == is_even(t)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -232,3 +233,12 @@ def test_a_ripple_above_the_low_pass_is_not_held_against_its_name(logged: tuple[
     assert motion is not None
     assert motion.interval[0] > 0.0
     assert f"below the {motion.cut_hz:g} Hz low pass" in diagnosis_sentence(found)
+
+
+@pytest.mark.parametrize(("lower", "expected"), [(-1.0, False), (1.0, True)])
+def test_a_model_that_may_be_worse_over_the_runs_is_not_confirmed(lower: float, expected: bool) -> None:
+    """Better by 10 % on all rows together; the interval over the runs decides."""
+    runs = SimpleNamespace(gains={"extended": (2.0, (lower, 4.0), 3)}, below=None)
+    found = Score({}, {}, {}, "mechanical", 10.0, (5.0, 15.0), runs)  # pyright: ignore[reportArgumentType]
+
+    assert expected == found.confirms

@@ -12,7 +12,7 @@ from eccentric.estimation import Coefficient
 from eccentric.model import Role, quantity
 from eccentric.search.candidate import Candidate, Scaling, Values, Variant, grid
 from eccentric.search.limits import BELOW_NOISE
-from eccentric.search.screen import Screen
+from eccentric.search.screen import Fitted, Screen
 from tests.searched import BLOCKS, COLUMNS, SIZE, Array, N, candidate, design, mixed
 
 ANGLE = Shape(quantity("angle", "rad", "direction of a column"), 0.1, 1.5, "linear", 5)
@@ -341,3 +341,19 @@ def test_a_screen_that_has_forgotten_its_columns_makes_them_again() -> None:
     np.testing.assert_array_equal(library, screen.library)
     assert [f.last.id for f in ranked] == [f.last.id for f in screen.rank([])]
     assert [f.score for f in ranked] == [f.score for f in screen.rank([])]
+
+
+def test_the_eight_best_candidates_are_refined() -> None:
+    """Ten columns at angles of 0.1 to 1.0 to what is planted: the eight closest are looked at again."""
+    angles = np.linspace(0.1, 1.0, 10)
+    several = [candidate(f"at {a:.1f}", {2: np.cos(a), 3: np.sin(a)}) for a in angles]
+    screen, refined = Screen(design({2: 10.0}), several), list[str]()
+
+    def refine(fitted: Fitted, *_: object, **__: object) -> Fitted:
+        refined.append(fitted.last.id)
+        return fitted
+
+    screen.refine = refine
+    screen.rank([])
+
+    assert [f"at {a:.1f}" for a in angles[:8]] == refined

@@ -116,3 +116,10 @@ def test_the_doctor_knows_a_browser_without_a_display(
     )
 
     assert doctor._browser().startswith(said)
+
+
+def test_each_warning_is_a_line_on_stderr(capsys: pytest.CaptureFixture[str]) -> None:
+    """In their order, and nothing on stdout."""
+    arguments.print_warnings(["no gravity", "no current"])
+
+    assert ("", "eccentric: warning: no gravity\neccentric: warning: no current\n") == capsys.readouterr()

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from scipy.stats import chi2
 
+from eccentric.diagnosis import Diagnosis
 from eccentric.diagnosis.models import _with_the_constant_first
 from eccentric.effects import LOAD, Evidence, Kin, Words
 from eccentric.search import Attribution, limits, unconfirmed
@@ -352,3 +353,20 @@ def test_a_tie_under_load_asks_for_an_open_torque_constant_first(
     said = _with_the_constant_first(tie, offered, data).next_measurement
     assert expected == said.startswith("Give k_i under [known] first")
     assert said.endswith(tie.next_measurement)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "expected"), [("not_identifiable", ["b"]), ("named", []), ("unexplained", [])]
+)
+def test_beside_a_tie_the_effect_that_nothing_else_explains_is_clear(
+    verdict: str, expected: list[str]
+) -> None:
+    """Of a tied effect and another one it is the other; any other verdict has none."""
+    alike = {"a": ("a", "c"), "b": ()}
+    found = Diagnosis.__new__(Diagnosis)
+    own = SimpleNamespace(verdict=verdict, adopted_as=lambda name: SimpleNamespace(alike=alike[name]))
+    effects = [(SimpleNamespace(id=name), None) for name in alike]
+    object.__setattr__(found, "attribution", own)
+    object.__setattr__(found, "models", SimpleNamespace(extended=SimpleNamespace(effects=effects)))
+
+    assert expected == [effect.id for effect, _ in found.clear]
