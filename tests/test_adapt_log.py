@@ -120,8 +120,6 @@ def test_bands_end_at_the_bounds_and_the_legend_says_what_grey_is(rig: Any) -> N
 @pytest.mark.parametrize(
     ("case", "beside"), [pytest.param("C1", False, marks=pytest.mark.slow), ("C2", True)]
 )
-    ("case", "beside"), [pytest.param("C1", False, marks=pytest.mark.slow), ("C2", True)]
-)
 def test_a_torque_serves_for_the_current(rig: Any, case: str, beside: bool) -> None:
     """A log of the torque is followed as one of the current; of both, the one that was fitted."""
     table = log(0.6)
