@@ -101,6 +101,20 @@ def test_without_a_cache_everything_is_derived(tmp_path: Path) -> None:
     assert "mine" == (tmp_path / "eccentric").read_text(encoding="utf-8")
 
 
+def test_a_user_without_a_home_has_no_cache(tmp_path: Path) -> None:
+    """As in a container whose user is a number: everything is derived, without a word."""
+    nobody = f"""
+from pathlib import Path
+
+def no_home():
+    raise RuntimeError("Could not determine home directory.")
+
+Path.home = no_home
+{PRINT}"""
+
+    assert run(tmp_path) == run(tmp_path, nobody, XDG_CACHE_HOME="")
+
+
 def test_a_changed_source_is_derived_again(tmp_path: Path) -> None:
     """Results of other sources have a file of their own: a letter in a derivation changes what comes out."""
     copy = tmp_path / "clone"

@@ -141,14 +141,17 @@ class Derived:
         self._new[key] = content
 
     def _read(self) -> dict[str, bytes]:
-        content = read_cached(self._file)
+        try:
+            content = read_cached(self._file)
+        except RuntimeError:  # a user without a home
+            content = None
         return {} if content is None else marshal.loads(content)  # noqa: S302 - ours
 
     def _write(self) -> None:
         """Add the new results to what other processes have stored meanwhile."""
         if not self._new:
             return
-        with suppress(InputError, OSError):
+        with suppress(InputError, OSError, RuntimeError):
             own = self._read()
             if sum(map(len, own.values())) > _MOST_BYTES:
                 own = {}
