@@ -110,8 +110,8 @@ def _spectrum(angle: Array, y: Array) -> Array:
     along = ((one.T * y) @ other).ravel()[: len(_GRID)]
     twice = ((one.T**2) @ other**2).ravel()[: len(_GRID)]
     # Sums of y cos, y sin, cos^2, sin^2 and sin cos: the normal equations of each order.
-    yc, ys = along.real, along.imag
-    cc, ss, cs = 0.5 * (len(y) + twice.real), 0.5 * (len(y) - twice.real), 0.5 * twice.imag
+    yc, ys = np.real(along), np.imag(along)
+    cc, ss, cs = (0.5 * x for x in (len(y) + np.real(twice), len(y) - np.real(twice), np.imag(twice)))
     return (yc**2 * ss - 2.0 * yc * ys * cs + ys**2 * cc) / ((cc * ss - cs**2) * (y @ y))
 
 

@@ -74,6 +74,8 @@ def _print_of(value: Any, known: dict[sp.Basic, bytes]) -> bytes:
             text = f"{type(value).__module__}.{type(value).__qualname__}" if inside else sp.srepr(value)
             known[value] = _digest(text.encode(), *inside)
         return known[value]
+    if isinstance(value, sp.MatrixBase):
+        return _digest(str(value.shape).encode(), *(_print_of(x, known) for x in value))
     if is_dataclass(value) and not isinstance(value, type):
         name = type(value).__qualname__.encode()
         return _digest(name, *(_print_of(getattr(value, f.name), known) for f in fields(value)))
@@ -82,8 +84,6 @@ def _print_of(value: Any, known: dict[sp.Basic, bytes]) -> bytes:
     if isinstance(value, Mapping):
         pairs = sorted(_digest(_print_of(k, known), _print_of(x, known)) for k, x in value.items())
         return _digest(b"{}", *pairs)
-    if isinstance(value, sp.MatrixBase):
-        return _digest(str(value.shape).encode(), *(_print_of(x, known) for x in value))
     if isinstance(value, tuple | list):
         return _digest(b"[]", *(_print_of(x, known) for x in value))
     if isinstance(value, set | frozenset):

@@ -90,7 +90,9 @@ def printed(
     kept = derived.get(key)
     if kept is None:
         whole, parts = _split(expression(), set(fixed), set(signals))
-        record = (*_code(whole), {name: (fingerprint(part), *_code(part)) for name, part in parts.items()})
+        code, arguments = _code(whole)
+        own = {name: (fingerprint(part), *_code(part)) for name, part in parts.items()}
+        record: tuple[CodeType, tuple[str, ...], dict[str, Any]] = code, arguments, own
         derived.put(key, marshal.dumps(record))
     else:
         record = marshal.loads(kept)  # noqa: S302 - the user's own

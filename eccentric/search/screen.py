@@ -242,7 +242,7 @@ class Screen:
         (inner, right, total), (mixed, cross), q = base, library, len(lower)
         losses = np.empty(len(numbers))
         widths = np.array([len(self.inner[number]) for number in numbers], int)
-        for width in np.unique(widths):
+        for width in np.unique(widths).tolist():
             places = np.flatnonzero(widths == width)
             own = [numbers[place] for place in places]
             columns = np.array([np.arange(self.where[n].start, self.where[n].stop) for n in own])
