@@ -244,7 +244,7 @@ class Screen:
         widths = np.array([len(self.inner[number]) for number in numbers], int)
         for width in np.unique(widths).tolist():
             places = np.flatnonzero(widths == width)
-            own = [numbers[place] for place in places]
+            own = [numbers[place] for place in places.tolist()]
             columns = np.array([np.arange(self.where[n].start, self.where[n].stop) for n in own])
             matrix = np.empty((len(own), q + width, q + width))
             matrix[:, :q, :q], matrix[:, q:, q:] = inner, np.array([self.inner[n] for n in own])
