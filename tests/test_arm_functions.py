@@ -150,7 +150,7 @@ def summed(words: str, values: dict[str, float]) -> float:
     return total
 
 
-@pytest.mark.parametrize("n", [1, 2, pytest.param(5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 5))])
 def test_the_inertial_regressor_times_the_base_parameters(n: int) -> None:
     """The torques of random chains, by columns that are independent, from sums that are printed."""
     chain = random_chain(np.random.default_rng(30 + n), n, geared=True, rotors=True)

@@ -91,6 +91,7 @@ def _answer(process: subprocess.Popen[str]) -> tuple[float, str]:
     return float(torque), how
 
 
+@pytest.mark.slow
 def test_the_next_process_finds_what_this_one_derived(tmp_path: Path) -> None:
     """It serves the same functions without importing SymPy."""
     own = _own(tmp_path, "0.011")

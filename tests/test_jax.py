@@ -148,7 +148,7 @@ def test_jit_vmap_and_grad(name: str, dtype: Real) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name == "c2_parallel" else pytest.mark.slow) for name in MODELS]
+    "name", [pytest.param(name, marks=() if name == "c1_asymmetric" else pytest.mark.slow) for name in MODELS]
 )
 def test_derivatives_by_parameters(name: str) -> None:
     """By friction coefficients they are the emitted Jacobian, by all others those of the closed forms."""
