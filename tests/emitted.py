@@ -2,6 +2,7 @@
 
 import dataclasses
 import importlib
+from collections.abc import Iterable, Sequence
 from types import ModuleType
 
 import numpy as np
@@ -21,7 +22,66 @@ every_call = pytest.mark.parametrize(("name", "function"), CALLS, ids=map(".".jo
 every_call_on_states = pytest.mark.parametrize(
     ("name", "function"), CALLED_ON_STATES, ids=map(".".join, CALLED_ON_STATES)
 )
-both_precisions = pytest.mark.parametrize("dtype", [np.float64, np.float32], ids=("double", "single"))
+PRECISIONS = {"double": np.float64, "single": np.float32}
+both_precisions = pytest.mark.parametrize("dtype", list(PRECISIONS.values()), ids=list(PRECISIONS))
+SOME = {name: list(PRECISIONS)[k % 2] for k, name in enumerate(MODELS)}
+"""The precision in which `make test` has a model, by turns; the other one is for the slow tests."""
+
+
+def some_calls(
+    calls: Iterable[tuple[str, str]], models: Sequence[str] = MODELS, turn: int = 0
+) -> set[tuple[str, str]]:
+    """Return each function of one model, the models by turns: what `make test` samples of the calls."""
+    having: dict[str, list[str]] = {}
+    for name, function in calls:
+        if name in models:
+            having.setdefault(function, []).append(name)
+    return {(names[(k + turn) % len(names)], function) for k, (function, names) in enumerate(having.items())}
+
+
+def in_both(calls: Sequence[tuple[str, str]], models: Sequence[str] = MODELS) -> pytest.MarkDecorator:
+    """Return the parameters of a test of every call in both precisions; few are quick, of these models."""
+    few = some_calls(calls, models)
+    return pytest.mark.parametrize(
+        ("name", "function", "dtype"),
+        [
+            pytest.param(
+                name,
+                function,
+                dtype,
+                id=f"{name}.{function}-{precision}",
+                marks=() if (name, function) in few and precision == SOME[name] else pytest.mark.slow,
+            )
+            for name, function in calls
+            for precision, dtype in PRECISIONS.items()
+        ],
+    )
+
+
+def in_one(calls: Sequence[tuple[str, str]], models: Sequence[str] = MODELS) -> pytest.MarkDecorator:
+    """Return the parameters of a test of every call; each function is quick for one of these models."""
+    few = some_calls(calls, models)
+    return pytest.mark.parametrize(
+        ("name", "function"),
+        [
+            pytest.param(*call, id=".".join(call), marks=() if call in few else pytest.mark.slow)
+            for call in calls
+        ],
+    )
+
+
+every_call_in_both = in_both(CALLS)
+every_call_on_states_in_both = in_both(CALLED_ON_STATES)
+every_model_in_both = pytest.mark.parametrize(
+    ("name", "dtype"),
+    [
+        pytest.param(
+            name, dtype, id=f"{name}-{precision}", marks=() if precision == SOME[name] else pytest.mark.slow
+        )
+        for name in MODELS
+        for precision, dtype in PRECISIONS.items()
+    ],
+)
 
 
 def module(name: str) -> ModuleType:

@@ -11,7 +11,7 @@ import pytest
 from _pytest.mark import ParameterSet
 
 from eccentric.effects import Effect, Setting, library
-from eccentric.emission import executed, render, render_check
+from eccentric.emission import Choice, executed, render, render_check
 from eccentric.model import Model, load_model
 
 BASE = {"C1": "c1_perpendicular", "C2": "c2_parallel"}
@@ -139,16 +139,17 @@ def extended(case: str) -> tuple[Extended, ...]:
 
 
 AT_WORK = {f"{BASE[case]}_{k}": (case, k) for case in CASES for k in range(len(groups(case)))}
-# What `make test` samples of them: models with states and an exponential, and one without a state.
-SAMPLED = (("C1", "sensor_delay"), ("C2", "hidden_thermal_drift"), ("C1", "viscosity_temperature[arrhenius]"))
+# What `make test` samples of them: models with states, two with an exponential; where each costs much, one.
+ONE = (("C1", "viscosity_temperature[arrhenius]"),)
+SAMPLED = (("C1", "sensor_delay"), ("C2", "hidden_thermal_drift"), *ONE)
 
 
-def some_at_work() -> list[ParameterSet]:
+def some_at_work(sampled: tuple[tuple[str, str], ...] = SAMPLED) -> list[ParameterSet]:
     """Return the names of the extended models as parameters of a test, most of them slow."""
     return [
         pytest.param(
             name,
-            marks=() if any(c == case and e.id == i for c, i in SAMPLED for e in groups(case)[k]) else slow,
+            marks=() if any(c == case and e.id == i for c, i in sampled for e in groups(case)[k]) else slow,
         )
         for name, (case, k) in AT_WORK.items()
     ]
@@ -178,6 +179,25 @@ def with_effect(case: str, effect_id: str) -> Extended:
     """Return the extended model that has the effect."""
     members = groups(case)
     return with_group(case, next(k for k in range(len(members)) if effect_id in {e.id for e in members[k]}))
+
+
+VALUES = ("normal_force", "mechanical_friction_torque", "mechanical_residual", "electrical_residual")
+
+
+@cache
+def briefly(case: str, effect_id: str) -> ModuleType:
+    """Return the NumPy module of the extended model that has the effect, without what takes long to derive.
+
+    It has the balances with what they are made of, and the step of the states, but no derivatives.
+    """
+    number = next(k for k, found in enumerate(groups(case)) if effect_id in {e.id for e in found})
+    return _briefly(case, number)
+
+
+@cache
+def _briefly(case: str, number: int) -> ModuleType:
+    model = joined(case, number, dict.fromkeys(NEUTRAL, 0.0))
+    return executed(render(model, backends=("numpy",), choice=Choice(VALUES, "none")), model.name)
 
 
 def inputs(size: int = 40) -> Signals:

@@ -1,8 +1,10 @@
 """The bounds that emitted headers state, measured against 50 digits; full sets: benchmarks/accuracy.py."""
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,7 @@ from eccentric.emission.program import accuracy as stated
 from eccentric.model import load_model, vocabulary, with_values
 from tests import accelerated, accuracy, oracle, random_drives
 from tests.compiled import GENERATED, Library, Real
-from tests.emitted import both_precisions, module
+from tests.emitted import PRECISIONS, both_precisions, module
 from tests.paper import Parameters
 from tests.promised import DERIVATIVES, NAMES, STEADY, arguments, bounds, errors, given, link_errors
 
@@ -59,9 +61,32 @@ def drive_parameters(name: str, drive: str) -> tuple[Any, Parameters]:
     return given(name, letters(drive)), oracle.exact(letters(drive))
 
 
-@both_precisions
-@every_drive
-@pytest.mark.parametrize("case", STEADY)
+def some_of(*few: tuple[Any, str, str]) -> list[Any]:
+    """Return the parameters of a test: every first part, drive and precision, of which these are quick."""
+    firsts = list(dict.fromkeys(first for first, *_ in few))
+    return [
+        pytest.param(
+            *(first, drive, dtype),
+            id=f"{first}-{drive}-{precision}",
+            marks=() if (first, drive, precision) in few else pytest.mark.slow,
+        )
+        for first in firsts
+        for drive in DRIVES
+        for precision, dtype in PRECISIONS.items()
+    ]
+
+
+@pytest.mark.parametrize(
+    ("case", "drive", "dtype"),
+    some_of(
+        ("C1", "mu = 1/5", "single"),
+        ("C1", "much unbalance", "double"),
+        ("C2", "mu = 1/5", "double"),
+        ("C2", "mu = 1/30", "single"),
+        ("C2", "mu = 5", "single"),
+        ("C2", "exact velocity", "double"),
+    ),
+)
 def test_steady(case: str, drive: str, dtype: Real) -> None:
     """F_N, friction and derivatives keep their bounds in the plane, near F_N = 0 and at large angles."""
     chosen = accuracy.sets(oracle.exact(letters(drive)), dtype, FEW[dtype])
@@ -86,11 +111,26 @@ def test_beside_every_top(drive: str, dtype: Real) -> None:
     assert worst <= bound(name, "normal_force", drive)
 
 
-@both_precisions
-@pytest.mark.parametrize("name", ["c1_perpendicular", "c2_parallel"])
-def test_default_coefficients(name: str, dtype: Real, tmp_path: Any) -> None:
+@pytest.fixture(scope="module")
+def library_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Real], Library]:
+    """Return what compiles a model in a precision, once."""
+    folder = tmp_path_factory.mktemp("accuracy")
+    return cache(lambda name, dtype: Library(name, dtype, folder))
+
+
+@pytest.mark.parametrize(
+    ("name", "dtype"),
+    [
+        pytest.param(
+            name, dtype, id=f"{name}-{precision}", marks=() if precision == few else pytest.mark.slow
+        )
+        for name, few in (("c1_perpendicular", "double"), ("c2_parallel", "single"))
+        for precision, dtype in PRECISIONS.items()
+    ],
+)
+def test_default_coefficients(name: str, dtype: Real, library_of: Callable[[str, Real], Library]) -> None:
     """The emitted constants are those of Table 1's decimals; at random states 5 units are not passed."""
-    library, p = Library(name, dtype, tmp_path), accuracy.decimals()
+    library, p = library_of(name, dtype), accuracy.decimals()
     for at in accuracy.sets(p, dtype, SIZE):
         states = arguments(name, "normal_force", at)
         actual = library.many("normal_force", states, library.coefficients())
@@ -98,17 +138,26 @@ def test_default_coefficients(name: str, dtype: Real, tmp_path: Any) -> None:
         assert worst <= AT_RANDOM, at.name
 
 
+LAST = {(np.float32, "omega_star_2"), (np.float32, "period_5"), (np.float64, "period_3")}
+"""The smallest parts: quick tests."""
+
+
 @pytest.mark.parametrize(
     ("dtype", "part"),
     [
-        (np.float32, "omega_star_2"), (np.float32, "period_2"), (np.float32, "period_3"),
-        (np.float32, "period_4"), (np.float32, "period_5"), (np.float64, "omega_star_2"),
-        (np.float64, "period_2"), (np.float64, "period_3"),
+        pytest.param(dtype, part, marks=() if (dtype, part) in LAST else pytest.mark.slow)
+        for dtype, parts in (
+            (np.float32, ("omega_star_2", "period_2", "period_3", "period_4", "period_5")),
+            (np.float64, ("omega_star_2", "period_2", "period_3")),
+        )
+        for part in parts
     ],
-)  # fmt: skip
-def test_every_part_of_the_constants_is_needed(dtype: Real, part: str, tmp_path: Any) -> None:
+)
+def test_every_part_of_the_constants_is_needed(
+    dtype: Real, part: str, library_of: Callable[[str, Real], Library]
+) -> None:
     """Without the low part of the critical velocity, or a part of the period, the bound is missed."""
-    library, p = Library("c2_parallel", dtype, tmp_path), accuracy.decimals()
+    library, p = library_of("c2_parallel", dtype), accuracy.decimals()
     without = library.ffi.new("c2_parallel_coefficients *", library.coefficients()[0])
     setattr(without, part, 0.0)
     at = accuracy.beside_the_tops(p, dtype)
@@ -118,9 +167,16 @@ def test_every_part_of_the_constants_is_needed(dtype: Real, part: str, tmp_path:
     assert worst > stated.NORMAL_FORCE.anywhere
 
 
-@both_precisions
-@every_drive
-@pytest.mark.parametrize("phi", [0.0, 0.75, 1.5])
+@pytest.mark.parametrize(
+    ("phi", "drive", "dtype"),
+    some_of(
+        (0.0, "mu = 1/5", "single"),
+        (0.0, "exact velocity", "double"),
+        (0.75, "mu = 1/30", "double"),
+        (1.5, "mu = 5", "single"),
+        (1.5, "much unbalance", "double"),
+    ),
+)
 def test_accelerated(drive: str, phi: float, dtype: Real) -> None:
     """With an acceleration F_N vanishes along a curve: its error is a few eps of what it is made of.
 
@@ -137,8 +193,18 @@ def test_accelerated(drive: str, phi: float, dtype: Real) -> None:
             assert worst <= bound(accelerated.NAME, function, drive), (function, at.name)
 
 
-@every_drive
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    ("name", "drive"),
+    [
+        pytest.param(name, drive, marks=() if drive in few else pytest.mark.slow)
+        for name, few in zip(
+            NAMES,
+            (("mu = 5",), ("much unbalance",), ("mu = 1/30", "mu = 5"), ("mu = 1/5",), ("exact velocity",)),
+            strict=True,
+        )
+        for drive in DRIVES
+    ],
+)
 def test_float_beside_double(name: str, drive: str) -> None:
     """At many more states, those of gravity alone among them, float keeps its bounds beside the double."""
     random = np.random.default_rng(6)

@@ -10,7 +10,7 @@ import pytest
 
 from tests import accelerated, accuracy, random_drives
 from tests.compiled import Real
-from tests.emitted import both_precisions
+from tests.emitted import every_model_in_both
 from tests.promised import NAMES, at_50_digits, bounds
 
 DRAWN, SIZE = 300, 200  # drives; states of each in each of the ways to draw them
@@ -94,7 +94,12 @@ def held(name: str, changed: dict[str, float]) -> dict[str, int]:
     return {key: one.table_1 if table_1 else one.anywhere for key, one in bounds(name).items()}
 
 
-@pytest.mark.parametrize("name", NAMES)
+FEW = ("c2_parallel", accelerated.NAME)
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in FEW else pytest.mark.slow) for name in NAMES]
+)
 def test_any_parameters(name: str) -> None:
     """In single precision every bound holds whatever the parameters, the double being exact beside it."""
     random = np.random.default_rng(20)
@@ -108,8 +113,7 @@ def test_any_parameters(name: str) -> None:
         assert worst[function] <= one.anywhere, function
 
 
-@both_precisions
-@pytest.mark.parametrize("name", NAMES)
+@every_model_in_both
 def test_any_parameters_at_50_digits(name: str, dtype: Real) -> None:
     """The same at 50 digits in both precisions, at fewer states."""
     random = np.random.default_rng(21)

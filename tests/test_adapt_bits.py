@@ -1,5 +1,7 @@
 """The emitted estimator computes the same in C and in Python, to the bit, whatever comes in."""
 
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -32,14 +34,34 @@ def log(python: Any, count: int, seed: int, dtype: Any) -> list[np.ndarray]:
         return [inputs[name].astype(dtype) for name in python.INPUTS]
 
 
-@pytest.mark.parametrize("compiler", ["gcc", pytest.param("clang", marks=pytest.mark.slow)])
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-@pytest.mark.parametrize("name", MODELS)
-def test_same_bits(tmp_path: Path, name: str, dtype: Any, compiler: str) -> None:
+@pytest.fixture(scope="module")
+def folder_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Return what gives the folder of a model with its estimator, which is emitted once."""
+    return cache(lambda name: emitted(tmp_path_factory.mktemp(name), name))
+
+
+FEW = {("c1_perpendicular", np.float64), ("c2_parallel", np.float32), ("c2_asymmetric", np.float64)}
+"""What `make test` has."""
+
+
+@pytest.mark.parametrize(
+    ("name", "dtype", "compiler"),
+    [
+        pytest.param(
+            *(name, dtype, compiler),
+            id=f"{name}-{dtype.__name__}-{compiler}",
+            marks=() if (name, dtype) in FEW and compiler == "gcc" else pytest.mark.slow,
+        )
+        for name in MODELS
+        for dtype in (np.float32, np.float64)
+        for compiler in ("gcc", "clang")
+    ],
+)
+def test_same_bits(folder_of: Callable[[str], Path], name: str, dtype: Any, compiler: str) -> None:
     """Flags and every number of the state agree, over rests, reversals, outliers, NaN and infinities."""
     if why := lacking(compiler):
         pytest.skip(why)
-    folder = emitted(tmp_path, name)
+    folder = folder_of(name)
     python, c = module(folder, name), Estimator(folder, name, dtype, compiler)
     state = python.init(dtype)
     rows = log(python, 9000, 3, dtype)
@@ -54,9 +76,9 @@ def test_same_bits(tmp_path: Path, name: str, dtype: Any, compiler: str) -> None
     assert np.all(np.isfinite(python_bits(state)))
 
 
-def test_every_flag_occurs(tmp_path: Path) -> None:
+def test_every_flag_occurs(folder_of: Callable[[str], Path]) -> None:
     """The log of the comparison reaches every branch: each flag is set somewhere."""
-    folder = emitted(tmp_path)
+    folder = folder_of("c2_parallel")
     python = module(folder, "c2_parallel")
 
     with np.errstate(all="ignore"):
@@ -67,8 +89,10 @@ def test_every_flag_occurs(tmp_path: Path) -> None:
     assert [] == [flag for flag in flags if not seen & getattr(python, flag)]
 
 
-@pytest.mark.parametrize("name", MODELS)
-def test_the_models_own_files_stay(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name == "c2_parallel" else pytest.mark.slow) for name in MODELS]
+)
+def test_the_models_own_files_stay(folder_of: Callable[[str], Path], name: str) -> None:
     """With the estimator, the model's own files are those without, letter by letter."""
     from eccentric.emission import complete, with_fitted
     from eccentric.emission.defaults import read_parameters
@@ -77,6 +101,6 @@ def test_the_models_own_files_stay(tmp_path: Path, name: str) -> None:
     model = model_of(name)
     plain = complete(with_fitted(model, read_parameters({"parameters": DRIVE}), name), "eccentric emit")
 
-    folder = emitted(tmp_path, name)
+    folder = folder_of(name)
 
     assert plain == {file: (folder / file).read_text(encoding="utf-8") for file in plain}

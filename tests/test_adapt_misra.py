@@ -12,7 +12,7 @@ from tests.adapted import emitted
 OF_THE_MODEL = {"20.10"}
 
 
-@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("real", ["float", pytest.param("double", marks=pytest.mark.slow)])
 def test_deviations_are_declared(tmp_path: Path, real: str) -> None:
     """What is found is what the header says, and what the model's header pastes together."""
     if shutil.which("cppcheck") is None:

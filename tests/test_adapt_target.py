@@ -16,7 +16,7 @@ WITH_ALARM = {4: 500, 6: 800}
 BYTES, STACK = {4: 128, 6: 188}, {4: 256, 6: 320}
 
 
-@pytest.fixture(scope="module", params=[4, 6])
+@pytest.fixture(scope="module", params=[4, pytest.param(6, marks=pytest.mark.slow)])
 def case(request: Any, tmp_path_factory: pytest.TempPathFactory) -> adapt_cost.Case:
     """Return number of coefficients, name, folder, Python and a log: case C2, and with two harmonics."""
     if absent := missing(TOOLS):

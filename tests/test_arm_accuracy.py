@@ -79,9 +79,28 @@ class Sizes:
         return FORCE * self.F if slides and label.startswith("T_") else MOMENT * self.N
 
 
-@pytest.mark.parametrize("real", [np.float32, np.float64])
-@pytest.mark.parametrize("n", [1, 2, 3, 6])
-@pytest.mark.parametrize("far", [1.0, 50.0], ids=["", "far bearings"])
+FEW = {
+    ("", 1, np.float64),
+    ("far bearings", 2, np.float64),
+    ("", 3, np.float32),
+    ("far bearings", 6, np.float32),
+}
+"""What `make test` has."""
+
+
+@pytest.mark.parametrize(
+    ("far", "n", "real"),
+    [
+        pytest.param(
+            *(far, n, real),
+            id=f"{name}-{n}-{real.__name__}",
+            marks=() if (name, n, real) in FEW else pytest.mark.slow,
+        )
+        for name, far in (("", 1.0), ("far bearings", 50.0))
+        for n in (1, 2, 3, 6)
+        for real in (np.float32, np.float64)
+    ],
+)
 def test_the_stated_bounds_hold(n: int, real: type, far: float) -> None:
     """Arms that turn and slide, at rest to fast, over many turns of their motors."""
     rng = np.random.default_rng(50 + n)

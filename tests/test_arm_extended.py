@@ -167,7 +167,17 @@ def torques(name: str) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     return pairs | {"motor_torque": (called(found.arm, "motor_torque", arm)[:, 1], alone)}
 
 
-@pytest.mark.parametrize("name", FEW)
+def some(few: tuple[str, ...]) -> list[Any]:
+    """These effects, and the rest of `FEW` among the slow tests."""
+    return [name if name in few else pytest.param(name, marks=pytest.mark.slow) for name in FEW]
+
+
+QUICK = ("stribeck[d=2]", "viscosity_temperature", "hidden_thermal_drift", "wear_runin")
+IN_C = {"stribeck[d=2]": "double", "hidden_thermal_drift": "float", "wear_runin": "double"}
+"""What `make test` has."""
+
+
+@pytest.mark.parametrize("name", some(QUICK))
 def test_the_elbow_is_that_of_its_own_model(name: str) -> None:
     """With the loads and torques of the textbook."""
     for function, (in_arm, alone) in torques(name).items():
@@ -182,7 +192,7 @@ def test_every_effect_is_that_of_its_own_model(name: str) -> None:
         np.testing.assert_allclose(in_arm, alone, 1e-9, 1e-11, err_msg=function)
 
 
-@pytest.mark.parametrize("name", ["stribeck[d=2]", "cogging[n=3]"])
+@pytest.mark.parametrize("name", ["stribeck[d=2]", pytest.param("cogging[n=3]", marks=pytest.mark.slow)])
 def test_the_shoulder_keeps_its_own_friction(name: str) -> None:
     """C_m sgn w + B_m w and by the normal force, written out."""
     found, w = emitted(name), MOVED.w[:, 0] / MU[0]
@@ -228,7 +238,7 @@ def test_an_effect_of_the_circuit_alone_leaves_no_trace() -> None:
     assert "resistance_rise_1" not in {*arm.Parameters.__dataclass_fields__}
 
 
-@pytest.mark.parametrize("name", FEW)
+@pytest.mark.parametrize("name", some(QUICK))
 def test_friction_is_its_regressor_times_coefficients(name: str) -> None:
     """Every column belongs to the joint that its label names."""
     found = emitted(name)
@@ -241,13 +251,14 @@ def test_friction_is_its_regressor_times_coefficients(name: str) -> None:
     np.testing.assert_allclose(actual, expected, 1e-9, 1e-12)
 
 
-def some(few: tuple[str, ...]) -> list[Any]:
-    """These effects, and the rest of `FEW` among the slow tests."""
-    return [name if name in few else pytest.param(name, marks=pytest.mark.slow) for name in FEW]
-
-
-@pytest.mark.parametrize("precision", REAL)
-@pytest.mark.parametrize("name", some(("stribeck[d=2]", "hidden_thermal_drift", "wear_runin")))
+@pytest.mark.parametrize(
+    ("name", "precision"),
+    [
+        pytest.param(name, precision, marks=() if IN_C.get(name) == precision else pytest.mark.slow)
+        for name in FEW
+        for precision in REAL
+    ],
+)
 def test_c_is_silent_and_gives_what_numpy_does(name: str, precision: str, tmp_path: Path) -> None:
     """Every function, sample by sample, hidden states stepped by the C itself."""
     found, real = emitted(name), REAL[precision]

@@ -130,15 +130,21 @@ def in_amperes() -> tuple[dict[str, Any], dict[str, Any]]:
     return log, arm_rig_of(planar_arm()) | {"drive": "current", "columns": columns}
 
 
-def test_a_current_without_gain_is_told() -> None:
+@pytest.fixture(scope="module")
+def gained() -> ArmFit:
+    """The fit of that log with declared bodies."""
+    log, rig = in_amperes()
+    return fit_arm([log], read_arm_rig(rig), ["log"])
+
+
+def test_a_current_without_gain_is_told(gained: ArmFit) -> None:
     """With open bodies in amperes; with declared ones the gain is identified."""
     log, rig = in_amperes()
     opened = fit_arm([log], read_arm_rig(rig | {"joints": {"inertial": "open"}}), ["log"])
-    known = fit_arm([log], read_arm_rig(rig), ["log"])
-    said = [arm_fit_document(found)["joints"][0] for found in (opened, known)]
+    said = [arm_fit_document(found)["joints"][0] for found in (opened, gained)]
 
     assert [("not identifiable", "A"), ("identified", "N m")] == [(x["gain"], x["unit"]) for x in said]
-    assert pytest.approx([0.08, 0.05], rel=0.05) == [e.value for e in known.log.gains if e is not None]
+    assert pytest.approx([0.08, 0.05], rel=0.05) == [e.value for e in gained.log.gains if e is not None]
     assert [(Load.NORMAL,), ()] == [joint.loads.followed for joint in opened.joints]
     # Planted in N m, logged in A: divided by k_i.
     friction, document = said[0]["friction"], arm_fit_document(opened)
@@ -147,10 +153,9 @@ def test_a_current_without_gain_is_told() -> None:
     assert ["shoulder", "elbow"] == document["joints_without_scale"]
 
 
-def test_the_summary_has_coefficients_and_gains() -> None:
+def test_the_summary_has_coefficients_and_gains(gained: ArmFit) -> None:
     """Each with unit and interval, per joint: what was planted, 20 mm in the shoulder and its k_i."""
-    log, rig = in_amperes()
-    lines = arm_fit_lines(fit_arm([log], read_arm_rig(rig), ["log"]))
+    lines = arm_fit_lines(gained)
     rows = {tuple(line.split()[:3]): line.split()[3:] for line in lines}
 
     for of, unit, planted in (

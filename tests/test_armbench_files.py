@@ -172,7 +172,10 @@ def test_the_bar_is_gone_at_the_end(
     assert "\n" not in said
 
 
-@pytest.mark.parametrize("family", ARM_EFFECTS)
+@pytest.mark.parametrize(
+    "family",
+    [pytest.param(family, marks=pytest.mark.slow if k % 4 else ()) for k, family in enumerate(ARM_EFFECTS)],
+)
 def test_every_family_can_be_drawn(family: str) -> None:
     """Each has a law that the course shows, with an amplitude for its strength."""
     scenario = random_arm_scenario(

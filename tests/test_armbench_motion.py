@@ -17,7 +17,7 @@ from tests.armbench import drawn_arm_scenario, require_mujoco
 require_mujoco()
 
 
-@pytest.fixture(scope="module", params=["2r", "3"])
+@pytest.fixture(scope="module", params=["2r", pytest.param("3", marks=pytest.mark.slow)])
 def moved(request: pytest.FixtureRequest) -> tuple[ArmScenario, ArmTrace]:
     """An arm without effects, and its true motion."""
     return trace(drawn_arm_scenario(7, arm=request.param))
@@ -99,10 +99,10 @@ def test_drives_follow_their_reference() -> None:
     "effect",
     [
         "stribeck@1",
-        "kt_ripple[n=2]@2",
         *(
             pytest.param(other, marks=pytest.mark.slow)
             for other in (
+                "kt_ripple[n=2]@2",
                 "coulomb_asymmetry@2",
                 "gear_efficiency@1",
                 "local_defect@2",

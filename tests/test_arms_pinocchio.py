@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from _pytest.mark import ParameterSet
 
 from eccentric.arms import read_arm
 from eccentric.errors import InputError
@@ -69,9 +70,21 @@ IMPOSSIBLE = {
 """Arms with a link whose inertia no body has."""
 
 
+FEW = (
+    *("double_pendulum_continuous", "borinot_flying_arm_2", "so101", "ur5_robot", "xarm7"),
+    *("panda#panda_hand", "solo12#FL_FOOT", "simple_humanoid#l_wrist"),
+)
+"""What `make test` has: joints that turn on, short and long arms, and one each with a gripper, legs, arms."""
+
+
 def named(arm: str) -> str:
     """A short name of an arm."""
     return arm.rpartition("/")[2].replace(".urdf", "")
+
+
+def some(arms: tuple[str, ...]) -> list[ParameterSet]:
+    """Arms as parameters of a test, those of `FEW` quick."""
+    return [pytest.param(arm, marks=() if named(arm) in FEW else pytest.mark.slow) for arm in arms]
 
 
 def pinocchio_of(arm: str, joints: list[str]) -> tuple:
@@ -99,13 +112,13 @@ def deviation(arm: str, states: int) -> float:
     return worst
 
 
-@pytest.mark.parametrize("arm", SERIAL, ids=named)
+@pytest.mark.parametrize("arm", some(SERIAL), ids=named)
 def test_a_serial_arm_is_that_of_pinocchio(arm: str) -> None:
     """Torques and joint wrenches of every serial arm of example-robot-data, to 1e-12."""
     assert deviation(arm, 2) < AGREE
 
 
-@pytest.mark.parametrize("arm", BRANCHED, ids=named)
+@pytest.mark.parametrize("arm", some(BRANCHED), ids=named)
 def test_an_arm_up_to_its_tip_is_that_of_pinocchio(arm: str) -> None:
     """With the last link named, all joints off the way to it are locked at 0, as Pinocchio locks them."""
     assert deviation(arm, 1) < AGREE
@@ -135,6 +148,7 @@ def readable(path: Path) -> bool:
     return True
 
 
+@pytest.mark.slow
 def test_no_serial_arm_is_left_out() -> None:
     """Every file of the package that is read without naming a tip is in the list."""
     read = [str(path.relative_to(ROBOTS)) for path in sorted(ROBOTS.rglob("*.urdf")) if readable(path)]

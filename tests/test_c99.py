@@ -3,6 +3,8 @@
 import dataclasses
 import math
 import re
+from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,11 +16,10 @@ from tests import oracle, paper, strategies
 from tests.compiled import GENERATED, REAL, Library, Real
 from tests.emitted import (
     CALLED_ON_STATES,
-    MODELS,
-    both_precisions,
-    every_call,
-    every_call_on_states,
+    every_call_in_both,
+    every_call_on_states_in_both,
     every_model,
+    every_model_in_both,
     example_states,
     labels,
     module,
@@ -26,22 +27,20 @@ from tests.emitted import (
     with_inertia,
 )
 
+Libraries = Callable[[str, Real], Library]
+
 
 @pytest.fixture(scope="module")
-def libraries(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, Real], Library]:
-    """Return all models compiled in both precisions, which none of the flags has a word about."""
+def libraries(tmp_path_factory: pytest.TempPathFactory) -> Libraries:
+    """Return what compiles a model in a precision, once: none of the flags has a word about it."""
     folder = tmp_path_factory.mktemp("c99")
-    return {(name, dtype): Library(name, dtype, folder) for name in MODELS for dtype in REAL}
+    return cache(lambda name, dtype: Library(name, dtype, folder))
 
 
-Libraries = dict[tuple[str, Real], Library]
-
-
-@both_precisions
-@every_call
+@every_call_in_both
 def test_agrees_with_the_paper(libraries: Libraries, name: str, function: str, dtype: Real) -> None:
     """Every function is the paper's closed form to rounding, for any drive, even near F_N = 0."""
-    library = libraries[name, dtype]
+    library = libraries(name, dtype)
     derivative = function in oracle.DERIVATIVES
 
     @settings(max_examples=4)  # the same bits as NumPy's, which sees more
@@ -67,21 +66,20 @@ def test_table_1(libraries: Libraries, mu: str) -> None:
     cls = module("c1_perpendicular").Parameters
     values = cls(mu=float(paper.table_1(float, mu).mu))
     for dtype in REAL:
-        library = libraries["c1_perpendicular", dtype]
+        library = libraries("c1_perpendicular", dtype)
 
         actual = library.one("polynomial", [], library.coefficients(values))
 
         assert [float(x) for x in paper.TABLE_1_POLYNOMIAL[mu]] == [float(f"{value:.4e}") for value in actual]
 
 
-@both_precisions
-@every_call
+@every_call_in_both
 def test_agrees_with_numpy(libraries: Libraries, name: str, function: str, dtype: Real) -> None:
     """C and NumPy give the same bits: both take the same correctly rounded steps in the same order.
 
     -std=c99 keeps gcc from contracting a product and a sum into one.
     """
-    library, values = libraries[name, dtype], with_inertia(name)
+    library, values = libraries(name, dtype), with_inertia(name)
     states = example_states(name, function, 1000, dtype)
 
     actual = library.call(function, states, library.coefficients(values))
@@ -89,11 +87,10 @@ def test_agrees_with_numpy(libraries: Libraries, name: str, function: str, dtype
     assert np.array_equal(np.asarray(getattr(module(name), function)(*states, values), dtype), actual)
 
 
-@both_precisions
-@every_call_on_states
+@every_call_on_states_in_both
 def test_arrays_are_single_calls(libraries: Libraries, name: str, function: str, dtype: Real) -> None:
     """The function of n samples gives the bits of n calls, and writes nothing for n = 0."""
-    library = libraries[name, dtype]
+    library = libraries(name, dtype)
     coefficients = library.coefficients(with_inertia(name))
     states = example_states(name, function, 300, dtype)
 
@@ -104,11 +101,10 @@ def test_arrays_are_single_calls(libraries: Libraries, name: str, function: str,
     assert 0 == library.many(function, [x[:0] for x in states], coefficients).size
 
 
-@both_precisions
-@every_call_on_states
+@every_call_on_states_in_both
 def test_finite_inputs_give_numbers(libraries: Libraries, name: str, function: str, dtype: Real) -> None:
     """No finite input, however small or large, makes a NaN."""
-    library = libraries[name, dtype]
+    library = libraries(name, dtype)
     coefficients = library.coefficients(with_inertia(name))
 
     @given(st.data())
@@ -121,11 +117,10 @@ def test_finite_inputs_give_numbers(libraries: Libraries, name: str, function: s
     check()
 
 
-@both_precisions
-@every_model
+@every_model_in_both
 def test_default_coefficients_are_the_prepared_ones(libraries: Libraries, name: str, dtype: Real) -> None:
     """`default` is what `prepare` makes of `default_parameters`, to a rounding, and both are Table 1."""
-    library = libraries[name, dtype]
+    library = libraries(name, dtype)
     prepared = library.coefficients(module(name).Parameters())
     constant = library.coefficients()
     default_parameters = library["default_parameters"]
@@ -142,11 +137,10 @@ def test_default_coefficients_are_the_prepared_ones(libraries: Libraries, name: 
         assert np.all(np.abs(actual - expected) <= 4 * np.finfo(dtype).eps * largest), function
 
 
-@both_precisions
-@every_model
+@every_model_in_both
 def test_no_acceleration_asks_for_no_inertia(libraries: Libraries, name: str, dtype: Real) -> None:
     """J_m and J_l are NaN by default: no matter without an acceleration, NaN with one."""
-    library = libraries[name, dtype]
+    library = libraries(name, dtype)
     for function in ("voltage", "current"):
         states = [dtype(2.0) for _ in oracle.inputs(name, function)[:-1]]
 
@@ -154,10 +148,10 @@ def test_no_acceleration_asks_for_no_inertia(libraries: Libraries, name: str, dt
         assert np.isnan(library.one(function, [*states, 1.0], library.coefficients()))
 
 
-@every_model
-def test_the_header_says_where_an_inertia_is_wanted(libraries: Libraries, name: str) -> None:
+@every_model_in_both
+def test_the_header_says_where_an_inertia_is_wanted(libraries: Libraries, name: str, dtype: Real) -> None:
     """Its comments say so at the functions that give NaN with an acceleration and the default parameters."""
-    library = libraries[name, np.float64]
+    library = libraries(name, dtype)
     text = (GENERATED / f"{name}.h").read_text(encoding="utf-8")
     blocks = re.findall(rf"/\*\*((?:(?!\*/).)*)\*/\n\w+ {name}_(\w+)\(", text, re.DOTALL)
     told = {
@@ -179,14 +173,14 @@ def test_the_header_says_where_to_begin(name: str) -> None:
     assert all(f"\nECCENTRIC_REAL {function}(" in text for function in named)
 
 
-@every_model
-def test_same_functions_as_numpy(libraries: Libraries, name: str) -> None:
+@every_model_in_both
+def test_same_functions_as_numpy(libraries: Libraries, name: str, dtype: Real) -> None:
     """C and NumPy have the same functions, C those over arrays as well."""
     public = {one for one in module(name).__all__ if one.islower()}
     with_arrays = {f"{function}_n" for model, function in CALLED_ON_STATES if model == name}
 
     assert set(oracle.functions(name)) == public
-    assert public | with_arrays | {"prepare"} == libraries[name, np.float64].names()
+    assert public | with_arrays | {"prepare"} == libraries(name, dtype).names()
 
 
 @every_model
@@ -201,11 +195,10 @@ def test_no_body_is_emitted_twice(name: str) -> None:
     assert sorted(set(bodies)) == sorted(bodies)
 
 
-@both_precisions
-@every_model
+@every_model_in_both
 def test_prepare_numbers_the_first_invalid_parameter(libraries: Libraries, name: str, dtype: Real) -> None:
     """In the order of the structure, from 1; what NumPy's Parameters accept is 0, what they refuse is not."""
-    library = libraries[name, dtype]
+    library = libraries(name, dtype)
     valid = with_inertia(name)
     fields = dataclasses.asdict(valid)
     fields |= {"F_T": valid.M_l * valid.g} if "F_T" in fields else {}

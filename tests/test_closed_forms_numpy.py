@@ -9,13 +9,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests import oracle, paper, strategies
-from tests.emitted import both_precisions, every_call, every_model, labels, module, parameters
+from tests.emitted import (
+    PRECISIONS,
+    SOME,
+    SWINGING,
+    every_call_in_both,
+    every_model,
+    labels,
+    module,
+    parameters,
+)
 
 # The paper's values.
 
 
-@both_precisions
-@every_call
+@every_call_in_both
 def test_agrees_with_the_paper(name: str, function: str, dtype: type[np.floating]) -> None:
     """Every function is the paper's closed form to rounding, for any drive, even near F_N = 0."""
     derivative = function in oracle.DERIVATIVES
@@ -124,8 +132,16 @@ def test_degenerate_loads_have_a_gradient(name: str, level: dict[str, float]) ->
     assert set(gradient.values()) == {0.0}
 
 
-@both_precisions
-@pytest.mark.parametrize("name", ["c2_parallel", "c2_asymmetric", "rotating_link"])
+@pytest.mark.parametrize(
+    ("name", "dtype"),
+    [
+        pytest.param(
+            name, dtype, id=f"{name}-{precision}", marks=() if precision == SOME[name] else pytest.mark.slow
+        )
+        for name in SWINGING
+        for precision, dtype in PRECISIONS.items()
+    ],
+)
 def test_zero_of_the_force(name: str, dtype: type[np.floating]) -> None:
     """At (pi, w*) F_N is of rounding size, and the gradient no steeper than the cone F_N: nowhere a NaN."""
     emitted = module(name)

@@ -18,17 +18,20 @@ from eccentric.model import load_model
 from eccentric.places import folder
 from tests import oracle
 from tests.emitted import (
-    both_precisions,
-    every_call,
-    every_call_on_states,
-    every_model,
+    CALLED_ON_STATES,
+    CALLS,
+    MODELS,
     example_states,
+    in_both,
+    in_one,
     module,
     width,
     with_inertia,
 )
 from tests.refused import NO_NUMBERS, NO_PARAMETERS
 
+FEW = ("c1_asymmetric", "c2_parallel")
+"""Compiled in `make test`: together they have every function. The others are slow tests."""
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
 
 
@@ -47,8 +50,7 @@ def compiled(name: str) -> ModuleType:
     return eccentric.compile(load_model(name))
 
 
-@both_precisions
-@every_call
+@in_both(CALLS, FEW)
 def test_same_bits_as_the_numpy_module(name: str, function: str, dtype: type[np.floating]) -> None:
     """Arrays of any layout, and the parameters of a drive of one's own, give the bits that NumPy gives."""
     expected, actual = getattr(module(name), function), getattr(compiled(name), function)
@@ -64,7 +66,7 @@ def test_same_bits_as_the_numpy_module(name: str, function: str, dtype: type[np.
             assert np.array_equal(expected(*mixed, parameters), actual(*mixed, parameters), equal_nan=True)
 
 
-@every_call_on_states
+@in_one(CALLED_ON_STATES, FEW)
 def test_floats_give_the_same_bits(name: str, function: str) -> None:
     """One sample in Python's numbers, of whatever size or sign, or whole, is that of NumPy."""
     expected, actual = getattr(module(name), function), getattr(compiled(name), function)
@@ -81,7 +83,7 @@ def test_floats_give_the_same_bits(name: str, function: str) -> None:
         )
 
 
-@every_call
+@in_one(CALLS, FEW)
 def test_signature_is_that_of_the_numpy_module(name: str, function: str) -> None:
     """Names, order and defaults of the arguments are the same, and they can be named."""
     expected, actual = (getattr(m, function) for m in (module(name), compiled(name)))
@@ -96,8 +98,7 @@ def test_signature_is_that_of_the_numpy_module(name: str, function: str) -> None
     )
 
 
-@both_precisions
-@every_call_on_states
+@in_both(CALLED_ON_STATES, FEW)
 def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.floating]) -> None:
     """`out` takes the result where it is strided or lies on an input, too; the wrong shape is refused."""
     f, p = getattr(compiled(name), function), with_inertia(name)
@@ -115,7 +116,7 @@ def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.flo
         f(*states, p, out=np.empty((2, 2), dtype))
 
 
-@every_call_on_states
+@in_one(CALLED_ON_STATES, FEW)
 def test_what_is_refused_is_what_numpy_refuses(name: str, function: str) -> None:
     """Inputs, parameters and `out` of the wrong kind raise the error of the NumPy module, in its words."""
     f, compiled_f = getattr(module(name), function), getattr(compiled(name), function)
@@ -137,7 +138,7 @@ def test_what_is_refused_is_what_numpy_refuses(name: str, function: str) -> None
         assert str(expected.value) == str(actual.value)
 
 
-@every_call_on_states
+@in_one(CALLED_ON_STATES, FEW)
 def test_memory_of_any_kind_is_taken_as_numpy_takes_it(name: str, function: str) -> None:
     """Numbers that lie between two addresses of doubles give the same bits; what is read-only stays."""
     expected, actual = getattr(module(name), function), getattr(compiled(name), function)
@@ -155,7 +156,9 @@ def test_memory_of_any_kind_is_taken_as_numpy_takes_it(name: str, function: str)
     assert not np.any(kept)
 
 
-@every_model
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in FEW else pytest.mark.slow) for name in MODELS]
+)
 def test_acceleration_asks_for_inertia(name: str) -> None:
     """Without J_m and J_l an acceleration is refused by their names, as the NumPy module does."""
     states = dict.fromkeys(oracle.inputs(name, "voltage"), 1.0)

@@ -10,7 +10,7 @@ import pytest
 
 from tests.adapted import emitted
 from tests.compiled import FLAGS, GENERATED, REAL, Real, run
-from tests.emitted import MODELS, both_precisions, every_model
+from tests.emitted import MODELS, PRECISIONS, SOME, both_precisions, every_model, every_model_in_both
 from tests.hosts import need
 
 # Square root, absolute value and rounding; sine and cosine of the tilt in `prepare` only, which runs once.
@@ -32,16 +32,29 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     return object_file
 
 
+VARIANTS = {"polynomials": (), "libm": ("-DECCENTRIC_LIBM",)}
+
+
+def few(name: str, precision: str, compiler: str, variant: str) -> bool:
+    """Whether `make test` compiles it: each model by gcc in one precision, by clang one model in each."""
+    by_clang = ("c2_parallel", "c2_asymmetric")
+    return precision == SOME[name] and variant == "polynomials" and (compiler == "gcc" or name in by_clang)
+
+
 @pytest.mark.parametrize(
-    "variant",
+    ("name", "dtype", "compiler", "variant"),
     [
-        pytest.param((), id="polynomials"),
-        pytest.param(("-DECCENTRIC_LIBM",), marks=pytest.mark.slow, id="libm"),
+        pytest.param(
+            *(name, dtype, compiler, options),
+            id=f"{name}-{precision}-{compiler}-{variant}",
+            marks=() if few(name, precision, compiler, variant) else pytest.mark.slow,
+        )
+        for name in MODELS
+        for precision, dtype in PRECISIONS.items()
+        for compiler in ("gcc", "clang")
+        for variant, options in VARIANTS.items()
     ],
 )
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@both_precisions
-@every_model
 def test_no_warning(
     compiled: Callable[..., Path], name: str, dtype: Real, compiler: str, variant: tuple[str, ...]
 ) -> None:
@@ -51,8 +64,7 @@ def test_no_warning(
     assert compiled(name, dtype, compiler, variant).is_file()
 
 
-@both_precisions
-@every_model
+@every_model_in_both
 def test_links_with_libm_only(compiled: Callable[..., Path], name: str, dtype: Real) -> None:
     """An object file needs square root, absolute value and rounding, and holds no variables."""
     object_file = compiled(name, dtype, "gcc", ())
@@ -93,12 +105,20 @@ def test_other_types_are_refused(tmp_path: Path, real: str) -> None:
     assert ['#error "ECCENTRIC_REAL must be float or double"'] == re.findall(r"error: (.*)", said)
 
 
+@pytest.fixture(scope="module")
+def estimator(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a model with its estimator."""
+    return emitted(tmp_path_factory.mktemp("estimator"))
+
+
 @pytest.mark.parametrize("option", ["-ansi", "-std=c89", "-std=gnu89"])
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_an_older_dialect_is_the_one_error(tmp_path: Path, compiler: str, option: str) -> None:
+def test_an_older_dialect_is_the_one_error(
+    tmp_path: Path, estimator: Path, compiler: str, option: str
+) -> None:
     """The sources say that C99 is required and nothing else; the headers serve code of any dialect."""
     need(compiler)
-    folder = emitted(tmp_path)
+    folder = estimator
     (tmp_path / "user.c").write_text('#include "c2_parallel_adapt.h"\nint main(void) { return 0; }\n')
     strict = (compiler, option, "-Wall", "-Wextra", "-pedantic-errors", f"-I{folder}", "-fsyntax-only")
 

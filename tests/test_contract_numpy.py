@@ -18,12 +18,17 @@ from hypothesis import strategies as st
 from generated import eccentric_runtime
 from tests import oracle, strategies
 from tests.emitted import (
-    both_precisions,
+    CALLED_ON_STATES,
+    PRECISIONS,
+    SOME,
     every_call,
+    every_call_in_both,
     every_call_on_states,
+    every_call_on_states_in_both,
     every_model,
     example_states,
     module,
+    some_calls,
     width,
     with_inertia,
 )
@@ -58,8 +63,7 @@ def test_labels(name: str) -> None:
     assert friction <= set(emitted.JACOBIAN) <= fields
 
 
-@both_precisions
-@every_call_on_states
+@every_call_on_states_in_both
 def test_finite_inputs_give_numbers_and_no_warning(
     name: str, function: str, dtype: type[np.floating]
 ) -> None:
@@ -80,8 +84,7 @@ def test_finite_inputs_give_numbers_and_no_warning(
     check()
 
 
-@both_precisions
-@every_call_on_states
+@every_call_on_states_in_both
 def test_one_value_has_one_result(name: str, function: str, dtype: type[np.floating]) -> None:
     """An element has the same bits whether it comes alone, strided, transposed, broadcast or in 100,000."""
     f, p = getattr(module(name), function), with_inertia(name)
@@ -103,8 +106,7 @@ def test_one_value_has_one_result(name: str, function: str, dtype: type[np.float
         assert np.array_equal(f(*wide, p), f(states[0], *(x[k] for x in states[1:]), p))
 
 
-@both_precisions
-@every_call
+@every_call_in_both
 def test_shapes_follow_broadcasting(name: str, function: str, dtype: type[np.floating]) -> None:
     """Inputs broadcast; a vector result adds its axis last; scalars give a scalar, nothing gives nothing."""
     f, p, n = getattr(module(name), function), with_inertia(name), len(oracle.inputs(name, function))
@@ -133,8 +135,7 @@ def test_whole_numbers_and_lists_are_taken_as_doubles(name: str, function: str) 
     assert np.float64 == np.asarray(f(*(1 for _ in range(n)), p)).dtype
 
 
-@both_precisions
-@every_call_on_states
+@every_call_on_states_in_both
 def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.floating]) -> None:
     """`out` takes the result, is what is returned, may be strided, and is refused in the wrong shape."""
     f, p = getattr(module(name), function), with_inertia(name)
@@ -150,9 +151,24 @@ def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.flo
         f(*states, p, out=np.empty((2, 2), dtype))
 
 
-@both_precisions
-@pytest.mark.parametrize("count", [7, 1500, 2048, 50_000])
-@every_call_on_states
+@pytest.mark.parametrize(
+    ("name", "function", "count", "dtype"),
+    [
+        pytest.param(
+            name,
+            function,
+            count,
+            dtype,
+            id=f"{name}.{function}-{count}-{precision}",
+            marks=()
+            if precision == SOME[name] and (name, function) in some_calls(CALLED_ON_STATES, turn=turn)
+            else pytest.mark.slow,
+        )
+        for name, function in CALLED_ON_STATES
+        for turn, count in enumerate((7, 1500, 2048, 50_000))
+        for precision, dtype in PRECISIONS.items()
+    ],
+)
 def test_out_may_be_an_input(name: str, function: str, count: int, dtype: type[np.floating]) -> None:
     """An input that lies where the result goes, or a sample beside it, is read before it is overwritten."""
     f, p, one = getattr(module(name), function), with_inertia(name), width(name, function)
@@ -171,8 +187,7 @@ def test_out_may_be_an_input(name: str, function: str, count: int, dtype: type[n
             assert np.array_equal(expected, out, equal_nan=True), (k, shift)
 
 
-@both_precisions
-@every_call_on_states
+@every_call_on_states_in_both
 def test_memory_is_bounded_by_the_block(name: str, function: str, dtype: type[np.floating]) -> None:
     """With `out` a call takes as much memory for 1,000,000 elements as for 100,000."""
     f, p = getattr(module(name), function), with_inertia(name)

@@ -101,7 +101,13 @@ def differ_by_order(name: str, pairs: Iterable[Pair]) -> list[tuple[str, str]]:
     return found
 
 
-@every_model
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in ("c1_perpendicular", "c2_parallel") else pytest.mark.slow)
+        for name in MODELS
+    ],
+)
 def test_the_order_of_two_effects_changes_nothing(name: str) -> None:
     """A pair of the library gives one model in both orders, or one refusal in one line; a third of them."""
     assert [] == differ_by_order(name, every_nth(itertools.combinations(few_orders(name), 2), 3))
@@ -190,7 +196,7 @@ def emitted_apart(name: str, count: int) -> list[tuple[str, str]]:
     ]
 
 
-@pytest.mark.parametrize("name", ["c1_perpendicular", "c2_parallel"])
+@pytest.mark.parametrize("name", [pytest.param("c1_perpendicular", marks=pytest.mark.slow), "c2_parallel"])
 def test_emitted_numbers_are_those_of_either_order(name: str) -> None:
     """What is emitted for a pair gives the same numbers whichever effect came first."""
     assert [] == emitted_apart(name, 3)

@@ -1,6 +1,7 @@
 """What each effect adds to a balance, as emitted, against its closed form written with NumPy."""
 
 from collections.abc import Callable
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -28,6 +29,7 @@ from tests.extended import (
     M,
     R,
     Signals,
+    briefly,
     call,
     effects,
     inputs,
@@ -329,16 +331,26 @@ ELECTRICAL: list[tuple[str, dict[str, float], Torque]] = [
 ]  # fmt: skip
 
 
+# In `make test` each effect is in a module without derivatives; in whole ones among the slow tests.
+Made = Callable[[str, str], ModuleType]
+made_either_way = pytest.mark.parametrize(
+    "made",
+    [briefly, pytest.param(lambda *of: with_effect(*of).module, marks=pytest.mark.slow)],
+    ids=["brief", "whole"],
+)
+
+
+@made_either_way
 @pytest.mark.parametrize(
     ("case", "effect_id", "values", "torque"),
     MECHANICAL,
     ids=[f"{case}-{name}" for case, name, *_ in MECHANICAL],
 )
 def test_torques_are_those_of_the_formulas(
-    case: str, effect_id: str, values: dict[str, float], torque: Torque
+    case: str, effect_id: str, values: dict[str, float], torque: Torque, made: Made
 ) -> None:
     """What the mechanical balance loses by an effect is its closed form."""
-    module, given = with_effect(case, effect_id).module, inputs()
+    module, given = made(case, effect_id), inputs()
     without = call(module, "mechanical_residual", given, **dict.fromkeys(set(values) & set(NEUTRAL), 0.0))
     actual = without - call(module, "mechanical_residual", given, **values)
 
@@ -347,14 +359,15 @@ def test_torques_are_those_of_the_formulas(
     np.testing.assert_allclose(actual, torque(given), rtol=1e-10, atol=1e-6 if rooted else 1e-11)
 
 
+@made_either_way
 @pytest.mark.parametrize(
     ("effect_id", "values", "voltage"), ELECTRICAL, ids=[name for name, *_ in ELECTRICAL]
 )
 def test_voltages_are_those_of_the_formulas(
-    effect_id: str, values: dict[str, float], voltage: Torque
+    effect_id: str, values: dict[str, float], voltage: Torque, made: Made
 ) -> None:
     """What the electrical balance loses by an effect is its closed form, as a torque times k_i/R."""
-    module, given = with_effect("C1", effect_id).module, inputs()
+    module, given = made("C1", effect_id), inputs()
     actual = call(module, "electrical_residual", given) - call(module, "electrical_residual", given, **values)
 
     np.testing.assert_allclose(actual, K_I / R * voltage(given), rtol=1e-10, atol=1e-12)

@@ -6,12 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sympy as sp
 from scipy.integrate import solve_ivp
 
 from eccentric.emission import load_module
 from eccentric.model import load_model
+from eccentric.model import vocabulary as v
 from tests.emitted import both_precisions
 from tests.extended import (
+    AT_WORK,
     BASE,
     J_L,
     J_M,
@@ -26,11 +29,13 @@ from tests.extended import (
     R,
     Signals,
     arguments,
+    briefly,
     call,
     every_case,
-    extended,
     inputs,
-    with_effect,
+    members,
+    some_at_work,
+    with_group,
 )
 
 J = J_M + MU**2 * J_L
@@ -47,41 +52,40 @@ SAME = (
 )
 
 
-@every_case
-def test_neutral_effects_change_nothing(case: str) -> None:
+@pytest.mark.parametrize("name", some_at_work())
+def test_neutral_effects_change_nothing(name: str) -> None:
     """With coefficients 0 and neutral shapes every emitted function gives what the base model gives."""
-    given, base = inputs(), load_module(load_model(BASE[case]))
-    for one in extended(case):
-        for function in SAME:
-            expected, actual = call(base, function, given), call(one.module, function, given)
-            tolerance = 1e-13 * np.max(np.abs(expected), initial=1.0)
-            expected = np.broadcast_to(expected, actual.shape)
-            np.testing.assert_allclose(actual, expected, 1e-13, tolerance, err_msg=one.model.name)
+    case, number = AT_WORK[name]
+    given, base, one = inputs(), load_module(load_model(BASE[case])), with_group(case, number)
+    for function in SAME:
+        expected, actual = call(base, function, given), call(one.module, function, given)
+        tolerance = 1e-13 * np.max(np.abs(expected), initial=1.0)
+        expected = np.broadcast_to(expected, actual.shape)
+        np.testing.assert_allclose(actual, expected, 1e-13, tolerance, err_msg=function)
 
 
 def test_normal_force_is_the_one_that_friction_hangs_on() -> None:
     """Where a tilt of the plane loads the bearing, F_N is centrifugal force and weight, added as vectors."""
-    given, one = inputs(), with_effect("C1", "gravity_tilt[load]")
+    given, module = inputs(), briefly("C1", "gravity_tilt[load]")
     weight, at = (M + M_L) * G * np.sin(0.2), MU * given["theta_m"] + 0.7
     centrifugal = M * L * (MU * given["omega_m"]) ** 2
 
-    actual = call(one.module, "normal_force", given, tilt_angle=0.2, tilt_phase=0.7)
+    actual = call(module, "normal_force", given, tilt_angle=0.2, tilt_phase=0.7)
 
     np.testing.assert_allclose(
         actual, np.hypot(centrifugal + weight * np.cos(at), weight * np.sin(at)), 1e-12
     )
 
 
-@every_case
-def test_slopes_are_numbers_everywhere(case: str) -> None:
+@pytest.mark.parametrize("name", some_at_work())
+def test_slopes_are_numbers_everywhere(name: str) -> None:
     """Gradient, Jacobian and states are finite for finite input, at rest too, with every coefficient set."""
-    given = inputs()
-    for one in extended(case):
-        own = {q.name: 0.1 for effect in one.effects for q in effect.coefficients}
-        for function in ("friction_torque_gradient", "friction_torque_jacobian", "regressor", "next_state"):
-            if hasattr(one.module, function):
-                result = call(one.module, function, given, **own)
-                assert np.all(np.isfinite(result)), (one.model.name, function)
+    given, one = inputs(), with_group(*AT_WORK[name])
+    own = {q.name: 0.1 for effect in one.effects for q in effect.coefficients}
+    for function in ("friction_torque_gradient", "friction_torque_jacobian", "regressor", "next_state"):
+        if hasattr(one.module, function):
+            result = call(one.module, function, given, **own)
+            assert np.all(np.isfinite(result)), function
 
 
 def compiled(name: str, real: str, folder: Path, *options: str) -> None:
@@ -100,32 +104,31 @@ def shared(one: Extended, folder: Path) -> ctypes.CDLL:
     return ctypes.CDLL(str(folder / f"{name}.so"))
 
 
-@every_case
-def test_the_c_of_extended_models_compiles_and_agrees(case: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", some_at_work())
+def test_the_c_of_extended_models_compiles_and_agrees(name: str, tmp_path: Path) -> None:
     """Strict C99 in both precisions; in double precision the mechanical residual is that of NumPy."""
-    given = inputs()
-    for one in extended(case):
-        name, own = one.model.name, {q.name: 0.1 for effect in one.effects for q in effect.coefficients}
-        library = shared(one, tmp_path)
-        compiled(name, "float", tmp_path, "-fsyntax-only")
-        defaults = {q.name: getattr(one.module.Parameters(), q.name) for q in one.model.parameters}
-        values = {**defaults, **KNOWN, "F_T": KNOWN["M_l"] * G, **own}
-        numbers = [values[q.name] for q in one.model.parameters]
-        coefficients = ctypes.create_string_buffer(1 << 16)
-        getattr(library, f"{name}_prepare_double")((ctypes.c_double * len(numbers))(*numbers), coefficients)
-        residual = getattr(library, f"{name}_mechanical_residual_double")
-        residual.restype = ctypes.c_double
-        asked = [given[n][:8] for n in arguments(one.module, "mechanical_residual")]
-        actual = [residual(*map(ctypes.c_double, row), coefficients) for row in zip(*asked, strict=True)]
-        expected = call(one.module, "mechanical_residual", given, **own)[:8]
+    given, one = inputs(), with_group(*AT_WORK[name])
+    own = {q.name: 0.1 for effect in one.effects for q in effect.coefficients}
+    library = shared(one, tmp_path)
+    compiled(name, "float", tmp_path, "-fsyntax-only")
+    defaults = {q.name: getattr(one.module.Parameters(), q.name) for q in one.model.parameters}
+    values = {**defaults, **KNOWN, "F_T": KNOWN["M_l"] * G, **own}
+    numbers = [values[q.name] for q in one.model.parameters]
+    coefficients = ctypes.create_string_buffer(1 << 16)
+    getattr(library, f"{name}_prepare_double")((ctypes.c_double * len(numbers))(*numbers), coefficients)
+    residual = getattr(library, f"{name}_mechanical_residual_double")
+    residual.restype = ctypes.c_double
+    asked = [given[n][:8] for n in arguments(one.module, "mechanical_residual")]
+    actual = [residual(*map(ctypes.c_double, row), coefficients) for row in zip(*asked, strict=True)]
+    expected = call(one.module, "mechanical_residual", given, **own)[:8]
 
-        np.testing.assert_allclose(actual, expected, rtol=1e-12, atol=1e-14, err_msg=name)
+    np.testing.assert_allclose(actual, expected, rtol=1e-12, atol=1e-14)
 
 
 def stepped(case: str, effect_id: str, given: Signals, **values: float) -> Signals:
     """Run the hidden states of an effect by the emitted `next_state`: name -> values from the start."""
-    one = with_effect(case, effect_id)
-    module, names = one.module, [s.quantity.name for s in one.model.states]
+    module = briefly(case, effect_id)
+    names = list(module.STATES)
     now = dict.fromkeys(names, 0.0)
     series = {name: [0.0] for name in names}
     for k in range(len(given["omega_m"])):
@@ -145,54 +148,63 @@ def motion(**columns: np.ndarray | float) -> Signals:
     return base | {name: np.broadcast_to(np.asarray(value, float), 200) for name, value in columns.items()}
 
 
-def timed(case: str) -> list[Extended]:
-    """Return the extended models whose hidden states are stepped by a time step."""
-    models = [one for one in extended(case) if hasattr(one.module, "next_state")]
-    return [one for one in models if "dt" in arguments(one.module, "next_state")]
+def is_timed(name: str) -> bool:
+    """Whether hidden states of an extended model are stepped by a time step."""
+    states = [state for effect in members(name) for state in effect.change.states]
+    return any(v.dt.symbol in sp.sympify(state.update).free_symbols for state in states)
+
+
+timed = pytest.mark.parametrize("name", [one for one in some_at_work() if is_timed(str(one.values[0]))])
+
+
+@pytest.mark.parametrize("name", some_at_work())
+def test_these_are_timed(name: str) -> None:
+    """The step of the others takes no time step."""
+    module = with_group(*AT_WORK[name]).module
+
+    assert is_timed(name) == (hasattr(module, "next_state") and "dt" in arguments(module, "next_state"))
 
 
 @both_precisions
-@every_case
-def test_no_time_changes_no_state(case: str, dtype: type[np.floating]) -> None:
+@timed
+def test_no_time_changes_no_state(name: str, dtype: type[np.floating]) -> None:
     """A time step of 0, below 0 or below a nanosecond leaves the hidden states as they are, bit for bit."""
-    given = {name: column.astype(dtype) for name, column in inputs().items()}
+    given, one = {x: column.astype(dtype) for x, column in inputs().items()}, with_group(*AT_WORK[name])
     for dt in (0.0, -0.0, -1e-3, -1e30, np.finfo(dtype).smallest_subnormal, 9e-10):
         given["dt"] = np.full(40, dt, dtype)
-        for one in timed(case):
-            before = [given[state.quantity.name] for state in one.model.states]
+        before = [given[state.quantity.name] for state in one.model.states]
 
-            after = call(one.module, "next_state", given)
+        after = call(one.module, "next_state", given)
 
-            assert np.stack(before, axis=-1).tobytes() == after.tobytes(), (one.model.name, dt)
+        assert np.stack(before, axis=-1).tobytes() == after.tobytes(), dt
 
 
 @both_precisions
-@every_case
-def test_every_time_step_gives_finite_states(case: str, dtype: type[np.floating]) -> None:
+@timed
+def test_every_time_step_gives_finite_states(name: str, dtype: type[np.floating]) -> None:
     """From the smallest number above 0 to 30 years, what the states become is finite."""
-    given = {name: column.astype(dtype) for name, column in inputs().items()}
+    given, one = {x: column.astype(dtype) for x, column in inputs().items()}, with_group(*AT_WORK[name])
     for dt in (np.finfo(dtype).smallest_subnormal, *np.logspace(-40, 9, 99)):
         given["dt"] = np.full(40, dt, dtype)
-        for one in timed(case):
-            assert np.all(np.isfinite(call(one.module, "next_state", given))), (one.model.name, dt)
+        assert np.all(np.isfinite(call(one.module, "next_state", given))), dt
 
 
-@every_case
-def test_no_time_changes_no_state_in_c(case: str, tmp_path: Path) -> None:
+@timed
+def test_no_time_changes_no_state_in_c(name: str, tmp_path: Path) -> None:
     """`step` of the emitted C leaves the caller's states as they are where no time has passed."""
-    for one in timed(case):
-        name, states = one.model.name, [state.quantity.name for state in one.model.states]
-        library = shared(one, tmp_path)
-        coefficients = ctypes.byref(ctypes.c_char.in_dll(library, f"{name}_default_double"))
-        asked = [x for x in arguments(one.module, "next_state") if x not in states]
-        for dt in (0.0, -1e-3, 5e-324):
-            given = {x: float(column[0]) for x, column in inputs().items()} | {"dt": dt}
-            own = (ctypes.c_double * len(states))(*(given[state] for state in states))
+    one = with_group(*AT_WORK[name])
+    states = [state.quantity.name for state in one.model.states]
+    library = shared(one, tmp_path)
+    coefficients = ctypes.byref(ctypes.c_char.in_dll(library, f"{name}_default_double"))
+    asked = [x for x in arguments(one.module, "next_state") if x not in states]
+    for dt in (0.0, -1e-3, 5e-324):
+        given = {x: float(column[0]) for x, column in inputs().items()} | {"dt": dt}
+        own = (ctypes.c_double * len(states))(*(given[state] for state in states))
 
-            step = getattr(library, f"{name}_step_double")
-            step(own, *(ctypes.c_double(given[x]) for x in asked), coefficients)
+        step = getattr(library, f"{name}_step_double")
+        step(own, *(ctypes.c_double(given[x]) for x in asked), coefficients)
 
-            assert [given[state] for state in states] == list(own), (name, dt)
+        assert [given[state] for state in states] == list(own), dt
 
 
 @every_case
@@ -268,7 +280,7 @@ def test_lugre_is_that_of_its_paper() -> None:
     given = {name: np.zeros(1001) for name in motion()} | {"omega_m": speed(time), "dt": np.full(1001, 1e-3)}
     values = {"presliding_x": C / sigma_0, "presliding_v": v_s, "presliding_r": S / C}
     bristles = stepped("C1", "presliding[lugre]", given, **values)["presliding_z"][:-1]
-    module = with_effect("C1", "presliding[lugre]").module
+    module = briefly("C1", "presliding[lugre]")
     with_it, without = (
         call(module, "mechanical_friction_torque", given | {"presliding_z": bristles}, **values, **own)
         for own in ({"presliding_A": C, "presliding_D": sigma_1}, {})

@@ -17,12 +17,15 @@ from eccentric.cli import main
 from eccentric.emission.program import accuracy as stated
 from tests import accelerated, accuracy, extended, oracle, promised
 from tests.compiled import Real
-from tests.emitted import both_precisions, every_model, example_states, module, with_inertia
+from tests.emitted import MODELS, PRECISIONS, SWINGING, both_precisions, example_states, module, with_inertia
 from tests.jaxed import as_arrays, executed, jaxed
 from tests.oracle import Point
 from tests.random_drives import directed
 from tests.test_accuracy import letters
 
+# What `make test` compiles, of all functions and of the mapped gradient.
+ALL_FUNCTIONS = {("c1_asymmetric", "single"), ("c2_parallel", "double")}
+MAPPED = {("c2_asymmetric", "single"), ("c1_perpendicular", "double")}
 SIZE = 40  # states: of one shape, since each is compiled for
 MOST_APART = 32  # eps of the greatest value: two ways of rounding a sum of terms of either sign
 
@@ -42,8 +45,19 @@ def assert_close(expected: np.ndarray, actual: jax.Array, most: float) -> None:
     assert np.all(off <= most * np.finfo(expected.dtype).eps * greatest)
 
 
-@both_precisions
-@every_model
+@pytest.mark.parametrize(
+    ("name", "dtype"),
+    [
+        pytest.param(
+            name,
+            dtype,
+            id=f"{name}-{precision}",
+            marks=() if (name, precision) in ALL_FUNCTIONS else pytest.mark.slow,
+        )
+        for name in MODELS
+        for precision, dtype in PRECISIONS.items()
+    ],
+)
 def test_every_function_is_that_of_numpy(name: str, dtype: Real) -> None:
     """Names, shapes and precisions are those of the NumPy module, values to a few roundings, in one jit."""
     assert set(jaxed(name).__all__) == set(module(name).__all__)
@@ -56,9 +70,21 @@ def test_every_function_is_that_of_numpy(name: str, dtype: Real) -> None:
         assert_close(expected if x else expected.astype(float), found[function], MOST_APART)
 
 
-@both_precisions
 @pytest.mark.parametrize(
-    ("name", "traced"), [("c1_perpendicular", False), ("c2_parallel", False), ("c2_parallel", True)]
+    ("name", "traced", "dtype"),
+    [
+        pytest.param(
+            *(name, traced, dtype),
+            id=f"{name}-{traced}-{precision}",
+            marks=() if precision == few else pytest.mark.slow,
+        )
+        for name, traced, few in (
+            ("c1_perpendicular", False, "single"),
+            ("c2_parallel", False, ""),
+            ("c2_parallel", True, "double"),
+        )
+        for precision, dtype in PRECISIONS.items()
+    ],
 )
 def test_bounds_of_the_header(name: str, traced: bool, dtype: Real, monkeypatch: pytest.MonkeyPatch) -> None:
     """The bounds that headers state hold at 50 digits, also where JAX computes what parameters give."""
@@ -70,7 +96,9 @@ def test_bounds_of_the_header(name: str, traced: bool, dtype: Real, monkeypatch:
             assert worst <= promised.bounds(name)[function].anywhere, (function, at.name)
 
 
-@both_precisions
+@pytest.mark.parametrize(
+    "dtype", [pytest.param(np.float64, marks=pytest.mark.slow), np.float32], ids=["double", "single"]
+)
 def test_bounds_with_an_acceleration(dtype: Real, monkeypatch: pytest.MonkeyPatch) -> None:
     """Beside the curve on which F_N vanishes the bounds of `rotating_link` hold."""
     name, values = accelerated.NAME, letters("mu = 3") | {"phi": 0.75}
@@ -96,8 +124,19 @@ def test_compiled_in_a_program_with_its_parameters_it_keeps_its_digits(dtype: Re
     assert worst <= stated.NORMAL_FORCE.anywhere
 
 
-@both_precisions
-@every_model
+@pytest.mark.parametrize(
+    ("name", "dtype"),
+    [
+        pytest.param(
+            name,
+            dtype,
+            id=f"{name}-{precision}",
+            marks=() if (name, precision) in MAPPED else pytest.mark.slow,
+        )
+        for name in MODELS
+        for precision, dtype in PRECISIONS.items()
+    ],
+)
 def test_jit_vmap_and_grad(name: str, dtype: Real) -> None:
     """One sample, differentiated, mapped and compiled, gives the emitted gradient of the NumPy module."""
     given = example_states(name, "friction_torque", 100, dtype)
@@ -108,7 +147,9 @@ def test_jit_vmap_and_grad(name: str, dtype: Real) -> None:
     assert_close(expected, jnp.stack(slopes, -1), promised.bounds(name)["friction_torque_gradient"].anywhere)
 
 
-@every_model
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name == "c1_asymmetric" else pytest.mark.slow) for name in MODELS]
+)
 def test_derivatives_by_parameters(name: str) -> None:
     """By friction coefficients they are the emitted Jacobian, by all others those of the closed forms."""
     values = directed({k: float(x) for k, x in vars(accuracy.decimals()).items()} | {"phi": 0.4}, 1.25)
@@ -149,7 +190,9 @@ def test_at_the_apex_the_slopes_of_the_load_are_taken_as_0() -> None:
             assert np.all(np.isfinite(of_emitted(*state, parameters)))
 
 
-@pytest.mark.parametrize("name", ["c2_parallel", "c2_asymmetric", "rotating_link"])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name == "c2_parallel" else pytest.mark.slow) for name in SWINGING]
+)
 def test_derivatives_by_parameters_without_gravity(name: str) -> None:
     """Without gravity F_N is M L mu^2 sqrt(w^4 + (a/mu)^2); by g its derivative is taken as 0."""
     m, at = jaxed(name), {"theta_m": 1.3, "omega_m": 20.0, "alpha_m": 3.0}

@@ -7,7 +7,7 @@ import pytest
 
 from tests import accelerated, accuracy, oracle
 from tests.compiled import FLAGS, GENERATED, REAL, Library, Real, run
-from tests.emitted import both_precisions, labels
+from tests.emitted import PRECISIONS, labels
 from tests.promised import given, gradient_error
 from tests.random_drives import FUNCTIONS
 from tests.test_accuracy import bound, letters
@@ -17,8 +17,14 @@ SIZE = 80  # states of each set
 DRIVES = ("mu = 1/5", "mu = 1/30", "much unbalance")
 
 
-@both_precisions
-@pytest.mark.parametrize("name", ["c1_perpendicular", "c2_parallel"])
+@pytest.mark.parametrize(
+    ("name", "dtype"),
+    [
+        pytest.param(one, dtype, id=f"{one}-{precision}", marks=() if precision == few else pytest.mark.slow)
+        for one, few in (("c1_perpendicular", "double"), ("c2_parallel", "single"))
+        for precision, dtype in PRECISIONS.items()
+    ],
+)
 def test_steady(name: str, dtype: Real, tmp_path: Path) -> None:
     """F_N, friction and its derivatives keep their bounds, held to 50 digits."""
     library = Library(name, dtype, tmp_path, LIBM)
@@ -42,8 +48,14 @@ def test_steady(name: str, dtype: Real, tmp_path: Path) -> None:
                 assert error <= bound(name, function, drive), (function, drive, at.name)
 
 
-@both_precisions
-@pytest.mark.parametrize("phi", [0.0, 0.75])
+@pytest.mark.parametrize(
+    ("phi", "dtype"),
+    [
+        pytest.param(one, dtype, id=f"{one}-{precision}", marks=() if precision == few else pytest.mark.slow)
+        for one, few in ((0.0, ""), (0.75, "double"))
+        for precision, dtype in PRECISIONS.items()
+    ],
+)
 def test_accelerated(phi: float, dtype: Real, tmp_path: Path) -> None:
     """With an acceleration, in a tilted plane, they are within the eps that the header states."""
     name = accelerated.NAME
@@ -59,8 +71,14 @@ def test_accelerated(phi: float, dtype: Real, tmp_path: Path) -> None:
                     assert np.max(accuracy.relative(*pair)) <= bound(name, function, drive), (function, drive)
 
 
-@both_precisions
-@pytest.mark.parametrize("name", ["c2_parallel", "rotating_link"])
+@pytest.mark.parametrize(
+    ("name", "dtype"),
+    [
+        pytest.param(one, dtype, id=f"{one}-{precision}", marks=() if precision == few else pytest.mark.slow)
+        for one, few in (("c2_parallel", "single"), ("rotating_link", "double"))
+        for precision, dtype in PRECISIONS.items()
+    ],
+)
 def test_the_library_is_called(name: str, dtype: Real, tmp_path: Path) -> None:
     """The object needs sine and cosine of its precision."""
     source, model = GENERATED / f"{name}.c", tmp_path / "model.o"

@@ -39,7 +39,7 @@ def swings(seed: int) -> tuple[Array, Array]:
     return np.cumsum(omega) * 0.004, np.asarray(omega)
 
 
-@pytest.mark.parametrize("nu", [0.7, 3.57, 7.3])
+@pytest.mark.parametrize("nu", [0.7, *(pytest.param(nu, marks=pytest.mark.slow) for nu in (3.57, 7.3))])
 def test_an_order_stands_out_to_a_fifth_of_a_cycle(nu: float) -> None:
     """Friction in noise twice as large: its order comes first, and first after a harmonic twice as large."""
     theta, omega = swings(1)
@@ -54,8 +54,14 @@ def test_an_order_stands_out_to_a_fifth_of_a_cycle(nu: float) -> None:
     assert nu == pytest.approx(beside[1], abs=0.2 / turns)
 
 
-@pytest.mark.parametrize("noise", [0.01, 1e-4])
-@pytest.mark.parametrize("nu", [4.3, 5.43, 2.64, 4.65])
+@pytest.mark.parametrize(
+    ("nu", "noise"),
+    [
+        pytest.param(nu, noise, marks=() if noise == few else pytest.mark.slow)
+        for nu, few in ((4.3, 0.0), (5.43, 0.01), (2.64, 1e-4), (4.65, 0.0))
+        for noise in (0.01, 1e-4)
+    ],
+)
 def test_on_two_turns_it_is_found_between_the_harmonics(nu: float, noise: float) -> None:
     """Where no order is a cycle from every harmonic, and the motion dwells at its ends."""
     t = np.arange(0.0, 60.0, 0.004)
@@ -73,8 +79,14 @@ def test_on_two_turns_it_is_found_between_the_harmonics(nu: float, noise: float)
     assert min(abs(shape.low - round(shape.low)), abs(shape.high - round(shape.high))) > 0.249 / turns
 
 
-@pytest.mark.parametrize("turns", [1.5, 7.9])
-@pytest.mark.parametrize("kind", ["harmonic", "white", "speed"])
+@pytest.mark.parametrize(
+    ("kind", "turns"),
+    [
+        pytest.param(kind, turns, marks=() if turns == few else pytest.mark.slow)
+        for kind, few in (("harmonic", 1.5), ("white", 0.0), ("speed", 7.9))
+        for turns in (1.5, 7.9)
+    ],
+)
 def test_over_a_few_turns_neither_noise_nor_a_harmonic_has_an_order_of_its_own(
     turns: float, kind: str
 ) -> None:
@@ -108,7 +120,7 @@ def test_a_periodic_motion_hides_no_order() -> None:
     assert 5.43 == pytest.approx(found[0], abs=0.2 / turns)
 
 
-@pytest.mark.parametrize("harmonic", [4.0, 5.0, 9 * MU])
+@pytest.mark.parametrize("harmonic", [*(pytest.param(n, marks=pytest.mark.slow) for n in (4.0, 5.0)), 9 * MU])
 def test_a_harmonic_alone_offers_no_other_order(harmonic: float) -> None:
     """Friction at a harmonic of motor or link, with and without the sign of the motion: none is offered."""
     theta, omega = swings(3)

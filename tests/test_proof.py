@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.emitted import MODELS
-from tests.extended import AT_WORK, at_work, members, some_at_work, written
+from tests.extended import AT_WORK, ONE, at_work, members, some_at_work, written
 
 CHECK = Path(__file__).resolve().parent.parent / "generated" / "check"
 # A result of which nothing is known reaches the largest finite number, which Eva prints to 12 digits.
@@ -66,12 +66,14 @@ def folder_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]
     ("name", "real"),
     [
         *(
-            pytest.param(name, real, marks=() if name == "rotating_link" else pytest.mark.slow)
+            pytest.param(
+                name, real, marks=() if (name, real) == ("rotating_link", "double") else pytest.mark.slow
+            )
             for name in MODELS
             for real in LARGEST
         ),
         # Of the extended ones in double, `make bench` has the proofs.
-        *(pytest.param(*one.values, "float", marks=one.marks) for one in some_at_work()),
+        *(pytest.param(*one.values, "float", marks=one.marks) for one in some_at_work(ONE)),
     ],
 )
 def test_proved(folder_of: Callable[[str], Path], name: str, real: str) -> None:
@@ -108,8 +110,14 @@ int main(void)
 """
 
 
-@pytest.mark.parametrize("real", LARGEST)
-@pytest.mark.parametrize(("alpha", "expected"), [("0", 0), ("1", 1)])
+@pytest.mark.parametrize(
+    ("alpha", "expected", "real"),
+    [
+        pytest.param(alpha, expected, real, marks=() if real == few else pytest.mark.slow)
+        for alpha, expected, few in (("0", 0, "float"), ("1", 1, "double"))
+        for real in LARGEST
+    ],
+)
 def test_a_program_of_the_users_own(tmp_path: Path, real: str, alpha: str, expected: int) -> None:
     """Eva starts on a program that links the file: its one alarm is an acceleration without an inertia."""
     if shutil.which("frama-c") is None:

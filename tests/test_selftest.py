@@ -12,12 +12,17 @@ from eccentric.model import load_model
 from tests import extended
 from tests.compiled import FLAGS
 from tests.emitted import MODELS, every_model
-from tests.hosts import CHECK, HOSTS, REALS, both_reals, need, on_host
+from tests.hosts import CHECK, HOSTS, REALS, need, on_host
 
-
-def few(name: str, host: str) -> bool:
-    """Whether `make test` compiles the model so: each model with one compiler, the largest with every one."""
-    return host == "gcc-O2-fma" or name == "rotating_link"
+FEW = {
+    ("c1_perpendicular", "gcc-O0"),
+    ("c1_perpendicular", "clang-sanitized"),
+    ("c1_asymmetric", "gcc-sanitized"),
+    ("c2_parallel", "gcc-O3-avx2"),
+    ("c2_asymmetric", "clang"),
+    ("rotating_link", "gcc-O2-fma"),
+}
+"""What `make test` has: every compiler and every model once."""
 
 
 @every_model
@@ -32,7 +37,9 @@ def test_check_files_are_fresh(name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "compiler"),
     [
-        pytest.param(name, compiler, id=f"{name}-{host}", marks=() if few(name, host) else pytest.mark.slow)
+        pytest.param(
+            name, compiler, id=f"{name}-{host}", marks=() if (name, host) in FEW else pytest.mark.slow
+        )
         for name in MODELS
         for host, compiler in HOSTS.items()
     ],
@@ -82,15 +89,18 @@ def exponential(folder: Path, case: str, effect_id: str, *options: str) -> subpr
     return subprocess.run([folder / "test"], capture_output=True, text=True, check=False)
 
 
-@both_reals
 @pytest.mark.parametrize(
-    ("case", "effect_id"),
+    ("case", "effect_id", "real"),
     [
-        ("C2", "hidden_thermal_drift"),
-        pytest.param("C2", "load_dependent[progressive]", marks=pytest.mark.slow),
-        pytest.param("C2", "stribeck_load[F_N]", marks=pytest.mark.slow),
-        ("C1", "sensor_delay"),
-        pytest.param("C1", "magnetic_hysteresis[play]", marks=pytest.mark.slow),
+        pytest.param(case, effect_id, real, marks=() if real == few else pytest.mark.slow)
+        for case, effect_id, few in (
+            ("C2", "hidden_thermal_drift", "float"),
+            ("C2", "load_dependent[progressive]", ""),
+            ("C2", "stribeck_load[F_N]", ""),
+            ("C1", "sensor_delay", "double"),
+            ("C1", "magnetic_hysteresis[play]", ""),
+        )
+        for real in REALS
     ],
 )
 def test_models_with_an_exponential(tmp_path: Path, case: str, effect_id: str, real: str) -> None:

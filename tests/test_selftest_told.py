@@ -66,7 +66,7 @@ def assert_gravity(values: dict[str, float], real: str) -> None:
     assert [float(exact)] == pytest.approx([values["required"]], rel=rounding, abs=rounding)
 
 
-@both_reals
+@pytest.mark.parametrize("real", [pytest.param("float", marks=pytest.mark.slow), "double"])
 def test_an_array_function_that_writes_beside(tmp_path: Path, real: str) -> None:
     """An array function that forgets where its block begins is named, with the inputs of the sample."""
     line = "out[first + k] = c2_parallel_gravity_torque_at("
@@ -78,8 +78,14 @@ def test_an_array_function_that_writes_beside(tmp_path: Path, real: str) -> None
     assert values["came"] != values["required"]
 
 
-@both_reals
-@pytest.mark.parametrize("coefficient", ["omega_star_1", "period_2", "L_M_g_mu2"])
+@pytest.mark.parametrize(
+    ("coefficient", "real"),
+    [
+        pytest.param(coefficient, real, marks=() if real == few else pytest.mark.slow)
+        for coefficient, few in (("omega_star_1", "double"), ("period_2", "float"), ("L_M_g_mu2", ""))
+        for real in REALS
+    ],
+)
 def test_a_changed_constant(tmp_path: Path, coefficient: str, real: str) -> None:
     """A constant of the default set that is off in its last digit fails, and is named."""
     text = (GENERATED / "c2_parallel.c").read_text(encoding="utf-8")
@@ -94,7 +100,7 @@ def test_a_changed_constant(tmp_path: Path, coefficient: str, real: str) -> None
     assert {"came": above, "required": float(value)} == values
 
 
-@both_reals
+@pytest.mark.parametrize("real", ["float", pytest.param("double", marks=pytest.mark.slow)])
 def test_a_changed_digit(tmp_path: Path, real: str) -> None:
     """A polynomial coefficient that is off in its last digit fails."""
     text = (GENERATED / "c2_parallel.c").read_text(encoding="utf-8")
@@ -105,9 +111,22 @@ def test_a_changed_digit(tmp_path: Path, real: str) -> None:
     assert re.fullmatch(r"c2_parallel: \w+, value \d", said)
 
 
-@both_reals
-@pytest.mark.parametrize("row", [0, -1], ids=["first", "last"])
-@pytest.mark.parametrize(("place", "function"), [(5, "coulomb_torque"), (-1, "voltage")])
+@pytest.mark.parametrize(
+    ("place", "function", "row", "real"),
+    [
+        pytest.param(
+            *(place, function, row, real),
+            id=f"{place}-{function}-{name}-{real}",
+            marks=() if (name, real) == few else pytest.mark.slow,
+        )
+        for place, function, few in (
+            (5, "coulomb_torque", ("first", "float")),
+            (-1, "voltage", ("last", "double")),
+        )
+        for name, row in (("first", 0), ("last", -1))
+        for real in REALS
+    ],
+)
 def test_a_changed_vector(tmp_path: Path, place: int, function: str, row: int, real: str) -> None:
     """The first and the last vector count, from the value of the first function to that of the last."""
     text = (CHECK / "c2_parallel_vectors.h").read_text(encoding="utf-8")
@@ -145,15 +164,29 @@ def test_contraction(tmp_path: Path) -> None:
     assert "came" in values or "digest" in said
 
 
+DECIMALS = {
+    "0.0": "0.00000e0", "1.0": "1.00000e0", "-2.5e-3": "-2.50000e-3", "31415926.0": "3.14159e7",
+    "9.999999e9": "1.00000e10", "-1e-30": "-1.00000e-30", "3e38": "3.00000e38",
+    "1.0 / zero": "inf", "-1.0 / zero": "-inf", "zero / zero": "nan",
+}  # fmt: skip
+FEW = {
+    ("float", "-2.5e-3"),
+    ("double", "9.999999e9"),
+    ("float", "3e38"),
+    ("double", "-1.0 / zero"),
+    ("float", "zero / zero"),
+}
+"""What `make test` prints."""
+
+
 @pytest.mark.parametrize(
-    ("value", "decimal"),
+    ("real", "value", "decimal"),
     [
-        ("0.0", "0.00000e0"), ("1.0", "1.00000e0"), ("-2.5e-3", "-2.50000e-3"), ("31415926.0", "3.14159e7"),
-        ("9.999999e9", "1.00000e10"), ("-1e-30", "-1.00000e-30"), ("3e38", "3.00000e38"),
-        ("1.0 / zero", "inf"), ("-1.0 / zero", "-inf"), ("zero / zero", "nan"),
+        pytest.param(real, value, decimal, marks=() if (real, value) in FEW else pytest.mark.slow)
+        for real in REALS
+        for value, decimal in DECIMALS.items()
     ],
-)  # fmt: skip
-@both_reals
+)
 def test_decimals(tmp_path: Path, value: str, decimal: str, real: str) -> None:
     """Six digits of any number are printed."""
     program = tmp_path / "print.c"

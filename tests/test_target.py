@@ -17,7 +17,7 @@ from benchmarks.asked import CODE
 from benchmarks.calls import host_counts
 from benchmarks.cortex_m4 import GENERATED, M4F, M7, OPTIMISED, build, emulate, missing, run
 from benchmarks.target import GRADIENT, TORQUE, grown, target_counts
-from tests.emitted import MODELS, every_model
+from tests.emitted import MODELS
 
 CHECK = GENERATED / "check"
 TARGETS = {
@@ -37,9 +37,12 @@ def need(*tools: str) -> None:
         pytest.skip(f"not installed: {', '.join(lacking)}")
 
 
-def few(name: str, target: str) -> bool:
-    """Whether `make test` runs the model there: on one target two of them, the largest on every one."""
-    return name == "rotating_link" or (target == "m4f-O2-float" and name == "c2_parallel")
+FEW = {
+    ("rotating_link", "m4f-O2-float"),
+    ("c1_perpendicular", "m4f-Os-float"),
+    ("c1_asymmetric", "m7-O2-double"),
+}
+"""What `make test` runs: on each target one model, the largest on the first."""
 
 
 @cache
@@ -59,7 +62,9 @@ def counted_on_the_host(real: str) -> dict[str, float]:
 @pytest.mark.parametrize(
     ("name", "target", "optimisation", "real"),
     [
-        pytest.param(name, *how, id=f"{name}-{target}", marks=() if few(name, target) else pytest.mark.slow)
+        pytest.param(
+            name, *how, id=f"{name}-{target}", marks=() if (name, target) in FEW else pytest.mark.slow
+        )
         for name in MODELS
         for target, how in TARGETS.items()
     ],
@@ -95,7 +100,7 @@ def test_instructions_on_the_target(call: str) -> None:
     assert CODE[f"instructions {call}"].reached(max(counted_on_the_target()[CALLS[call]]))
 
 
-@pytest.mark.parametrize("call", CALLS)
+@pytest.mark.parametrize("call", [pytest.param("torque", marks=pytest.mark.slow), "torque and gradient"])
 def test_bytes_on_the_target(tmp_path: Path, call: str) -> None:
     """A firmware grows by no more bytes than is promised, coefficients included."""
     need(*cortex_m4.TOOLS)
@@ -112,7 +117,9 @@ def test_instructions_on_the_host(call: str, real: str) -> None:
     assert CODE[f"host {call} {real}"].reached(counted_on_the_host(real)[CALLS[call]])
 
 
-@every_model
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name == "rotating_link" else pytest.mark.slow) for name in MODELS]
+)
 def test_no_software_arithmetic_on_the_target(tmp_path: Path, name: str) -> None:
     """With the emitted coefficients nothing is computed in double on a Cortex-M4F: it has no such unit."""
     need(*cortex_m4.TOOLS)
