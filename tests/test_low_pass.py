@@ -49,3 +49,12 @@ def test_it_is_scipys(shape: tuple[int, ...], rate: float, cut: float) -> None:
 def test_what_is_too_short_or_too_coarse_is_not_filtered() -> None:
     """Nine rows, and a cut-off above 0.4 of the sampling rate."""
     assert (None, None) == (low_pass(np.ones(9), 250.0, 25.0), low_pass(np.ones(50), 50.0, 20.1))
+
+
+@pytest.mark.parametrize(("rate", "cut"), [(250.0, 25.0), (2e4, 25.0), (5e4, 5.0)])
+def test_a_constant_passes_whatever_its_size(rate: float, cut: float) -> None:
+    """An angle after a thousand turns: its offset has no rounding that a low cut-off would amplify."""
+    passed = low_pass(np.full(4000, 1e4), rate, cut)
+
+    assert passed is not None
+    np.testing.assert_array_equal(passed, 1e4)

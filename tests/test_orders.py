@@ -109,3 +109,13 @@ def test_peaks_are_those_that_scipy_finds(seed: int) -> None:
 
     expected, _ = find_peaks(power, height=least, distance=orders.ALONE)
     assert expected.tolist() == orders._peaks(power, least)
+
+
+@pytest.mark.parametrize("steps", [4, 8, 16])
+def test_a_spectrum_over_few_angles_a_turn_has_no_holes(steps: int) -> None:
+    """Where sine and cosine of an order are one column, or nothing, its share is finite and in range."""
+    rng = np.random.default_rng(2)
+    share = orders._spectrum(2.0 * np.pi / steps * np.arange(400), rng.normal(size=400))
+
+    assert np.all(np.isfinite(share))
+    assert -1e-9 <= np.min(share) <= np.max(share) <= 1.0 + 1e-9

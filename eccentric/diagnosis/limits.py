@@ -4,6 +4,7 @@ from __future__ import annotations
 
 __all__ = [
     "ABOVE",
+    "ALIKE",
     "ALONE",
     "AROUND",
     "FEWEST_RUNS",
@@ -45,6 +46,8 @@ NEIGHBOURS = 2
 """Steps to either side whose best counts for a peak: an order is known only to the inverse of the turns."""
 ALONE = 8
 """Steps to either side within which a peak is the highest order of its stretch."""
+ALIKE = 1e-8
+"""Determinant of sine and cosine over the square of the rows below which one is the other, or nothing."""
 ROWS_PER_CYCLE = 4.0
 """Of the highest order, at least: two resolve it, and the margin keeps it from being aliased."""
 LEAST_SHARE = 0.04

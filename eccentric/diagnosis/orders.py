@@ -15,6 +15,7 @@ from scipy.ndimage import median_filter
 
 from eccentric.diagnosis.limits import (
     ABOVE,
+    ALIKE,
     ALONE,
     AROUND,
     HIGHEST_ORDER,
@@ -112,7 +113,11 @@ def _spectrum(angle: Array, y: Array) -> Array:
     # Sums of y cos, y sin, cos^2, sin^2 and sin cos: the normal equations of each order.
     yc, ys = np.real(along), np.imag(along)
     cc, ss, cs = (0.5 * x for x in (len(y) + np.real(twice), len(y) - np.real(twice), np.imag(twice)))
-    return (yc**2 * ss - 2.0 * yc * ys * cs + ys**2 * cc) / ((cc * ss - cs**2) * (y @ y))
+    determinant, power = cc * ss - cs**2, yc**2 * ss - 2.0 * yc * ys * cs + ys**2 * cc
+    # On an even grid of angles sine and cosine of an order may be one column, or nothing.
+    alike = determinant < ALIKE * len(y) ** 2
+    power = np.where(alike, (yc**2 + ys**2) / len(y), power / np.where(alike, 1.0, determinant))
+    return power / (y @ y)
 
 
 def _peaks(power: Array, least: Array) -> list[int]:

@@ -34,9 +34,12 @@ def load_module(model: Model) -> ModuleType:
 
 def _files(model: Model) -> dict[str, str]:
     """The files of the module; those of a model without effects are in the user's cache."""
-    if model.extensions:  # with values of one log
+    try:
+        key = "" if model.extensions else f"module {fingerprint(model)}"
+    except TypeError:  # it has what only its author's script can say
+        key = ""
+    if not key:  # an extended model has values of one log
         return render_code(model, "numpy")
-    key = f"module {fingerprint(model)}"
     if (kept := derived.get(key)) is not None:
         return json.loads(zlib.decompress(kept))
     files = render_code(model, "numpy")

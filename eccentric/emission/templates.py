@@ -12,23 +12,29 @@ from eccentric.places import folder
 
 
 class TemplateCache(jinja2.BytecodeCache):
-    """Compiled templates, kept in the user's cache until one of them changes."""
+    """Compiled templates, kept in the user's cache until one of them changes.
+
+    settings: of the environment, which decide how a template is compiled.
+    """
+
+    def __init__(self, settings: str) -> None:
+        self._settings = settings
 
     def load_bytecode(self, bucket: Bucket) -> None:
         """Take what was kept for a template."""
-        if (kept := derived.get(f"template {bucket.key}")) is not None:
+        if (kept := derived.get(f"template {self._settings} {bucket.key}")) is not None:
             bucket.bytecode_from_string(kept)
 
     def dump_bytecode(self, bucket: Bucket) -> None:
         """Keep a compiled template."""
-        derived.put(f"template {bucket.key}", bucket.bytecode_to_string())
+        derived.put(f"template {self._settings} {bucket.key}", bucket.bytecode_to_string())
 
 
 @cache
 def _environment() -> jinja2.Environment:
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder("templates")),
-        bytecode_cache=TemplateCache(),
+        bytecode_cache=TemplateCache("code"),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

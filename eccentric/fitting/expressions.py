@@ -192,9 +192,12 @@ def lambdified(
 ) -> Callable[[Mapping[str, Any]], Any]:
     """An expression as a function of what `Signals.given` gives; `names` are those of shapes."""
     definitions = [(definition.symbol, definition.value) for definition in model.definitions]
-    key = fingerprint((expression, definitions, sorted(names)))
+    try:
+        key = f"expression {fingerprint((expression, definitions, sorted(names)))} {signals.key}"
+    except TypeError:  # it has a class of a person's own
+        key = ""
     function = printed(
-        f"expression {key} {signals.key}",
+        key,
         lambda: signals.expanded(model, expression, names),
         signals.fixed.difference(names),
         signals.varying,

@@ -18,6 +18,8 @@ from sympy.core.function import AppliedUndef
 
 __all__ = ["fingerprint", "from_bytes", "to_bytes"]
 
+_OURS = {"sympy", "eccentric"}
+"""Packages whose classes mean the same as long as no source changes; one of a person's script need not."""
 _MOST_KNOWN = 50_000
 _known: dict[sp.Basic, bytes] = {}
 """Digests of expressions: those of effects consist of the same few thousand parts."""
@@ -61,7 +63,11 @@ def _record(kind: type, values: dict[str, Any]) -> Any:
 
 
 def fingerprint(value: Any) -> str:
-    """The digest of a record of expressions, the same in every process; TypeError for one with a function."""
+    """The digest of a record of expressions, the same in every process.
+
+    Raises:
+        TypeError: it has a function, or a class of a person's own: what that means, no digest can say.
+    """
     if len(_known) > _MOST_KNOWN:
         _known.clear()
     return _print_of(value, _known).hex()
@@ -70,6 +76,9 @@ def fingerprint(value: Any) -> str:
 def _print_of(value: Any, known: dict[sp.Basic, bytes]) -> bytes:
     if isinstance(value, sp.Basic):
         if value not in known:
+            if type(value).__module__.partition(".")[0] not in _OURS:
+                name = type(value).__qualname__
+                raise TypeError(f"a class of SymPy or of ours is required, received {name}")
             inside = [_print_of(arg, known) for arg in value.args]
             text = f"{type(value).__module__}.{type(value).__qualname__}" if inside else sp.srepr(value)
             known[value] = _digest(text.encode(), *inside)

@@ -80,19 +80,21 @@ def printed(
     """An expression with its parts as functions.
 
     Args:
-        key: of the result: it determines all other arguments.
+        key: of the result: it determines all other arguments; "" for a result that is not kept.
         expression: makes the expression, if it is not in the cache.
         fixed: names that have one value on a log, whatever the shapes and states.
         signals: those of them that change along the log.
     """
     if key in _functions:
         return _functions[key]
-    kept = derived.get(key)
+    kept = derived.get(key) if key else None
     if kept is None:
         whole, parts = _split(expression(), set(fixed), set(signals))
         code, arguments = _code(whole)
-        own = {name: (fingerprint(part), *_code(part)) for name, part in parts.items()}
+        own = {name: (fingerprint(part) if key else str(part), *_code(part)) for name, part in parts.items()}
         record: tuple[CodeType, tuple[str, ...], dict[str, Any]] = code, arguments, own
+        if not key:
+            return _function(key, *record)
         derived.put(key, marshal.dumps(record))
     else:
         record = marshal.loads(kept)  # noqa: S302 - the user's own
@@ -125,7 +127,7 @@ def _split(expression: sp.Expr, fixed: set[str], signals: set[str]) -> tuple[sp.
     every = names <= fixed
 
     def part(e: sp.Expr) -> sp.Expr:
-        return parts.setdefault(e, sp.Symbol(f"part_{len(parts)}"))
+        return parts.setdefault(e, sp.Symbol(f"_part_{len(parts)}"))
 
     def is_part(e: sp.Basic) -> bool:
         inside = {s.name for s in e.free_symbols}
@@ -189,7 +191,7 @@ class _SharedPartsPrinter(NumPyPrinter):
         result = self.doprint(self._expression)
         lines = [*self._lines, f"return {result}"]
         body = "".join(f"    {line}\n" for line in lines)
-        imports = "".join(f"import {module}\n" for module in self.module_imports)
+        imports = "".join(f"import {module}\n" for module in ("builtins", *self.module_imports))
         return f"{imports}def {name}({', '.join(arguments)}):\n{body}"
 
     def _print(self, expr: Any, **kwargs: Any) -> str:
@@ -197,6 +199,6 @@ class _SharedPartsPrinter(NumPyPrinter):
             return super()._print(expr, **kwargs)
         if expr not in self._variables:
             text = super()._print(expr, **kwargs)
-            self._variables[expr] = f"_{len(self._variables)}"
+            self._variables[expr] = f"_step_{len(self._variables)}"
             self._lines.append(f"{self._variables[expr]} = {text}")
         return self._variables[expr]

@@ -241,6 +241,6 @@ def meaning(expression: sp.Expr) -> sp.Expr:
     if not expression.args:
         return expression
     args = [meaning(arg) for arg in expression.args]
-    if isinstance(expression, OpaqueStep):
+    if hasattr(expression, "_eval_rewrite_as_meaning"):
         return meaning(expression._eval_rewrite_as_meaning(*args))  # noqa: SLF001 - SymPy's name for it
     return expression.func(*args)

@@ -17,7 +17,7 @@ import os
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from importlib.util import find_spec
+from importlib.metadata import version
 from pathlib import Path
 
 from eccentric import started
@@ -125,26 +125,28 @@ class Derived:
     def __init__(self) -> None:
         self._found: dict[str, bytes] | None = None
         self._new: dict[str, bytes] = {}
-        self._file = ""
+        self._file, self._size = "", 0
 
     def get(self, key: str) -> bytes | None:
         """The result for a key; None if there is none."""
         if self._found is None:
-            self._file, is_steady = _file_of_sources()
-            self._found = self._read()
+            try:
+                self._file, is_steady = _file_of_sources()
+                self._found = self._read()
+            except (OSError, RuntimeError, ImportError):  # an odd installation, a user without a home
+                self._found, is_steady = {}, False
             if is_steady:
                 atexit.register(self._write)
         return self._new.get(key) or self._found.get(key)
 
     def put(self, key: str, content: bytes) -> None:
-        """Keep a result."""
-        self._new[key] = content
+        """Keep a result, as long as there are not too many."""
+        self._size += len(content)
+        if self._size < _MOST_BYTES:
+            self._new[key] = content
 
     def _read(self) -> dict[str, bytes]:
-        try:
-            content = read_cached(self._file)
-        except RuntimeError:  # a user without a home
-            content = None
+        content = read_cached(self._file)
         return {} if content is None else marshal.loads(content)  # noqa: S302 - ours
 
     def _write(self) -> None:
@@ -153,8 +155,8 @@ class Derived:
             return
         with suppress(InputError, OSError, RuntimeError):
             own = self._read()
-            if sum(map(len, own.values())) > _MOST_BYTES:
-                own = {}
+            if sum(map(len, own.values())) > _MOST_BYTES:  # those of expressions are of single logs
+                own = {key: x for key, x in own.items() if not key.startswith("expression")}
             write_cached(self._file, marshal.dumps(own | self._new))
             others = (path for path in cache_folder().glob("derived_*") if path.name != self._file)
             for path in sorted(others, key=lambda path: path.stat().st_mtime)[:-2]:
@@ -168,15 +170,14 @@ derived = Derived()
 def _file_of_sources() -> tuple[str, bool]:
     """The file of results for these sources, Python and libraries; whether no source is newer than us."""
     found = [(str(path), path.stat()) for path in _sources()]
-    libraries = (spec.origin for spec in map(find_spec, _LIBRARIES) if spec and spec.origin)
-    found += [(path, Path(path).stat()) for path in libraries]
+    libraries = [f"{name} {version(name)}" for name in _LIBRARIES]
     texts = (f"{path} {stat.st_mtime_ns} {stat.st_size}" for path, stat in found)
     # A file's time stamp comes from a clock that may lag by some milliseconds.
     is_steady = max(stat.st_ctime for _, stat in found) < started.imported_at - 0.05
-    return f"derived_{digest([sys.version, *texts])}", is_steady
+    return f"derived_{digest([sys.version, *libraries, *texts])}", is_steady
 
 
 def _sources() -> Iterator[Path]:
-    yield from sorted(Path(__file__).parents[1].rglob("*.py"))
+    yield from sorted(path for path in Path(__file__).parents[1].rglob("*.py") if path.name[0] != ".")
     yield from sorted(folder("derivations").glob("*.py"))
     yield from sorted(folder("templates").rglob("*.jinja"))

@@ -80,7 +80,7 @@ def rendered(page: str, variables: Mapping[str, Any]) -> str:
 def _environment() -> jinja2.Environment:
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder("templates")),
-        bytecode_cache=TemplateCache(),
+        bytecode_cache=TemplateCache("page"),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

@@ -8,6 +8,7 @@ longer than the rest of the report, is never imported.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
@@ -131,6 +132,6 @@ def _numbers(x: np.ndarray) -> list[float | int | None]:
     """To seven digits of the largest, more than a screen resolves."""
     if x.dtype.kind != "f":
         return x.tolist()
-    largest = float(np.nanmax(np.abs(x), initial=0.0))
+    largest = float(np.max(np.abs(x[np.isfinite(x)]), initial=0.0))
     shown = np.round(x, 6 - int(np.floor(np.log10(largest)))) if largest > 1e-300 else x
-    return [None if value != value else value for value in shown.tolist()]  # noqa: PLR0124 - NaN
+    return [value if math.isfinite(value) else None for value in shown.tolist()]

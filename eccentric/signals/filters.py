@@ -44,7 +44,9 @@ def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
         return None
     if not np.size(x):  # LAPACK's wrapper writes beyond an array without columns
         return np.array(x, float)
-    rows = np.reshape(x, (len(x), -1)).T
+    # Without its first value: the rounding of a large offset would be amplified by a low cut-off frequency.
+    start = x[:1]
+    rows = np.reshape(x - start, (len(x), -1)).T
     forwards = np.empty((len(rows), len(x) + 2 * _PADDING))
     backwards = np.empty_like(forwards)
     # Reflected about its ends, the signal goes on with its slope there.
@@ -53,7 +55,7 @@ def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
     np.subtract(2.0 * rows[:, -1:], rows[:, -2 : -_PADDING - 2 : -1], out=forwards[:, -_PADDING:])
     _one_way(forwards, backwards, cut_hz / rate_hz)
     _one_way(backwards[:, ::-1], forwards, cut_hz / rate_hz)
-    return np.ascontiguousarray(forwards[:, -_PADDING - 1 : _PADDING - 1 : -1].T).reshape(np.shape(x))
+    return forwards[:, -_PADDING - 1 : _PADDING - 1 : -1].T.reshape(np.shape(x)) + start
 
 
 def _one_way(rows: Array, out: Array, cut: float) -> None:
@@ -77,7 +79,7 @@ def _one_way(rows: Array, out: Array, cut: float) -> None:
         out[:] = solved.T
 
 
-@functools.lru_cache(maxsize=8)
+@functools.lru_cache(maxsize=2)
 def _recursion(length: int, cut: float) -> tuple[Array, float]:
     """The bands 1, a_1 and a_2 of the recursion (3, length), and b; cached: a fit filters one log often."""
     k = math.tan(math.pi * cut)

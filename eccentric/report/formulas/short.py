@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from functools import cache
+from functools import lru_cache
 from html import escape
 from itertools import groupby
 
@@ -20,7 +20,7 @@ _BREAKS = frozenset("+-=")
 _STOPS = frozenset(",:;.")
 
 
-@cache
+@lru_cache(maxsize=1000)
 def short_formula(text: str) -> str:
     """HTML of a formula such as "eta |T| sgn w driving, T = G + mu^2 J_l alpha".
 
