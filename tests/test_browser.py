@@ -196,7 +196,9 @@ def test_a_box_that_is_drawn_is_zoomed_into(opened: Opened) -> None:
     one.mouse.down()
     one.mouse.move(x + 0.6 * width, y + 160, steps=5)
     one.mouse.up()
-    one.wait_for_function(f"() => {ends} < {0.5 * whole}")
+    one.wait_for_function(f"() => {ends} < {whole}")
+
+    assert 0.3 * whole == pytest.approx(one.evaluate(ends), rel=0.3)
 
 
 @pytest.mark.parametrize("zoom", [0.9, 1.0, 1.1])

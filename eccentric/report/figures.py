@@ -23,7 +23,7 @@ from eccentric.report.text import curve_name
 __all__ = ["Figures", "library"]
 
 _SCRIPTS = ("bokeh.min.js", "bokeh-api.min.js")
-"""What draws and what builds figures, without widgets and without loaders of fonts or TeX."""
+"""BokehJS and its interface for building figures, without widgets and without loaders of fonts or TeX."""
 _WITH_BARS = {"measured", "before", "after"}
 _FEW = 100
 """Points of a trace are marked up to this number."""

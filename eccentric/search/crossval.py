@@ -63,7 +63,7 @@ class Gram:
     def loss(self, coefficients: Array) -> Array:
         """Sum of squared residuals of each block; coefficients (p,) or one set per block (..., b, p)."""
         c = np.broadcast_to(coefficients, self.vector.shape)
-        # Coefficients that extrapolate wildly leave the rounding of huge numbers, of either sign, or nothing.
+        # Coefficients that extrapolate wildly leave the rounding of huge numbers, of either sign, or NaN.
         with np.errstate(over="ignore", invalid="ignore"):
             product = (self.matrix @ c[..., None])[..., 0]
             return np.abs(self.square + np.sum(c * (product - 2.0 * self.vector), axis=-1))
@@ -88,17 +88,17 @@ def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | flo
     except np.linalg.LinAlgError:
         return np.zeros(len(vector))
     target = solve_triangular(factor, right[order], lower=True, check_finite=False)
-    free = slice(len(vector) - np.count_nonzero(bounded))
-    held = slice(free.stop, None)
+    first = slice(len(vector) - np.count_nonzero(bounded))
+    last = slice(first.stop, None)
     try:
-        found, _ = nnls(factor[held, held].T, target[held])
+        found, _ = nnls(factor[last, last].T, target[last])
     except RuntimeError:
         # Columns that are nearly dependent make it go in circles; this one is slower and does not.
-        found = lsq_linear(factor[held, held].T, target[held], (0.0, np.inf), method="bvls").x
-    solution[order[held]] = found
-    rest = target[free] - factor[held, free].T @ found
-    solution[order[free]] = solve_triangular(
-        factor[free, free], rest, trans=1, lower=True, check_finite=False
+        found = lsq_linear(factor[last, last].T, target[last], (0.0, np.inf), method="bvls").x
+    solution[order[last]] = found
+    rest = target[first] - factor[last, first].T @ found
+    solution[order[first]] = solve_triangular(
+        factor[first, first], rest, trans=1, lower=True, check_finite=False
     )
     return solution / scale
 
@@ -167,10 +167,10 @@ def cross_validate_each(gram: Gram, lower: Array, ridge: Array | float = 0.0) ->
 def _free_solutions(matrix: Array, vector: Array, free: Array, ridge: Array | float) -> Array:
     """Solutions (v, g, p) of normal equations, 0 where not free (v, p); NaN for a log with a singular one."""
     scaled, scale = _scaled(matrix, ridge)
-    held = ~np.broadcast_to(free[:, None], vector.shape)
-    scaled[held[..., :, None] | held[..., None, :]] = 0.0
-    scaled[held[..., None] & np.eye(held.shape[-1], dtype=bool)] = 1.0
-    right = np.where(held, 0.0, vector / scale)
+    fixed = ~np.broadcast_to(free[:, None], vector.shape)
+    scaled[fixed[..., :, None] | fixed[..., None, :]] = 0.0
+    scaled[fixed[..., None] & np.eye(fixed.shape[-1], dtype=bool)] = 1.0
+    right = np.where(fixed, 0.0, vector / scale)
     try:
         return np.linalg.solve(scaled, right[..., None])[..., 0] / scale
     except np.linalg.LinAlgError:
