@@ -283,4 +283,4 @@ def test_processes_at_the_same_time_do_not_clash(tmp_path: Path, monkeypatch: py
     assert [(_torque(0.02), "derived")] * 2 == [_answer(process) for process in processes]
     assert (_torque(0.02), "found") == _fresh(own)
     left = {path.suffix for path in (tmp_path / "cache" / "eccentric").iterdir()}
-    assert {".so", ".json"} == left
+    assert {".so", ".json", ".derived"} == left

@@ -38,7 +38,7 @@ def run(cache: Path, code: str = PRINT, root: Path = ROOT, **environment: str) -
 
 def stored(cache: Path) -> list[Path]:
     """The files of derived results in a cache."""
-    return sorted((cache / "eccentric").glob("derived_*"))
+    return sorted((cache / "eccentric").glob("*.derived"))
 
 
 def written(value: Any) -> Any:

@@ -158,7 +158,7 @@ class Derived:
             if sum(map(len, own.values())) > _MOST_BYTES:  # those of expressions are of single logs
                 own = {key: x for key, x in own.items() if not key.startswith("expression")}
             write_cached(self._file, marshal.dumps(own | self._new))
-            others = (path for path in cache_folder().glob("derived_*") if path.name != self._file)
+            others = (path for path in cache_folder().glob("*.derived") if path.name != self._file)
             for path in sorted(others, key=lambda path: path.stat().st_mtime)[:-2]:
                 path.unlink(missing_ok=True)
 
@@ -174,7 +174,7 @@ def _file_of_sources() -> tuple[str, bool]:
     texts = (f"{path} {stat.st_mtime_ns} {stat.st_size}" for path, stat in found)
     # A file's time stamp comes from a clock that may lag by some milliseconds.
     is_steady = max(stat.st_ctime for _, stat in found) < started.imported_at - 0.05
-    return f"derived_{digest([sys.version, *libraries, *texts])}", is_steady
+    return f"{digest([sys.version, *libraries, *texts])}.derived", is_steady
 
 
 def _sources() -> Iterator[Path]:
