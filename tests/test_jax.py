@@ -4,8 +4,9 @@ import ast
 import dataclasses
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -45,19 +46,21 @@ def assert_close(expected: np.ndarray, actual: jax.Array, most: float) -> None:
     assert np.all(off <= most * np.finfo(expected.dtype).eps * greatest)
 
 
-@pytest.mark.parametrize(
-    ("name", "dtype"),
-    [
+def in_every_precision(quick: Collection[tuple[str, str]]) -> list[Any]:
+    """Every model in every precision; slow but for those that are named."""
+    return [
         pytest.param(
             name,
             dtype,
             id=f"{name}-{precision}",
-            marks=() if (name, precision) in ALL_FUNCTIONS else pytest.mark.slow,
+            marks=() if (name, precision) in quick else pytest.mark.slow,
         )
         for name in MODELS
         for precision, dtype in PRECISIONS.items()
-    ],
-)
+    ]
+
+
+@pytest.mark.parametrize(("name", "dtype"), in_every_precision(ALL_FUNCTIONS))
 def test_every_function_is_that_of_numpy(name: str, dtype: Real) -> None:
     """Names, shapes and precisions are those of the NumPy module, values to a few roundings, in one jit."""
     assert set(jaxed(name).__all__) == set(module(name).__all__)
@@ -124,19 +127,7 @@ def test_compiled_in_a_program_with_its_parameters_it_keeps_its_digits(dtype: Re
     assert worst <= stated.NORMAL_FORCE.anywhere
 
 
-@pytest.mark.parametrize(
-    ("name", "dtype"),
-    [
-        pytest.param(
-            name,
-            dtype,
-            id=f"{name}-{precision}",
-            marks=() if (name, precision) in MAPPED else pytest.mark.slow,
-        )
-        for name in MODELS
-        for precision, dtype in PRECISIONS.items()
-    ],
-)
+@pytest.mark.parametrize(("name", "dtype"), in_every_precision(MAPPED))
 def test_jit_vmap_and_grad(name: str, dtype: Real) -> None:
     """One sample, differentiated, mapped and compiled, gives the emitted gradient of the NumPy module."""
     given = example_states(name, "friction_torque", 100, dtype)
