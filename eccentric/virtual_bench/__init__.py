@@ -10,7 +10,7 @@ as files. It imports nothing from the toolkit but its error and how files are wr
 serve as an oracle: the same physics, written twice by different means, must agree.
 """
 
-from .arms import (
+from eccentric.virtual_bench.arms import (
     ARM_EFFECTS,
     ARM_VARIANTS,
     ArmRun,
@@ -21,12 +21,12 @@ from .arms import (
     simulate_arm,
     write_arm,
 )
-from .effects import EFFECTS, VARIANTS, Law, PlantedEffect, simply
-from .files import free_paths, write
-from .fleet import BAD_SENSORS, WAYS, FleetJoint, FleetPlan, fleet_plan
-from .fleet_files import write_fleet
-from .scenario import Scenario, known_effect, on_reference, random_scenario
-from .simulation import BenchRun, simulate
+from eccentric.virtual_bench.effects import EFFECTS, VARIANTS, Law, PlantedEffect, simply
+from eccentric.virtual_bench.files import free_paths, write
+from eccentric.virtual_bench.fleet import BAD_SENSORS, WAYS, FleetJoint, FleetPlan, fleet_plan
+from eccentric.virtual_bench.fleet_files import write_fleet
+from eccentric.virtual_bench.scenario import Scenario, known_effect, on_reference, random_scenario
+from eccentric.virtual_bench.simulation import BenchRun, simulate
 
 __all__ = [
     "ARM_EFFECTS",

@@ -7,7 +7,7 @@ from math import exp, floor, pi, sqrt
 import numpy as np
 from scipy.signal import lfilter
 
-from .plant import Plant
+from eccentric.virtual_bench.plant import Plant
 
 
 @dataclass(frozen=True)

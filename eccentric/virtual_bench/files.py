@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .simulation import BenchRun
-from .written import LOG, new_paths, write_new
+from eccentric.virtual_bench.simulation import BenchRun
+from eccentric.virtual_bench.written import LOG, new_paths, write_new
 
 _FORMATS = {
     "time_s": "%.3f",

@@ -11,8 +11,7 @@ from pathlib import Path
 
 from eccentric.errors import InputError
 from eccentric.output import own_folder, whole_folder
-
-from .fleet import FleetPlan
+from eccentric.virtual_bench.fleet import FleetPlan
 
 _RIG = """# A kind of joint of the fleet; values of their own are in rigs.csv.
 drive = "current"

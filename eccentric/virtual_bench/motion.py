@@ -1,6 +1,6 @@
 """The motion of the rig at one step of the simulation, as seen by the laws of the effects."""
 
-from .plant import Plant
+from eccentric.virtual_bench.plant import Plant
 
 
 class Motion:

@@ -9,11 +9,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from eccentric.errors import InputError, meant
-
-from .controller import MotorController
-from .course import Course, followed, speed_runs, sum_of_sines
-from .effects import EFFECTS, VARIANTS, PlantedEffect, PlantSetting, Request
-from .plant import Plant
+from eccentric.virtual_bench.controller import MotorController
+from eccentric.virtual_bench.course import Course, followed, speed_runs, sum_of_sines
+from eccentric.virtual_bench.effects import EFFECTS, VARIANTS, PlantedEffect, PlantSetting, Request
+from eccentric.virtual_bench.plant import Plant
 
 CASES = ("C1", "C2")
 LOG_TYPES = ("runs", "traj")

@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 
 from eccentric.errors import InputError
-
-from .controller import servo, supply
-from .effects import Law, PlantedEffect
-from .motion import Motion
-from .plant import Plant
-from .scenario import Scenario
-from .time_step import laws, mover
+from eccentric.virtual_bench.controller import servo, supply
+from eccentric.virtual_bench.effects import Law, PlantedEffect
+from eccentric.virtual_bench.motion import Motion
+from eccentric.virtual_bench.plant import Plant
+from eccentric.virtual_bench.scenario import Scenario
+from eccentric.virtual_bench.time_step import laws, mover
 
 _TOLERANCE, _MOST_RUNS = 2e-3, 6
 _LOG_TYPES = {"runs": "speed_runs", "traj": "trajectory", "reference": "reference"}

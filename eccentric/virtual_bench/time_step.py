@@ -17,9 +17,9 @@ tanh, creep or event search.
 from collections.abc import Callable, Sequence
 from math import cos, hypot, sin
 
-from .effects import Law, PlantedEffect
-from .motion import Motion
-from .plant import Plant
+from eccentric.virtual_bench.effects import Law, PlantedEffect
+from eccentric.virtual_bench.motion import Motion
+from eccentric.virtual_bench.plant import Plant
 
 BoundLaw = tuple[str, PlantedEffect, Law]
 """A port, the effect that acts there, and its law with fresh memory."""

@@ -21,11 +21,11 @@ the toolkit and the bench share nothing.
     log, files   what is written; warmth, the temperatures in it
 """
 
-from .families import ARM_EFFECTS, ARM_VARIANTS
-from .files import free_arm_paths, write_arm
-from .log import ArmRun, simulate_arm
-from .request import known_joint_effect
-from .scenario import ArmScenario, random_arm_scenario
+from eccentric.virtual_bench.arms.families import ARM_EFFECTS, ARM_VARIANTS
+from eccentric.virtual_bench.arms.files import free_arm_paths, write_arm
+from eccentric.virtual_bench.arms.log import ArmRun, simulate_arm
+from eccentric.virtual_bench.arms.request import known_joint_effect
+from eccentric.virtual_bench.arms.scenario import ArmScenario, random_arm_scenario
 
 __all__ = [
     "ARM_EFFECTS",

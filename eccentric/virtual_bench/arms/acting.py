@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import tanh
 
+from eccentric.virtual_bench.arms.motion import JointMotion
 from eccentric.virtual_bench.effects import PlantedEffect
 from eccentric.virtual_bench.plant import Plant
-
-from .motion import JointMotion
 
 SMOOTH = 0.003
 """Part of a joint's top speed over which Coulomb friction turns: sgn w is tanh(w/w_0)."""

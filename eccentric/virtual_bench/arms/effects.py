@@ -8,16 +8,15 @@ from math import exp
 import numpy as np
 
 from eccentric.errors import InputError
+from eccentric.virtual_bench.arms.acting import Acting, JointEffect
+from eccentric.virtual_bench.arms.course import ArmCourse
+from eccentric.virtual_bench.arms.families import ARM_EFFECTS, ARM_VARIANTS
+from eccentric.virtual_bench.arms.friction import FrictionLaw
+from eccentric.virtual_bench.arms.plant import BenchArm
+from eccentric.virtual_bench.arms.request import EffectRequest
+from eccentric.virtual_bench.arms.survey import SURVEY_S, Survey, rms
 from eccentric.virtual_bench.effects import PlantSetting, Request
 from eccentric.virtual_bench.plant import Plant
-
-from .acting import Acting, JointEffect
-from .course import ArmCourse
-from .families import ARM_EFFECTS, ARM_VARIANTS
-from .friction import FrictionLaw
-from .plant import BenchArm
-from .request import EffectRequest
-from .survey import SURVEY_S, Survey, rms
 
 MOVING = 0.02
 """Part of a joint's top speed above which a row counts as in motion."""

@@ -21,8 +21,7 @@ from types import ModuleType
 import numpy as np
 
 from eccentric.errors import InputError
-
-from .plant import BenchArm, BenchLink, Vector
+from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, Vector
 
 
 @dataclass(frozen=True)

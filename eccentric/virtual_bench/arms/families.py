@@ -5,10 +5,9 @@ from __future__ import annotations
 from math import exp, hypot
 from typing import cast
 
+from eccentric.virtual_bench.arms.motion import JointMotion
 from eccentric.virtual_bench.effects import EFFECTS, VARIANTS, Builder, PlantedEffect, Request, simply
 from eccentric.virtual_bench.motion import Motion
-
-from .motion import JointMotion
 
 _OF_ONE_DRIVE = (
     "stribeck", "quadratic_drag", "cubic_drag", "oneway_windage", "coulomb_asymmetry", "viscous_asymmetry",

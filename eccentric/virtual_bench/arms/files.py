@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from eccentric.virtual_bench.arms.log import ArmRun
 from eccentric.virtual_bench.written import LOG, new_paths, write_new
-
-from .log import ArmRun
 
 _BESIDE = (".toml", ".arm.toml", ".truth.json")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .plant import BenchArm
+from eccentric.virtual_bench.arms.plant import BenchArm
 
 
 class FrictionLaw:

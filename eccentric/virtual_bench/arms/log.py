@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from .scenario import ArmScenario
-from .simulation import ArmTrace, Progress, trace
-from .survey import rms
-from .warmth import logs_temperature, warmed
+from eccentric.virtual_bench.arms.scenario import ArmScenario
+from eccentric.virtual_bench.arms.simulation import ArmTrace, Progress, trace
+from eccentric.virtual_bench.arms.survey import rms
+from eccentric.virtual_bench.arms.warmth import logs_temperature, warmed
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from .plant import BenchArm, BenchLink, Vector
+from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, Vector
 
 KINDS = ("2r", "3", "6")
 _RIGHT = pi / 2.0

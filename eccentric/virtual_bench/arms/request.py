@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from eccentric.errors import InputError, meant
-
-from .families import ARM_EFFECTS, ARM_VARIANTS
+from eccentric.virtual_bench.arms.families import ARM_EFFECTS, ARM_VARIANTS
 
 Requested = Sequence[str | tuple[str, float]] | Mapping[str, float]
 STRENGTH = 0.15

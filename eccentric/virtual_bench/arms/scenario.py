@@ -7,14 +7,14 @@ from math import exp, log, pi
 
 import numpy as np
 
-from .acting import JointEffect
-from .course import ArmCourse, harmonic_course, sweep_course
-from .effects import planted
-from .plant import BenchArm, JointFriction
-from .random_arms import KINDS, random_arm
-from .request import Requested, checked
-from .servo import ArmServo
-from .survey import Survey, rms, survey
+from eccentric.virtual_bench.arms.acting import JointEffect
+from eccentric.virtual_bench.arms.course import ArmCourse, harmonic_course, sweep_course
+from eccentric.virtual_bench.arms.effects import planted
+from eccentric.virtual_bench.arms.plant import BenchArm, JointFriction
+from eccentric.virtual_bench.arms.random_arms import KINDS, random_arm
+from eccentric.virtual_bench.arms.request import Requested, checked
+from eccentric.virtual_bench.arms.servo import ArmServo
+from eccentric.virtual_bench.arms.survey import Survey, rms, survey
 
 LOG_TYPES = ("traj", "runs")
 MEASURED = ("current", "torque")

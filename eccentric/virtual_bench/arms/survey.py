@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .course import ArmCourse
-from .engine import RigidArm
-from .plant import BenchArm
+from eccentric.virtual_bench.arms.course import ArmCourse
+from eccentric.virtual_bench.arms.engine import RigidArm
+from eccentric.virtual_bench.arms.plant import BenchArm
 
 SURVEY_S = 0.02
 """Between two rows of a survey."""

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.signal import lfilter
 
-from .acting import JointEffect
-from .effects import COLD_C, RISE_K, TAU_S
+from eccentric.virtual_bench.arms.acting import JointEffect
+from eccentric.virtual_bench.arms.effects import COLD_C, RISE_K, TAU_S
 
 
 def logs_temperature(effects: Sequence[JointEffect]) -> bool:

@@ -5,8 +5,16 @@ if any. A builder draws the shape; the amplitude is a first guess for the reques
 simulation then measures and corrects.
 """
 
-from . import circuit, geometry, history, loads, speed, warmth
-from .record import PORTS, Builder, Law, PlantedEffect, PlantSetting, Request, simply
+from eccentric.virtual_bench.effects import circuit, geometry, history, loads, speed, warmth
+from eccentric.virtual_bench.effects.record import (
+    PORTS,
+    Builder,
+    Law,
+    PlantedEffect,
+    PlantSetting,
+    Request,
+    simply,
+)
 
 EFFECTS: dict[str, Builder] = {
     builder.__name__: builder

@@ -2,9 +2,8 @@
 
 from math import sin
 
+from eccentric.virtual_bench.effects.record import Builder, PlantedEffect, Request, simply
 from eccentric.virtual_bench.motion import Motion
-
-from .record import Builder, PlantedEffect, Request, simply
 
 
 def kt_saturation(request: Request) -> PlantedEffect:

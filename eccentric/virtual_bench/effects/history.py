@@ -2,9 +2,8 @@
 
 from math import exp
 
+from eccentric.virtual_bench.effects.record import Builder, Law, PlantedEffect, Request, sign
 from eccentric.virtual_bench.motion import Motion
-
-from .record import Builder, Law, PlantedEffect, Request, sign
 
 _MICRO_DAMPING_S = 0.01  # sigma_1/sigma_0 of the bristles
 

@@ -2,7 +2,7 @@
 
 from math import exp
 
-from .record import Builder, PlantedEffect, Request, simply
+from eccentric.virtual_bench.effects.record import Builder, PlantedEffect, Request, simply
 
 
 def stribeck(request: Request) -> PlantedEffect:

@@ -2,9 +2,8 @@
 
 from math import exp
 
+from eccentric.virtual_bench.effects.record import Builder, PlantedEffect, Request, simply
 from eccentric.virtual_bench.motion import Motion
-
-from .record import Builder, PlantedEffect, Request, simply
 
 _KELVIN = 273.15
 
