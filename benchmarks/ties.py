@@ -17,8 +17,8 @@ from eccentric.diagnosis import Diagnosis, diagnose
 from eccentric.errors import InputError
 from eccentric.planning import Bounds
 from eccentric.virtual_bench import EFFECTS, BenchRun, Scenario, random_scenario, simulate
-from eccentric.virtual_bench.course import Course
 from eccentric.virtual_bench.plant import Plant
+from eccentric.virtual_bench.trajectory import Course
 
 STRENGTHS = (0.03, 0.06, 0.12)
 RATIOS = (1 / 30, 1 / 5, 1 / 2, 1.0)

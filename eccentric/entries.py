@@ -16,8 +16,6 @@ from typing import Any
 from eccentric.errors import InputError, meant
 from eccentric.places import readable
 
-__all__ = ["read_document", "read_number", "read_table", "read_utf8", "refuse_unknown"]
-
 
 def read_document(path: Path, what: str) -> Mapping[str, Any]:
     """Return the content of a TOML or JSON file; `what` it is, such as "a rig file".

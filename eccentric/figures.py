@@ -18,6 +18,7 @@ from eccentric.model import vocabulary as v
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+
 # Table 1's; figure 4's minimum requires k_e in V s/rev (see `eccentric audit`, finding 3).
 K_E_CONVERTED = float(sp.Rational(v.k_e.default)) / (2 * math.pi)
 MU = float(sp.Rational(v.mu.default))

@@ -8,8 +8,6 @@ from pathlib import Path
 
 from eccentric.errors import InputError
 
-__all__ = ["derivation", "folder", "given_path", "is_arm_file", "readable", "refuse_other_files", "shown"]
-
 _OF_ARMS = {".toml", ".json", ".urdf"}
 _NO_ARMS = {".xacro", ".xml"}
 

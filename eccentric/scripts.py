@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
-__all__ = ["Script", "asks", "loads_behind", "remember_loads", "run_script", "run_text", "scripts_behind"]
-
 
 @dataclass(frozen=True)
 class Script:

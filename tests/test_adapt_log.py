@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import eccentric
-from eccentric.adaptation.course import _elapsed
-from eccentric.adaptation.inputs import inputs_of
+from eccentric.adaptation.replay import _elapsed, inputs_of
 from eccentric.cli import main
 from eccentric.errors import InputError
 from eccentric.model import TURNING

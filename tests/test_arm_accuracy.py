@@ -11,7 +11,7 @@ import sympy as sp
 from sympy.printing.pycode import MpmathPrinter
 
 from eccentric.emission import Choice, executed, render_arm
-from eccentric.emission.program.arm_accuracy import FORCE, MOMENT
+from eccentric.emission.program.arm import FORCE, MOMENT
 from eccentric.model import Body, Chain, Recursion, recursion
 from tests.arms import random_chain
 

@@ -8,10 +8,16 @@ import pytest
 
 from eccentric.errors import InputError
 from eccentric.joints import ArmFit, arm_fit_document, arm_fit_lines, fit_arm
-from eccentric.joints.base_parameters import base_of, names_of
-from eccentric.joints.body_motion import BodyModule, JointMotions
-from eccentric.joints.inertial import matrix_of, moments_of, parameters_of
-from eccentric.joints.possible import possible_bodies
+from eccentric.joints.base_parameters import (
+    BodyModule,
+    JointMotions,
+    base_of,
+    matrix_of,
+    moments_of,
+    names_of,
+    parameters_of,
+)
+from eccentric.joints.bodies import possible_bodies
 from eccentric.model import Chain, Joint, Load, Placement, letters_of
 from eccentric.rigs import read_arm_rig
 from tests.arm_logs import LENGTHS, MASSES, MU, Friction, arm_log_of, arm_rig_of, moved, plain, planar_arm

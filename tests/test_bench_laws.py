@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.virtual_bench import EFFECTS, PlantedEffect
-from eccentric.virtual_bench.motion import Motion
-from eccentric.virtual_bench.plant import Plant
+from eccentric.virtual_bench.plant import Motion, Plant
 from tests.virtual import drawn_scenario
 
 STATES = 25

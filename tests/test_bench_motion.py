@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.virtual_bench import PlantedEffect
-from eccentric.virtual_bench.motion import Motion
-from eccentric.virtual_bench.plant import Plant
+from eccentric.virtual_bench.plant import Motion, Plant
 from eccentric.virtual_bench.time_step import laws, mover
 from tests.virtual import drawn_scenario
 

@@ -11,10 +11,10 @@ import pytest
 
 from eccentric.effects import Shape
 from eccentric.model import quantity
-from eccentric.search.both import search_all
 from eccentric.search.candidate import Candidate
 from eccentric.search.limits import HINTED
 from eccentric.search.smooth import Variables
+from eccentric.search.two_balances import search_all
 from eccentric.search.verdict import decided
 from tests.searched import Array, N, candidate, design, mixed
 

@@ -10,7 +10,7 @@ import sympy as sp
 from eccentric.model import Equation, load_model, model_names
 from eccentric.model import vocabulary as v
 from eccentric.model.chain import momentum, motion
-from eccentric.model.dimension import of_expression, of_unit
+from eccentric.model.limit import of_expression, of_unit
 
 ROOT = Path(__file__).resolve().parent.parent
 MODEL = load_model("serial_chain")

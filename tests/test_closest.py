@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eccentric.diagnosis import closest
+from eccentric.diagnosis.models import closest_effect
 from eccentric.search.verdict import decided
 from tests.searched import candidate, search
 
@@ -46,8 +46,8 @@ def test_an_effect_whose_fit_does_not_settle_is_passed_over(
         ((effect, _),) = effects
         return fit(left[effect.id], settled[effect.id])
 
-    monkeypatch.setattr(closest, "refit", refit)
-    shown = closest.closest_effect(found, offered, models)
+    monkeypatch.setattr("eccentric.diagnosis.models.refit", refit)
+    shown = closest_effect(found, offered, models)
 
     assert expected == (None if shown is None else shown.effect.id)
     if shown is not None:

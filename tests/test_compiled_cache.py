@@ -13,8 +13,8 @@ import pytest
 
 import eccentric
 from eccentric import started
-from eccentric.compiled import lookup
-from eccentric.compiled.compiler import local_compiler
+from eccentric.compiled import entry
+from eccentric.compiled.entry import local_compiler
 from tests.emitted import module
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
@@ -65,7 +65,7 @@ def _torque(C_m: float) -> float:
 
 
 def _is_found(path: Path | str) -> bool:
-    return lookup.look_up(path, local_compiler()) is not None
+    return entry.look_up(path, local_compiler()) is not None
 
 
 def _start(asked: Path | str, root: Path = ROOT) -> subprocess.Popen[str]:
@@ -150,13 +150,13 @@ def test_a_process_does_not_pass_off_what_it_loaded_as_what_lies_there_now(tmp_p
 )
 def test_a_script_whose_text_does_not_decide_is_never_found(line: str) -> None:
     """What it reads or imports may be another thing next time."""
-    assert not lookup._decides(line.encode())
+    assert not entry._decides(line.encode())
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "derivations").glob("*.py")), ids=lambda path: path.stem)
 def test_a_script_that_computes_only_may_be_found(path: Path) -> None:
     """So do the derivations that ship: each of them is looked up."""
-    assert lookup._decides(path.read_bytes())
+    assert entry._decides(path.read_bytes())
 
 
 def test_what_a_script_reads_is_read_every_time(tmp_path: Path) -> None:

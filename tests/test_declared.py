@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from eccentric.rigs import Rig, read_rig
-from eccentric.signals.quality.declared import gravity_of, inertia_of, torque_per_unit, upright_gravity_of
+from eccentric.signals.quality.ratios import gravity_of, inertia_of, torque_per_unit, upright_gravity_of
 
 M, L, MU, J_M, J_L, K_I, R = 0.5, 0.25, 0.2, 2e-4, 0.04, 0.02, 1.6
 KNOWN = {

@@ -11,7 +11,7 @@ import sympy as sp
 
 from eccentric.model import Equation, Model, load_model, meaning, model_names, regressor
 from eccentric.model import vocabulary as v
-from eccentric.model.dimension import of_expression, of_unit
+from eccentric.model.limit import of_expression, of_unit
 from tests import paper
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 from eccentric.model import steps
-from eccentric.model.dimension import PURE, of_expression, of_unit
+from eccentric.model.limit import PURE, of_expression, of_unit
 
 x, y, t, n = sp.symbols("x y t n")
 UNITS = {x: "m", y: "m", t: "s", n: "1"}

@@ -12,7 +12,7 @@ from eccentric.emission import load_module
 from eccentric.errors import InputError
 from eccentric.model import Change, Definition, load_model, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.dimension import of_expression, of_unit
+from eccentric.model.limit import of_expression, of_unit
 from tests.extended import BASE, CASES, effects, every_case, setting
 
 

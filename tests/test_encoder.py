@@ -10,8 +10,8 @@ import pytest
 
 from eccentric.diagnosis import diagnose
 from eccentric.effects import library
-from eccentric.search.both import search_all
 from eccentric.search.smooth import Variables
+from eccentric.search.two_balances import search_all
 from eccentric.virtual_bench import simulate, write
 from tests.extended import (
     FIRST_FIT,

@@ -11,10 +11,10 @@ import pytest
 from numpy.random import Generator
 from scipy.stats import false_discovery_control
 
-from eccentric.fleet.changed import against_the_past
 from eccentric.fleet.drift import (
     FleetChange,
     Series,
+    against_the_past,
     changes,
     course_of,
     discovered,
@@ -22,11 +22,9 @@ from eccentric.fleet.drift import (
     series_of,
     shrunk,
 )
-from eccentric.fleet.periods import History, Period
+from eccentric.fleet.periods import History, Period, temperatures_of
 from eccentric.fleet.sums import Coverage
-from eccentric.fleet.sums.columns import Heading
-from eccentric.fleet.sums.triangle import merged, solve, triangles
-from eccentric.fleet.temperatures import temperatures_of
+from eccentric.fleet.sums.columns import Heading, merged, solve, triangles
 
 PERIODS = tuple(f"2025-{k:02d}" for k in range(1, 13))
 SEASON = 22.0 - 8.0 * np.cos(2.0 * np.pi * np.arange(12) / 12.0)

@@ -14,9 +14,8 @@ import pytest
 
 from eccentric.cli import main
 from eccentric.fleet import cluster as cluster_of_fleet
-from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.cluster import connected
-from eccentric.fleet.gathered import gather, plan_of
+from eccentric.fleet.gathered import Assigned, gather, plan_of
 from eccentric.fleet.sources import find
 
 pytest.importorskip("pyarrow")

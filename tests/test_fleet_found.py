@@ -13,8 +13,7 @@ import pytest
 from eccentric.api import fleet as api
 from eccentric.errors import InputError
 from eccentric.fleet import NOT_GROUPED, FleetProblem, Suspect, fleet_sentence
-from eccentric.fleet.changed import Changed
-from eccentric.fleet.drift import FleetChange, Series
+from eccentric.fleet.drift import Changed, FleetChange, Series
 from eccentric.fleet.found import FleetFound, drifting_of
 from eccentric.fleet.periods import History
 from eccentric.rigs import Rig

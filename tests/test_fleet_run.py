@@ -18,14 +18,12 @@ import pytest
 
 import eccentric
 from eccentric.cli import main
-from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.cluster import Failed, connected, spread
-from eccentric.fleet.gathered import gather, plan_of
+from eccentric.fleet.gathered import Assigned, gather, plan_of
 from eccentric.fleet.limits import WORKER_BYTES
 from eccentric.fleet.sources import LogFile, find
-from eccentric.fleet.store import Stored, read
-from eccentric.fleet.sums.triangle import merged
-from eccentric.fleet.work import work
+from eccentric.fleet.sums.columns import merged
+from eccentric.fleet.work import Stored, read, work
 from eccentric.output import whole_folder
 from tests.dying import dying, hoarding
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.fleet.assigned import Assigned
+from eccentric.fleet.gathered import Assigned
 from eccentric.fleet.sources import find, in_order
 
 RIG = '[known]\ncase = "C2"\nM_kg = 0.5\nL_m = 0.3\nmu = 0.2\nk_i_Nm_per_A = 0.06\n'

@@ -11,8 +11,8 @@ import pytest
 from eccentric.fleet.gathered import gone_of, outdated_of, stored_of
 from eccentric.fleet.limits import BLOCKS, MOST_PARTS
 from eccentric.fleet.sources import LogFile
-from eccentric.fleet.store import Stored, joints_of, keys, read, write
 from eccentric.fleet.sums import Coverage, FileSums, Heading
+from eccentric.fleet.work import Stored, joints_of, keys, read, write
 
 pytest.importorskip("pyarrow")
 

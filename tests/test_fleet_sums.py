@@ -9,11 +9,8 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.fleet.sums.columns import Columns
-from eccentric.fleet.sums.of_file import FileSums, sums_of
-from eccentric.fleet.sums.pieces import _Left
-from eccentric.fleet.sums.triangle import dependent, merged, solve, triangles
-from eccentric.fleet.sums.windows import any_in, means, rates
+from eccentric.fleet.sums.columns import Columns, dependent, merged, solve, triangles
+from eccentric.fleet.sums.of_file import FileSums, _Left, any_in, means, rates, sums_of
 from eccentric.logs import Log
 from eccentric.rigs import Rig
 from eccentric.signals import Table, read_table
@@ -175,7 +172,7 @@ def test_a_file_is_read_in_parts(suffix: str, tmp_path: Path, monkeypatch: pytes
         lengths.extend(one.rows for one in logs)
         return read_table(logs, rig)
 
-    monkeypatch.setattr("eccentric.fleet.sums.pieces.read_table", told)
+    monkeypatch.setattr("eccentric.fleet.sums.of_file.read_table", told)
     sums = sums_of(path, Columns(rig_of(joint)), 1000)
 
     assert max(lengths) <= 1000

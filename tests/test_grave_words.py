@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from eccentric.diagnosis import Diagnosis, diagnosis_sentence
-from eccentric.signals.finding import Finding
+from eccentric.signals.table import Finding
 
 
 @pytest.mark.parametrize(

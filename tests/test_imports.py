@@ -202,8 +202,8 @@ def test_a_circle_and_a_floor_are_found() -> None:
         ("eccentric.search.verdict", "eccentric.signals.rows", True),
         ("eccentric.signals.channels", "eccentric.signals.rows", False),
         ("eccentric.signals.channels", "eccentric.signals.quality", False),
-        ("eccentric.signals.channels", "eccentric.signals.quality.body", True),
-        ("eccentric.signals.quality.body", "eccentric.signals.finding", False),
+        ("eccentric.signals.channels", "eccentric.signals.quality.ratios", True),
+        ("eccentric.signals.quality.ratios", "eccentric.signals.table", False),
         ("eccentric.signals.rows", "eccentric.errors", False),
     ],
 )

@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 from eccentric.diagnosis import diagnose
 from eccentric.effects import library
 from eccentric.virtual_bench import simulate, write
-from eccentric.virtual_bench.motion import Motion
+from eccentric.virtual_bench.plant import Motion
 from eccentric.virtual_bench.time_step import laws, mover
 from tests.extended import CASES, J_L, J_M, M_L, MU, G, L, M, call, every_case, inputs, setting, with_effect
 from tests.virtual import drawn_scenario

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import eccentric
-from eccentric.fleet.assigned import Assigned
-from eccentric.fleet.doubts import doubts_of
+from eccentric.fleet.drift import doubts_of
+from eccentric.fleet.gathered import Assigned
 from eccentric.fleet.periods import History, Period
 from eccentric.fleet.sums import Columns, Coverage, Heading, require_rig, sums_of
 from eccentric.model import LINEAR

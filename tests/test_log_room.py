@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.logs import read_log, room
+from eccentric.logs import foreign, read_log
 
 ROWS = 1000
 
@@ -76,7 +76,7 @@ def test_a_log_that_memory_does_not_hold_is_one_line(
     """Of 1,000 rows a tenth of the memory for them holds a tenth; with enough of it the log is read."""
     make(tmp_path / name)
     assert read_log(tmp_path / name).rows >= 10
-    monkeypatch.setattr(room, "free_memory", lambda: 30_000)
+    monkeypatch.setattr(foreign, "free_memory", lambda: 30_000)
 
     with pytest.raises(InputError) as refused:
         read_log(tmp_path / name)
@@ -93,7 +93,7 @@ def test_rows_are_counted_before_they_are_read(tmp_path: Path, monkeypatch: pyte
     path = tmp_path / "log.csv.gz"
     path.write_bytes(gzip.compress(b"t\n" + b"1\n" * 2_000_000))
     monkeypatch.setattr("csv.reader", lambda *_, **__: pytest.fail("a row must not be read"))
-    monkeypatch.setattr(room, "free_memory", lambda: 100_000_000)
+    monkeypatch.setattr(foreign, "free_memory", lambda: 100_000_000)
 
     with pytest.raises(InputError, match=r"received 2,000,00\d rows with 2,000,00\d values, for about"):
         read_log(path)
@@ -140,7 +140,7 @@ GROUP = {
 )
 def test_the_least_of_all_limits_counts(files: dict[str, str], expected: int, tmp_path: Path) -> None:
     """What the machine has available, in 1024 bytes, or what the control group of the process leaves."""
-    assert expected == room.free_memory(_system(tmp_path, **files))
+    assert expected == foreign.free_memory(_system(tmp_path, **files))
 
 
 def test_the_limit_of_the_process_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -152,9 +152,9 @@ def test_the_limit_of_the_process_counts(tmp_path: Path, monkeypatch: pytest.Mon
     page = resource.getpagesize()
     monkeypatch.setattr(resource, "getrlimit", lambda _: (101 * page, 101 * page))
 
-    assert page == room.free_memory(tmp_path)
+    assert page == foreign.free_memory(tmp_path)
 
 
 def test_a_system_that_says_nothing_has_some(tmp_path: Path) -> None:
     """Without the files of Linux it is the memory that is built in."""
-    assert 1e8 < room.free_memory(tmp_path)
+    assert 1e8 < foreign.free_memory(tmp_path)

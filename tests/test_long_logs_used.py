@@ -15,8 +15,8 @@ from eccentric.cli.arguments import bar
 from eccentric.logs import Excerpt, Log, read_log
 from eccentric.rigs import Rig, read_rig
 from eccentric.signals import read_channels
+from eccentric.signals.channels import thinned
 from eccentric.signals.table import read_table
-from eccentric.signals.thin import thinned
 from tests.long_logs import RIG, columns, parquet, plain, stribeck
 
 Columns = dict[str, Any]

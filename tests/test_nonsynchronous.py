@@ -10,7 +10,7 @@ import pytest
 
 from eccentric.diagnosis import SearchRequest, diagnose
 from eccentric.effects import library
-from eccentric.search.periods import standing_orders
+from eccentric.search.balances import standing_orders
 from eccentric.virtual_bench import simulate, write
 from tests.extended import MU, TURNS, every_case, setting
 from tests.virtual import drawn_scenario

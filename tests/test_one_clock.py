@@ -9,7 +9,7 @@ import pytest
 
 from eccentric.errors import InputError
 from eccentric.logs import read_log
-from eccentric.logs.one_clock import Recorded, on_one_clock
+from eccentric.logs.assemble import Recorded, on_one_clock
 
 T = np.arange(6000) / 100.0
 

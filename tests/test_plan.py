@@ -22,11 +22,10 @@ from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document
 from eccentric.errors import InputError
 from eccentric.model import TURNING
 from eccentric.planning import Bounds, plan_lines, planned, question_from, question_of, read_bounds
-from eccentric.planning.chance import decided
-from eccentric.planning.heavier import Heavier
+from eccentric.planning.choice import Heavier, decided
 from eccentric.planning.limits import MARGIN, UNDECIDED
 from eccentric.planning.motion import Reference, joined, pieces
-from eccentric.planning.rivals import Rival
+from eccentric.planning.question import Rival
 from eccentric.planning.separation import Ground, Separation
 from eccentric.rigs import read_rig
 from eccentric.search import PARTS, STABLE, SURE, Variant

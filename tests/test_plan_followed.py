@@ -13,13 +13,12 @@ from eccentric.diagnosis import diagnose
 from eccentric.errors import InputError
 from eccentric.planning import Bounds, Reference, plan_document, plan_lines, planned, question_of
 from eccentric.planning.choice import kept
-from eccentric.planning.followed import Met, extremes
 from eccentric.planning.limits import INTEGRAL_PER_S, SPEED_FILTER_HZ
 from eccentric.planning.motion import joined, pieces
-from eccentric.planning.separation import Separation
+from eccentric.planning.separation import Met, Separation, extremes
 from eccentric.rigs import AddedMass
 from eccentric.virtual_bench import BenchRun, Scenario, random_scenario, simulate
-from eccentric.virtual_bench.course import Course
+from eccentric.virtual_bench.trajectory import Course
 
 SEED = 310012
 """Of the rig."""

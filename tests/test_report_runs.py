@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 import eccentric.report as package
-from eccentric.report.arrays import BalanceResiduals, DriveSignal
+from eccentric.report.arrays import BalanceResiduals, DriveSignal, runs_apart, runs_of
 from eccentric.report.data import Correlations, ReportData
-from eccentric.report.runs import runs_apart, runs_of
 from eccentric.report.simulated import simulated
 from eccentric.report.text import headline
 from tests.reported import HOSTILE, RIVAL, nothing_missing, sample

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from eccentric.emission import render
-from eccentric.emission.program.distinct import OF_COEFFICIENTS
+from eccentric.emission.program.build import OF_COEFFICIENTS
 from eccentric.errors import InputError
 from eccentric.model import Change, Extension, Model, Role, Term, extended, load_model, quantity
 from eccentric.model import vocabulary as v

@@ -7,7 +7,7 @@ import pytest
 from eccentric.joints.fitted import _unit_of
 from eccentric.joints.joint_model import EVERY, joint_model
 from eccentric.model import Body, Chain, Joint, Load, Placement, arm, friction_units
-from eccentric.model.dimension import of_unit
+from eccentric.model.limit import of_unit
 
 COEFFICIENTS = {Load.NORMAL: "lN", Load.TRANSVERSAL: "lT", Load.BENDING: "lM", Load.TRANSMITTED: "lG"}
 

@@ -9,7 +9,7 @@ import pytest
 
 from eccentric import cli
 from eccentric.cli import arguments, doctor
-from eccentric.cli.colours import coloured
+from eccentric.cli.arguments import coloured
 
 PLAIN = {"NO_COLOR": "", "TERM": "xterm"}
 

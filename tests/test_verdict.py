@@ -15,8 +15,7 @@ from eccentric.diagnosis.models import _with_the_constant_first
 from eccentric.effects import LOAD, Evidence, Kin, Words
 from eccentric.search import Attribution, limits, unconfirmed
 from eccentric.search.candidate import Candidate
-from eccentric.search.measurements import measurement_of
-from eccentric.search.verdict import decided, next_measurement
+from eccentric.search.verdict import decided, measurement_of, next_measurement
 from eccentric.signals import MANY_RUNS
 from tests.searched import N, candidate, search
 

@@ -9,9 +9,9 @@
     planned     plan       -> PlanResult
     emitted     emit       -> files
     adapted     adapt      -> AdaptResult
-    simulated   bench      -> BenchResult;  simulated_arm  bench_arm -> ArmBenchResult
-    fleet       diagnose_fleet -> FleetResult;  simulated_fleet  bench_fleet -> files
-    tables      ResultTable, Correlation: for a terminal and a notebook
+    simulated   bench      -> BenchResult;  bench_arm -> ArmBenchResult;  bench_fleet -> files
+    fleet       diagnose_fleet -> FleetResult
+    result      ResultTable, Correlation: for a terminal and a notebook; what every result has
 
 In: paths, tables in memory, mappings. Out: results with named fields, `summary()`, `table()`, `plot()`,
 `to_json()`. It may import every room; it decides and computes nothing that belongs to a room. A file is

@@ -21,10 +21,10 @@ from eccentric.api.of_arms import diagnose_arm as diagnose_arm
 from eccentric.api.of_arms import fit_arm as fit_arm
 from eccentric.api.planned import PlanResult as PlanResult
 from eccentric.api.planned import plan as plan
+from eccentric.api.result import Correlation as Correlation
+from eccentric.api.result import ResultTable as ResultTable
+from eccentric.api.simulated import ArmBenchResult as ArmBenchResult
 from eccentric.api.simulated import BenchResult as BenchResult
 from eccentric.api.simulated import bench as bench
-from eccentric.api.simulated_arm import ArmBenchResult as ArmBenchResult
-from eccentric.api.simulated_arm import bench_arm as bench_arm
-from eccentric.api.simulated_fleet import bench_fleet as bench_fleet
-from eccentric.api.tables import Correlation as Correlation
-from eccentric.api.tables import ResultTable as ResultTable
+from eccentric.api.simulated import bench_arm as bench_arm
+from eccentric.api.simulated import bench_fleet as bench_fleet

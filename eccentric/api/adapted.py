@@ -26,8 +26,7 @@ from eccentric.api.inputs import (
     read_logs,
     sources_of,
 )
-from eccentric.api.result import Printed, new_axes, paragraphs
-from eccentric.api.tables import ResultTable
+from eccentric.api.result import Printed, ResultTable, new_axes, paragraphs
 from eccentric.emission import Adaptation, document_of, read_parameters, with_fitted
 from eccentric.errors import InputError
 from eccentric.fitting import Drive, fit_document
@@ -39,8 +38,6 @@ from eccentric.signals import Channels, read_channels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-__all__ = ["AdaptResult", "adapt"]
 
 
 def adapt(

@@ -17,8 +17,7 @@ from eccentric.api.inputs import (
     in_words_of,
     sources_of,
 )
-from eccentric.api.result import Printed, new_axes, paragraphs
-from eccentric.api.tables import ResultTable
+from eccentric.api.result import Printed, ResultTable, new_axes, paragraphs
 from eccentric.diagnosis import BASELINE, Contest, contest, contest_document, contest_lines
 from eccentric.model import Model
 from eccentric.rigs import read_rig
@@ -27,7 +26,6 @@ from eccentric.signals import read_long
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["CompareResult", "compare"]
 
 _BAR, _BASELINE_BAR = "#0072b2", "#8a8a8a"
 

@@ -18,8 +18,7 @@ from eccentric.api.inputs import (
     names_given,
     sources_of,
 )
-from eccentric.api.result import Result, new_axes, paragraphs
-from eccentric.api.tables import Correlation, ResultTable
+from eccentric.api.result import Correlation, Result, ResultTable, new_axes, paragraphs
 from eccentric.diagnosis import (
     BASE,
     Diagnosis,
@@ -44,7 +43,6 @@ from eccentric.signals import read_long
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["DiagnosisResult", "diagnose", "result_of"]
 
 _WRITTEN = (
     ("diagnosis.json", "the figures of this page, for programs"),

@@ -31,8 +31,6 @@ from eccentric.signals import (
     shared_cause,
 )
 
-__all__ = ["RigCheck", "RigDraft", "check_rig", "draft_rig"]
-
 
 @dataclass(frozen=True)
 class RigDraft:

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.adapted import asked_adaptation
-from eccentric.api.files import require_fit, write_arm, write_emitted
 from eccentric.api.fitted import FitResult
 from eccentric.api.inputs import ModelSource, arm_of, is_arm, model_of, origin_of
+from eccentric.api.result import require_fit, write_arm, write_emitted
 from eccentric.emission import (
     WHOLE,
     Arrays,
@@ -23,8 +23,6 @@ from eccentric.emission import (
 )
 from eccentric.errors import InputError
 from eccentric.places import given_path, refuse_other_files
-
-__all__ = ["emit"]
 
 
 def emit(

@@ -17,8 +17,7 @@ from eccentric.api.inputs import (
     origin_of,
     sources_of,
 )
-from eccentric.api.result import Result, new_axes, paragraphs
-from eccentric.api.tables import Correlation, ResultTable
+from eccentric.api.result import Correlation, Result, ResultTable, new_axes, paragraphs
 from eccentric.emission import read_parameters, with_fitted
 from eccentric.estimation import Estimate
 from eccentric.fitting import (
@@ -37,7 +36,6 @@ from eccentric.signals import FIT_POINTS, read_channels, read_long
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["FitResult", "fit"]
 
 _SIZE = 9.0, 4.2
 

@@ -13,8 +13,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from eccentric.api.diagnosed import DiagnosisResult, diagnose
-from eccentric.api.result import Printed
-from eccentric.api.tables import ResultTable
+from eccentric.api.result import Printed, ResultTable
 from eccentric.errors import InputError, counted, few, so_more
 from eccentric.fleet import (
     NOT_GROUPED,
@@ -41,8 +40,6 @@ from eccentric.fleet import (
 )
 from eccentric.output import own_folder, remove_folder, whole_file, whole_folder
 from eccentric.version import __version__
-
-__all__ = ["FleetResult", "diagnose_fleet"]
 
 _COMMAND = "fleet"
 _TOGETHER = (NOT_GROUPED, NOT_TESTED)

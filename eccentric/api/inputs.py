@@ -16,21 +16,6 @@ from eccentric.model import Model, Recursion, arm, load_model, model_names, recu
 from eccentric.places import given_path, is_arm_file, shown
 from eccentric.rigs import Rig
 
-__all__ = [
-    "LogSources",
-    "ModelSource",
-    "RigSource",
-    "arm_of",
-    "by_name",
-    "in_words_of",
-    "is_arm",
-    "model_of",
-    "names_given",
-    "origin_of",
-    "read_logs",
-    "sources_of",
-]
-
 LogSources: TypeAlias = LogSource | Sequence[LogSource]
 RigSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Rig
 ModelSource: TypeAlias = str | os.PathLike[str] | Model

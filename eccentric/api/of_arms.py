@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from eccentric.api.diagnosed import DiagnosisResult, result_of
 from eccentric.api.inputs import LogSources, names_given, sources_of
-from eccentric.api.result import Printed, new_axes, paragraphs
-from eccentric.api.tables import ResultTable
+from eccentric.api.result import Printed, ResultTable, new_axes, paragraphs
 from eccentric.diagnosis import SearchRequest
 from eccentric.emission import complete_arm, write
 from eccentric.errors import InputError
@@ -38,7 +37,6 @@ from eccentric.signals import FIT_POINTS, read_long_joints
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["ArmDiagnosisResult", "ArmFitResult", "diagnose_arm", "fit_arm"]
 
 ArmRigSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | ArmRig
 _BEFORE, _AFTER = "#8a8a8a", "#0072b2"

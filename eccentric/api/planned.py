@@ -34,7 +34,6 @@ from eccentric.signals import read_long
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["PlanResult", "plan"]
 
 REFERENCE = "reference"
 

@@ -4,29 +4,252 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
-from eccentric.api.files import require_fit, write_emitted
-from eccentric.api.tables import Correlation
-from eccentric.emission import checked_name, load_module
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.emission import (
+    BACKENDS,
+    DEFAULT,
+    WHOLE,
+    Adaptation,
+    Choice,
+    checked_name,
+    complete,
+    complete_arm,
+    load_module,
+    prior_of,
+    render_adapt,
+    write,
+)
 from eccentric.errors import InputError
-from eccentric.estimation import Estimate
+from eccentric.estimation import Estimate, correlation
 from eccentric.fitting import NEEDS_MATPLOTLIB
-from eccentric.model import Model
+from eccentric.logs import Log
+from eccentric.model import Model, Recursion
 from eccentric.output import whole_folder
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["Printed", "Result", "new_axes", "paragraphs"]
+
+# The emitted files of a model, written atomically.
+
+
+def write_emitted(
+    model: Model,
+    origin: str,
+    out: str | os.PathLike[str],
+    backend: str | Sequence[str] | None = None,
+    *,
+    single_file: bool = False,
+    choice: Choice = WHOLE,
+    adapt: Adaptation | None = None,
+    fit: Mapping[str, Any] | None = None,
+) -> list[Path]:
+    """Write the files of a model for its targets, and those that check the C, into a folder of their own.
+
+    Files that the same model wrote there before are replaced, all others stay. `origin` is the source of the
+    physics, for the banner; `backend` is a target or several, NumPy and C99 by default. With `single_file`
+    the NumPy module contains its runtime; `choice` is what of the model is emitted. With `adapt` an
+    estimator of the friction is added, whose prior is that of the fit with this content. Returns the paths.
+    Raises InputError if there is no such target, or the folder cannot be written.
+    """
+    names = _backends(backend)
+    files = complete(model, "eccentric emit", origin, names, single_file=single_file, choice=choice)
+    if adapt is not None:
+        if missing := [name for name in DEFAULT if name not in names]:
+            raise InputError(f"adapt: backend {' and '.join(missing)} is required as well")
+        files |= render_adapt(model, files, prior_of(model, fit), adapt)
+    with whole_folder(out, f"emit {model.name}") as folder:
+        write(files, folder)
+    return [Path(out) / name for name in files]
+
+
+def write_arm(
+    found: Recursion,
+    model: Model,
+    origin: str,
+    out: str | os.PathLike[str],
+    backend: str | Sequence[str] | None = None,
+    *,
+    single_file: bool = False,
+    choice: Choice = WHOLE,
+) -> list[Path]:
+    """Write the files of an arm as `write_emitted` writes those of a model; `found` is its recursion."""
+    names = _backends(backend)
+    files = complete_arm(
+        found, model, "eccentric emit", origin, names, single_file=single_file, choice=choice
+    )
+    with whole_folder(out, f"emit {model.name}") as folder:
+        write(files, folder)
+    return [Path(out) / name for name in files]
+
+
+def _backends(backend: str | Sequence[str] | None) -> dict[str, None]:
+    several = isinstance(backend, Sequence) and not isinstance(backend, str | bytes)
+    given = DEFAULT if backend is None else list(backend if several else [backend])
+    names: dict[str, None] = {}
+    for name in given or ["none"]:
+        if not isinstance(name, str) or name not in BACKENDS:
+            raise InputError(f"backend: one of {', '.join(BACKENDS)} is required, received {name!r}")
+        names[name] = None
+    return names
+
+
+def require_fit(fits_the_rig: bool, source: str, accept_misfit: bool) -> None:
+    """Raise InputError for parameters of a log that does not fit its rig, unless they are accepted."""
+    if not fits_the_rig and not accept_misfit:
+        raise InputError(
+            f"accept_misfit: this is required to emit {source}, since its log does not fit the rig"
+        )
+
+
+# Tables of results: for a terminal, a notebook, and any other library.
+
+
+@dataclass(frozen=True)
+class ResultTable:
+    """A small table of results.
+
+    `table["value"]` is a column, `table[0]` a row, `table[:3]` a table of the first three; iterating gives
+    the rows as dictionaries, so that `list(table)` is plain data, and `pandas.DataFrame(list(table))` a data
+    frame. None means unknown.
+
+    Attributes:
+        names: of the columns.
+        rows: their values, one tuple for each row.
+    """
+
+    names: tuple[str, ...]
+    rows: tuple[tuple[Any, ...], ...]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        return (dict(zip(self.names, row, strict=True)) for row in self.rows)
+
+    @overload
+    def __getitem__(self, name: str) -> list[Any]: ...
+    @overload
+    def __getitem__(self, name: int) -> dict[str, Any]: ...
+    @overload
+    def __getitem__(self, name: slice) -> ResultTable: ...
+    def __getitem__(self, name: str | int | slice) -> list[Any] | dict[str, Any] | ResultTable:
+        if isinstance(name, slice):
+            return ResultTable(self.names, self.rows[name])
+        if isinstance(name, int):
+            return dict(zip(self.names, self.rows[name], strict=True))
+        if name not in self.names:
+            raise KeyError(f"{name!r}; the columns are {', '.join(self.names)}")
+        place = self.names.index(name)
+        return [row[place] for row in self.rows]
+
+    def __str__(self) -> str:
+        return _text(self.names, self._cells(), [self._is_number(k) for k in range(len(self.names))])
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        return _html(self.names, self._cells())
+
+    def _cells(self) -> list[tuple[str, ...]]:
+        return [tuple(map(_cell, row)) for row in self.rows]
+
+    def _is_number(self, column: int) -> bool:
+        return all(row[column] is None or isinstance(row[column], int | float) for row in self.rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Correlation:
+    """Correlation of the errors of estimates: `correlation["B_m", "C_m"]`, from -1 to 1.
+
+    NaN if an estimate has no standard error: it is at a bound, or the log says nothing about it.
+
+    Attributes:
+        names: of the estimates, in the order of both axes.
+        matrix: (n, n).
+    """
+
+    names: tuple[str, ...]
+    matrix: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, names: Sequence[str], covariance: NDArray[np.float64]) -> Correlation:
+        """The correlation of estimates with this covariance (n, n)."""
+        return cls(tuple(names), correlation(covariance))
+
+    def __getitem__(self, pair: tuple[str, str]) -> float:
+        for name in pair:
+            if name not in self.names:
+                raise KeyError(f"{name!r}; the estimates are {', '.join(self.names)}")
+        row, column = (self.names.index(name) for name in pair)
+        return float(self.matrix[row, column])
+
+    def table(self) -> ResultTable:
+        """The matrix, a row and a column for each estimate."""
+        rows = (
+            (name, *(None if math.isnan(x) else float(x) for x in row))
+            for name, row in zip(self.names, self.matrix, strict=True)
+        )
+        return ResultTable(("", *self.names), tuple(rows))
+
+    def __str__(self) -> str:
+        return _text(("", *self.names), self._cells(), [False, *(True for _ in self.names)])
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        return _html(("", *self.names), self._cells())
+
+    def _cells(self) -> list[tuple[str, ...]]:
+        rows = zip(self.names, self.matrix, strict=True)
+        return [(name, *("-" if math.isnan(x) else f"{x:.2f}" for x in row)) for name, row in rows]
+
+
+def ranges_of(log: Log) -> ResultTable:
+    """The columns of a log, each with its lowest and highest value."""
+    columns = ((name, log.numbers(name)) for name in log.columns)
+    return ResultTable(
+        ("column", "lowest", "highest"),
+        tuple((name, float(values.min()), float(values.max())) for name, values in columns),
+    )
+
+
+def _text(names: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[bool]) -> str:
+    """The table for a terminal with aligned columns; those in `right` are right-aligned."""
+    widths = [max(map(len, column)) for column in zip(names, *rows, strict=True)]
+    lines = (
+        "  ".join(x.rjust(w) if r else x.ljust(w) for x, w, r in zip(row, widths, right, strict=True))
+        for row in (names, *rows)
+    )
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _html(names: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """The table in HTML; names and cells are escaped here."""
+    head = "".join(f"<th>{escape(name)}</th>" for name in names)
+    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _cell(value: object) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "-"
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    return str(value)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

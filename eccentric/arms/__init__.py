@@ -6,10 +6,7 @@ the file's numbers as defaults.
 May import: `model` for chains, `logs` for units. Meshes are not read, and nothing is fetched.
 """
 
-from eccentric.arms.arm_file import KEYS_OF_ARMS
-from eccentric.arms.bodies import KEYS_OF_BODIES
-from eccentric.arms.complaints import complaints_of
-from eccentric.arms.joints import KEYS_OF_JOINTS
-from eccentric.arms.reading import read_arm
+from eccentric.arms.arm_file import KEYS_OF_ARMS, read_arm
+from eccentric.arms.parts import KEYS_OF_BODIES, KEYS_OF_JOINTS, complaints_of
 
 __all__ = ["KEYS_OF_ARMS", "KEYS_OF_BODIES", "KEYS_OF_JOINTS", "complaints_of", "read_arm"]

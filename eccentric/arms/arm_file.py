@@ -2,22 +2,44 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from eccentric.arms.bodies import read_body, read_symbolic, with_letters
-from eccentric.arms.complaints import complaints_of
-from eccentric.arms.joints import ReadJoint, read_joints, with_drives
-from eccentric.arms.masses import require_mass
-from eccentric.arms.naming import identifier
-from eccentric.arms.placing import placed
-from eccentric.arms.quantities import FileQuantity
+from eccentric.arms.parts import (
+    FileQuantity,
+    ReadJoint,
+    complaints_of,
+    identifier,
+    placed,
+    read_body,
+    read_joints,
+    read_symbolic,
+    with_drives,
+    with_letters,
+)
 from eccentric.arms.urdf import joints_of_urdf, without_tip
-from eccentric.entries import refuse_unknown
+from eccentric.entries import read_document, refuse_unknown
 from eccentric.errors import InputError
 from eccentric.model import Chain, Quantity
 from eccentric.places import given_path, shown
+
+# A joint that moves nothing has no dynamics: it is refused.
+
+
+def require_mass(chain: Chain) -> None:
+    """Raise InputError unless every joint moves a mass or a rotor.
+
+    A body without mass between others is right: wrists of two or three joints in one point have them. The
+    last joint must have some, or any torque would accelerate it without limit; then all others move it too.
+    """
+    last = chain.links[-1]
+    if last.moments.mass == 0 and not any(last.moments.second) and last.joint.J_m == 0:
+        raise InputError(
+            f"{last.joint.name}: a mass on the body of the last joint, or a rotor, is required, received none"
+        )
+
 
 GRAVITY = FileQuantity("gravity", "m/s^2", "m_s2")
 KEYS_OF_ARMS = ("name", *GRAVITY.keys, "symbolic", "urdf", "joint", "payload")
@@ -69,3 +91,42 @@ def _on_urdf(value: object, tables: Any, path: Path, where: str) -> list[ReadJoi
     if urdf.suffix.lower() != ".urdf":
         raise InputError(f"{where}: urdf: a file .urdf is required, received {value!r}")
     return with_drives(joints_of_urdf(urdf, shown(urdf), tip)[1], tables, where)
+
+
+# The door for arms: a file by its suffix.
+
+
+def read_arm(source: str | os.PathLike[str], tip: str | None = None) -> Chain:
+    """Read an arm.
+
+    Args:
+        source: path of an arm file, `.toml` or `.json`, or of a URDF, `.urdf`. The last link of the arm in a
+            URDF can follow behind `#`, as in "panda.urdf#panda_hand".
+        tip: this last link; the joints on the way to it move, all others are locked at 0.
+
+    Returns:
+        The chain, in SI. Its joints have the names of the file; its parameters are what the file keeps
+        symbolic, with the numbers of the file as defaults.
+
+    Raises:
+        InputError: one line with file, joint and quantity, what is required and what was received.
+    """
+    path = given_path(source, "arm")
+    if tip is None:
+        path, tip = without_tip(path)
+    where = shown(path)
+    if path.suffix.lower() == ".urdf":
+        name, read = joints_of_urdf(path, where, tip)
+        with complaints_of(where):
+            chain = Chain(name, [one.joint for one in read], [one.body for one in read])
+            require_mass(chain)
+        return chain
+    if tip is not None:
+        raise InputError(f"{where}: a .urdf is required for a tip, received {tip!r}")
+    content = read_document(path, "an arm file, .urdf,")
+    if str(content.get("format", "")).startswith("eccentric-"):
+        raise InputError(
+            f"{where}: an arm file is required, received a result ({content['format']}): emit the model.py"
+            " beside a diagnosis.json, or a model with --parameters FIT.json"
+        )
+    return arm_of(content, path, where)

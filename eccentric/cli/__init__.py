@@ -22,7 +22,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
-from eccentric.cli.colours import coloured
+from eccentric.cli.arguments import coloured
 from eccentric.errors import InputError, meant
 from eccentric.output import UNREAD, Ended, ended_by_signals, escape_unprintable, nobody_reads
 from eccentric.version import __version__

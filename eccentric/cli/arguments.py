@@ -8,22 +8,29 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TextIO
 
-from eccentric.cli.colours import coloured
 from eccentric.errors import InputError
 
-__all__ = [
-    "LOGS",
-    "MISFIT",
-    "add_folder",
-    "add_logs",
-    "arm_of",
-    "bar",
-    "names_in",
-    "options",
-    "print_warnings",
-    "progress",
-]
+# Colour, where a terminal has it: https://no-color.org is respected, and a file or pipe gets none.
+
+
+_CODES = {"error": "31", "warning": "33", "good": "32", "answer": "1"}
+
+
+def coloured(text: str, kind: str, stream: TextIO | None = None) -> str:
+    """The text as an "error", "warning", "good" news or the "answer" on this stream, by default stdout."""
+    if not _has_colour(sys.stdout if stream is None else stream):
+        return text
+    return f"\x1b[{_CODES[kind]}m{text}\x1b[0m"
+
+
+def _has_colour(stream: TextIO | None) -> bool:
+    """Whether a stream is a terminal that shows colour, and nobody asked for none."""
+    if stream is None or os.environ.get("NO_COLOR") or os.environ.get("TERM", "dumb") == "dumb":
+        return False
+    return stream.isatty()
+
 
 LOGS = ".csv[.gz], .json[.gz], .npz, .mat, .parquet, .h5, .mf4, .db3, .mcap, .ulg, .tdms"
 """Formats of logs, for help pages; `eccentric.logs` is not imported for them."""

@@ -11,12 +11,12 @@ from eccentric.cli.arguments import (
     add_logs,
     arm_of,
     bar,
+    coloured,
     names_in,
     options,
     print_warnings,
     progress,
 )
-from eccentric.cli.colours import coloured
 from eccentric.output import own_folder
 
 NAME = "diagnose"

@@ -10,7 +10,7 @@ import sys
 import webbrowser
 from importlib.metadata import PackageNotFoundError, version
 
-from eccentric.cli.colours import coloured
+from eccentric.cli.arguments import coloured
 from eccentric.version import __version__
 
 NAME = "doctor"

@@ -4,8 +4,7 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import LOGS, bar, print_warnings
-from eccentric.cli.colours import coloured
+from eccentric.cli.arguments import LOGS, bar, coloured, print_warnings
 from eccentric.errors import InputError
 
 NAME = "rig"

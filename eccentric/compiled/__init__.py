@@ -1,10 +1,8 @@
 """The emitted C of a model, built by the local compiler and called from Python like the NumPy module.
 
     module     a derivation or Model -> a Python module: from the cache, else derived, emitted and built
-    entry      what the cache stores for a model: its library, and what is needed to load it
-    lookup     a derivation -> its entry, without executing it: neither SymPy nor the rooms below are imported
+    entry      what the cache stores for a model, found without executing its derivation; the compiler
     calls      arguments as NumPy accepts them -> the C
-    compiler   C sources -> a shared library
     view       a Program -> the variables of `templates/compiled/`: C that Python calls
 
 In: a `Model`, its name or path. Out: a module. It imports `eccentric.places`, `eccentric.output` and

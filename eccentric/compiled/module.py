@@ -9,15 +9,17 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from eccentric.compiled.calls import functions
-from eccentric.compiled.compiler import Compiler, local_compiler
 from eccentric.compiled.entry import (
     CacheEntry,
+    Compiler,
     Signature,
     keep_library,
+    local_compiler,
+    look_up,
     read_entry,
+    remember,
     write_entry,
 )
-from eccentric.compiled.lookup import look_up, remember
 from eccentric.errors import InputError
 from eccentric.output import cache_folder, digest
 from eccentric.places import is_arm_file
@@ -26,6 +28,7 @@ from eccentric.scripts import run_text
 if TYPE_CHECKING:
     from eccentric.emission import Program
     from eccentric.model import Model
+
 
 _UNIT = "python-calls.c"
 """The file that is compiled and includes the rest; no model can have this name, since it is no C

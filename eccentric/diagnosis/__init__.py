@@ -1,12 +1,10 @@
 """The loop: fit, search, extend, refit, score; and the result in words, as JSON and as a script.
 
     loop          logs, rig -> Diagnosis: every stage in order
-    request       effects to begin with, and what the search may offer
-    stage         what a log offers to a base model before the search
-    models        the models after the search; effects that the held-out part does not confirm lose their name
+    stage         the request; what a log offers to a base model before the search
+    models        the models after the search; the best effect or shipped model where none is adopted
+    outcome       a Diagnosis: everything that the loop found
     score         held-out errors before and after, run by run where there are enough
-    closest       the best effect, where none is adopted
-    siblings      a shipped model of the same case that predicts better as it stands
     orders        what is left inside runs and periodic in the motor angle
     contest       models on the same rows, extended by effects or not
     words         a Diagnosis for a person
@@ -20,16 +18,15 @@ May import: `search` and all rooms below it.
 """
 
 from eccentric.diagnosis.base_script import BASE, base_source
-from eccentric.diagnosis.closest import Closest
 from eccentric.diagnosis.contest import BASELINE, Contest, Entry, contest, contest_document, contest_lines
 from eccentric.diagnosis.document import diagnosis_document
 from eccentric.diagnosis.loop import diagnose, diagnosed, staged_log
 from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name, script
+from eccentric.diagnosis.models import Closest
 from eccentric.diagnosis.orders import Order, orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
-from eccentric.diagnosis.request import SearchRequest
 from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out
-from eccentric.diagnosis.stage import Stage, staged
+from eccentric.diagnosis.stage import SearchRequest, Stage, staged
 from eccentric.diagnosis.words import (
     closest_sentence,
     diagnosis_lines,

@@ -20,8 +20,6 @@ import eccentric.model
 from eccentric.emission import plain
 from eccentric.model import Model, steps
 
-__all__ = ["BASE", "base_source"]
-
 BASE = "base.py"
 """Name of the script beside model.py."""
 _WIDTH = 110

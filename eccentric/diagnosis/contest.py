@@ -22,8 +22,6 @@ from eccentric.model import Model, load_model
 from eccentric.rigs import Rig
 from eccentric.signals import read_channels
 
-__all__ = ["BASELINE", "Contest", "Entry", "contest", "contest_document", "contest_lines"]
-
 BASELINE = "Coulomb + viscous"
 
 

@@ -14,8 +14,6 @@ from eccentric.estimation import Estimate
 from eccentric.fitting import in_drive_unit
 from eccentric.model import TURNING
 
-__all__ = ["diagnosis_document"]
-
 
 def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
     """The content of diagnosis.json, format eccentric-diagnosis/1 (keys as in the manual)."""

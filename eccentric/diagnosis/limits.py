@@ -2,27 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = [
-    "ABOVE",
-    "ALIKE",
-    "ALONE",
-    "AROUND",
-    "FEWEST_RUNS",
-    "FITTED",
-    "HIGHEST_ORDER",
-    "LEAST_SHARE",
-    "LEAST_STRETCHES",
-    "LEAST_TURNS",
-    "LEAST_ZERO_RAD",
-    "LOWEST_ORDER",
-    "MOST_APART",
-    "NEIGHBOURS",
-    "ORDER_STEP",
-    "PROVABLE",
-    "ROUNDING",
-    "ROWS_PER_CYCLE",
-]
-
 FEWEST_RUNS = 5
 """Least number of runs for a gain over whole runs: its interval draws runs, and four say little."""
 LEAST_ZERO_RAD = 0.003

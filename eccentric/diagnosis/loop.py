@@ -23,14 +23,11 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.diagnosis.closest import closest_effect
 from eccentric.diagnosis.limits import LEAST_ZERO_RAD
-from eccentric.diagnosis.models import fitted_models
+from eccentric.diagnosis.models import better_sibling, closest_effect, fitted_models
 from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
-from eccentric.diagnosis.request import SearchRequest
-from eccentric.diagnosis.siblings import better_sibling
-from eccentric.diagnosis.stage import Stage, stage_of, staged
+from eccentric.diagnosis.stage import SearchRequest, Stage, stage_of, staged
 from eccentric.errors import InputError
 from eccentric.fitting import drive_noise, fit_data_of, residual_samples
 from eccentric.logs import LogSource, log_names
@@ -38,8 +35,6 @@ from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
 from eccentric.search import AT_FLOOR, CONFIRMED, LEAST_DEVIANCE, Attribution, attribute, variables_of
 from eccentric.signals import Channels, read_channels, read_long
-
-__all__ = ["diagnose", "diagnosed", "staged_log"]
 
 
 def diagnose(

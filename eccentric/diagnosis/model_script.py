@@ -13,8 +13,6 @@ from eccentric.emission import plain
 from eccentric.fitting import NO_BACK_EMF, Drive, back_emf_columns
 from eccentric.model import Model, regressor, with_values
 
-__all__ = ["extended_model", "is_result_name", "result_name", "script"]
-
 _NAME = re.compile(r"(.+?)(?:(_extended)(?:_(\d+))?|_fitted)?")
 """Stem, suffix and number of a model's name."""
 

@@ -7,16 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from eccentric.diagnosis.limits import MOST_APART
-from eccentric.diagnosis.score import Score, leave_runs_out, score
+from eccentric.diagnosis.limits import FITTED, MOST_APART
+from eccentric.diagnosis.score import BelowLowPass, Score, below_low_pass, leave_runs_out, score
 from eccentric.effects import LOAD, Effect
+from eccentric.errors import InputError
 from eccentric.estimation import improvement, r_squared, rms
-from eccentric.fitting import LEAST_R_SQUARED, FitData, Refit, refit
-from eccentric.model import Model
+from eccentric.fitting import LEAST_R_SQUARED, FitData, Refit, fit_data_of, loaded_model, refit
+from eccentric.model import Model, load_model, model_names
 from eccentric.search import Attribution, unconfirmed
 from eccentric.signals import LEAST_HELD_OUT
-
-__all__ = ["Models", "fitted_models"]
 
 
 @dataclass(frozen=True)
@@ -166,3 +165,115 @@ def confirms(scored: Score, models: Models, data: FitData) -> bool:
         return scored.confirms
     over_runs = leave_runs_out(models.base, models.extended, data, bounds=False)
     return score(models.linear, models.paper_unbounded, models.extended, scored.balance, over_runs).confirms
+
+
+# Models that ship for the same case: whether one predicts better as it stands than what was found.
+
+
+@dataclass(frozen=True)
+class Sibling:
+    """A shipped model that predicts the held-out part better.
+
+    rmse: of its mechanical balance in the unit of the extended model's; percent: less error than the model
+    that was found, with its 95 % `interval`.
+    """
+
+    name: str
+    rmse: float
+    percent: float
+    interval: tuple[float, float]
+
+
+def better_sibling(plain: Model, models: Models) -> Sibling | None:
+    """The best of them, fitted on the same rows with the same drive; None if none is surely better.
+
+    `plain` is the base model without the rig's load. A model of one's own has no siblings.
+    """
+    if not models.fits_the_rig or plain.extensions or plain.name not in model_names():
+        return None
+    data, found, better = models.paper.data, models.extended, []
+    rows, rig = data.rows.score & ~found.unresolved_rows, data.drive.channels.rig
+    if np.count_nonzero(rows) < LEAST_HELD_OUT:
+        return None
+    before = found.residuals["mechanical"][rows]
+    # Row by row, a ripple that was found above the low pass of the angle only adds error.
+    smooth = found.smooth_residual()[rows]
+    for name in model_names():
+        model = load_model(name)
+        if name == plain.name or _case(model) != _case(plain):
+            continue
+        model = loaded_model(model, rig)
+        own = fit_data_of(data.drive, rig, model)
+        if not _separable(model, own):
+            continue
+        fit = refit(model, (), own)
+        after = fit.residual_like(found)[rows]
+        percent, interval = improvement(before, after)
+        below = fit.residual_like(found, smooth=True)[rows]
+        if interval[0] > 0.0 and improvement(smooth, below)[1][0] > 0.0:
+            better.append(Sibling(name, rms(after), percent, interval))
+    return min(better, key=lambda sibling: sibling.rmse, default=None)
+
+
+def _separable(model: Model, data: FitData) -> bool:
+    """Whether the training rows separate all coefficients of a model: one direction alone may not."""
+    try:
+        data.require_rank(model, model.name)
+    except InputError:
+        return False
+    return True
+
+
+def _case(model: Model) -> tuple[bool, bool]:
+    """Whether gravity acts in the plane, and whether the plane is tilted: the same for models of one case."""
+    return model.balance("mechanical").sum_of("gravity") != 0, model.tilted
+
+
+# The effect that comes closest where none is adopted, and what it takes out of the held-out error.
+
+
+@dataclass(frozen=True)
+class Closest:
+    """The best single effect of the search whose fit settles, and what it gains on the held-out part.
+
+    effect: it; balance: the one that shows it; before, after: held-out RMSE of the paper's model and of the
+    model with this effect, in the unit of the balance; percent: 100 (1 - after/before), with its 95 %
+    `interval`; below: the same below the low pass, as in `Score`.
+    """
+
+    effect: Effect
+    balance: str
+    before: float
+    after: float
+    percent: float
+    interval: tuple[float, float]
+    below: BelowLowPass | None
+
+
+def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models) -> Closest | None:
+    """The best effect of the search's first step, fitted; None if effects were adopted or none was found.
+
+    The errors of different balances are not comparable: the effect that takes out the largest part of its
+    balance's error is the best. One whose fit does not settle is passed over: what the rig leaves open may
+    take its part without end.
+    """
+    firsts = [search for search in found.searches.values() if search.ranked]
+    if models.adopted or not firsts or not models.fits_the_rig:
+        return None
+    best = min(firsts, key=lambda search: search.ranked[0].score / search.base.score)
+    paper, by_id = models.paper, {effect.id: effect for effect in offered}
+    tried = ((by_id[f.last.id], dict(f.variants[-1].values)) for f in best.ranked[:FITTED])
+    fits = ((effect, refit(models.base, ((effect, values),), paper.data)) for effect, values in tried)
+    effect, with_it = next(((effect, fit) for effect, fit in fits if fit.settled), (None, paper))
+    if effect is None:
+        return None
+    rows, balance = paper.data.rows.score, best.screen.balance.name
+    before, after = paper.residual_like(with_it, balance)[rows], with_it.residuals[balance][rows]
+    return Closest(
+        effect,
+        balance,
+        rms(before),
+        rms(after),
+        *improvement(before, after),
+        below_low_pass(paper, with_it, balance),
+    )

@@ -30,8 +30,6 @@ from eccentric.diagnosis.limits import (
 from eccentric.fitting import FitData
 from eccentric.signals import rows_of_each
 
-__all__ = ["Order", "orders_of"]
-
 Array = np.ndarray
 
 TURN = 2.0 * np.pi

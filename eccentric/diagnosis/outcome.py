@@ -7,20 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eccentric.diagnosis.base_script import BASE
-from eccentric.diagnosis.closest import Closest
-from eccentric.diagnosis.models import Models
+from eccentric.diagnosis.models import Closest, Models, Sibling
 from eccentric.diagnosis.orders import Order
-from eccentric.diagnosis.request import SearchRequest
 from eccentric.diagnosis.score import Score
-from eccentric.diagnosis.siblings import Sibling
+from eccentric.diagnosis.stage import SearchRequest
 from eccentric.effects import Effect, Setting
 from eccentric.fitting import FitData
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.search import Adopted, Attribution
 from eccentric.signals import Band, Channels, Rows
-
-__all__ = ["Asked", "Diagnosis"]
 
 Added = tuple[Effect, dict[str, float]]
 """An effect of the extended model, with the values of its parameters."""

@@ -14,8 +14,6 @@ from eccentric.estimation import improvement, improvement_over_runs, rms
 from eccentric.fitting import FitData, Refit, refit
 from eccentric.model import Model
 
-__all__ = ["BelowLowPass", "OverRuns", "Score", "below_low_pass", "leave_runs_out", "only_below", "score"]
-
 Array = np.ndarray
 
 

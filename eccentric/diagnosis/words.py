@@ -18,16 +18,6 @@ from eccentric.effects import Correction, Effect, Words
 from eccentric.errors import few
 from eccentric.fitting import Emitted, in_drive_unit
 
-__all__ = [
-    "closest_sentence",
-    "diagnosis_lines",
-    "diagnosis_sentence",
-    "sibling_sentence",
-    "stability_words",
-    "tied_families",
-]
-
-
 _NONE = "no effect of the library explains"
 
 

@@ -14,8 +14,6 @@ from eccentric.errors import InputError, few, meant
 from eccentric.logs import Log, evaluate, parse_unit
 from eccentric.rigs import CHANNELS, Complaint, Rig, channels_of, gain_of
 
-__all__ = ["log_complaints"]
-
 _SIDES = ({"theta_m", "theta_l"}, {"omega_m", "omega_l"}, {"torque", "torque_l"})
 
 

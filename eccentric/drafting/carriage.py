@@ -14,8 +14,6 @@ from eccentric.drafting.words import of_a_carriage
 from eccentric.errors import InputError
 from eccentric.logs import parse_unit
 
-__all__ = ["carriage_channels", "carriage_entries", "driven", "is_carriage"]
-
 _LENGTHS = ("m", "cm", "mm", "um")
 _TORQUE = "a torque: behind a screw the force is 2 pi times it over the pitch, as arithmetic on this column"
 _FORCE = "a force: a shaft is driven by a torque"

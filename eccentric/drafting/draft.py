@@ -2,35 +2,41 @@
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Mapping, Sequence
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.drafting import limits
-from eccentric.drafting.balance import Explained, Moved, balance_of, motion_from
+from eccentric.drafting.balance import Explained, Gear, Moved, balance_of, gear_of, motion_from
 from eccentric.drafting.carriage import (
     carriage_channels,
     carriage_entries,
     driven,
     is_carriage,
 )
-from eccentric.drafting.clock import SECONDS, Clock, find_clock, find_runs
-from eccentric.drafting.columns import LoggedColumn, columns_of, step_of, wrap_of
-from eccentric.drafting.drives import find_drives
-from eccentric.drafting.gear import Gear, gear_of
-from eccentric.drafting.motion import Grid, Pair, grid_of, pairs_of
-from eccentric.drafting.others import find_flags, find_slow, find_voltage
+from eccentric.drafting.columns import (
+    Grid,
+    LoggedColumn,
+    Pair,
+    columns_of,
+    grid_of,
+    pairs_of,
+    step_of,
+    wrap_of,
+)
+from eccentric.drafting.drives import find_drives, find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.questions import entries_of, facts_of
-from eccentric.drafting.units import Reading, Shown, readings
+from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, find_clock, find_runs, readings
 from eccentric.errors import InputError, few
 from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
-
-__all__ = ["Draft", "draft_of"]
+from eccentric.rigs import channels_of
 
 Array = NDArray[np.float64]
 _NAMED = ("time", "current", "voltage", "torque", "temperature", "supply", "duty", "run")
@@ -349,3 +355,81 @@ def _others(found: Sequence[Reading], what: str, unit: str) -> list[str]:
         for own, weight in sorted(weights.items(), key=lambda x: -x[1])
         if weight > 0.02
     ]
+
+
+# A draft as the TOML of a rig file: each line with its evidence, doubts marked, questions commented out.
+
+
+_WIDTH = 100
+
+
+def toml_of(draft: Draft, name: str) -> str:
+    """The text of a rig file; without the questions answered, it may be too little for a fit."""
+    lines = [
+        "# Drafted by eccentric from the log. # says what speaks for the line below, # ? what to check,",
+        "# and a line that begins with #? asks for what no log shows: remove the mark and put your value.",
+        *(f"# {_line(fact)}" for fact in draft.facts),
+        "",
+        f"name = {_quoted(name)}",
+    ]
+    drive = next(
+        (
+            kind
+            for kind in ("current", "torque", "voltage")
+            for p in draft.proposals
+            if p.channel in (kind, f"{kind}_l")
+        ),
+        "",
+    )
+    if drive:
+        lines.append(f'drive = "{draft.axis.said(drive)}"')
+    lines += [line for entry in draft.entries if entry.table == "" for line in _entry(entry)]
+    lines += ["", "[columns]"]
+    for proposal in draft.proposals:
+        lines += _channel(proposal, draft.axis)
+    lines += [line for entry in draft.entries if entry.table == "columns" for line in _entry(entry)]
+    lines += [
+        f"# {_line(f'{column} is no channel: {why}')}" for column, why in sorted(draft.left_out.items())
+    ]
+    for table in ("known", "unknown", "drives", "joints"):
+        entries = [entry for entry in draft.entries if entry.table == table]
+        if entries:
+            lines += ["", f"[{table}]", *(line for entry in entries for line in _entry(entry))]
+    return "\n".join(lines) + "\n"
+
+
+def _channel(proposal: Proposal, axis: AxisKind) -> Iterator[str]:
+    standard = channels_of(axis)[proposal.channel][1]
+    column = _quoted(proposal.column)
+    value = column
+    if proposal.unit and proposal.unit not in (standard, standard.replace(" ", "")):
+        value = f"{{ column = {column}, unit = {_quoted(proposal.unit)} }}"
+    yield from _comments(proposal.evidence, proposal.doubt)
+    yield f"{axis.said(proposal.channel)} = {value}"
+
+
+def _entry(entry: RigLine) -> Iterator[str]:
+    yield from _comments([entry.evidence], entry.doubt)
+    yield f"{'#? ' if entry.asked else ''}{entry.key} = {entry.value}"
+
+
+def _comments(evidence: Iterable[str], doubt: str) -> Iterator[str]:
+    for mark, text in (("# ", "; ".join(evidence)), ("# ? ", doubt)):
+        if text:
+            yield from textwrap.wrap(
+                " ".join(_line(text).split()),
+                _WIDTH,
+                initial_indent=mark,
+                subsequent_indent="#   ",
+            )
+
+
+def _line(text: str) -> str:
+    """A text as part of a comment, which takes neither line breaks nor other control characters."""
+    return "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in text)
+
+
+def _quoted(text: str) -> str:
+    """A text as a TOML string: unlike JSON, it has no surrogates and no plain DEL."""
+    known = text.encode("utf-8", "replace").decode()
+    return json.dumps(known, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -15,17 +15,15 @@ from dataclasses import replace
 import numpy as np
 
 from eccentric.drafting import limits
-from eccentric.drafting.clock import find_clock, find_runs
 from eccentric.drafting.columns import columns_of
 from eccentric.drafting.draft import Draft, draft_of
 from eccentric.drafting.proposal import Proposal, RigLine
+from eccentric.drafting.units import find_clock, find_runs
 from eccentric.drafting.words import read_name
 from eccentric.errors import InputError, counted, few
 from eccentric.logs import Log
 from eccentric.model import Chain
 from eccentric.rigs import NUMBER
-
-__all__ = ["draft_of_arm"]
 
 _TURN = {"rad": 2.0 * np.pi, "deg": 360.0, "rev": 1.0, "mrad": 2e3 * np.pi}
 _OF_ALL = ("time", "run", "use", "motor_off")

@@ -8,15 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from eccentric.drafting import limits
-from eccentric.drafting.balance import Explained, Moved
-from eccentric.drafting.columns import nice_counts
-from eccentric.drafting.gear import SHORT
-from eccentric.drafting.motion import Grid
+from eccentric.drafting.balance import SHORT, Explained, Moved
+from eccentric.drafting.columns import Grid, nice_counts
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.units import Reading, Shown
 from eccentric.errors import counted
-
-__all__ = ["entries_of", "facts_of"]
 
 TURN = 2.0 * math.pi
 

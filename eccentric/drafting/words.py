@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from eccentric.errors import InputError
 from eccentric.logs import parse_unit
 
-__all__ = ["Name", "dimension_of", "of_a_carriage", "read_name"]
-
 _WORDS = {
     "time": "t time times timestamp stamp zeit clock tick ticks uptime elapsed millis micros sec seconds",
     "angle": "theta angle ang pos position q winkel lage enc encoder rotation drehwinkel phi th stroke weg",

@@ -52,12 +52,20 @@ from eccentric.effects import (
 )
 from eccentric.effects.constant_load import effect as constant_load
 from eccentric.effects.constant_load import with_constant_load
-from eccentric.effects.effect import Correction, Effect, Evidence, Shape
-from eccentric.effects.load import load_effects
+from eccentric.effects.effect import (
+    LOAD,
+    Correction,
+    Effect,
+    Evidence,
+    Kin,
+    Setting,
+    Shape,
+    Words,
+    load_effects,
+    measurement_between,
+)
 from eccentric.effects.nonsynchronous_friction import HIGHEST as HIGHEST_ORDER
 from eccentric.effects.sensor_delay import BOUNDS as CURRENT_DELAYS_S
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import LOAD, Kin, Words, measurement_between
 
 __all__ = [
     "CURRENT_DELAYS_S",

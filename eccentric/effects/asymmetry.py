@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import Effect, Setting, Words
 from eccentric.effects.forms import addition, omega_m
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import Words
 from eccentric.model import Backward, Forward, Role, quantity
 
 C = quantity(

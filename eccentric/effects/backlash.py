@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import Effect, Setting, Shape, Words
 from eccentric.effects.forms import (
     addition,
     constant,
@@ -18,8 +18,6 @@ from eccentric.effects.forms import (
     omega_m,
     speed,
 )
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import Words
 from eccentric.model import Definition, Load, Role, Sgn, State, quantity
 from eccentric.model import vocabulary as v
 

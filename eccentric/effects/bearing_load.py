@@ -6,10 +6,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import LOAD, Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, constant, direction, weight
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import LOAD, Words
 from eccentric.model import Definition, Load, Magnitude, Quantity, Role, quantity
 from eccentric.model import vocabulary as v
 

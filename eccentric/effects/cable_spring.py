@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import GRAVITY, Effect, Setting, Words
 from eccentric.effects.forms import addition, theta_m
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import GRAVITY, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import Effect, Setting, Words, how_often
 from eccentric.effects.forms import addition, harmonic
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import Words, how_often
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import Effect, Words
 from eccentric.effects.forms import addition
-from eccentric.effects.words import Words
 from eccentric.model import Model, quantity
 from eccentric.model import vocabulary as v
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Evidence
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import Words
+from eccentric.effects.effect import Effect, Evidence, Setting, Words
 from eccentric.model import Change, Term, quantity
 from eccentric.model import vocabulary as v
 

@@ -6,10 +6,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import SPEED, Effect, Setting, Words
 from eccentric.effects.forms import addition, constant, direction, omega_m, root
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import SPEED, Words
 from eccentric.model import Backward, Forward, Role, quantity
 
 quadratic = quantity(

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import SPEED, Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, omega_m
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import SPEED, Words
 from eccentric.model import Role, quantity
 
 D = quantity("eddy_D", "N m s/rad", "eddy-current damping at low speed", "", "nonnegative", letter="D")

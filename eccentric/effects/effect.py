@@ -8,14 +8,177 @@ emitted by the same code.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import sys
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import sympy as sp
 
-from eccentric.effects.words import Words
+from eccentric.errors import InputError
 from eccentric.model import Change, Equation, Extension, Model, Quantity, extended
 from eccentric.model import vocabulary as v
+from eccentric.scripts import asks, run_script
+
+# What the library of effects depends on: a case, known parameters, and the ranges that a log covers.
+
+
+@dataclass(frozen=True)
+class Setting:
+    """The rig and its log, as far as forms and ranges of effects depend on them.
+
+    Attributes:
+        base: the model that the effects extend.
+        mu: gear ratio.
+        known: value of every known parameter by name, SI units.
+        w_min: lowest motor speed that counts as motion [rad/s], positive.
+        w_max: highest speed seen [rad/s].
+        current_max: largest current seen [A].
+        duration_s: length of the log [s].
+        mean_loss_W: mean of friction power and R i^2 [W], positive.
+        temperature_mid: median of the logged temperature [degC]; None if it is not logged.
+        channels: those logged, among "current", "voltage", "temperature".
+        friction: coefficients of an earlier fit of that model, by column of its regressor; they determine how
+            much of the load on a gear is friction of the link.
+        by_voltage: whether voltage alone measures the torque: then resistance and back-EMF constant are not
+            separately known, and no current sensor has an effect.
+        scaled: whether a declared constant converts to torque: k_i from a current, or R/k_i from a voltage.
+        mean_force: mean of F_N [N] where it is an input of the model, as of a joint of an arm; else 0.
+        left_open: what the rig leaves to be identified: roles of columns, among others "inertia" and
+            "gravity", and keys of the rig's alignment, such as "theta_zero_rad".
+        mean_square_A2: mean square of the current [A^2]; 0 where nobody asks for it.
+        turns: range of the motor angle over the log, in turns.
+        orders: periods per turn of the motor that stand out in what a first fit leaves, the strongest first.
+        masses: whether runs carry different known masses: their difference is in newton metres for certain.
+
+    Raises:
+        ValueError: a range is not positive.
+    """
+
+    base: Model = field(repr=False)
+    mu: float
+    known: Mapping[str, float]
+    w_min: float
+    w_max: float
+    current_max: float
+    duration_s: float
+    mean_loss_W: float
+    temperature_mid: float | None = None
+    channels: frozenset[str] = frozenset({"current", "voltage"})
+    friction: Mapping[str, float] = field(default_factory=dict)
+    by_voltage: bool = False
+    scaled: bool = True
+    left_open: tuple[str, ...] = ()
+    mean_force: float = 0.0
+    mean_square_A2: float = 0.0
+    turns: float = 0.0
+    orders: tuple[float, ...] = ()
+    masses: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("mu", "w_min", "w_max", "current_max", "duration_s", "mean_loss_W"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(
+                    f"setting: {name}: a value above 0 is required, received {getattr(self, name)}"
+                )
+
+    @property
+    def case(self) -> str:
+        """The case of the base model: "C1" if gravity does not drive it, else "C2"."""
+        return "C1" if self.base.balance("mechanical").sum_of("gravity") == 0 else "C2"
+
+    @property
+    def link_radian(self) -> str:
+        """The unit of an angle of the link, or of the screw of a carriage, which is never one of length."""
+        return "rad" if self.base.axis.wraps else "radian"
+
+    @property
+    def measured_twice(self) -> bool:
+        """Whether the circuit is a balance of its own: a voltage beside the measured current."""
+        return self.has("current", "voltage") and not self.by_voltage
+
+    def has(self, *channels: str) -> bool:
+        """Whether all of these channels are logged."""
+        return set(channels) <= self.channels
+
+
+# What a person reads about an effect; written once, in the file of its family.
+
+
+@dataclass(frozen=True)
+class Kin:
+    """Families that follow the same variable, so that one log may not distinguish them.
+
+    Attributes:
+        name: of the variable.
+        tell_apart: what separates a family of this kin from one of the named kin, or its own: one sentence.
+    """
+
+    name: str
+    tell_apart: Mapping[str, str]
+
+
+TIME = Kin("time", {"time": "Log three times as long, with rests, to separate time from distance travelled."})
+TEMPERATURE = Kin(
+    "temperature",
+    {
+        "temperature": "Alternate slow and fast speeds over a ramp of 20 K or more.",
+        "time": "Repeat the same speeds warm and cooled down, with the temperature logged.",
+    },
+)
+SPEED = Kin(
+    "speed",
+    {"speed": "Add constant speeds at twice the present range and at its lower end, in both directions."},
+)
+LOAD = Kin(
+    "load",
+    {"load": "Accelerate hard at several speeds, then repeat with another mass on the link."},
+)
+GRAVITY = Kin(
+    "gravity",
+    {"gravity": "Hold slow speeds over whole turns in both directions, with two masses."},
+)
+
+
+@dataclass(frozen=True)
+class Words:
+    """What a person reads about an effect.
+
+    Attributes:
+        headline: a noun phrase that continues "the model lacks ...": "friction that varies
+            twice per turn of the link"; "" for an effect that is known by its id only.
+        title: a heading for the family, where its effects have headlines of their own.
+        meaning: what the family is and where it comes from, one sentence.
+        hint: what to measure to separate it from others, as a noun phrase or an instruction.
+        kin: families that follow the same variable; None for one that has no kin.
+        tell_apart: family, or name of a kin -> the measurement that separates the effect from it, one
+            sentence; it takes precedence over the kin's.
+    """
+
+    headline: str = ""
+    title: str = ""
+    meaning: str = ""
+    hint: str = ""
+    kin: Kin | None = None
+    tell_apart: Mapping[str, str] = field(default_factory=dict)
+
+
+def measurement_between(first: tuple[str, Words], second: tuple[str, Words]) -> str:
+    """The measurement that separates two families, each with its words; "" if neither knows one.
+
+    What a family says of the other family takes precedence over what it says of the other's kin, and that
+    over what the kins say of each other.
+    """
+    pairs = ((first, second), (second, first))
+    own = [own.tell_apart.get(other) for (_, own), (other, _) in pairs]
+    of_kin = [own.tell_apart.get(other.kin.name) for (_, own), (_, other) in pairs if other.kin]
+    kins = [own.kin.tell_apart.get(other.kin.name) for (_, own), (_, other) in pairs if own.kin and other.kin]
+    return next(filter(None, [*own, *of_kin, *kins]), "")
+
+
+def how_often(n: int) -> str:
+    """A number of times, in words."""
+    return {1: "once", 2: "twice"}.get(n, f"{n} times")
 
 
 @dataclass(frozen=True)
@@ -210,3 +373,39 @@ class Effect:
             left, right, unit = last.symbol, last.value, last.quantity.unit
         name = "_".join(filter(None, (self.family, self.variant.replace("=", "_"))))
         return Equation(name, "", left, right, unit, f"Effect {self.id}: {self.formula}. {self.reference}.")
+
+
+# Load a user's own effects from a file, given by path.
+
+
+def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
+    """The effects of a script: what its `effects(setting)` returns, or its module-level `effect`.
+
+    Raises:
+        InputError: there is no such script, it raises an error, or it has neither name with the right type.
+    """
+    path = Path(path)
+    if path.suffix != ".py" or not path.is_file():
+        raise InputError(f"{path}: no such script of effects (.py)")
+    name = f"eccentric_effects_{path.stem}"
+    asks(str(path), path.resolve())
+    try:
+        module = run_script(path.resolve(), name)
+        made = getattr(module, "effects", None)
+        found = made(setting) if callable(made) else getattr(module, "effect", None)
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"{path}: the effects stopped with {type(error).__name__}: {error}") from error
+    finally:
+        sys.modules.pop(name, None)
+    found = (found,) if isinstance(found, Effect) else found
+    if not isinstance(found, Iterable):
+        raise InputError(
+            f"{path}: a function `effects(setting)` or an `effect` of type Effect is required,"
+            f" received {type(found).__name__}"
+        )
+    found = tuple(found)
+    if wrong := [type(one).__name__ for one in found if not isinstance(one, Effect)]:
+        raise InputError(f"{path}: effects of type Effect are required, received {wrong[0]}")
+    return found

@@ -6,11 +6,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Evidence
-from eccentric.effects.forms import alpha_m, constant, gravity, harmonic, omega_m
-from eccentric.effects.setting import Setting
-from eccentric.effects.slopes import slopes
-from eccentric.effects.words import Words
+from eccentric.effects.effect import Effect, Evidence, Setting, Words
+from eccentric.effects.forms import alpha_m, constant, gravity, harmonic, omega_m, slopes
 from eccentric.model import Change, Definition, Gated, Quantity, Term, quantity, regressor
 from eccentric.model import vocabulary as v
 

@@ -7,10 +7,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Correction, Effect, Evidence, Shape
+from eccentric.effects.effect import GRAVITY, Correction, Effect, Evidence, Setting, Shape, Words
 from eccentric.effects.forms import addition, harmonic, omega_m, theta_m
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import GRAVITY, Words
 from eccentric.model import Change, Definition, Magnitude, Term, quantity
 from eccentric.model import vocabulary as v
 

@@ -7,10 +7,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Evidence, Shape
+from eccentric.effects.effect import TEMPERATURE, Effect, Evidence, Setting, Shape, Words
 from eccentric.effects.forms import addition, copper, direction, heating, loss, omega_m, thermal_times
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import TEMPERATURE, Words
 from eccentric.model import CONTACT, Change, Definition, Role, State, quantity
 
 tau = quantity("heat_tau", "s", "thermal time constant", "", "positive", letter="tau")

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from eccentric.effects.effect import Correction, Effect
+from eccentric.effects.effect import LOAD, Correction, Effect, Setting, Words
 from eccentric.effects.forms import addition, alpha_m
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import LOAD, Words
 from eccentric.model import Gated, quantity
 from eccentric.model import vocabulary as v
 

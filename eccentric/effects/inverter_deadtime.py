@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import Words
 from eccentric.model import Sgn, quantity
 from eccentric.model import vocabulary as v
 

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from eccentric.effects.effect import Effect, Evidence, Shape
-from eccentric.effects.forms import alpha_m, gravity, of_an_arm, omega_m, transmitted
-from eccentric.effects.setting import Setting
-from eccentric.effects.slopes import over_angle
-from eccentric.effects.words import LOAD, Words
+from eccentric.effects.effect import LOAD, Effect, Evidence, Setting, Shape, Words
+from eccentric.effects.forms import alpha_m, gravity, of_an_arm, omega_m, over_angle, transmitted
 from eccentric.model import Change, Definition, Gated, Term, quantity
 from eccentric.model import vocabulary as v
 

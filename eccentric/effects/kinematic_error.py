@@ -6,11 +6,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Evidence, Shape
-from eccentric.effects.forms import alpha_m, harmonic, of_an_arm, omega_m, transmitted
-from eccentric.effects.setting import Setting
-from eccentric.effects.slopes import slopes
-from eccentric.effects.words import LOAD, Words, how_often
+from eccentric.effects.effect import LOAD, Effect, Evidence, Setting, Shape, Words, how_often
+from eccentric.effects.forms import alpha_m, harmonic, of_an_arm, omega_m, slopes, transmitted
 from eccentric.model import Change, Definition, Gated, Term, quantity
 from eccentric.model import vocabulary as v
 

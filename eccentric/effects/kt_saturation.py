@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import LOAD, Effect, Setting, Shape, Words
 from eccentric.effects.forms import of_flux
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import LOAD, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import GRAVITY, Effect, Setting, Words, how_often
 from eccentric.effects.forms import addition, direction, harmonic
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import GRAVITY, Words, how_often
 from eccentric.model import Role, quantity
 from eccentric.model import vocabulary as v
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import TEMPERATURE, Effect, Setting, Words
 from eccentric.effects.forms import constant, of_flux
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import TEMPERATURE, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 

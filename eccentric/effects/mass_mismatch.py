@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from eccentric.effects.effect import Correction, Effect, Evidence, Shape
+from eccentric.effects.effect import GRAVITY, Correction, Effect, Evidence, Setting, Shape, Words
 from eccentric.effects.forms import addition, gravity
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import GRAVITY, Words
 from eccentric.model import Change, Definition, quantity
 from eccentric.model import vocabulary as v
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import Effect, Setting, Words, how_often
 from eccentric.effects.forms import addition, direction, harmonic
 from eccentric.effects.link_harmonic_friction import ORDERS as LINK_ORDERS
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import Words, how_often
 from eccentric.model import Role, quantity
 from eccentric.model import vocabulary as v
 

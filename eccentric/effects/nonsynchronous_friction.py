@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, direction, harmonic
 from eccentric.effects.link_harmonic_friction import ORDERS as LINK_ORDERS
 from eccentric.effects.motor_harmonic_friction import ORDERS as MOTOR_ORDERS
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import Words
 from eccentric.model import Role, quantity
 from eccentric.model import vocabulary as v
 

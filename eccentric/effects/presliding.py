@@ -6,10 +6,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, direction, dt, omega_m, relaxation, speed
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import Words
 from eccentric.model import Definition, Role, State, quantity
 
 A = quantity(

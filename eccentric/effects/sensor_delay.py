@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Evidence
+from eccentric.effects.effect import Effect, Evidence, Setting, Words
 from eccentric.effects.forms import current_slope
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import Words
 from eccentric.model import Change, Quantity, State, Term, quantity
 from eccentric.model import vocabulary as v
 

@@ -6,10 +6,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import SPEED, Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, direction, omega_m, root, speed
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import SPEED, Words
 from eccentric.model import Role, quantity
 
 A = quantity(

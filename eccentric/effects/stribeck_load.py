@@ -7,11 +7,9 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import LOAD, Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, direction, speed, weight
 from eccentric.effects.load_dependent import FORMULAS, loads
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import LOAD, Words
 from eccentric.model import Definition, Load, Role, quantity
 from eccentric.model import vocabulary as v
 

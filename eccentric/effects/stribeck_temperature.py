@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import TEMPERATURE, Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, constant, direction, speed
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import TEMPERATURE, Words
 from eccentric.model import Role, quantity
 from eccentric.model import vocabulary as v
 

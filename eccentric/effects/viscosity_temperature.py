@@ -6,10 +6,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Evidence, Shape
+from eccentric.effects.effect import TEMPERATURE, Effect, Evidence, Setting, Shape, Words
 from eccentric.effects.forms import addition, constant, omega_m
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import TEMPERATURE, Words
 from eccentric.model import Change, Definition, Role, quantity
 from eccentric.model import vocabulary as v
 

@@ -6,10 +6,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import TIME, Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, direction, dt, speed
-from eccentric.effects.setting import Setting
-from eccentric.effects.words import TIME, Words
 from eccentric.model import Role, State, quantity
 from eccentric.model import vocabulary as v
 

@@ -13,11 +13,8 @@ In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model`, `
 from eccentric.emission.adapt import Adaptation, prior_of, render_adapt
 from eccentric.emission.backends import BACKENDS, DEFAULT
 from eccentric.emission.check import render_check
-from eccentric.emission.defaults import FittedValues, document_of, read_parameters, with_fitted
-from eccentric.emission.executed import executed, executed_beside
-from eccentric.emission.free_text import plain
-from eccentric.emission.hot import load_module
-from eccentric.emission.names import checked_name
+from eccentric.emission.defaults import FittedValues, checked_name, document_of, read_parameters, with_fitted
+from eccentric.emission.hot import executed, executed_beside, load_module
 from eccentric.emission.program import (
     WHOLE,
     Arrays,
@@ -28,7 +25,7 @@ from eccentric.emission.program import (
     build_program,
 )
 from eccentric.emission.render import render, render_arm, render_program
-from eccentric.emission.templates import TemplateCache, template
+from eccentric.emission.templates import TemplateCache, plain, template
 from eccentric.emission.write import complete, complete_arm, differences, write
 
 __all__ = [

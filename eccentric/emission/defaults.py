@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import builtins
 import json
+import keyword
 import math
+import re
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from eccentric.errors import InputError
-from eccentric.model import AXES, TURNING, Model, in_general_letters, with_values
+from eccentric.model import AXES, C_KEYWORDS, TURNING, Model, in_general_letters, with_values
 from eccentric.places import readable
 
 
@@ -165,3 +169,43 @@ def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:
         fitted.voltage_known,
         fitted.torque_unit,
     )
+
+
+# Names that are valid for files, a Python module and C functions.
+
+
+# The standard headers of C90 to C23 (ISO/IEC 9899, 7.1.2): a file with such a name would hide them.
+_HEADERS = """
+    assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg
+    stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar
+    wchar wctype
+""".split()  # noqa: SIM905 - words are easier to read than a list
+# Imports of the emitted module, and the toolkit itself.
+_PACKAGES = ("numpy", "eccentric", "eccentric_runtime")
+# Windows allows no files with these names, whatever their suffix.
+_DEVICES = ("aux", "con", "nul", "prn", *(f"{port}{k}" for port in ("com", "lpt") for k in range(10)))
+_TAKEN = {
+    "a keyword of C": C_KEYWORDS,
+    "a header of C": set(_HEADERS),
+    "a keyword of Python": set(keyword.kwlist),
+    "a Python built-in": set(dir(builtins)),
+    "a Python module": {*sys.stdlib_module_names, *_PACKAGES},
+    "a Windows device": set(_DEVICES),
+}
+
+
+def checked_name(name: str, where: str) -> str:
+    """The name, if it is valid for files, a Python module and C functions.
+
+    Raises:
+        InputError: it is not, or would hide another name; `where` is the source of the name.
+    """
+    if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", name):
+        raise InputError(
+            f"{where}: a lower-case C identifier of at most 31 characters is required, received {name!r}"
+        )
+    taken = next((what for what, names in _TAKEN.items() if name in names), None)
+    if taken is not None:
+        free = "a lower-case C identifier that C and Python leave free"
+        raise InputError(f"{where}: {free} is required, received {name!r}, {taken}")
+    return name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 
 import jinja2
@@ -46,3 +47,13 @@ def _environment() -> jinja2.Environment:
 def template(name: str) -> jinja2.Template:
     """The template `templates/NAME.jinja`, such as `numpy/module.py`."""
     return _environment().get_template(f"{name}.jinja")
+
+
+# Titles, meanings and units, as comments and docstrings can hold them.
+
+
+def plain(text: str) -> str:
+    """Free text that is safe in comments and docstrings: one line, no escape, no delimiter of C or Python."""
+    line = "".join(c for c in " ".join(text.split()) if c.isprintable())
+    line = line.replace("\\", "\\\\").replace('"', "'")
+    return re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)", " ", line)

@@ -6,8 +6,15 @@ nonlinear values.  Out: a `Solution`, by `search` over those values or by `itera
 May import: `errors`; no log, no model.
 """
 
-from eccentric.estimation.design import Coefficient, ColumnRole, Design, Nonlinear, Solution
-from eccentric.estimation.least_squares import bounded, require_rank
+from eccentric.estimation.design import (
+    Coefficient,
+    ColumnRole,
+    Design,
+    Nonlinear,
+    Solution,
+    bounded,
+    require_rank,
+)
 from eccentric.estimation.solver import Profile, iterate, profile, search, slopes_between
 from eccentric.estimation.uncertainty import (
     TWO_SIDED,

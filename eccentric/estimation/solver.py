@@ -26,8 +26,6 @@ from eccentric.estimation.limits import (
     VALUE_CHANGE,
 )
 
-__all__ = ["Profile", "Searched", "iterate", "profile", "search", "slopes_between"]
-
 Array = NDArray[np.float64]
 
 

@@ -6,46 +6,42 @@ Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`,
 
     expressions  smooth signals, compiled expressions, and the columns of a base with their coefficients
     machine      motor, armature and inertia as numbers
-    along        what a joint of a chain meets besides the motion of its motor
-    drive        the drive torque of a log, and the columns that its rig leaves open, by their roles
-    letters      which parameters the rig gives, and which have a value without it
-    columns      the coefficients of a fit: names, roles, units, bounds; `searched`: the nonlinear values
+    drive        the drive torque of a log, the columns that its rig leaves open, external loads on a joint
+    columns      the coefficients of a fit: names, roles, units, bounds; which parameters the rig gives
     problem      drive, rig and model as a linear problem for given nonlinear values
-    identify     its solution for `eccentric fit`; `combinations`, `document`, `words`, `figure` show it
+    identify     its solution for `eccentric fit`; `document`, `words`, `figure` present it
     first_fit    its solution as the drive of a log, for `eccentric diagnose`
     fit_data     the log with this drive, prepared for any model
-    extended     a model with effects as a linear problem at a point; `refitting`, `estimates`: its solution
-    emitted      the emitted module of a model
-    residuals    its residuals on a log, and their columns: the design of every fit, extended or not
+    extended     a model with effects as a linear problem at a point
+    refitting    its solution, and the estimates
+    residuals    the residuals of an emitted module on a log, and their columns: the design of every fit
     states       hidden states along a log
-    unresolved   samples where a ripple repeats faster than half of the log's rate; the drive knows them
     limits       every threshold, with its reason
 
 May import: `signals`, `rigs`, `model`, `effects`, `emission`, `estimation`.
 """
 
-from eccentric.fitting.along import MetAlong
-from eccentric.fitting.columns import back_emf_columns
+from eccentric.fitting.columns import back_emf_columns, load_letters, require_case, with_own
 from eccentric.fitting.document import emitted_parameters, fit_document
 from eccentric.fitting.drive import (
     DRIVE_UNITS,
     LOAD,
     NO_BACK_EMF,
     Drive,
+    MetAlong,
     in_drive_unit,
     load_gain,
     loaded_model,
 )
-from eccentric.fitting.emitted import Emitted
 from eccentric.fitting.expressions import Signals, base_coefficients, base_columns, compiled, load_torque
 from eccentric.fitting.figure import NEEDS_MATPLOTLIB, Comparison, compare, plot_fit
 from eccentric.fitting.first_fit import drive_of
 from eccentric.fitting.fit_data import FitData, drive_noise, fit_data_of, with_model_current
 from eccentric.fitting.identify import Fit, fit
-from eccentric.fitting.letters import load_letters, require_case, with_own
 from eccentric.fitting.limits import LEAST_R_SQUARED
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.refitting import Refit, refit, residual_samples
+from eccentric.fitting.residuals import Emitted
 from eccentric.fitting.states import States
 from eccentric.fitting.words import estimate_table, fit_lines, fit_sentence
 

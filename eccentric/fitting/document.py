@@ -37,9 +37,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eccentric.estimation import correlation
-from eccentric.fitting.columns import k_e
+from eccentric.fitting.columns import following_letters, k_e, own_letters
 from eccentric.fitting.drive import NO_BACK_EMF
-from eccentric.fitting.letters import following_letters, own_letters
 from eccentric.model import TURNING
 from eccentric.rigs import ALIGNMENT, alignment_of, knowns_of
 
@@ -49,7 +48,6 @@ if TYPE_CHECKING:
     from eccentric.estimation import Estimate
     from eccentric.fitting.identify import Fit
 
-__all__ = ["emitted_parameters", "fit_document"]
 
 FORMAT = "eccentric-fit/1"
 

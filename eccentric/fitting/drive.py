@@ -15,35 +15,85 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.effects import constant_load, with_constant_load
 from eccentric.estimation import Coefficient, ColumnRole
-from eccentric.fitting.along import MetAlong
 from eccentric.fitting.expressions import evaluated
 from eccentric.fitting.limits import LEAST_RESOLVED
 from eccentric.fitting.machine import Machine
-from eccentric.fitting.unresolved import unresolved
-from eccentric.model import Model
+from eccentric.model import Model, Term
 from eccentric.rigs import Rig
 from eccentric.signals import Channels
 
-__all__ = [
-    "DRIVE_UNITS",
-    "LOAD",
-    "NO_BACK_EMF",
-    "Drive",
-    "in_drive_unit",
-    "inputs_of",
-    "load_gain",
-    "loaded_model",
-]
+# What a joint meets along a log from outside its own motor: the loads of its bearing, and the other joints.
+#
+# A single link has none of it: its loads follow from its own angle and velocity.
+
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MetAlong:
+    """Signals of a log (n,) that a model takes as inputs besides the motion of its motor.
+
+    Attributes:
+        signals: by the name of the input, in SI units.
+        torque: the sum of those that the drive has to supply, motor side [N m]: they come from filtered
+            angles and must not pass the low pass twice.
+        force: name of the signal that is the normal force on the bearing [N]; "" for none.
+        open: what the rig leaves open of the bodies, coefficient -> column of torque, from the same angles.
+        below: the same with all angles below another cut-off [Hz].
+    """
+
+    signals: Mapping[str, Array]
+    torque: Array
+    force: str = ""
+    open: Mapping[Coefficient, Array] = field(default_factory=dict)
+    below: Callable[[float], MetAlong] | None = None
+
+    def narrowed(self, cut_hz: float) -> MetAlong:
+        """The same with all angles below a cut-off."""
+        return self if self.below is None else self.below(cut_hz)
+
+
+# Rows where a torque repeats faster than a log can show.
+#
+# The balance of a drive holds at every instant, but a log has its acceleration from sampled angles, which
+# have nothing above half of the log's rate. A torque that repeats faster, and the current that goes with
+# it, alias to slow ones that the acceleration never had: such rows neither show the torque nor contradict
+# it.
+
+
+def unresolved(
+    terms: Sequence[Term], values: Mapping[str, float], omega_m: NDArray[np.float64], step_s: float
+) -> list[tuple[tuple[str, ...], NDArray[np.bool_]]]:
+    """The coefficients of terms that repeat faster than half of the log's rate, with the samples where.
+
+    The fastest come first. Where a slower one is too fast, they are as well: each entry has the coefficients
+    of those before it, and its samples (n,) are among theirs. A term without such a sample has none.
+
+    values: of the parameters in `Term.per_turn`; omega_m: (n,) [rad/s]; step_s: of the log [s].
+    """
+    own: dict[float, list[str]] = {}
+    for term in terms:
+        if term.per_turn != 0:
+            often = float(evaluated(sp.sympify(term.per_turn), values))
+            own.setdefault(often, []).append(str(term.coefficient))
+    found, names = [], []
+    for often in sorted(own, reverse=True):
+        names = [*names, *own[often]]
+        mask = np.abs(omega_m) * often * step_s > np.pi
+        if np.any(mask):
+            found.append((tuple(names), mask))
+    return found
+
 
 NO_BACK_EMF = "0 by convention: R, k_e or k_i is not known"
 """The remark of k_e where the parameters give no voltage."""

@@ -27,17 +27,6 @@ from eccentric.model import (
 )
 from eccentric.model import vocabulary as v
 
-__all__ = [
-    "Signals",
-    "base_coefficients",
-    "base_columns",
-    "compiled",
-    "evaluated",
-    "lambdified",
-    "load_torque",
-    "seen_columns",
-]
-
 Array = np.ndarray
 
 

@@ -25,8 +25,6 @@ from eccentric.fitting.limits import LAST_STEP, MOST_STEPS, USABLE_PART
 from eccentric.fitting.residuals import Residuals
 from eccentric.model import Model
 
-__all__ = ["Adopted", "Extended", "Step"]
-
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Adopted = Sequence[tuple[Effect, Values]]

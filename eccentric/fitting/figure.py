@@ -15,6 +15,7 @@ from eccentric.model import model_names
 if TYPE_CHECKING:
     from eccentric.fitting.identify import Fit
 
+
 Array = NDArray[np.float64]
 
 NEEDS_MATPLOTLIB = "matplotlib is required for the figure (extra `figures`): pip install matplotlib"

@@ -10,10 +10,10 @@ import sympy as sp
 
 from eccentric.errors import InputError, MissingValueError
 from eccentric.estimation import Coefficient, Solution
+from eccentric.fitting.columns import following_letters, require_case, with_own
 from eccentric.fitting.drive import LOAD, Drive
 from eccentric.fitting.expressions import evaluated
 from eccentric.fitting.identify import solved
-from eccentric.fitting.letters import following_letters, require_case, with_own
 from eccentric.fitting.limits import LEAST_IN_PLANE
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.problem import Problem, pose
@@ -21,8 +21,6 @@ from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.rigs import ALIGNMENT, Rig, mass_alone
 from eccentric.signals import Channels
-
-__all__ = ["drive_of"]
 
 
 def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:

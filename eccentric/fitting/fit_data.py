@@ -28,8 +28,6 @@ from eccentric.model import vocabulary as v
 from eccentric.rigs import Rig
 from eccentric.signals import Channels, Rows, rows_of, white_noise, with_doubts
 
-__all__ = ["FitData", "Values", "drive_noise", "fit_data_of", "with_model_current"]
-
 Array = NDArray[np.float64]
 Values = dict[str, float]
 

@@ -15,8 +15,6 @@ from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.rigs import AddedMass
 
-__all__ = ["Machine"]
-
 Array = NDArray[np.float64]
 Values = Mapping[str, float]
 Carried = Sequence[tuple[NDArray[np.bool_], AddedMass]]

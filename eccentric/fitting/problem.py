@@ -14,6 +14,7 @@ products with s are identifiable.
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -28,21 +29,60 @@ from eccentric.fitting.columns import (
     Combination,
     bounded_letters,
     combinations_of,
+    load_letters,
+    require_case,
     scale_of,
+    with_own,
 )
 from eccentric.fitting.drive import DRIVE_UNITS, LOAD, Drive, inputs_of, load_gain
-from eccentric.fitting.emitted import Emitted
 from eccentric.fitting.expressions import alike, seen_columns
-from eccentric.fitting.letters import load_letters, require_case, with_own
+from eccentric.fitting.limits import (
+    ANGLE_STEP,
+    DELAYS,
+    LONGEST_DELAY_S,
+    LONGEST_DELAY_STEPS,
+    STARTS,
+    STEPS_OF_A_RANGE,
+)
 from eccentric.fitting.machine import Machine
-from eccentric.fitting.residuals import Residuals
-from eccentric.fitting.searched import nonlinear_of
+from eccentric.fitting.residuals import Emitted, Residuals
 from eccentric.model import Column, Load, Model, Role, regressor
+from eccentric.rigs import KNOWNS
 from eccentric.signals import Rows, fit_rows, rows_of
 
 if TYPE_CHECKING:
     from eccentric.rigs import Rig
     from eccentric.signals import Channels
+
+
+# The nonlinear values of a fit: their ranges, where their search starts, and typical steps.
+
+
+_UNITS = {known.name: known.unit for known in KNOWNS}
+
+
+def nonlinear_of(channels: Channels, rig: Rig, model: Model, needed: set[str]) -> list[Nonlinear]:
+    """Return the nonlinear values: delay and zero angle to estimate, `needed` letters with ranges."""
+    step = channels.time.logged_step_s
+    turning = any(
+        "theta_m" in {x.name for x in model.expand(e).free_symbols}
+        for e in (*(c.basis for c in regressor(model)), model.balance("mechanical").sum_of("gravity"))
+    )
+    found: list[Nonlinear] = []
+    if "input_delay_s" in rig.estimate and channels.motor.measured_by == "voltage":
+        starts, most = tuple(k * step for k in DELAYS), max(LONGEST_DELAY_S, LONGEST_DELAY_STEPS * step)
+        found.append(Nonlinear("input_delay_s", "s", 0.0, most, starts, step))
+    if "theta_zero_rad" in rig.estimate and turning:
+        found.append(Nonlinear("theta_zero_rad", "rad", -math.pi, math.pi, (0.0,), ANGLE_STEP))
+    for letter, (low, high) in rig.unknown.items():
+        if letter in needed:
+            starts, step = (
+                tuple(low + part * (high - low) for part in STARTS),
+                (high - low) / STEPS_OF_A_RANGE,
+            )
+            found.append(Nonlinear(letter, _UNITS[letter], low, high, starts, step))
+    return found
+
 
 Array = NDArray[np.float64]
 _ALIGNED = ("input_delay_s", "theta_zero_rad")

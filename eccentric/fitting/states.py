@@ -16,8 +16,6 @@ from eccentric.fitting.expressions import Signals, lambdified
 from eccentric.fitting.limits import AT_ONCE, KEPT_STEPS, MOST_KEPT
 from eccentric.model import Model, State
 
-__all__ = ["States", "state_series"]
-
 Array = np.ndarray
 
 

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from eccentric.estimation import Estimate
     from eccentric.fitting.identify import Fit
 
-__all__ = ["estimate_table", "fit_lines", "fit_sentence"]
 
 _DRIVES = {unit: drive for drive, unit in DRIVE_UNITS.items()}
 

@@ -21,8 +21,6 @@ from eccentric.errors import InputError
 from eccentric.fleet.limits import AHEAD, ALIVE_S, CONNECT, DEATHS, KEPT_BYTES, WORKER_BYTES, WORKERLESS_S
 from eccentric.output import held
 
-__all__ = ["Failed", "SchedulerLost", "connected", "spread", "threads_of"]
-
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 

@@ -16,8 +16,6 @@ from eccentric.fleet.sources import in_order
 from eccentric.model import AxisKind
 from eccentric.report import number, rendered
 
-__all__ = ["fleet_page", "fleet_sentence", "joints_without_logs"]
-
 Array = NDArray[np.float64]
 
 _WIDE, _HIGH, _EDGE = 240.0, 90.0, 6.0

@@ -9,21 +9,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
-from eccentric.fleet.assigned import Assigned
-from eccentric.fleet.changed import against_the_past, recent_of
 from eccentric.fleet.cluster import Failed, SchedulerLost, connected, spread
-from eccentric.fleet.doubts import doubts_of
-from eccentric.fleet.drift import FleetChange, changes, series_of
+from eccentric.fleet.drift import FleetChange, against_the_past, changes, doubts_of, recent_of, series_of
 from eccentric.fleet.found import Examined, FleetFound, Suspect, drifting_of
-from eccentric.fleet.gathered import Plan, Told, gather, gone_of, outdated_of, plan_of, stored_of
-from eccentric.fleet.periods import History, history_of
-from eccentric.fleet.problems import OTHER_RIG, SCHEDULER, FleetProblem
-from eccentric.fleet.sample import Sample, sample_of
-from eccentric.fleet.sources import LogFile, find
-from eccentric.fleet.store import arrow_of
-from eccentric.fleet.temperatures import temperatures_of
-
-__all__ = ["FleetRequest", "run_fleet"]
+from eccentric.fleet.gathered import Assigned, Plan, Told, gather, gone_of, outdated_of, plan_of, stored_of
+from eccentric.fleet.periods import History, history_of, temperatures_of
+from eccentric.fleet.sources import OTHER_RIG, SCHEDULER, FleetProblem, LogFile, find
+from eccentric.fleet.work import Sample, arrow_of, sample_of
 
 Examine = Callable[[Sequence[Suspect]], Sequence[Any]]
 """What a worker does to suspects: a diagnosis of each, as something that can be pickled."""

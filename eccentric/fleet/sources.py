@@ -8,17 +8,53 @@ by their size.
 
 from __future__ import annotations
 
+import csv
+import io
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, fields
 from glob import glob
 from pathlib import Path
 
 from eccentric.errors import InputError, so_more
-from eccentric.fleet.problems import NOT_GROUPED, FleetProblem
 from eccentric.places import given_path
 
-__all__ = ["LogFile", "find", "in_order", "without_suffix"]
+# What could not be done, one row each: the run goes on, and its exit status says that there are some.
+
+
+NOT_GROUPED = "not grouped"
+"""Kind of the problem of a file that belongs to no joint or period."""
+NO_RIG = "no rig"
+"""Kind of the problem of a joint without a rig, or whose rig cannot be used."""
+OTHER_RIG = "another rig"
+"""Kind of the problem of a joint whose inertia and gravity are not those of its rig."""
+NOT_TESTED = "not tested"
+"""Kind of the problem of a joint with too few periods."""
+SCHEDULER = "scheduler"
+"""Kind of the problem of a run whose scheduler went away."""
+UNREAD = frozenset({"worker", "cannot be used"})
+"""Kinds of problems of a file that has no sums."""
+
+
+@dataclass(frozen=True, order=True)
+class FleetProblem:
+    """A problem of a joint, period or file, as far as known; `kind` in a word or two, `text` in a line."""
+
+    joint: str
+    period: str
+    file: str
+    kind: str
+    text: str
+
+
+def as_csv(problems: Iterable[FleetProblem]) -> str:
+    """The content of problems.csv, in order."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([field.name for field in fields(FleetProblem)])
+    writer.writerows(astuple(problem) for problem in sorted(set(problems)))
+    return text.getvalue()
+
 
 SUFFIXES = (".parquet", ".csv", ".csv.gz", ".mat")
 """Formats of a fleet's logs: not JSON, since rigs and what a bench seals are often beside them."""

@@ -4,19 +4,211 @@ from __future__ import annotations
 
 import ctypes
 import gc
+import hashlib
+import importlib
+import json
 import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, fields
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+from urllib.parse import quote, unquote
+
+import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.fleet.limits import LAST_BYTES, TASK_BYTES, TASK_FILES, TASK_PART
-from eccentric.fleet.problems import FleetProblem
-from eccentric.fleet.sources import LogFile
-from eccentric.fleet.store import Stored
-from eccentric.fleet.sums import Columns, sums_of
+from eccentric.fleet.limits import (
+    BLOCKS,
+    LAST_BYTES,
+    MADE_WITH,
+    MOST_PARTS,
+    SAMPLE_ROWS,
+    TASK_BYTES,
+    TASK_FILES,
+    TASK_PART,
+)
+from eccentric.fleet.sources import FleetProblem, LogFile
+from eccentric.fleet.sums import Columns, Coverage, FileSums, Heading, sums_of
+from eccentric.logs import Log, stream_log
 from eccentric.rigs import Rig
+from eccentric.signals import stream_columns
 
-__all__ = ["Job", "give_back", "problem_of", "tasks_of", "work"]
+# Sums on disk: a folder for each joint, in it Parquet files in the order in which they were written.
+#
+# A row holds the sums of one log file, what tells that file again (period, name, size, last change), and a
+# digest of how its sums were made: the rig's values, the rows' filters, this module's version. Where all of
+# it agrees, the log is not read again. A later row for a log replaces an earlier one; one that was made
+# otherwise stays until then, since its log may be in an archive, and the values that it was made with may
+# come back.
+
+
+_VERSION = 4
+_HEADINGS = b"eccentric.columns"
+_Row = TypeVar("_Row", bound="Key")
+
+
+@dataclass(frozen=True)
+class Key:
+    """What tells whether sums are those of a log as it is now; `recipe` is a digest of how they are made."""
+
+    period: str
+    name: str
+    size: int
+    changed: int
+    recipe: str
+
+
+@dataclass(frozen=True)
+class Stored(Key):
+    """The sums of one log file; `headings` are their columns."""
+
+    headings: tuple[Heading, ...]
+    sums: FileSums
+
+
+def recipe_of(rig: Rig) -> str:
+    """A digest of all that the sums depend on besides the log."""
+    made = (
+        *(_VERSION, MADE_WITH, rig.model, rig.case, sorted(rig.known.items())),
+        *(sorted(rig.unknown.items()), rig.log, rig.sampling, rig.alignment),
+    )
+    return hashlib.sha256(repr(made).encode()).hexdigest()[:16]
+
+
+def write(out: Path, joint: str, rows: Sequence[Stored], place: Path) -> None:
+    """Add the sums of log files of one joint, all of one rig; what is there stays until they are complete.
+
+    They are made in the folder `place` on the same file system, and moved. Where rows are replaced, and where
+    the joint has many files, one file is made of all that have the same columns.
+    """
+    folder = _folder(out, joint)
+    parts = _parts(folder)
+    new = {(row.period, row.name): row for row in rows}
+    whole = len(parts) >= MOST_PARTS or any((key.period, key.name) in new for key in keys(out, joint))
+    kept = [row for row in read(out, joint) if (row.period, row.name) not in new] if whole else []
+    together: dict[tuple[Heading, ...], list[Stored]] = {}
+    for row in [*kept, *rows]:
+        together.setdefault(row.headings, []).append(row)
+    folder.mkdir(parents=True, exist_ok=True)
+    last = max(map(_number, parts), default=0)
+    for number, group in enumerate(together.values(), start=last + 1):
+        made = place / f"{quote(joint, safe='')}-{number}.parquet"
+        made.write_bytes(_encoded(sorted(group, key=lambda row: (row.period, row.name))))
+        made.replace(folder / f"part-{number:06d}.parquet")
+    for part in parts if whole else []:
+        part.unlink()
+
+
+def joints_of(out: Path) -> list[str]:
+    """The joints that have sums."""
+    found = (folder.name.removeprefix("joint=") for folder in (out / "sums").glob("joint=*"))
+    return sorted(map(unquote, found))
+
+
+def _folder(out: Path, joint: str) -> Path:
+    return out / "sums" / f"joint={quote(joint, safe=' ')}"
+
+
+def _parts(folder: Path) -> list[Path]:
+    """The files of a joint in the order in which they were written; a copy that somebody made is none."""
+    found = folder.glob("part-*.parquet")
+    return sorted((p for p in found if p.stem.removeprefix("part-").isdecimal()), key=_number)
+
+
+def _number(part: Path) -> int:
+    return int(part.stem.removeprefix("part-"))
+
+
+def _encoded(rows: Sequence[Stored]) -> Any:
+    """The rows as a Parquet file."""
+    arrow, parquet = arrow_of()
+    table: dict[str, list[Any]] = {
+        "period": [row.period for row in rows],
+        "name": [row.name for row in rows],
+        "size": [row.size for row in rows],
+        "changed": [row.changed for row in rows],
+        "recipe": [row.recipe for row in rows],
+        "windows": [row.sums.windows.tolist() for row in rows],
+        "triangles": [row.sums.triangles.ravel() for row in rows],
+    }
+    for field in fields(Coverage):
+        table[field.name] = [getattr(row.sums.coverage, field.name) for row in rows]
+    made = arrow.table(table).replace_schema_metadata({_HEADINGS: _written(rows[0].headings)})
+    # In memory: for some kilobytes, what Arrow asks of the file system costs more than the rest.
+    with arrow.BufferOutputStream() as stream:
+        parquet.write_table(made, stream, compression="none", use_dictionary=False, write_statistics=False)
+        return stream.getvalue()
+
+
+@cache
+def _written(headings: tuple[Heading, ...]) -> bytes:
+    return json.dumps([asdict(heading) for heading in headings]).encode()
+
+
+def read(out: Path, joint: str) -> list[Stored]:
+    """The rows of a joint in the order of periods and names.
+
+    A file that cannot be read counts as absent, and its logs are read again: they are what counts.
+    """
+    return _latest(row for part in _parts(_folder(out, joint)) for row in _read(part))
+
+
+def keys(out: Path, joint: str) -> list[Key]:
+    """The keys of the rows of a joint, as for `read`."""
+    return _latest(key for part in _parts(_folder(out, joint)) for key in _keys(part))
+
+
+def _latest(rows: Iterable[_Row]) -> list[_Row]:
+    found = {(row.period, row.name): row for row in rows}
+    return [found[place] for place in sorted(found)]
+
+
+def _read(part: Path) -> list[Stored]:
+    arrow, parquet = arrow_of()
+    try:
+        with parquet.ParquetFile(part) as file:
+            table = file.read(use_threads=False)
+        headings = tuple(Heading(**entry) for entry in json.loads(table.schema.metadata[_HEADINGS]))
+        return [_stored(row, headings) for row in _rows(table)]
+    except (arrow.ArrowException, OSError, KeyError, TypeError, ValueError):
+        return []
+
+
+def _keys(part: Path) -> list[Key]:
+    arrow, parquet = arrow_of()
+    names = [field.name for field in fields(Key)]
+    try:
+        with parquet.ParquetFile(part) as file:
+            return [Key(**row) for row in file.read(names, use_threads=False).to_pylist()]
+    except (arrow.ArrowException, OSError, TypeError):
+        return []
+
+
+def _rows(table: Any) -> Iterable[dict[str, Any]]:
+    plain = {name: table[name].to_pylist() for name in table.column_names if name != "triangles"}
+    lists = table["triangles"].combine_chunks()
+    for k in range(table.num_rows):
+        yield {name: values[k] for name, values in plain.items()} | {"triangles": lists[k].values.to_numpy()}
+
+
+def _stored(row: dict[str, Any], headings: tuple[Heading, ...]) -> Stored:
+    width = len(headings) + 1
+    sums = FileSums(
+        np.array(row["triangles"]).reshape(BLOCKS, width, width),
+        np.array(row["windows"]),
+        Coverage(**{field.name: row[field.name] for field in fields(Coverage)}),
+    )
+    key = {field.name: row[field.name] for field in fields(Key)}
+    return Stored(**key, headings=headings, sums=sums)
+
+
+def arrow_of() -> tuple[Any, Any]:
+    """The modules pyarrow and pyarrow.parquet; InputError if they are not installed."""
+    try:
+        return importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
+    except ImportError:
+        raise InputError('fleet: pyarrow is required: pip install "eccentric[fleet]"') from None
 
 
 @dataclass(frozen=True)
@@ -94,3 +286,42 @@ def _columns_of(job: Job) -> Columns:
             _columns.clear()
         _columns[job.recipe] = Columns(job.rig)
     return _columns[job.recipe]
+
+
+# A part of a long log for a diagnosis: where its joint moves most.
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Rows of a log file, at most SAMPLE_ROWS from the one numbered `first`; `name` names it in a report."""
+
+    path: Path
+    name: str
+    first: int
+    size: int
+    changed: int
+
+    def log(self, rig: Rig) -> Log:
+        """The rows as a log. InputError if the file cannot be read."""
+        stream = stream_log(self.path)
+        spans = [(min(self.first, stream.rows), min(self.first + SAMPLE_ROWS, stream.rows))]
+        read = stream.read(stream_columns(stream, rig), spans)
+        return Log(self.name, read.columns, read.rows)
+
+
+def sample_of(stored: Sequence[Stored], logs: Sequence[LogFile]) -> Sample | None:
+    """The part of the files of a joint and period with the most motion; None if none of them is there."""
+    there = {log.name: log for log in logs}
+    best: tuple[int, Sample] | None = None
+    for row in stored:
+        log = there.get(row.name)
+        if log is None:
+            continue
+        total = max(row.sums.coverage.rows, 1)
+        span = max(1, min(BLOCKS, -(-SAMPLE_ROWS * BLOCKS // total)))
+        moving = np.convolve(row.sums.windows, np.ones(span, dtype=np.int64), mode="valid")
+        block = int(np.argmax(moving))
+        sample = Sample(log.path, log.name, block * total // BLOCKS, log.size, log.changed)
+        if best is None or int(moving[block]) > best[0]:
+            best = int(moving[block]), sample
+    return None if best is None else best[1]

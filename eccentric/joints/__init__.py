@@ -4,20 +4,15 @@ In: logs and the rig of an arm.  Out: `fit_arm` -> `ArmFit` (which load the fric
 and where Coulomb and viscous friction is enough), `diagnose_arm` -> `ArmDiagnosis` (what each joint lacks);
 both as documents and lines.
 
-    inertial     inertial parameters as numbers
-    body_motion  torques and loads of the bodies along a log, from the emitted module
-    base_parameters  sums of inertial parameters that torques depend on, by QR with pivoting
-    possible     bodies that could exist, with given base parameters
+    base_parameters  inertial parameters as numbers, and the sums of them that torques depend on
     joint_model  one joint as a model whose inputs are what it meets
     arm_log      the logs of all joints; one joint as a log of one drive
-    bodies       the bodies identified from all joints at once
-    loads        which load the friction of a joint follows
-    fitted, diagnosed    every joint, by the rooms of one drive
+    bodies       the bodies identified from all joints at once, and those that could exist
+    fitted       every joint fitted by the rooms of one drive, and which load its friction follows
+    diagnosed    every joint diagnosed by them
     extended_arm  the arm with the friction of every joint as it was fitted, effects included
     predicting   other runs predicted by a fit, and the payload that they have
-    misfit       a log that does not fit the rig, in words
     documents, words     the results for programs and for a terminal
-    limits       every threshold, with its reason
 
 May import: `diagnosis` and all rooms below it.
 """

@@ -11,16 +11,20 @@ from numpy.typing import NDArray
 from eccentric.errors import InputError
 from eccentric.estimation import Coefficient, Design, Estimate
 from eccentric.fitting import Drive, FitData, Machine, MetAlong, compiled, fit_data_of
-from eccentric.joints.base_parameters import BaseParameters, base_of, names_of
-from eccentric.joints.body_motion import BodyModule, JointMotions
-from eccentric.joints.inertial import moments_of
+from eccentric.joints.base_parameters import (
+    NEGLIGIBLE,
+    VARIES,
+    BaseParameters,
+    BodyModule,
+    JointMotions,
+    base_of,
+    moments_of,
+    names_of,
+)
 from eccentric.joints.joint_model import EVERY, FORCE, joint_model, signals_of, sources_of
-from eccentric.joints.limits import NEGLIGIBLE, VARIES
 from eccentric.model import Load, Model, letters_of
 from eccentric.rigs import ArmRig
 from eccentric.signals import Channels, Rows, fit_rows, motion_of
-
-__all__ = ["ArmLog", "arm_log"]
 
 Array = NDArray[np.float64]
 

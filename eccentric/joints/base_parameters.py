@@ -11,16 +11,46 @@ Reference: M. Gautier, "Numerical calculation of the base inertial parameters of
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
-from eccentric.joints.limits import LEAST_SHARE_IN_SUM, RANK
-from eccentric.model import letters_of
+from eccentric.emission import Choice, executed, render_arm
+from eccentric.model import Chain, letters_of, recursion, with_letters
 
-__all__ = ["BaseParameters", "base_of", "names_of"]
+# Every threshold of this room, each with its reason.
+
+
+# Base parameters.
+
+RANK = 1e-4
+"""A column of which less than this part is left beside those taken is a combination of them: filtered angles
+are that precise at best, and what is weaker would be identified from their errors."""
+LEAST_SHARE_IN_SUM = 1e-6
+"""A coefficient below this is rounding and not part of a sum."""
+
+# Bodies that could exist.
+
+PROJECTIONS = 4000
+"""Projections onto the conditions in turn: arms of six joints need some hundreds."""
+LEAST_EIGENVALUE = 1e-7
+"""Of the moments of a body, in units of the arm's own masses and lengths: none is exactly flat."""
+TIGHTEST = 1e-9
+"""Least standard error, by the largest: without noise rounding is left, which must not outweigh the rest."""
+IN_ERRORS = 3.0
+"""Standard errors by which a base parameter may miss the identified one: of fifty, one misses by 2.5."""
+
+# Loads that friction may follow.
+
+NEGLIGIBLE = 1e-3
+"""A load below this part of the largest of its kind is the rounding of an angle in the arm file, or
+too small to show: 1e-3 of the torque, times a coefficient of friction, is below any noise."""
+VARIES = 3e-3
+"""Part of a load's columns that Coulomb and viscous friction and the other loads must leave: a load that is
+constant on the log, such as the weight on a vertical axis, is part of the Coulomb friction."""
+
 
 Array = NDArray[np.float64]
 
@@ -85,3 +115,175 @@ def names_of(joints: int) -> list[str]:
 def _part(x: float, name: str, *, first: bool) -> str:
     sign = ("-" if x < 0.0 else "") if first else ("- " if x < 0.0 else "+ ")
     return f"{sign}{name}" if abs(abs(x) - 1.0) < LEAST_SHARE_IN_SUM else f"{sign}{abs(x):.4g} {name}"
+
+
+# The inertial parameters of a chain as numbers, and of a body as one matrix; `letters_of` names them.
+
+
+_UPPER = [(a, b) for a in range(3) for b in range(a, 3)]
+COUNT = 10
+"""Inertial parameters of a body: mass, three first moments, six second moments."""
+
+
+def moments_of(chain: Chain) -> Array:
+    """The inertial parameters of a chain of numbers, payload included, shape (joints, 10)."""
+    found = []
+    for place, body in enumerate(chain.bodies):
+        moments = body.moments
+        if chain.payload is not None and place == len(chain.bodies) - 1:
+            moments = moments + chain.payload.moments
+        second = moments.second
+        entries = [second[a, b] for a, b in _UPPER]
+        found.append([float(x) for x in (moments.mass, *moments.first, *entries)])
+    return np.array(found)
+
+
+def matrix_of(parameters: Array) -> Array:
+    """The moments of mass of a body as one matrix (4, 4): [[Sigma, h], [h, m]], positive for any mass there.
+
+    Args:
+        parameters: (..., 10).
+    """
+    p = np.asarray(parameters, float)
+    full = np.empty((*p.shape[:-1], 4, 4))
+    full[..., 3, 3] = p[..., 0]
+    full[..., :3, 3] = full[..., 3, :3] = p[..., 1:4]
+    for k, (row, column) in enumerate(_UPPER):
+        full[..., row, column] = full[..., column, row] = p[..., 4 + k]
+    return full
+
+
+def parameters_of(matrix: Array) -> Array:
+    """The reverse of `matrix_of`: (..., 4, 4) to (..., 10)."""
+    first = (matrix[..., a, 3] for a in range(3))
+    return np.stack([matrix[..., 3, 3], *first, *(matrix[..., a, b] for a, b in _UPPER)], axis=-1)
+
+
+# What the bodies of an arm require of its drives along a log: torques and loads, from the emitted module.
+
+
+@dataclass(frozen=True)
+class JointMotions:
+    """The motion of all motors: angle [rad], velocity [rad/s], acceleration [rad/s^2], each (n, joints)."""
+
+    theta_m: Array
+    omega_m: Array
+    alpha_m: Array
+
+    @property
+    def still(self) -> JointMotions:
+        """The same angles at rest: what is left is gravity."""
+        zero = np.zeros_like(self.theta_m)
+        return JointMotions(self.theta_m, zero, zero)
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """What one joint meets, each (n,), on the motor side where it is a torque [N m].
+
+    Attributes:
+        gravity: torque that holds the arm.
+        moving: torque that moves the bodies, gravity aside: inertia, centrifugal and Coriolis.
+        rotor: torque that accelerates the motor's own rotor.
+        F_N, F_T, M_B: loads of the bearing [N, N, N m], 0 where a guide has none.
+    """
+
+    gravity: Array
+    moving: Array
+    rotor: Array
+    F_N: Array
+    F_T: Array
+    M_B: Array
+
+    @property
+    def whole(self) -> Array:
+        """What the drive has to supply without friction."""
+        return self.gravity + self.moving + self.rotor
+
+    def scaled(self, factor: float) -> Bodies:
+        """The torques in another unit; the loads stay."""
+        if factor == 1.0:
+            return self
+        return replace(
+            self, gravity=factor * self.gravity, moving=factor * self.moving, rotor=factor * self.rotor
+        )
+
+    @property
+    def transmitted(self) -> Array:
+        """What the gear passes on, with its sign."""
+        return self.gravity + self.moving
+
+
+class BodyModule:
+    """The emitted NumPy module of a chain with letters for its bodies: called with the values at hand."""
+
+    def __init__(self, chain: Chain) -> None:
+        self.chain = chain
+        lettered = with_letters(chain, f"{chain.name}_letters")
+        found, choice = recursion(lettered), Choice(("inverse_dynamics", "bearing_loads"), "none")
+        files = render_arm(found, lettered.name, chain.name, "eccentric", ("numpy",), choice=choice)
+        self._module = executed(files, lettered.name)
+        self._names = [q.name for j in range(len(chain.joints)) for q in letters_of(j)]
+        self._mu = np.array([float(joint.mu) for joint in chain.joints])
+        self._J_m = np.array([float(joint.J_m) for joint in chain.joints])
+
+    @property
+    def loads(self) -> tuple[str, ...]:
+        """Labels of the values of `bearing_loads`."""
+        return self._module.BEARING_LOADS
+
+    @property
+    def count(self) -> int:
+        """Number of inertial parameters."""
+        return len(self._names)
+
+    def torques(self, motion: JointMotions, values: Array) -> Array:
+        """Torque that moves bodies and rotors, motor side [N m], shape (n, joints).
+
+        Args:
+            motion: of the motors.
+            values: inertial parameters (joints, 10).
+        """
+        return self._module.inverse_dynamics(*self._inputs(motion), self._parameters(values))
+
+    def regressor(self, motion: JointMotions, places: Sequence[int] | None = None) -> Array:
+        """The torques per unit of inertial parameters, rotors aside, shape (n, joints, parameters).
+
+        Args:
+            motion: of the motors.
+            places: of the parameters, among 10 joints; by default all.
+        """
+        chosen = range(self.count) if places is None else places
+        rotors, unit = self.torques(motion, np.zeros(self.count)), np.eye(self.count)
+        found = np.empty((*motion.theta_m.shape, len(chosen)))
+        for k, place in enumerate(chosen):
+            found[:, :, k] = self.torques(motion, unit[place]) - rotors
+        return found
+
+    def met(self, motion: JointMotions, values: Array) -> tuple[Bodies, ...]:
+        """What every joint meets, for the inertial parameters (joints, 10)."""
+        parameters = self._parameters(values)
+        every = self._module.bearing_loads(*self._inputs(motion), parameters)
+        loads = dict(zip(self._module.BEARING_LOADS, np.moveaxis(every, -1, 0), strict=True))
+        whole, gravity = self.torques(motion, values), self.torques(motion.still, values)
+        none = np.zeros(len(whole))
+        found = []
+        for j in range(len(self._mu)):
+            # Its size is a load; its sign is that of what is left without the rotor.
+            size, rest = self._mu[j] * loads[f"T_{j}"], whole[:, j] - self._J_m[j] * motion.alpha_m[:, j]
+            passed = np.where(rest < 0.0, -size, size) if self._J_m[j] else whole[:, j]
+            found.append(
+                Bodies(
+                    gravity[:, j],
+                    passed - gravity[:, j],
+                    whole[:, j] - passed,
+                    *(loads.get(f"{name}_{j}", none) for name in ("F_N", "F_T", "M_B")),
+                )
+            )
+        return tuple(found)
+
+    def _inputs(self, motion: JointMotions) -> Sequence[Array]:
+        return motion.theta_m, motion.omega_m, motion.alpha_m
+
+    def _parameters(self, values: Array):  # noqa: ANN202 - a class of the emitted module
+        return self._module.Parameters(**dict(zip(self._names, map(float, np.ravel(values)), strict=True)))

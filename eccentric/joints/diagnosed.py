@@ -7,7 +7,7 @@ to gain more.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,12 +18,27 @@ from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.bodies import IdentifiedBodies
 from eccentric.joints.fitted import prepared, warnings_of
 from eccentric.joints.joint_model import DECLARED
-from eccentric.joints.misfit import misfit_sentence
 from eccentric.logs import LogSource
 from eccentric.rigs import ArmRig
 from eccentric.search import required_over
 
-__all__ = ["ArmDiagnosis", "JointDiagnosis", "diagnose_arm"]
+# A log that does not fit the rig of an arm, in words.
+
+
+def misfit_sentence(r_squared: Mapping[int, float]) -> str:
+    """What to check where the log of some joints is not of this arm; "" for none.
+
+    Args:
+        r_squared: R^2 of the drive on the held-out rows, by the numbers of these joints.
+    """
+    if not r_squared:
+        return ""
+    joints = ", ".join(f"{number} (R^2 {value:.2f})" for number, value in r_squared.items())
+    return (
+        f"This log does not fit the rig in joint{'s' * (len(r_squared) > 1)} {joints}: check units and signs"
+        " of the columns, k_i, and in the arm file mu, gravity, positions and bodies."
+    )
+
 
 _ORDER = ("named", "not_identifiable", "unexplained", "nothing_missing")
 

@@ -31,8 +31,6 @@ from eccentric.joints.diagnosed import ArmDiagnosis
 from eccentric.joints.fitted import ArmFit, JointFit, gain_of
 from eccentric.model import identity_of, letters_of
 
-__all__ = ["arm_diagnosis_document", "arm_fit_document"]
-
 
 def arm_fit_document(found: ArmFit) -> dict[str, Any]:
     """The content of fit.json of an arm: strict JSON."""

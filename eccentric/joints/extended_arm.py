@@ -34,8 +34,6 @@ from eccentric.model import (
 )
 from eccentric.model import vocabulary as v
 
-__all__ = ["arm_name", "extended_arm", "in_an_arm", "why_not_emitted"]
-
 _OF_THE_ARM = frozenset({"drive", "inertial", "bodies", "gravity"})
 """Kinds of terms that the recursion has already, for a joint."""
 

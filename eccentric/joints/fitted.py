@@ -8,19 +8,91 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from eccentric.diagnosis import OverRuns, leave_runs_out
+from eccentric.effects import Evidence
 from eccentric.errors import counted
 from eccentric.estimation import Estimate, improvement, r_squared, rms
-from eccentric.fitting import LEAST_R_SQUARED, Drive, FitData, Refit, drive_noise, refit
+from eccentric.fitting import LEAST_R_SQUARED, Drive, FitData, Refit, compiled, drive_noise, refit
 from eccentric.joints.arm_log import ArmLog, arm_log
 from eccentric.joints.bodies import IdentifiedBodies, identified_bodies
 from eccentric.joints.joint_model import OF_BENDING, OF_FORCES
-from eccentric.joints.loads import LoadsOfAJoint, loads_of
 from eccentric.logs import LogSource
+from eccentric.model import Load, Role
 from eccentric.rigs import ArmRig
+from eccentric.search import Candidate, balances_of, searched_loads
 from eccentric.signals import LEAST_HELD_OUT, read_joints, require_rows
 
-__all__ = ["ArmFit", "JointFit", "fit_arm", "gain_of", "prepared", "warnings_of"]
+# Which load the friction of a joint follows, or none: decided inside the training part.
+#
+# The loads compete as effects do in a diagnosis: blocked cross-validation, the gain that an addition
+# requires, how many variants of the log find it. Loads that rise and fall together may explain a log alike.
+
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LoadsOfAJoint:
+    """What the training part says of the loads of a joint.
+
+    Attributes:
+        present: the loads that the log can tell apart from friction without a load.
+        followed: those that friction follows, in order of adoption; none where Coulomb and viscous friction
+            is enough.
+        alike: loads that would explain the log as well as one of these.
+        deviance: twice the gain in log-likelihood by the best single load, cross-validated.
+        required: what an addition has to gain.
+    """
+
+    present: tuple[Load, ...]
+    followed: tuple[Load, ...]
+    alike: tuple[Load, ...]
+    deviance: float
+    required: float
+
+
+def loads_of(log: ArmLog, j: int) -> LoadsOfAJoint:
+    """Which loads the friction of joint j follows."""
+    present = log.present(j)
+    _, every = log.joint(j, present)
+    model, plain = log.joint(j, ())
+    balances, noise = balances_of(plain, log.channels[j].rig, model)
+    candidates = [one for load in present for one in _candidates(load, every)]
+    found = searched_loads(balances[0], candidates, noise["mechanical"], len(log))
+    return LoadsOfAJoint(
+        present,
+        tuple(Load(name) for name in found.adopted),
+        tuple(Load(name) for name in found.alike if name not in found.adopted),
+        found.deviance,
+        found.required,
+    )
+
+
+def _candidates(load: Load, data: FitData) -> list[Candidate]:
+    """Friction by one load: Coulomb, with a viscous part; or viscous alone."""
+    model = data.signals.base
+    if model is None:
+        raise AssertionError("the log of a joint has a model")
+    by_role = {
+        column.role: compiled(model, column.basis, data.signals)({}, {})
+        for column in data.signals.columns(model)
+        if column.load is load
+    }
+    both = np.column_stack([by_role[Role.COULOMB], by_role[Role.VISCOUS]])
+    return [
+        Candidate(
+            id=f"{load.value}{ending}",
+            family=load.value,
+            balance="mechanical",
+            evidence=Evidence((load.value,)),
+            columns=lambda _, columns=columns: columns,
+            lower=(0.0,),
+        )
+        for ending, columns in (("", both), (", viscous", both[:, 1:]))
+    ]
 
 
 @dataclass(frozen=True)

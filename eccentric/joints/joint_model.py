@@ -13,7 +13,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from eccentric.joints.body_motion import Bodies
+from eccentric.joints.base_parameters import Bodies
 from eccentric.model import (
     Balance,
     Definition,
@@ -27,17 +27,6 @@ from eccentric.model import (
     quantity,
 )
 from eccentric.model import vocabulary as v
-
-__all__ = [
-    "DECLARED",
-    "EVERY",
-    "FORCE",
-    "OF_BENDING",
-    "joint_inputs",
-    "joint_model",
-    "signals_of",
-    "sources_of",
-]
 
 Array = NDArray[np.float64]
 

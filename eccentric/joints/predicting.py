@@ -14,15 +14,12 @@ from numpy.typing import NDArray
 
 from eccentric.estimation import Coefficient, Design, Estimate, improvement, rms
 from eccentric.joints.arm_log import ArmLog, arm_log
-from eccentric.joints.base_parameters import base_of, names_of
+from eccentric.joints.base_parameters import COUNT, base_of, names_of
 from eccentric.joints.fitted import ArmFit
-from eccentric.joints.inertial import COUNT
 from eccentric.logs import LogSource
 from eccentric.model import letters_of
 from eccentric.rigs import ArmRig, NamedHoldout
 from eccentric.signals import Rows, read_joints
-
-__all__ = ["ForeignRuns", "Payload", "payload_of", "predicted"]
 
 Array = NDArray[np.float64]
 

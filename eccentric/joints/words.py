@@ -11,13 +11,10 @@ from eccentric.estimation import Estimate
 from eccentric.fitting import estimate_table
 from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.bodies import IdentifiedBodies
-from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis
+from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, misfit_sentence
 from eccentric.joints.extended_arm import arm_name, why_not_emitted
 from eccentric.joints.fitted import ArmFit, JointFit, gain_of
-from eccentric.joints.misfit import misfit_sentence
 from eccentric.model import Load
-
-__all__ = ["LOADS", "arm_command", "arm_diagnosis_lines", "arm_fit_lines"]
 
 LOADS = {
     Load.NORMAL: "F_N",

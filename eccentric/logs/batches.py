@@ -31,7 +31,6 @@ from eccentric.places import given_path, shown
 if TYPE_CHECKING:
     from eccentric.logs.assemble import Column
 
-__all__ = ["LogStream", "stream_log"]
 
 _SOURCES: dict[str, Callable[[Path], InParts | None]] = {
     ".csv": csv_source,

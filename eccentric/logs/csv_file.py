@@ -9,19 +9,190 @@ import gzip
 import io
 import itertools
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import IO
 
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, overlaps
-from eccentric.logs.csv_cells import cells_to_column, plain_column, units_row
-from eccentric.logs.limits import BATCH_ROWS, MOST_CHARACTERS, SAMPLE_ROWS
-from eccentric.logs.room import require_room_for_text
-from eccentric.logs.topics import of_topics
+from eccentric.logs.assemble import (
+    MISSING,
+    Column,
+    InParts,
+    Part,
+    Read,
+    Recorded,
+    column_of,
+    number_of,
+    on_one_clock,
+    overlaps,
+)
+from eccentric.logs.foreign import require_room_for_text
+from eccentric.logs.limits import BATCH_ROWS, MOST_CHARACTERS, MOST_PARTS, SAMPLE_ROWS, SHORTEST_VECTOR
+
+# Cells of a CSV log that are no plain numbers: decimal commas, dates, large counters, a row of units.
+
+
+_COMMA = re.compile(r"\s*[-+]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][-+]?\d+)?\s*")
+_DATE = re.compile(r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
+_UNIT = re.compile(r"[\[(]?\s*[A-Za-zµμΩ°%/^·* \d.²³-]{0,12}\s*[\])]?")
+_EXACT = 2**53
+"""Whole numbers above this are not exact as floating point: nanoseconds since 1970 are in steps of 256."""
+
+
+def cells_to_column(name: str, cells: Sequence[str], *, decimal_comma: bool) -> tuple[Column, str, str]:
+    """Return a column of text as numbers where it can be, its unit if the cells say it, and a note.
+
+    Args:
+        decimal_comma: whether a comma can be one, since it does not separate the cells.
+    """
+    column = plain_column(cells, decimal_comma=decimal_comma)
+    if column.dtype.kind == "f":
+        return _counter(name, cells, column)
+    given = _given(cells)
+    if given and all(map(_DATE.match, given)):
+        return _dates(name, cells, column)
+    return column, "", ""
+
+
+def plain_column(cells: Sequence[str], *, decimal_comma: bool) -> Column:
+    """Return cells as numbers, with decimal commas where most are such and a comma can be one, or as text."""
+    column = column_of(cells)
+    if column.dtype.kind == "f" or not decimal_comma:
+        return column
+    given = _given(cells)
+    # A cell that is no number stays as it is: whoever asks for numbers is told its line.
+    if given and 2 * sum(map(bool, map(_COMMA.fullmatch, given))) > len(given):
+        return column_of([c.replace(",", ".") if _COMMA.fullmatch(c) else c for c in cells])
+    return column
+
+
+def _given(cells: Sequence[str]) -> list[str]:
+    return [cell for cell in cells if cell.strip().lower() not in MISSING]
+
+
+def _counter(name: str, cells: Sequence[str], column: Column) -> tuple[Column, str, str]:
+    """A counter beyond what floating point resolves counts from its first value."""
+    if (
+        not len(column)
+        or not np.nanmax(np.abs(column), initial=0.0) > _EXACT
+        or not np.all(np.isfinite(column))
+    ):
+        return column, "", ""
+    try:
+        whole = [int(cell) for cell in cells]
+    except ValueError:
+        return column, "", ""
+    said = f"{name} counts from its first value, {whole[0]}: floating point would round it"
+    return np.array([float(one - whole[0]) for one in whole]), "", said
+
+
+def _dates(name: str, cells: Sequence[str], column: Column) -> tuple[Column, str, str]:
+    """Dates with a time in ISO 8601 as seconds from the first of them; text if one of them is none."""
+    stamps: list[datetime | None] = []
+    for cell in cells:
+        text = cell.strip()
+        try:
+            stamps.append(None if text.lower() in MISSING else datetime.fromisoformat(text))
+        except ValueError:
+            return column, "", ""
+    # Without a zone all are of one, whichever it is: only differences count.
+    known = [s if s is None or s.tzinfo else s.replace(tzinfo=UTC) for s in stamps]
+    first = next(s for s in known if s is not None)
+    seconds = [float("nan") if s is None else (s - first).total_seconds() for s in known]
+    return np.array(seconds), "s", f"{name}: dates, as seconds from {first.isoformat()}"
+
+
+def units_row(names: Sequence[str], first: Sequence[str], second: Sequence[str] | None) -> dict[str, str]:
+    """The units in the row below the header, by column; empty if that row is one of values.
+
+    It is a row of units if none of its cells is a number, all look like one, and the row below has numbers.
+    """
+    if second is None or len(first) != len(names) or len(second) != len(names):
+        return {}
+    numbers = [_is_number(cell) for cell in second]
+    said = [cell.strip() for cell in first]
+    if not any(numbers) or any(_is_number(cell) and cell for cell in said) or not any(said):
+        return {}
+    over_numbers = [cell for cell, number in zip(said, numbers, strict=True) if number]
+    if not all(map(_UNIT.fullmatch, said)) or not any(over_numbers):
+        return {}
+    return {name: cell.strip("[]() ") for name, cell in zip(names, said, strict=True) if cell.strip("[]()- ")}
+
+
+def _is_number(cell: str) -> bool:
+    found = number_of(cell)
+    return (found is not None and found == found) or bool(cell.strip() and _COMMA.fullmatch(cell))  # noqa: PLR0124 - NaN
+
+
+# A table whose rows belong to different channels, as loggers of several topics write it, on one clock.
+#
+# Either each row names its channel (time, name, value), or each row fills the columns of one topic and leaves
+# the others empty. A log that merely lost values is neither: there all columns are filled in some row. Nor is
+# a log with a full column and some that are sampled more slowly.
+
+
+def of_topics(read: Read, path: Path) -> Read:
+    """Return a table with one row for each moment; unchanged if its rows are of one kind."""
+    by_name = _named(read.columns)
+    if by_name is not None:
+        time, channels = by_name
+        return _joined(read, channels, path, time, "rows of several channels, each named in its row")
+    by_gaps = _sparse(read.columns)
+    if by_gaps is not None:
+        time, channels = by_gaps
+        return _joined(read, channels, path, time, "rows of several topics, each with columns of its own")
+    return read
+
+
+def _joined(read: Read, channels: list[Recorded], path: Path, time: str, what: str) -> Read:
+    start = min(c.time[0] for c in channels)
+    moved = [Recorded(c.name, c.time - start, c.values, read.units.get(c.name, "")) for c in channels]
+    found = on_one_clock(moved, path, (*read.notes, what), time)
+    return Read(found.columns, notes=found.notes, units={**found.units, time: read.units.get(time, "")})
+
+
+def _named(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
+    """Two columns of numbers and one of names that change from row to row."""
+    texts = [name for name, x in columns.items() if x.dtype.kind != "f"]
+    numbers = [name for name, x in columns.items() if x.dtype.kind == "f"]
+    if len(texts) != 1 or len(numbers) != 2:
+        return None
+    names = columns[texts[0]]
+    kinds = np.unique(names)
+    changes = np.count_nonzero(names[1:] != names[:-1])
+    if not 2 <= len(kinds) <= MOST_PARTS or changes < 5 * len(kinds):
+        return None
+    time = next((name for name in numbers if _rises(columns[name])), None)
+    if time is None:
+        return None
+    (value,) = (name for name in numbers if name != time)
+    return time, [Recorded(str(k), columns[time][names == k], columns[value][names == k]) for k in kinds]
+
+
+def _sparse(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
+    """A column of time, the only full one, and at least two others that are never filled in the same row."""
+    numbers = {name: x for name, x in columns.items() if x.dtype.kind == "f"}
+    time = next((name for name, x in numbers.items() if np.all(np.isfinite(x)) and _rises(x)), None)
+    if time is None:
+        return None
+    there = {name: np.isfinite(x) for name, x in numbers.items() if name != time}
+    there = {name: rows for name, rows in there.items() if np.count_nonzero(rows) >= SHORTEST_VECTOR}
+    parts = [name for name, rows in there.items() if not np.all(rows)]
+    # With another full column, each row is a moment.
+    if len(parts) < len(there):
+        return None
+    if not any(not np.any(there[a] & there[b]) for k, a in enumerate(parts) for b in parts[k + 1 :]):
+        return None
+    return time, [Recorded(name, numbers[time][rows], numbers[name][rows]) for name, rows in there.items()]
+
+
+def _rises(x: Column) -> bool:
+    return bool(np.all(np.isfinite(x))) and len(x) > 1 and bool(np.all(np.diff(x) >= 0.0)) and x[-1] > x[0]
+
 
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
 POINT = "; a decimal point is required, as in 1.5"

@@ -11,16 +11,23 @@ import gc
 import importlib
 import io
 import logging
+import os
 import sys
 import traceback
 import warnings
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from eccentric.errors import InputError
-
-__all__ = ["library", "reading"]
+from eccentric.logs.limits import (
+    BYTES_PER_CHARACTER,
+    BYTES_PER_NUMBER,
+    BYTES_PER_ROW,
+    BYTES_PER_VALUE,
+    MEMORY_IF_UNKNOWN,
+)
 
 
 def library(name: str, extra: str, path: Path) -> Any:
@@ -73,3 +80,97 @@ def reading(path: Path, what: str) -> Iterator[None]:
         logging.disable(before)
         if frozen:
             gc.unfreeze()
+
+
+# Whether what a file holds fits into memory: known from its size, before it is read value by value.
+#
+# A small compressed file can hold more rows than any memory does. Without this, reading would take minutes
+# before the system ends it.
+
+
+try:
+    import resource
+except ImportError:  # Windows
+    resource = None
+
+
+def require_room_for_text(path: Path, text: str, rows: int, values: int, *, parts: int | None = None) -> None:
+    """Raise InputError if a text of so many rows and values takes more memory than there is.
+
+    `parts` is the number of lists and objects that it is read into, if that is not one for each row.
+    """
+    need = (
+        BYTES_PER_ROW * (rows if parts is None else parts)
+        + BYTES_PER_VALUE * values
+        + BYTES_PER_CHARACTER * len(text)
+    )
+    _require(path, need, rows, values)
+
+
+def require_room_for_numbers(path: Path, rows: int, values: int) -> None:
+    """Raise InputError if so many values of a binary file take more memory than there is."""
+    _require(path, BYTES_PER_NUMBER * values, rows, values)
+
+
+def _require(path: Path, need: int, rows: int, values: int) -> None:
+    free = free_memory()
+    if need > free:
+        raise InputError(
+            f"{path}: at most {rows * free // need:,} rows of this kind are required, for which the"
+            f" {free / 1e9:.3g} GB of free memory suffice, received {rows:,} rows with {values:,} values, for"
+            f" about {need / 1e9:.3g} GB"
+        )
+
+
+def free_memory(root: Path = Path("/")) -> int:
+    """Memory that this process may still take, bytes: of the machine, its control group and its own limit.
+
+    Args:
+        root: where the system's files are.
+    """
+    return max(0, min((*_of_machine(root), *_of_group(root), *_of_process(root))))
+
+
+def _of_machine(root: Path) -> Iterator[int]:
+    with suppress(OSError, StopIteration, ValueError):
+        lines = (root / "proc/meminfo").read_text().splitlines()
+        yield 1024 * int(next(line for line in lines if line.startswith("MemAvailable:")).split()[1])
+        return
+    try:
+        yield os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, OSError, ValueError):
+        yield MEMORY_IF_UNKNOWN
+
+
+def _of_group(root: Path) -> Iterator[int]:
+    """What each control group that the process is in leaves, as containers and batch systems use them."""
+    groups = root / "sys/fs/cgroup"
+    with suppress(OSError, ValueError):
+        names = (root / "proc/self/cgroup").read_text().splitlines()
+        own = next((name.removeprefix("0::/") for name in names if name.startswith("0::/")), "")
+        for place in (groups / own, *(groups / own).parents):
+            if place.is_relative_to(groups):
+                yield from _left_in(place, "memory.max", "memory.current")
+    yield from _left_in(groups / "memory", "memory.limit_in_bytes", "memory.usage_in_bytes")
+
+
+def _left_in(group: Path, limit: str, used: str) -> Iterator[int]:
+    with suppress(OSError, ValueError):  # none, or "max"
+        most, taken = int((group / limit).read_text()), int((group / used).read_text())
+        # Pages of files count as used, and make room when they are needed.
+        lines = (group / "memory.stat").read_text().splitlines()
+        counted = {name: int(number) for name, number in (line.split() for line in lines)}
+        # Version 1 counts the groups below separately; its totals contain them.
+        prefix = "total_" if "total_active_file" in counted else ""
+        cached = (counted.get(f"{prefix}{name}_file", 0) for name in ("active", "inactive"))
+        yield most - taken + sum(cached) + counted.get("slab_reclaimable", 0)
+
+
+def _of_process(root: Path) -> Iterator[int]:
+    """What `ulimit -v` leaves."""
+    if resource is not None:
+        most = resource.getrlimit(resource.RLIMIT_AS)[0]
+        if most != resource.RLIM_INFINITY:
+            with suppress(OSError, ValueError):
+                pages = int((root / "proc/self/statm").read_text().split()[0])
+                yield most - pages * resource.getpagesize()

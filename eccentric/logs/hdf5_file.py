@@ -2,18 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from eccentric.logs.assemble import LeftOut, Read, assemble
-from eccentric.logs.foreign import library, reading
-from eccentric.logs.hdf5_own import entries
+from eccentric.logs.foreign import library, reading, require_room_for_numbers
 from eccentric.logs.limits import DEEPEST_STRUCTURE
-from eccentric.logs.room import require_room_for_numbers
 
-__all__ = ["read_hdf5"]
+# What an HDF5 file itself holds: links, external storage and virtual datasets would read other files.
+
+
+def entries(group: Any, h5py: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the names of a group with its groups and datasets, or with the reason why one is left out."""
+    for key in group:
+        if isinstance(group.get(key, getlink=True), h5py.HardLink):
+            yield str(key), own(group[key], h5py)
+        else:
+            yield str(key), LeftOut("since it is a link")
+
+
+def own(item: Any, h5py: Any) -> Any:
+    """The item, or the reason why it is left out."""
+    if isinstance(item, h5py.Dataset) and (item.external or item.is_virtual):
+        return LeftOut("since its values are in other files")
+    return item
+
 
 _UNIT = ("unit", "units", "Unit", "Units")
 

@@ -15,8 +15,8 @@ from pathlib import Path
 from eccentric.errors import InputError
 from eccentric.logs.assemble import Read, assemble
 from eccentric.logs.csv_file import text_of
+from eccentric.logs.foreign import require_room_for_text
 from eccentric.logs.limits import MOST_LISTS
-from eccentric.logs.room import require_room_for_text
 
 
 def read_json(path: Path) -> Read:

@@ -22,14 +22,13 @@ from eccentric.logs.csv_file import POINT, read_csv
 from eccentric.logs.hdf5_file import read_hdf5
 from eccentric.logs.json_file import read_json
 from eccentric.logs.mat_file import read_mat
+from eccentric.logs.mdf_file import read_mdf
 from eccentric.logs.memory import TableLike, read_memory
 from eccentric.logs.npz_file import read_npz
 from eccentric.logs.parquet_file import read_parquet
-from eccentric.logs.recordings.bag_file import read_bag
-from eccentric.logs.recordings.mcap_file import read_mcap
-from eccentric.logs.recordings.mdf_file import read_mdf
-from eccentric.logs.recordings.tdms_file import read_tdms
-from eccentric.logs.recordings.ulog_file import read_ulog
+from eccentric.logs.ros_file import read_bag, read_mcap
+from eccentric.logs.tdms_file import read_tdms
+from eccentric.logs.ulog_file import read_ulog
 from eccentric.places import given_path, readable, shown
 
 if TYPE_CHECKING:

@@ -14,10 +14,8 @@ from typing import Any, Protocol, TypeAlias, runtime_checkable
 import numpy as np
 
 from eccentric.errors import InputError, few
-from eccentric.logs.arrow import arrow_columns
 from eccentric.logs.assemble import Column, Read, column_of
-
-__all__ = ["TableLike", "read_memory"]
+from eccentric.logs.parquet_file import arrow_columns
 
 
 @runtime_checkable

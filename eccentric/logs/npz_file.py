@@ -9,10 +9,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.logs.assemble import LeftOut, Read, assemble
-from eccentric.logs.foreign import reading
-from eccentric.logs.room import require_room_for_numbers
-
-__all__ = ["read_npz"]
+from eccentric.logs.foreign import reading, require_room_for_numbers
 
 _OBJECTS = LeftOut("since they hold Python objects, which only running them would read")
 

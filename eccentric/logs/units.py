@@ -22,6 +22,7 @@ from eccentric.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+
 Dimension = tuple[int, int, int, int, int]
 """Powers of metre, kilogram, second, ampere, kelvin."""
 

@@ -6,8 +6,8 @@ May import: no room but `output`, whose cache keeps models; it knows no data and
 """
 
 from eccentric.model import steps, vocabulary
-from eccentric.model.axis import AXES, LINEAR, TURNING, AxisKind
-from eccentric.model.balance import KINDS, Balance, Term
+from eccentric.model.axis import AXES, LINEAR, TURNING, AxisKind, spoken_quantity, spoken_symbol
+from eccentric.model.balance import CONTACT, KINDS, Balance, Load, Role, Term
 from eccentric.model.chain import (
     Body,
     Chain,
@@ -28,21 +28,14 @@ from eccentric.model.chain import (
     with_letters,
     with_numbers,
 )
-from eccentric.model.change import Change, Extension
-from eccentric.model.defaults import in_general_letters, with_values
-from eccentric.model.definition import Definition, State
 from eccentric.model.equation import Equation, Identity
 from eccentric.model.exact import fingerprint
 from eccentric.model.extension import extended
 from eccentric.model.functions import NumericFunction, PartValues, function_of, printed
-from eccentric.model.load import load_model, model_names
-from eccentric.model.model import Model
-from eccentric.model.quantity import Quantity, quantity, symbols
+from eccentric.model.load import in_general_letters, load_model, model_names, with_values
+from eccentric.model.model import Change, Extension, Model, spoken
+from eccentric.model.quantity import C_KEYWORDS, Definition, Quantity, State, quantity, symbols
 from eccentric.model.regressor import Column, regressor
-from eccentric.model.reserved import C_KEYWORDS
-from eccentric.model.role import CONTACT, Load, Role
-from eccentric.model.spoken import spoken_quantity, spoken_symbol
-from eccentric.model.spoken_model import spoken
 from eccentric.model.steps import (
     STEPS,
     Across,

@@ -9,12 +9,15 @@ and texts are put into its words where they leave the toolkit.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Protocol, TypeVar
 
-__all__ = ["AXES", "LINEAR", "TURNING", "AxisKind"]
+import sympy as sp
+
+from eccentric.model.equation import Equation
+from eccentric.model.quantity import Quantity
 
 T = TypeVar("T")
 
@@ -315,3 +318,46 @@ _NAMES = frozenset({"rig"})
 
 def _kind_of(name: str) -> AxisKind:
     return AXES[name]
+
+
+# Symbols, quantities and equations under the names of an axis, for whoever reads them.
+
+
+S = TypeVar("S", bound=sp.Basic)
+
+
+def spoken_symbol(axis: AxisKind, symbol: sp.Symbol) -> sp.Symbol:
+    """The symbol under its name for an axis, with the same assumptions."""
+    name = axis.letters.get(symbol.name, symbol.name)
+    return symbol if name == symbol.name else sp.Symbol(name, **symbol.assumptions0)
+
+
+def spoken_quantity(axis: AxisKind, q: Quantity) -> Quantity:
+    """A quantity under its name for an axis, with its unit and meaning there."""
+    symbol = spoken_symbol(axis, q.symbol)
+    letter = axis.formulas.get(symbol.name, "" if symbol != q.symbol else q.letter)
+    default = q.default if q.default is None else in_letters_of(axis)(q.default)
+    said = {"unit": axis.said(q.unit), "meaning": axis.said(q.meaning)}
+    return replace(q, symbol=symbol, letter=letter, default=default, **said)
+
+
+def spoken_equation(axis: AxisKind, equation: Equation) -> Equation:
+    """An equation of a derivation in the words of an axis."""
+    put, unit = in_letters_of(axis), equation.unit
+    return replace(
+        equation,
+        left=put(equation.left),
+        right=put(equation.right),
+        unit=axis.said(unit) if isinstance(unit, str) else tuple(map(axis.said, unit)),
+        origin=axis.said(equation.origin),
+    )
+
+
+def in_letters_of(axis: AxisKind) -> Callable[[S], S]:
+    """A function that puts the letters of an axis into an expression."""
+
+    def put(expression: S) -> S:
+        named = {s: spoken_symbol(axis, s) for s in expression.free_symbols}
+        return expression.xreplace({s: now for s, now in named.items() if s != now})
+
+    return put

@@ -16,8 +16,6 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-__all__ = ["fingerprint", "from_bytes", "to_bytes"]
-
 _OURS = {"sympy", "eccentric"}
 """Packages whose classes mean the same as long as no source changes; one of a person's script need not."""
 _MOST_KNOWN = 50_000

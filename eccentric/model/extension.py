@@ -21,10 +21,8 @@ import sympy as sp
 from eccentric.errors import InputError
 from eccentric.model import vocabulary as v
 from eccentric.model.balance import Balance, Term
-from eccentric.model.change import Change, Extension
-from eccentric.model.definition import Definition
-from eccentric.model.model import Model
-from eccentric.model.quantity import Quantity
+from eccentric.model.model import Change, Extension, Model
+from eccentric.model.quantity import Definition, Quantity
 
 
 def extended(model: Model, new: Extension) -> Model:

@@ -20,8 +20,6 @@ from sympy.printing.numpy import NumPyPrinter
 from eccentric.model.exact import fingerprint
 from eccentric.output import derived
 
-__all__ = ["NumericFunction", "PartValues", "function_of", "printed"]
-
 
 @dataclass(frozen=True)
 class NumericFunction:

@@ -3,21 +3,78 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import sympy as sp
 
 from eccentric.errors import InputError
-from eccentric.model.axis import TURNING, AxisKind
-from eccentric.model.balance import Balance
-from eccentric.model.change import Extension
-from eccentric.model.definition import Definition, State
+from eccentric.model.axis import TURNING, AxisKind, in_letters_of, spoken_equation, spoken_quantity
+from eccentric.model.balance import Balance, Role, Term
 from eccentric.model.equation import Equation, equation_named
-from eccentric.model.quantity import Quantity
-from eccentric.model.spoken import spoken_equation
+from eccentric.model.quantity import Definition, Quantity, State
 from eccentric.model.steps import meaning
 from eccentric.model.vocabulary import alpha_m, i, phi
+
+# Changes of a model: terms to add, quantities to replace, friction to scale.
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of a model.
+
+    Attributes:
+        terms: name of balance -> terms added to it; a coefficient may enter both balances.
+        definitions: quantities that it introduces, each after those it uses.
+        states: hidden states that it introduces.
+        inputs: inputs that it uses, from the vocabulary; the model may already have some of them.
+        replaces: symbol of the model -> symbol of one of `definitions`, to be used in its place.
+        scales: role -> symbol of one of `definitions` that multiplies the friction terms of that role.
+    """
+
+    terms: Mapping[str, tuple[Term, ...]] = field(default_factory=dict)
+    definitions: tuple[Definition, ...] = ()
+    states: tuple[State, ...] = ()
+    inputs: tuple[Quantity, ...] = ()
+    replaces: Mapping[sp.Symbol, sp.Symbol] = field(default_factory=dict)
+    scales: Mapping[Role, sp.Symbol] = field(default_factory=dict)
+
+    def reach_term(self, term: Term) -> Term:
+        """A term from elsewhere under the rules of this change."""
+        basis = term.basis * self.scales[term.role] if term.role in self.scales else term.basis
+        coefficient, basis = (part.xreplace(dict(self.replaces)) for part in (term.coefficient, basis))
+        return replace(term, coefficient=coefficient, basis=basis)
+
+    def reach_definition(self, definition: Definition) -> Definition:
+        """A definition from elsewhere under the rules of this change."""
+        return replace(definition, value=definition.value.xreplace(dict(self.replaces)))
+
+    def reach_state(self, state: State) -> State:
+        """A hidden state from elsewhere under the rules of this change."""
+        return replace(state, update=state.update.xreplace(dict(self.replaces)))
+
+
+@dataclass(frozen=True)
+class Extension:
+    """A change with its name, its parameters and its steps in the derivation.
+
+    Attributes:
+        name: in messages.
+        change: what it changes.
+        parameters: those that it introduces, with their defaults.
+        equations: its steps in the derivation.
+    """
+
+    name: str
+    change: Change
+    parameters: tuple[Quantity, ...] = ()
+    equations: tuple[Equation, ...] = ()
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Names of the parameters, definitions and states that it introduces."""
+        own = (*self.change.definitions, *self.change.states)
+        return frozenset(q.name for q in (*self.parameters, *(x.quantity for x in own)))
 
 
 @dataclass(frozen=True)
@@ -188,3 +245,51 @@ class Model:
         return "\n\n".join(
             [rf"\section*{{{self.title}}}", *(spoken_equation(self.axis, e).latex() for e in self.equations)]
         )
+
+
+# A model in the words of its axis: letters, units and meanings, for whoever reads it.
+
+
+def spoken(model: Model) -> Model:
+    """The same model in the words of its axis; nothing computes with it."""
+    axis = model.axis
+    if axis is TURNING:
+        return model
+    put = in_letters_of(axis)
+
+    def quantity(q: Quantity) -> Quantity:
+        return spoken_quantity(axis, q)
+
+    return replace(
+        model,
+        title=axis.said(model.title),
+        inputs=tuple(map(quantity, model.inputs)),
+        parameters=tuple(map(quantity, model.parameters)),
+        definitions=tuple(
+            Definition(quantity(definition.quantity), put(definition.value))
+            for definition in model.definitions
+        ),
+        balances=tuple(
+            replace(
+                balance,
+                unit=axis.said(balance.unit),
+                terms=tuple(
+                    replace(term, coefficient=put(term.coefficient), basis=put(term.basis))
+                    for term in balance.terms
+                ),
+            )
+            for balance in model.balances
+        ),
+        equations=tuple(spoken_equation(axis, equation) for equation in model.equations),
+        states=tuple(
+            replace(
+                state,
+                quantity=quantity(state.quantity),
+                initial=put(state.initial),
+                update=put(state.update),
+            )
+            for state in model.states
+        ),
+        extensions=(),
+        axis=TURNING,
+    )

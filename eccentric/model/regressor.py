@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import sympy as sp
 
 from eccentric.errors import InputError
-from eccentric.model.balance import Term
+from eccentric.model.balance import Load, Role, Term
 from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity
-from eccentric.model.role import Load, Role
 from eccentric.model.steps import Gated
 
 

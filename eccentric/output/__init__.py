@@ -1,13 +1,9 @@
 """Files appear whole or not at all, those of one set together, and what others wrote stays.
 
-    printed     what is printed; a reader that closes the pipe is not an error
-    interrupts  signals that end a run as exceptions, and held back while files are moved
-    locks       who writes where: advisory locks of files
-    workshop    a temporary folder beside the target; those of killed runs are removed
-    swap        a set of files in the place of another: all or none
-    folders     which folder may be written, and which command wrote what there
-    cache       what was derived or built once, in the user's cache
-    whole       one file, a set of files, or a folder of a command's files
+    atomic       one file, a set of files, or a folder of a command's files; what is printed
+    transaction  a temporary folder beside the target, and a set of files in the place of another
+    locks        who writes where: advisory locks of files; signals that are deferred while files are moved
+    cache        what was derived or built once, in the user's cache
 
 What holds, whenever a run is killed: a file is the old one or the new one. Files of one set that are there
 are all of one run; between the first move and the last some may be missing. They are then in the folder
@@ -21,6 +17,19 @@ a temporary folder is taken for abandoned after an hour; a run that finds a youn
 one line, and two that move files into one folder within the same milliseconds are not kept apart.
 """
 
+from eccentric.output.atomic import (
+    MARKER,
+    UNREAD,
+    escape_unprintable,
+    folder_to_write,
+    nobody_reads,
+    own_folder,
+    remove_folder,
+    show,
+    whole_file,
+    whole_files,
+    whole_folder,
+)
 from eccentric.output.cache import (
     OURS_ALONE,
     cache_folder,
@@ -31,11 +40,8 @@ from eccentric.output.cache import (
     read_cached,
     write_cached,
 )
-from eccentric.output.folders import MARKER, folder_to_write, own_folder
-from eccentric.output.interrupts import Ended, ended_by_signals, held
-from eccentric.output.printed import UNREAD, escape_unprintable, nobody_reads, show
-from eccentric.output.whole import remove_folder, whole_file, whole_files, whole_folder
-from eccentric.output.workshop import workshop
+from eccentric.output.locks import Ended, ended_by_signals, held
+from eccentric.output.transaction import workshop
 
 __all__ = [
     "MARKER",

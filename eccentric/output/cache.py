@@ -22,20 +22,9 @@ from pathlib import Path
 
 from eccentric import started
 from eccentric.errors import InputError
-from eccentric.output.folders import folder_to_write
-from eccentric.output.workshop import workshop
+from eccentric.output.atomic import folder_to_write
+from eccentric.output.transaction import workshop
 from eccentric.places import folder
-
-__all__ = [
-    "OURS_ALONE",
-    "cache_folder",
-    "derived",
-    "digest",
-    "own_bytes",
-    "own_cache",
-    "read_cached",
-    "write_cached",
-]
 
 OURS_ALONE = 0o700
 """Mode of what is in the cache, and of its folder."""

@@ -1,14 +1,9 @@
 """What to measure next: the motion that tells apart what a log left open.
 
-    bounds      what the motion may not exceed: angle, speed, acceleration, current, time
-    motion      pieces of motion that a drive can follow, and their sequence
-    followed    the extremes of a motion, as drives make it that are not quite the fitted one
-    rivals      what a diagnosis left open: fits that explain its log alike
+    motion      pieces of motion that a drive can follow, within the bounds, and their sequence
     question    all that a plan starts from: rivals, log, noise; from a diagnosis or its document
     separation  how far apart two rivals are on a motion, each fitted anew to log and motion
-    choice      the sequence of pieces that separates the closest two
-    heavier     the same motion with more mass on the link
-    chance      the probability that the new log decides
+    choice      the sequence of pieces that separates the closest two; its chance; with added mass
     outcome     the plan: motion, rivals, probability, words
     limits      every threshold, with its reason
 
@@ -16,10 +11,9 @@ In: a `Diagnosis`, or logs and its document, and `Bounds`.  Out: a `MeasurementP
 May import: `diagnosis`, `search`, `fitting`, `signals`, `rigs`, `logs`, `model`, `effects`, `estimation`.
 """
 
-from eccentric.planning.bounds import Bounds, read_bounds
-from eccentric.planning.heavier import require_link
+from eccentric.planning.choice import require_link
 from eccentric.planning.limits import FIRMWARE_HZ, RATE_HZ
-from eccentric.planning.motion import Reference
+from eccentric.planning.motion import Bounds, Reference, read_bounds
 from eccentric.planning.outcome import MeasurementPlan, plan_document, plan_lines, planned
 from eccentric.planning.question import Question, question_from, question_of
 

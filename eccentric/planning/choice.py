@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import permutations, product
 
 import numpy as np
+from scipy.stats import norm
 
 from eccentric.errors import InputError
-from eccentric.planning.bounds import FORCE, Bounds
-from eccentric.planning.chance import decided
-from eccentric.planning.followed import extremes
+from eccentric.model import TURNING, Model
+from eccentric.model import vocabulary as v
 from eccentric.planning.limits import (
     BEYOND,
+    HEAVIER,
     KEPT,
     LEAST_PIECE_S,
     LEAST_SCALE,
+    ODDS,
     OFF,
     PIECES,
     RATE_HZ,
@@ -25,12 +28,37 @@ from eccentric.planning.limits import (
     SLOWEST_OF,
     STEPS,
     SURPLUS,
+    VARIANTS_AGREE,
 )
-from eccentric.planning.motion import Segment, joined, pieces
-from eccentric.planning.separation import Ground, Separation
+from eccentric.planning.motion import FORCE, Bounds, Segment, joined, pieces
+from eccentric.planning.separation import Ground, Separation, extremes
+from eccentric.rigs import AddedMass, Rig
 from eccentric.search import IN_A_DRAW
 
-__all__ = ["chosen", "judged", "kept"]
+# The probability that a diagnosis of log and motion together decides, from how far apart the rivals are.
+#
+# For a true rival the log-likelihood ratio over another is normal, with mean D/2 and variance D, where D is
+# what `separation` computes. A verdict needs the odds `ODDS`, and the same answer in nine variants of the log
+# in ten, each a part f of its blocks: the ratio then varies once more, by sqrt(1/f - 1) of that spread.
+
+
+Pairs = Mapping[tuple[str, str], float]
+"""(true family, other family) -> D."""
+
+
+def decided(apart: float) -> float:
+    """The probability that a true rival is named over another, D apart."""
+    spread = np.sqrt(max(apart, 1e-12))
+    return float(norm.cdf((0.5 * apart - max(np.log(ODDS), VARIANTS_AGREE * spread)) / spread))
+
+
+def expected(pairs: Pairs, chances: Mapping[str, float]) -> float:
+    """The probability that the true rival is named over all others, whichever it is."""
+    return sum(
+        chance * min((decided(d) for (truth, _), d in pairs.items() if truth == family), default=1.0)
+        for family, chance in chances.items()
+    )
+
 
 Offer = tuple[tuple[Segment, ...], Ground]
 
@@ -167,3 +195,61 @@ def _worth(separation: Separation, grounds: Sequence[Ground]) -> float:
         chances[truth] * chances[other] * (decided(d / SURPLUS) + BEYOND * float(np.log1p(d)))
         for (truth, other), d in pairs(separation, grounds).items()
     )
+
+
+# What a change of the rig would decide where no motion does: the same motion with more mass on the link.
+#
+# The log with another mass is judged together with the first one: `[added]` in a rig file has both diagnosed.
+
+
+@dataclass(frozen=True)
+class Heavier:
+    """A mass that is added at the place of the one on the link [kg], and the probability that it decides."""
+
+    added_kg: float
+    probability: float
+
+
+def require_link(rig: Rig, model: Model) -> None:
+    """InputError if there is no link, or none whose mass and its distance are known, to add a mass to."""
+    if rig.axis is not TURNING:
+        raise InputError(f"{rig.path}: --added: a drive that turns is required, received a carriage")
+    letters = [q.symbol.name for q in (v.M, v.L)]
+    if missing := [name for name in letters if name not in rig.known]:
+        verb = "are" if len(missing) > 1 else "is"
+        received = "a range" if set(missing) & set(rig.unknown) else "none"
+        raise InputError(
+            f"{rig.path}: [known] {' and '.join(missing)} {verb} required to add a mass, received {received}"
+        )
+    if not set(letters) <= {q.name for q in model.parameters}:
+        raise InputError(f"--added: a model with an unbalanced mass is required, received {model.name}")
+
+
+def with_more_mass(
+    separation: Separation, parts: Sequence[Segment], bounds: Bounds, worth: Mapping[tuple[str, str], float]
+) -> Heavier | None:
+    """The motion with more mass, slower where the limits require it; None where it cannot be judged.
+
+    That is without a known mass and its distance, where the limits leave no motion, and where gravity does
+    not load the drive: with two masses the torque constant may be what is off, which the log alone does not
+    offer as an explanation there.
+
+    Args:
+        separation: the rivals.
+        parts: the motion.
+        bounds: its limits.
+        worth: (true family, other family) -> the factor on what is computed for two rivals.
+    """
+    known, link = separation.question.data.signals.known, separation.question.data.drive.machine.link
+    mass, length = (known.get(q.symbol.name, 0.0) for q in (v.M, v.L))
+    gravity = separation.question.model.balance("mechanical").sum_of("gravity")
+    if not mass or not length or link not in known or gravity == 0:
+        return None
+    added = HEAVIER * mass
+    heavy = Separation(separation.question, AddedMass(added))
+    offer = kept(heavy, parts, bounds)
+    if offer is None:
+        return None
+    found = judged(heavy, offer[1])
+    chances = {rival.family: rival.chance for rival in separation.rivals}
+    return Heavier(added, expected({pair: d * worth[pair] for pair, d in found.items()}, chances))

@@ -8,45 +8,6 @@ from scipy.stats import norm
 
 from eccentric.search import PARTS, STABLE, SURE
 
-__all__ = [
-    "ACCELERATION_PART",
-    "BEYOND",
-    "COARSE",
-    "DECIDES",
-    "FIRMWARE_HZ",
-    "HARDLY",
-    "HEAVIER",
-    "INFORMATIVE_HZ",
-    "INTEGRAL_PER_S",
-    "KEPT",
-    "LEAST_CHANCE",
-    "LEAST_PIECE_S",
-    "LEAST_SCALE",
-    "LEAST_TIME_S",
-    "LOOPS_HZ",
-    "LOOP_STEPS",
-    "MARGIN",
-    "MOST_TIME_S",
-    "NOISE_PEAK",
-    "ODDS",
-    "OFF",
-    "PIECES",
-    "RATE_HZ",
-    "RESCALED",
-    "REST_S",
-    "SAME_TORQUE",
-    "SLOWER",
-    "SLOWEST_OF",
-    "SPEED_FILTER_HZ",
-    "STEPS",
-    "SURPLUS",
-    "TRAINED",
-    "UNDECIDED",
-    "VARIANTS_AGREE",
-    "WHOLE_TURNS",
-    "WORTH_A_RUN",
-]
-
 RATE_HZ = 200.0
 """Samples of a reference: what a position controller takes, and fine beside the 25 Hz of the low pass."""
 FIRMWARE_HZ = 50

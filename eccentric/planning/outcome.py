@@ -13,18 +13,12 @@ from eccentric.diagnosis import Diagnosis
 from eccentric.errors import InputError
 from eccentric.fitting import with_own
 from eccentric.model import TURNING, AxisKind
-from eccentric.planning.bounds import FORCE, Bounds
-from eccentric.planning.chance import Pairs, expected
-from eccentric.planning.choice import chosen
-from eccentric.planning.heavier import Heavier, require_link, with_more_mass
+from eccentric.planning.choice import Heavier, Pairs, chosen, expected, require_link, with_more_mass
 from eccentric.planning.limits import DECIDES, HARDLY, RATE_HZ, SAME_TORQUE, UNDECIDED, WORTH_A_RUN
-from eccentric.planning.motion import Reference, joined
-from eccentric.planning.question import Question, question_of
-from eccentric.planning.rivals import Rival
+from eccentric.planning.motion import FORCE, Bounds, Reference, joined
+from eccentric.planning.question import Question, Rival, question_of
 from eccentric.planning.separation import Separation
 from eccentric.rigs import AddedMass
-
-__all__ = ["MeasurementPlan", "plan_document", "plan_lines", "planned"]
 
 SEED = 1
 """Of the sums of sines: the same question gets the same plan."""

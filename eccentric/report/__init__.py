@@ -1,12 +1,17 @@
 """`report.html`: the diagnosis for a person, one file that opens offline.
 
     gather    Diagnosis -> ReportData: plain numbers, arrays and strings, the interface   (`report_data`)
-    bins      rows -> means and quantiles over a channel
+    data      the record of it
+    arrays    rows -> means and quantiles over a channel, run by run
     panels    -> the curves of each figure, and time traces, few enough points to draw
-    figures   -> their data as JSON, which BokehJS draws in the page; without Bokeh there are text and tables
-    plot      -> two of them on matplotlib axes
+    figures   -> their data as JSON, which BokehJS draws in the page; without Bokeh there are text and tables;
+              two of them on matplotlib axes
+    equation, formulas  -> the model as MathML
+    simulated the report of a simulated log: what was planted
+    text      -> its sentences and tables
     arm_page  the page of an arm, which leads to those of its joints
     view      -> the strings that the templates see (`templates/report/`)
+    limits    every threshold, with its reason
 
 All text from logs and rigs is escaped; only what is made here is inserted verbatim: formulas, BokehJS, the
 JSON of the figures. The page's own content policy forbids it to fetch anything.
@@ -25,14 +30,14 @@ from eccentric.emission import TemplateCache
 from eccentric.model import TURNING
 from eccentric.places import folder
 from eccentric.report.data import Parameter, ReportData
-from eccentric.report.figures import library
+from eccentric.report.figures import library, plot_report
 from eccentric.report.gather import report_data
-from eccentric.report.plot import plot_report
 from eccentric.report.text import number
 from eccentric.report.view import view
 
 if TYPE_CHECKING:
     from eccentric.joints import ArmDiagnosis
+
 
 __all__ = [
     "Parameter",

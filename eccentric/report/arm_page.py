@@ -8,8 +8,6 @@ from typing import Any
 from eccentric.joints import ArmDiagnosis, arm_name, why_not_emitted
 from eccentric.report.text import VERDICTS, number, range_of
 
-__all__ = ["arm_view"]
-
 NOTE = (
     "Errors are RMS values on the held-out part. Each joint is the log of one drive, with what it meets from"
     " the others as inputs; its own page has what it lacks. The header of its emitted model says which values"

@@ -16,24 +16,6 @@ from eccentric.model import TURNING, AxisKind
 from eccentric.report.arrays import BalanceResiduals
 from eccentric.signals import Finding
 
-__all__ = [
-    "AddedEffect",
-    "CandidateRow",
-    "Conclusion",
-    "Correlations",
-    "Errors",
-    "ExtendedModel",
-    "Fact",
-    "Formula",
-    "Gain",
-    "HeldOutErrors",
-    "LogQuality",
-    "Parameter",
-    "ReportData",
-    "SearchTable",
-    "Source",
-]
-
 
 def called(headline: str, effect_id: str) -> str:
     """The headline of an effect, then its id; the id alone if there is no headline."""

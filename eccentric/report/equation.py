@@ -13,8 +13,6 @@ from eccentric.model import vocabulary as v
 from eccentric.report.data import Formula
 from eccentric.report.formulas import Typesetter, aligned, equation, letter, plain
 
-__all__ = ["friction_equations", "typesetter_of"]
-
 _ADDED = {
     "mechanical": ("Delta tau", "torque of the drive in addition to friction [N m, motor side]"),
     "electrical": ("Delta u", "voltage in addition to that of the armature [V]"),

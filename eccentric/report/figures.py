@@ -16,11 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.report.bins import Curve
-from eccentric.report.panels import Panel, Trace
+from eccentric.report.arrays import BalanceResiduals, Channel, Curve
+from eccentric.report.data import ReportData
+from eccentric.report.panels import Panel, Trace, friction_panel, residual_panel
 from eccentric.report.text import curve_name
-
-__all__ = ["Figures", "library"]
 
 _SCRIPTS = ("bokeh.min.js", "bokeh-api.min.js")
 """BokehJS and its interface for building figures, without widgets and without loaders of fonts or TeX."""
@@ -135,3 +134,65 @@ def _numbers(x: np.ndarray) -> list[float | int | None]:
     largest = float(np.max(np.abs(x[np.isfinite(x)]), initial=0.0))
     shown = np.round(x, 6 - int(np.floor(np.log10(largest)))) if largest > 1e-300 else x
     return [value if math.isfinite(value) else None for value in shown.tolist()]
+
+
+# Two figures of the report in matplotlib: the residual of the balance, and friction over the velocity.
+
+
+# Okabe and Ito's colours, as in the figures of the page: colour, dash, mark.
+_STYLES = {
+    "measured": ("#8a8a8a", "-", "o"),
+    "linear": ("#cc79a7", ":", ""),
+    "paper": ("#d55e00", "--", ""),
+    "extended": ("#0072b2", "-", ""),
+    "before": ("#d55e00", "--", "o"),
+    "after": ("#0072b2", "-", "o"),
+    "effect": ("#009e73", "-.", ""),
+}
+
+
+def plot_report(data: ReportData, left: Any, right: Any) -> None:
+    """Draw the first figures of the report on two matplotlib axes.
+
+    On the left the residual before and after, over the signal that it depends on most; on the right measured
+    and predicted friction over the motor velocity, or the residual if the balance contains no friction.
+    Points are means over bins; bars extend from the 10 % to the 90 % quantile of their rows.
+    """
+    balance, said = data.errors.balances[0], data.source.axis.said
+    order = {key: k for k, key in enumerate(data.conclusion.depends_on)}
+    channels = sorted(balance.rows.channels, key=lambda c: order.get(c.key, len(order)))
+    panels = (residual_panel(balance, channel) for channel in channels)
+    _draw(left, next((panel for panel in panels if panel is not None), None), balance, "residual", said)
+    velocity = balance.rows.channel("velocity")
+    friction = None if velocity is None else friction_panel(balance, velocity)
+    if friction is not None:
+        _draw(right, friction, balance, balance.quantity, said)
+    else:
+        _draw(right, _residual(balance, velocity), balance, "residual", said)
+    added = ", ".join(effect.id for effect in data.extended.effects) or data.conclusion.verdict.replace(
+        "_", " "
+    )
+    left.figure.suptitle(f"{', '.join(data.source.logs)}: {added}", fontsize=9.0)
+
+
+def _residual(balance: BalanceResiduals, channel: Channel | None) -> Panel | None:
+    return None if channel is None else residual_panel(balance, channel)
+
+
+def _draw(
+    axes: Any, panel: Panel | None, balance: BalanceResiduals, quantity: str, said: Callable[[str], str]
+) -> None:
+    if panel is None:
+        axes.set_axis_off()
+        return
+    for name, curve in panel.curves.items():
+        color, line, mark = _STYLES[name]
+        if name in _WITH_BARS:
+            axes.vlines(panel.at, curve.low, curve.high, color=color, alpha=0.35, linewidth=2.0)
+        style = {"color": color, "linestyle": line, "marker": mark, "markersize": 3.0}
+        axes.plot(panel.at, curve.middle, label=said(curve_name(name)), **style)
+    against = " × sgn ω" if panel.against_motion else ""
+    axes.set_xlabel(f"{panel.channel.label} [{panel.channel.unit}]")
+    axes.set_ylabel(said(f"{quantity}{against} [{balance.unit}]"))
+    axes.grid(linewidth=0.3)
+    axes.legend(frameon=False, fontsize=8.0)

@@ -21,9 +21,9 @@ from eccentric.diagnosis import (
     stability_words,
 )
 from eccentric.effects import Effect
-from eccentric.fitting import Refit, in_drive_unit
+from eccentric.fitting import DRIVE_UNITS, Refit, in_drive_unit
 from eccentric.model import spoken
-from eccentric.report.balance import balance_of
+from eccentric.report.arrays import BalanceResiduals, Channel, DriveSignal, ResidualRows
 from eccentric.report.data import (
     AddedEffect,
     CandidateRow,
@@ -31,6 +31,7 @@ from eccentric.report.data import (
     Correlations,
     Errors,
     ExtendedModel,
+    Fact,
     Gain,
     HeldOutErrors,
     LogQuality,
@@ -40,12 +41,171 @@ from eccentric.report.data import (
     Source,
 )
 from eccentric.report.equation import friction_equations, typesetter_of
-from eccentric.report.facts import facts_of
 from eccentric.report.text import number, range_of
 from eccentric.rigs import KNOWNS
+from eccentric.signals import Rows
 from eccentric.version import __version__
 
-__all__ = ["report_data"]
+# The balances of the report: residuals of the models on the rows, and the channels on the axes.
+
+
+Array = np.ndarray
+TURN = 2.0 * np.pi
+_QUARTER = TURN / 4
+_QUANTITIES = {"mechanical": "friction", "electrical": "torque of the voltage"}
+
+
+def balance_of(found: Diagnosis, name: str) -> BalanceResiduals:
+    """Residuals at one scale of the drive, that of the extended model, as in the score."""
+    mechanical = name == "mechanical"
+    models = found.models
+    fits = {"linear": models.linear, "paper": models.paper, "extended": models.extended}
+    residuals = {
+        m: _scaled(found, fit, fit.residuals[name]) for m, fit in fits.items() if name in fit.residuals
+    }
+    adopted = found.models.adopted and (
+        mechanical or any(effect.balance == name for effect, _ in found.models.extended.effects)
+    )
+    return BalanceResiduals(
+        name=name,
+        quantity=_QUANTITIES[name],
+        unit=found.unit,
+        rows=_rows(found),
+        paper=residuals["paper"],
+        extended=residuals["extended"] if adopted else None,
+        linear=residuals["linear"] if mechanical else None,
+        measured=_scaled(found, found.models.paper, found.models.paper.target) if mechanical else None,
+        rmse=found.score.rmse[name],
+        noise_floor=found.noise_floor if mechanical else None,
+        drive=_drive(found) if mechanical else None,
+    )
+
+
+def _drive(found: Diagnosis) -> DriveSignal:
+    """The measured drive on the rows, and how much of it a newton metre is."""
+    drive, scale = found.data.drive, found.models.extended.scale
+    name = found.channels.motor.measured_by
+    gain = 1.0
+    if scale is not None:
+        gain = scale
+    elif name == "current":
+        gain = float(drive.machine.current_of_torque(drive.known, 1.0))
+    return DriveSignal(
+        name, DRIVE_UNITS[name], np.where(found.data.off, np.nan, found.rows.mean(drive.signal())), gain
+    )
+
+
+def _scaled(found: Diagnosis, fit: Refit, x: Array) -> Array:
+    return x * ((fit.scale or 1.0) / (found.models.extended.scale or 1.0))
+
+
+def _rows(found: Diagnosis) -> ResidualRows:
+    channels, mu, rows = found.channels, found.setting.mu, found.rows
+    axis = found.rig.axis
+    # The screw of a carriage turns by an angle, whose unit is not one of length.
+    turn, radian = (TURN, "rad") if axis.wraps else (None, "radian")
+    turns = axis.wraps or "pitch" in found.rig.known
+    gravity = found.data.gravity if np.any(found.data.gravity) else None
+    theta = channels.motion.theta_m if channels.phased else None
+    given = [
+        ("velocity", "motor velocity", "rad/s", channels.motion.omega_m, None),
+        ("link_angle", "link angle", radian, None if theta is None or not turns else mu * theta, TURN),
+        # Without a gear the motor turns with the link.
+        ("motor_angle", "motor angle", "rad", theta if abs(mu) != 1.0 else None, turn),
+        ("acceleration", "motor acceleration", "rad/s²", channels.motion.alpha_m, None),
+        ("gravity_load", "gravity torque on the motor", found.unit, gravity, None),
+        ("current", "current", "A", channels.motor.current, None),
+        ("voltage", "voltage", "V", channels.motor.voltage, None),
+        ("temperature", "temperature", "°C", channels.temperature, None),
+        ("time", "time in the run", "s", channels.time.elapsed, None),
+    ]  # fmt: skip
+    made = [
+        Channel(k, label, u, _mean(rows, x, period), period)
+        for k, label, u, x, period in given
+        if x is not None
+    ]
+    return ResidualRows(
+        t=rows.t,
+        run=rows.run,
+        run_names=channels.time.run_names,
+        train=rows.train,
+        held_out=rows.score,
+        channels=tuple(made),
+        description=rows.description,
+    )
+
+
+def _mean(rows: Rows, x: Array, period: float | None) -> Array:
+    """A channel on the rows; NaN where an average covers more than a quarter of a turn."""
+    if rows.operator is None:
+        return x
+    mean = rows.mean(x)
+    if period is None:
+        return mean
+    spread = rows.mean((x - x[0]) ** 2) - (mean - x[0]) ** 2
+    return np.where(spread < _QUARTER**2, mean, np.nan)
+
+
+# The data-quality table of the report: rows, sampling, gaps, delay, zero angle, noise.
+
+
+def facts_of(found: Diagnosis) -> list[Fact]:
+    """Facts about the log, in the order of the table."""
+    channels, counts = found.channels, found.channels.counts
+    step = np.diff(channels.time.t)[np.diff(channels.time.segment) == 0]
+    usual, points = channels.time.logged_step_s, channels.time.points_per_row
+    spread = (points * step.min(), points * step.max())
+    uneven = f"; steps of {spread[0]:.4g} to {spread[1]:.4g} s" if np.ptp(spread) > 0.01 * usual else ""
+    runs = len(channels.time.run_names)
+    gaps = int(channels.time.segment[-1]) + 1 - runs
+    moving = f"faster than {channels.selection.moving_threshold_rad_s:.3g} rad/s, clear of reversals and ends"
+    held = "; ".join(f"{a:.4g} to {b:.4g} s" for a, b in channels.selection.holdout.intervals_s[:8])
+
+    def aligned(name: str, field: str, unit: str, factor: float = 1.0) -> Fact:
+        value = getattr(channels.alignment, field)
+        if e := found.models.extended.estimates.get(field):
+            return Fact(
+                name, f"{e.value:.4g} {unit}", f"estimated, 95 % interval {range_of(e.interval)} {unit}"
+            )
+        given = "estimated" if field in found.rig.estimate else "from the rig file" if value else "none given"
+        return Fact(name, f"{factor * value:.4g} {unit}", given)
+
+    facts = [
+        Fact("rows read", f"{counts['read']}", f"{runs} run{'s' * (runs > 1)}"),
+        Fact("rows rejected", f"{counts['rejected']}", "with a value that is not a number"),
+        Fact("rows used", f"{counts['used']}", moving),
+        Fact("rows held out", f"{counts['held_out']}", held),
+        Fact("errors are computed on", found.rows.description),
+        Fact("sampling", f"{1.0 / usual:.4g} Hz", f"{usual:.4g} s a row{uneven}"),
+        Fact("gaps in time", f"{gaps}", "no filter runs across a gap" if gaps else ""),
+        Fact("drive measured by", channels.motor.measured_by),
+        Fact("step of the motor angle", f"{channels.motion.quantum_rad:.3g} rad"),
+        aligned("input delay", "input_delay_s", "ms", 1e3),
+        *([aligned("zero angle", "theta_zero_rad", "rad")] if found.rig.axis.wraps else []),
+    ]
+    if channels.motor.voltage is not None:
+        facts.append(aligned("voltage offset", "voltage_offset_V", "V"))
+    facts += [
+        Fact(
+            "periodic inside runs",
+            f"{o.per_turn:.2f} per motor turn",
+            f"amplitude {o.amplitude:.3g} {found.unit}, {100 * o.share:.0f} % of the residual variance,"
+            f" in {o.seen} of {o.stretches} stretches",
+        )
+        for o in found.orders
+    ]
+    if channels.excerpt:
+        facts.insert(1, Fact("windows of a long log", f"{counts['used']} rows", channels.excerpt))
+    if found.rig.added:
+        facts.insert(1, Fact("added masses", found.rig.added_words))
+    if words := found.asked.request.words:
+        facts.insert(0, Fact("effects, as asked", words))
+    noise, left = found.noise_floor, found.score.rmse["mechanical"]["extended"]
+    remark = (
+        f"RMS of a row; the held-out error is {left / noise:.3g} times that" if noise > 0.0 else "none seen"
+    )
+    return [*facts, Fact("noise of the sensors", f"{noise:.3g} {found.unit}", remark)]
+
 
 _WORSE = {"paper": "Coulomb and viscous friction", "extended": "the paper's"}
 _ORIGINS = ("effect", "friction", "bench", "rig", "model", "unseen")

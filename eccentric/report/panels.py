@@ -11,10 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eccentric.report.arrays import BalanceResiduals, Channel
-from eccentric.report.bins import Bins, Curve, binned
-
-__all__ = ["Panel", "Trace", "friction_panel", "residual_panel", "trace"]
+from eccentric.report.arrays import BalanceResiduals, Bins, Channel, Curve, binned
 
 Array = np.ndarray
 

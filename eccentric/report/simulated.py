@@ -13,8 +13,6 @@ from eccentric.report.arrays import BalanceResiduals
 from eccentric.report.limits import GAP_STEPS, STRETCH_S
 from eccentric.report.text import MODELS, number, run_name
 
-__all__ = ["Simulated", "simulated"]
-
 Array = np.ndarray
 _LEFT, _RIGHT, _GAP = 66.0, 954.0, 30.0
 _HEIGHTS = (190.0, 90.0)

@@ -8,30 +8,12 @@ from html import escape
 
 import numpy as np
 
-from eccentric.report.arrays import BalanceResiduals
+from eccentric.report.arrays import BalanceResiduals, RunErrors, runs_apart
 from eccentric.report.data import CandidateRow, Correlations, ReportData
 from eccentric.report.formulas import short_formula
 from eccentric.report.limits import CLOSE, MOST_NAMED
 from eccentric.report.panels import Panel, Trace
-from eccentric.report.runs import RunErrors, runs_apart
 from eccentric.search import LEAST_DEVIANCE, LEAST_SHARE
-
-__all__ = [
-    "MODELS",
-    "VERDICTS",
-    "correlation_words",
-    "curve_name",
-    "figure_words",
-    "headline",
-    "meaning_html",
-    "number",
-    "plain_words",
-    "range_of",
-    "runs_words",
-    "trace_words",
-    "unit_text",
-    "why",
-]
 
 MODELS = {"linear": "Coulomb + viscous", "paper": "paper's model", "extended": "extended model"}
 _CURVES = MODELS | {"before": MODELS["paper"], "after": MODELS["extended"], "effect": "fitted effect"}

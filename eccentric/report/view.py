@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from eccentric.report.arrays import BalanceResiduals
+from eccentric.report.arrays import BalanceResiduals, PartErrors, RunErrors, runs_of
 from eccentric.report.data import CandidateRow, Errors, Parameter, ReportData
 from eccentric.report.figures import Figures
 from eccentric.report.formulas import short_formula
 from eccentric.report.limits import SHOWN_RUNS
 from eccentric.report.panels import friction_panel, residual_panel, trace
-from eccentric.report.runs import PartErrors, RunErrors, runs_of
 from eccentric.report.simulated import simulated
 from eccentric.report.text import (
     MODELS,
@@ -28,8 +27,6 @@ from eccentric.report.text import (
     unit_text,
     why,
 )
-
-__all__ = ["view"]
 
 _ORIGINS = {
     "effect": "fitted, new",

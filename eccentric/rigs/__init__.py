@@ -8,15 +8,24 @@ with a `ColumnSource` for each channel that it maps), `Sampling`, `NamedHoldout`
 May import: `logs` for units, `model` for the vocabulary and chains, `arms` for their files.
 """
 
-from eccentric.rigs.added import AddedMass, read_mass
 from eccentric.rigs.arm_complaints import arm_rig_complaints
 from eccentric.rigs.arm_rig import NUMBER, ArmRig, names_arm, read_arm_rig
 from eccentric.rigs.complaints import Complaint, rig_complaints
 from eccentric.rigs.entries import plain_entries, read_pair
-from eccentric.rigs.known import KNOWNS, Known, knowns_of, mass_alone
-from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
+from eccentric.rigs.known import KNOWNS, AddedMass, Known, knowns_of, mass_alone, read_mass
 from eccentric.rigs.rig import KEYS, Rig, alignment_of, read_rig
-from eccentric.rigs.sources import CHANNELS, ColumnSource, ForceGain, channels_of, gain_of
+from eccentric.rigs.sources import (
+    ALIGNMENT,
+    CHANNELS,
+    Alignment,
+    ColumnSource,
+    ForceGain,
+    LogMap,
+    NamedHoldout,
+    Sampling,
+    channels_of,
+    gain_of,
+)
 
 __all__ = [
     "ALIGNMENT",

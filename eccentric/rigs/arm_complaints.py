@@ -14,8 +14,6 @@ from typing import Any
 from eccentric.errors import InputError
 from eccentric.rigs.arm_rig import ArmRig, arm_content, arm_rig_of
 
-__all__ = ["arm_rig_complaints"]
-
 Place = tuple[str, str]
 _TABLES = ("columns", "drives", "joints")
 

@@ -12,15 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.arms import complaints_of, read_arm
+from eccentric.entries import read_document, read_number, read_table, refuse_unknown
 from eccentric.errors import InputError, counted
 from eccentric.model import Chain, with_numbers
 from eccentric.places import given_path, shown
-from eccentric.rigs.entries import plain_entries, read_names, read_number, read_table, refuse_unknown
-from eccentric.rigs.file import read_file
+from eccentric.rigs.entries import plain_entries, read_names
 from eccentric.rigs.known import KNOWNS
 from eccentric.rigs.rig import KEYS, Rig, read_rig
-
-__all__ = ["NUMBER", "ArmRig", "arm_content", "arm_rig_of", "names_arm", "read_arm_rig"]
 
 NUMBER = "{j}"
 """What stands for the number of a joint in a pattern."""
@@ -84,7 +82,7 @@ def names_arm(source: object) -> bool:
         InputError: as `read_rig` does for a file that cannot be read.
     """
     if isinstance(source, str | os.PathLike):
-        return "arm" in read_file(given_path(source, "rig"))
+        return "arm" in read_document(given_path(source, "rig"), "a rig file")
     return isinstance(source, ArmRig) or (isinstance(source, Mapping) and "arm" in source)
 
 
@@ -111,7 +109,7 @@ def arm_content(
     """
     if isinstance(source, str | os.PathLike):
         path = given_path(source, "rig")
-        return read_file(path), shown(path), Path(shown(path)).stem, path.parent
+        return read_document(path, "a rig file"), shown(path), Path(shown(path)).stem, path.parent
     given = dict(source)
     chain = given.pop("arm", None)
     return {**plain_entries(given, "rig"), "arm": chain}, "rig", "rig", Path()

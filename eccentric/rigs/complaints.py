@@ -11,16 +11,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from eccentric.entries import read_document
 from eccentric.errors import InputError
 from eccentric.model import AXES, TURNING, AxisKind
 from eccentric.places import given_path, shown
 from eccentric.rigs.entries import plain_entries
-from eccentric.rigs.file import read_file
 from eccentric.rigs.known import knowns_of
 from eccentric.rigs.rig import keys_of, read_rig
 from eccentric.rigs.sources import channels_of
-
-__all__ = ["Complaint", "rig_complaints"]
 
 Place = tuple[str, str]
 _TABLES = ("known", "unknown", "columns", "added")
@@ -46,7 +44,7 @@ def rig_complaints(
     """
     if isinstance(source, str | os.PathLike):
         path = given_path(source, "rig")
-        content, where = dict(read_file(path)), shown(path)
+        content, where = dict(read_document(path, "a rig file")), shown(path)
     else:
         content, where = dict(plain_entries(source, "rig")), "rig"
     found: list[Complaint] = []

@@ -9,18 +9,8 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from eccentric.entries import read_number, read_table, refuse_unknown
+from eccentric.entries import read_number
 from eccentric.errors import InputError
-
-__all__ = [
-    "plain_entries",
-    "read_intervals",
-    "read_names",
-    "read_number",
-    "read_pair",
-    "read_table",
-    "refuse_unknown",
-]
 
 
 def read_pair(value: object, where: str) -> tuple[Any, Any]:

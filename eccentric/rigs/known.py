@@ -3,19 +3,31 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from eccentric.entries import read_number, read_table, refuse_unknown
 from eccentric.errors import InputError
 from eccentric.logs import parse_value
 from eccentric.model import LINEAR, TURNING, AxisKind, vocabulary
-from eccentric.rigs.entries import read_number, read_pair, read_table, refuse_unknown
-from eccentric.rigs.limits import LARGEST, SMALLEST, USUAL_PITCH_M
+from eccentric.rigs.entries import read_pair
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
+
+
+# Every limit of what a rig file may say, each with its reason.
+
+
+SMALLEST, LARGEST = 1e-15, 1e9
+"""Sizes that a quantity can have besides zero, in SI: from the inertia of a watch's wheel to a ship's."""
+LEAST_LOW_PASS_HZ = 1e-3
+"""Below, the filter is singular in double precision at usual rates, and nothing of the motion remains."""
+USUAL_PITCH_M = 0.01
+"""Of a screw, where none is given: what builds up over a part of a turn then has a usual range of lengths."""
 
 
 @dataclass(frozen=True)
@@ -199,3 +211,46 @@ def _case(case: str | None, known: dict[str, float], unknown: Mapping[str, Any],
         )
     known["phi"] = tilt[case]
     return case
+
+
+# A known mass that some runs carry besides the rig's own: what it does to a drive calibrates it.
+#
+# Reference: M. Gautier, S. Briot, "Global identification of joint drive gains and dynamic parameters of
+# robots", ASME J. Dynamic Systems, Measurement, and Control 136(5), 2014.
+
+
+_MASS = next(known for known in KNOWNS if known.name == "M")
+
+
+@dataclass(frozen=True)
+class AddedMass:
+    """A point mass [kg] at the place of the one on the link."""
+
+    mass: float
+
+    def on(self, values: Mapping[str, float]) -> dict[str, float]:
+        """M and J_l of the link with it, from those without; KeyError without M or L."""
+        inertia = values.get("J_l", 0.0) + self.mass * values["L"] ** 2
+        return {"M": values["M"] + self.mass, "J_l": inertia}
+
+
+def read_added(content: Mapping[str, Any], where: str, known: Mapping[str, float]) -> dict[str, AddedMass]:
+    """The masses by the run, or pattern of runs, that carries them.
+
+    Raises InputError for anything but a mass, and for one without M and L in [known].
+    """
+    table = read_table(content.get("added", {}), f"{where}: [added]")
+    if table and (missing := sorted({"M", "L"} - set(known))):
+        raise InputError(
+            f"{where}: [known] {' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} required with"
+            " [added], received none"
+        )
+    return {run: AddedMass(read_mass(value, f"{where}: [added] {run}")) for run, value in table.items()}
+
+
+def read_mass(value: object, where: str) -> float:
+    """A mass [kg] from a text with a unit. InputError for anything else, and for none."""
+    mass = read_value(value, _MASS, "mass", where)
+    if mass == 0.0:
+        raise InputError(f"{where}: a mass above 0 kg is required, received {value!r}")
+    return mass

@@ -11,22 +11,26 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from eccentric.entries import read_document, read_number, refuse_unknown
 from eccentric.errors import InputError, MissingValueError, few, meant
 from eccentric.logs import parse_value
 from eccentric.model import AXES, LINEAR, TURNING, AxisKind
 from eccentric.places import given_path, shown
-from eccentric.rigs.added import AddedMass, read_added
-from eccentric.rigs.entries import plain_entries, read_intervals, read_names, read_number, refuse_unknown
-from eccentric.rigs.file import read_file
-from eccentric.rigs.known import mass_alone, read_knowns
-from eccentric.rigs.limits import LEAST_LOW_PASS_HZ
-from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
-from eccentric.rigs.sources import channels_of, read_columns
+from eccentric.rigs.entries import plain_entries, read_intervals, read_names
+from eccentric.rigs.known import LEAST_LOW_PASS_HZ, AddedMass, mass_alone, read_added, read_knowns
+from eccentric.rigs.sources import (
+    ALIGNMENT,
+    Alignment,
+    LogMap,
+    NamedHoldout,
+    Sampling,
+    channels_of,
+    read_columns,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["Rig", "alignment_of", "keys_of", "read_rig"]
 
 DRIVES = ("current", "voltage", "torque")
 KEYS = (
@@ -137,7 +141,7 @@ def read_rig(source: str | os.PathLike[str] | Mapping[str, Any] | Rig) -> Rig:
         return source
     if isinstance(source, str | os.PathLike):
         path = given_path(source, "rig")
-        return _rig(read_file(path), shown(path), Path(shown(path)).stem)
+        return _rig(read_document(path, "a rig file"), shown(path), Path(shown(path)).stem)
     return _rig(plain_entries(source, "rig"), "rig", "rig")
 
 

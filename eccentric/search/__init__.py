@@ -1,16 +1,17 @@
 """What a model lacks: residuals of a log and a library of effects in, one verdict out.
 
-    balances      FitData -> both balances as linear designs, the setting of the library
-    periods       orders of the motor that stand out in a residual
-    offer         which effects of the library a log can show
+    balances      FitData -> both balances as linear designs; motor orders that stand out in a residual
+    from_effect   an effect becomes a candidate: columns of torque with a few shapes; which effects are offered
+    candidate     a candidate and its variants, refined
     instruments   signals without the noise of the target, for what a candidate gains by chance
-    from_effect   an effect becomes a candidate: columns of torque with a few shapes
     screen        candidates on one balance: scored, refined, cross-validated
-    fitted_variants  effects that a person names, fitted without a search
+    crossval      cross-validation by blocks of time, with bounds
+    stability     how often an effect is found on variants of the log
+    nulltest      what a candidate gains by chance
+    smooth        smooth terms in a variable, where no effect explains what is left
     attribution   the search on a balance: adopt, compare, try smooth terms on the rest
-    both          the search on both balances: what one of them shows is taken out of the other
+    two_balances  the search on both balances: what one of them shows is taken out of the other
     loads         which loads the friction of a joint follows
-    measurements  what to measure where no effect explains the structure
     runs          recordings that differ, before they are pooled
     verdict       one verdict, a ranked list, the measurement that would decide
     limits        every threshold, with its reason
@@ -21,10 +22,9 @@ May import: `fitting`, `signals`, `rigs`, `effects`, `model`.
 
 from eccentric.search.attribution import Search
 from eccentric.search.balances import balances_of, setting_of, variables_of
-from eccentric.search.candidate import Candidate, Variant
+from eccentric.search.candidate import Candidate, Variant, refined
 from eccentric.search.crossval import bounded_solve
-from eccentric.search.fitted_variants import fitted_variants
-from eccentric.search.from_effect import candidate_of
+from eccentric.search.from_effect import candidate_of, offered
 from eccentric.search.instruments import instruments_of
 from eccentric.search.limits import (
     AT_FLOOR,
@@ -37,10 +37,8 @@ from eccentric.search.limits import (
     SURE,
 )
 from eccentric.search.loads import LoadSearch, required_over, searched_loads
-from eccentric.search.offer import offered
-from eccentric.search.refinement import refined
 from eccentric.search.runs import runs_that_differ
-from eccentric.search.screen import Screen
+from eccentric.search.screen import Screen, fitted_variants
 from eccentric.search.verdict import Adopted, Attribution, Ranked, attribute, unconfirmed
 
 __all__ = [

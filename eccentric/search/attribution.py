@@ -24,8 +24,6 @@ from eccentric.search.nulltest import beats_chance, null_quantile
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.stability import Stability, stability_of
 
-__all__ = ["Search"]
-
 Array = np.ndarray
 
 

@@ -16,17 +16,6 @@ from scipy.optimize import lsq_linear, nnls
 
 from eccentric.search.limits import ALIASED, MOST_GROUPS
 
-__all__ = [
-    "Gram",
-    "bounded_solve",
-    "bounded_solve_each",
-    "cross_validate",
-    "cross_validate_each",
-    "groups_of",
-    "inverses",
-    "sum_of_each",
-]
-
 Array = np.ndarray
 
 

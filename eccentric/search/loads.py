@@ -12,8 +12,6 @@ from eccentric.search.candidate import Candidate
 from eccentric.search.screen import Screen
 from eccentric.signals import BalanceDesign
 
-__all__ = ["LoadSearch", "required_over", "searched_loads"]
-
 
 @dataclass(frozen=True)
 class LoadSearch:

@@ -34,8 +34,6 @@ from eccentric.search.limits import (
 from eccentric.search.screen import Fitted, Screen
 from eccentric.signals import blocks_of
 
-__all__ = ["beats_chance", "flipped_null", "null_quantile"]
-
 Array = np.ndarray
 
 

@@ -9,8 +9,6 @@ import numpy as np
 from eccentric.search.limits import LEAST_DIFFERENCE, LEAST_OTHERS, LEAST_SHARE_OF_LOAD
 from eccentric.signals import BalanceDesign
 
-__all__ = ["runs_that_differ"]
-
 Array = np.ndarray
 
 

@@ -16,8 +16,6 @@ from eccentric.effects import Evidence
 from eccentric.search.candidate import Candidate
 from eccentric.search.limits import KNOTS, LINK_ORDERS, MOTOR_ORDERS, NO_RANGE, PIECES, RIDGE
 
-__all__ = ["Variables", "smooth_terms"]
-
 Array = np.ndarray
 
 

@@ -33,8 +33,6 @@ from eccentric.search.candidate import Candidate, Variant
 from eccentric.search.crossval import Gram, cross_validate_each
 from eccentric.search.screen import Fitted, Screen
 
-__all__ = ["Stability", "stability_of"]
-
 Array = np.ndarray
 
 

@@ -5,24 +5,19 @@ In: logs and a `Rig`.  Out: `Channels`; the rows that models are fitted, compare
 May import: `logs`, `rigs`; `model` for what a rig declares, by the general derivation. Nothing is fitted.
 """
 
-from eccentric.signals.band import Band, band_of
 from eccentric.signals.channels import read_channels
 from eccentric.signals.converted import stream_columns
-from eccentric.signals.designs import BalanceDesign, balance_design
-from eccentric.signals.filters import is_even, low_pass_of
-from eccentric.signals.finding import Finding, with_doubts
-from eccentric.signals.hann import hann_windows
+from eccentric.signals.filters import is_even, low_pass_of, rows_of_each, stretches
 from eccentric.signals.joints import read_joints
 from eccentric.signals.limits import LEAST_HELD_OUT, MANY_RUNS
 from eccentric.signals.long import FIT_POINTS, SEARCH_POINTS, read_long, read_long_joints
 from eccentric.signals.measured import Channels
-from eccentric.signals.motion import motion_of, of_the_motor
-from eccentric.signals.noise import white_noise
+from eccentric.signals.motion import motion_of, of_the_motor, white_noise
 from eccentric.signals.quality import Ratio, beside_the_rig, shared_cause
-from eccentric.signals.rows import Rows, blocks_of, require_rows
+from eccentric.signals.rows import BalanceDesign, Band, Rows, balance_design, band_of, blocks_of, require_rows
 from eccentric.signals.sampling import fit_rows, rows_of, search_rows
-from eccentric.signals.stretches import rows_of_each, stretches
-from eccentric.signals.table import Table, read_table
+from eccentric.signals.table import Finding, Table, read_table, with_doubts
+from eccentric.signals.windows import hann_windows
 
 __all__ = [
     "FIT_POINTS",

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError, few
+from eccentric.errors import InputError, counted, few, meant
 from eccentric.logs import Log, LogStream, evaluate
-from eccentric.rigs import ColumnSource, Rig, channels_of
+from eccentric.rigs import ArmRig, ColumnSource, Rig, channels_of
 from eccentric.signals.limits import LARGEST, SMALLEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = ["Converted", "converted", "named_apart", "run_column", "stream_columns", "used_columns"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -214,3 +214,37 @@ def _condition(
 
 def _text(value: Any) -> str:
     return f"{value:.12g}" if isinstance(value, float) else str(value)
+
+
+# The columns of an arm's log: one for every joint by the patterns of the rig, and none for another joint.
+
+
+_ARITHMETIC = re.compile(r"[`+*/()<>=]|\s-\s")
+"""What a source has that is not the name of a column."""
+
+
+def require_columns(log: Log, rig: ArmRig) -> None:
+    """Raise InputError, one line, unless the log has the columns of all joints and of no further one."""
+    for channel in rig.patterns:
+        names = [rig.column(channel, j) for j in range(len(rig.joints) + 1)]
+        _require_all(log, rig, channel, names[:-1])
+        if names[-1] in log.columns:
+            of = f"the {counted(len(rig.joints), 'joint')} of {rig.chain.name}"
+            raise InputError(
+                f"{log.path}: {channel}: columns of {of} are required, the log has"
+                f" {names[-1]!r} for a joint {rig.number(len(rig.joints))} that the arm does not have"
+            )
+
+
+def _require_all(log: Log, rig: ArmRig, channel: str, names: list[str]) -> None:
+    missing = [j for j, name in enumerate(names) if name not in log.columns]
+    if not missing or (len(missing) == len(names) and _ARITHMETIC.search(names[0])):
+        return
+    j, there = missing[0], len(names) - len(missing)
+    some = f", received {there} of {counted(len(names), 'joint')}" if there else ""
+    of = f"joint {rig.number(j)} of {rig.chain.name}"
+    raise InputError(
+        f"{log.path}: {channel}: column {names[j]!r} is required for {of}"
+        f" (columns count from first = {rig.first}){some}, the log has {few(log.columns)}"
+        f"{meant(names[j], log.columns)}"
+    )

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from eccentric.rigs import Rig
 
+
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 _ORDINALS = ("first", "second", "third", "fourth", "fifth")

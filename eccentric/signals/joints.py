@@ -15,14 +15,12 @@ from numpy.typing import NDArray
 from eccentric.errors import InputError
 from eccentric.logs import Excerpt, Log, LogSource, evaluate, read_log
 from eccentric.signals.channels import read_channels
-from eccentric.signals.joint_columns import require_columns
+from eccentric.signals.converted import require_columns
 from eccentric.signals.limits import BELOW_COARSE, COARSE, MOST_REJECTED
 from eccentric.signals.measured import Channels
 
 if TYPE_CHECKING:
     from eccentric.rigs import ArmRig, Rig
-
-__all__ = ["read_joints"]
 
 
 def read_joints(logs: Sequence[LogSource], rig: ArmRig) -> tuple[Channels, ...]:

@@ -11,18 +11,16 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError
 from eccentric.rigs import Alignment
-from eccentric.signals.filters import LowPass, low_pass_of
+from eccentric.signals.filters import LowPass, joined, low_pass_of
 from eccentric.signals.holdout import carriers
 from eccentric.signals.limits import NARROWER
 from eccentric.signals.motion import motion_of
-from eccentric.signals.stretches import joined
 
 if TYPE_CHECKING:
     from eccentric.rigs import AddedMass, Rig
-    from eccentric.signals.finding import Finding
     from eccentric.signals.holdout import Holdout
+    from eccentric.signals.table import Finding
 
-__all__ = ["Channels", "Intake", "MeasuredMotion", "Motor", "Selection", "TimeBase"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

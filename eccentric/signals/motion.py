@@ -11,15 +11,23 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from eccentric.signals import filters
-from eccentric.signals.limits import UNEVEN_STEP
+from eccentric.signals.filters import joined, rows_of_each, stretches
+from eccentric.signals.limits import (
+    CLEARLY_LESS,
+    HALF_SPAN_S,
+    LEAST_OF_MEANS,
+    MEANS,
+    QUANTA,
+    SLOW,
+    SWITCHING_S,
+    UNEVEN_STEP,
+)
 from eccentric.signals.plausible import unwrapped
-from eccentric.signals.stretches import joined, rows_of_each, stretches
 
 if TYPE_CHECKING:
     from eccentric.rigs import Rig
     from eccentric.signals.table import Table
 
-__all__ = ["motion_of", "motor_side", "of_the_motor", "quantum_of", "uneven"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -120,3 +128,82 @@ def quantum_of(logged: Table, rig: Rig, theta: Array) -> float:
     changes = np.abs(np.diff(theta))[np.diff(segment) == 0]
     changes = changes[changes > 1e-9 * max(1.0, float(np.max(np.abs(theta))))]
     return float(np.min(changes)) if len(changes) else 0.0
+
+
+# Which rows move, and which are unaffected by filters at the ends of a stretch or at a switched motor.
+
+
+Mask = NDArray[np.bool_]
+
+
+def moving_rows(
+    t: Array, theta: Array, segment: Integers, rig: Rig, quantum: float, fitted: Mask
+) -> tuple[Mask, float]:
+    """Return the moving rows (n,), and the threshold [rad/s]: from the rig or from the rows `fitted`."""
+    velocity = joined(segment, lambda rows: filters.span_velocity(t[rows], theta[rows]))
+    threshold = rig.sampling.moving_threshold_rad_s
+    if threshold is None:
+        threshold = _default_threshold(velocity[fitted], quantum)
+    moves = joined(segment, lambda rows: filters.moves(t[rows], velocity[rows], threshold))
+    return moves.astype(bool), threshold
+
+
+def _default_threshold(velocity: Array, quantum: float) -> float:
+    speeds = np.abs(velocity[np.isfinite(velocity)])
+    slow = SLOW * float(np.percentile(speeds, 95.0)) if len(speeds) else 0.0
+    return max(QUANTA * quantum / (2.0 * HALF_SPAN_S), slow)
+
+
+def clear_of_ends(t: Array, segment: Integers) -> Mask:
+    """Rows (n,) at least half a second from the ends of every stretch, where filters have transients."""
+    return joined(segment, lambda rows: filters.away_from_ends(t[rows]))
+
+
+def near_switching(t: Array, segment: Integers, off: Mask) -> Mask:
+    """Rows (n,) near switching the motor, where filters mix driven and free motion."""
+    near = np.zeros(len(t), dtype=bool)
+    for row in np.flatnonzero(np.diff(off.astype(int)) & (np.diff(segment) == 0)):
+        near |= (np.abs(t - t[row]) < SWITCHING_S) & (segment == segment[row])
+    return near
+
+
+# The white noise of a sensor, from the signal itself, without model or filter.
+
+
+def white_noise(signal: Array, segment: NDArray[np.int64] | None = None) -> float:
+    """Return the RMS of the white noise in a sampled signal (n,), in its unit.
+
+    The fourth difference of a smooth signal vanishes; that of white noise has 70 times the variance. NaN
+    marks samples to ignore; differences across the ends of a `segment` (n,) are omitted.
+    What a speed loop makes of the steps of its encoder is fast, and cancels in means. Means of 2, 4 and 8
+    samples show white noise of the same size: the least size is returned where it is clearly smaller.
+    """
+    parts = np.zeros(len(signal), np.int64) if segment is None else segment
+    found = _of(_differences(signal, parts))
+    for length in MEANS:
+        left = _differences(*_means(signal, parts, length))
+        if len(left) < LEAST_OF_MEANS:
+            break
+        size = _of(left) * float(np.sqrt(length))
+        if size < CLEARLY_LESS * found:
+            found = size
+    return found
+
+
+def _differences(signal: Array, segment: NDArray[np.int64]) -> Array:
+    """The fourth differences within a segment that have a value."""
+    difference = np.diff(signal, 4)
+    return difference[np.isfinite(difference) & (segment[4:] == segment[:-4])]
+
+
+def _of(difference: Array) -> float:
+    """The RMS of the white noise that has these fourth differences."""
+    return 1.4826 * float(np.median(np.abs(difference - np.median(difference)))) / float(np.sqrt(70.0))
+
+
+def _means(signal: Array, segment: NDArray[np.int64], length: int) -> tuple[Array, NDArray[np.int64]]:
+    """Means of successive groups of `length` samples, NaN across the end of a segment, and their segments."""
+    whole = len(signal) // length * length
+    parts = segment[:whole].reshape(-1, length)
+    means = signal[:whole].reshape(-1, length).mean(axis=1)
+    return np.where(parts[:, 0] == parts[:, -1], means, np.nan), parts[:, 0]

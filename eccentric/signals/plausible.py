@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
+from eccentric.signals.filters import rows_of_each
 from eccentric.signals.limits import (
     COMPARED_ROWS,
     COMPARED_S,
@@ -24,7 +25,6 @@ from eccentric.signals.limits import (
     WRAP_HOLE,
     WRAP_SPAN,
 )
-from eccentric.signals.stretches import rows_of_each
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -21,9 +21,7 @@ from scipy.sparse import csr_array
 
 from eccentric.errors import InputError
 from eccentric.rigs import Rig
-from eccentric.signals.by_parts import windows_by_parts
 from eccentric.signals.filters import LowPass
-from eccentric.signals.hann import hann_windows
 from eccentric.signals.limits import (
     LEAST_RUN_PART,
     LEAST_STEPS,
@@ -35,10 +33,9 @@ from eccentric.signals.limits import (
     WINDOW_PERIODS,
 )
 from eccentric.signals.measured import Channels
-from eccentric.signals.moving import clear_of_ends
+from eccentric.signals.motion import clear_of_ends
 from eccentric.signals.rows import Rows, blocks_of, in_order
-
-__all__ = ["fit_rows", "rows_of", "search_rows"]
+from eccentric.signals.windows import hann_windows, windows_by_parts
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

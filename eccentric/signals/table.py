@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +15,55 @@ from eccentric.errors import InputError, few
 from eccentric.logs import Log, LogSource, log_stems, read_log
 from eccentric.rigs import Rig
 from eccentric.signals.converted import converted, named_apart
-from eccentric.signals.finding import Finding
 from eccentric.signals.holdout import matching
 from eccentric.signals.limits import MOST_REJECTED, MUCH_LOST
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
+
+
+# Findings about a log: one record for each anomaly.
+
+
+Severity = Literal["note", "warning"]
+
+
+_DOUBTFUL = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line about the data: `kind` (a word for tests and tables), the channel or letter, the text.
+
+    `rows` counts the rows concerned. A "warning" makes results wrong unless it is corrected; a "note" has
+    already been handled, or does little harm. `mend` is the line of the rig file that would put it right, ""
+    where the log does not say which.
+    """
+
+    kind: str
+    channel: str
+    text: str
+    rows: int
+    severity: Severity
+    mend: str = ""
+
+    @property
+    def doubts_the_rig(self) -> bool:
+        """Whether log and rig file contradict each other: then no other conclusion is safe."""
+        return self.severity == "warning" and self.kind in _DOUBTFUL
+
+
+@contextmanager
+def with_doubts(findings: Sequence[Finding]) -> Iterator[None]:
+    """Where a log cannot be fitted, say what in it contradicts the rig as well: that may be the reason."""
+    try:
+        yield
+    except InputError as error:
+        doubts = [finding.text for finding in findings if finding.doubts_the_rig]
+        if type(error) is not InputError or not doubts:
+            raise
+        raise InputError(f"{error}; {doubts[0]}") from None
+
 
 Array = NDArray[np.float64]
 

@@ -9,10 +9,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from eccentric.errors import InputError, meant
-from eccentric.virtual_bench.controller import MotorController
-from eccentric.virtual_bench.course import Course, followed, speed_runs, sum_of_sines
 from eccentric.virtual_bench.effects import EFFECTS, VARIANTS, PlantedEffect, PlantSetting, Request
 from eccentric.virtual_bench.plant import Plant
+from eccentric.virtual_bench.trajectory import Course, MotorController, followed, speed_runs, sum_of_sines
 
 CASES = ("C1", "C2")
 LOG_TYPES = ("runs", "traj")

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.virtual_bench.controller import servo, supply
 from eccentric.virtual_bench.effects import Law, PlantedEffect
-from eccentric.virtual_bench.motion import Motion
-from eccentric.virtual_bench.plant import Plant
+from eccentric.virtual_bench.plant import Motion, Plant
 from eccentric.virtual_bench.scenario import Scenario
 from eccentric.virtual_bench.time_step import laws, mover
+from eccentric.virtual_bench.trajectory import servo, supply
 
 _TOLERANCE, _MOST_RUNS = 2e-3, 6
 _LOG_TYPES = {"runs": "speed_runs", "traj": "trajectory", "reference": "reference"}

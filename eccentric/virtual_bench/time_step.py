@@ -18,8 +18,7 @@ from collections.abc import Callable, Sequence
 from math import cos, hypot, sin
 
 from eccentric.virtual_bench.effects import Law, PlantedEffect
-from eccentric.virtual_bench.motion import Motion
-from eccentric.virtual_bench.plant import Plant
+from eccentric.virtual_bench.plant import Motion, Plant
 
 BoundLaw = tuple[str, PlantedEffect, Law]
 """A port, the effect that acts there, and its law with fresh memory."""

@@ -16,7 +16,20 @@ lambda (1 + zeta).
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import mpmath
+import sympy as sp
+
+from eccentric.emission.backends import code, decimal, prepared_values
+from eccentric.emission.check import limits
+from eccentric.emission.program import Program, Routine
+from eccentric.emission.templates import plain
+from eccentric.errors import InputError
+from eccentric.model import Column, Model, spoken, spoken_quantity
+from eccentric.model import vocabulary as v
 
 
 def place(row: int, column: int) -> int:
@@ -119,3 +132,151 @@ def in_python(lines: Iterable[str], constants: Iterable[str]) -> list[str]:
 
 def _lines(lines: Iterable[str], spelled: Callable[[str, str], str]) -> list[str]:
     return [spelled(*line.split(" = ", 1)) for line in lines]
+
+
+# How the coefficients in C follow from those of friction: each is a constant and a sum of products.
+#
+# `prepare` computes them from all parameters, in double. While only the friction changes, they are linear
+# functions of its coefficients; constant and factors are computed here to 50 digits.
+
+
+_CLOSE = mpmath.mpf(10) ** -30
+
+
+@dataclass(frozen=True)
+class Followed:
+    """One coefficient of the C that depends on friction.
+
+    Attributes:
+        name: of the coefficient.
+        constant: decimal, "" if it is 0.
+        factors: column -> decimal, where it is not 0; "1.0" is a copy.
+    """
+
+    name: str
+    constant: str
+    factors: Mapping[int, str]
+
+
+def followed(model: Model, program: Program, columns: Sequence[Column], single: bool) -> list[Followed]:
+    """The coefficients of the C that depend on friction, in its order.
+
+    Raises:
+        InputError: one of them is not linear in the coefficients of friction.
+    """
+    friction = {q.symbol for q in model.friction_parameters}
+    letters = [column.parameter.symbol for column in columns]
+
+    def at(values: Mapping[sp.Symbol, sp.Expr]) -> dict[sp.Symbol, mpmath.mpf]:
+        own = tuple(
+            replace(q, default=values.get(q.symbol, sp.Integer(0)) if q.symbol in friction else q.default)
+            for q in program.parameters
+        )
+        return prepared_values(replace(program, parameters=own), single)
+
+    with mpmath.workdps(50):
+        none = at({})
+        each = [at({letter: sp.Integer(1)}) for letter in letters]
+        probe = {letter: sp.Rational(k + 3, 7) for k, letter in enumerate(letters)}
+        probed = at(probe)
+        found = []
+        for s in program.held(single=single):
+            slopes = [one[s] - none[s] for one in each]
+            if all(slope == 0 for slope in slopes):
+                continue
+            linear = none[s] + mpmath.fsum(
+                slope * mpmath.mpf(probe[x].p) / probe[x].q for slope, x in zip(slopes, letters, strict=True)
+            )
+            if not abs(linear - probed[s]) <= _CLOSE * max(abs(linear), abs(probed[s])):
+                raise InputError(
+                    f"model {model.name}: an estimator of its friction: coefficients linear in those of"
+                    f" friction are required, received {s.name}"
+                )
+            found.append(
+                Followed(
+                    s.name,
+                    "" if none[s] == 0 else decimal(none[s], single),
+                    {k: decimal(slope, single) for k, slope in enumerate(slopes) if slope != 0},
+                )
+            )
+        return found
+
+
+def applied_lines(model: Model, program: Program, columns: tuple[Column, ...], single: bool) -> list[str]:
+    """The lines of C that write what was learned into the coefficients."""
+    suffix = "f" if single else ""
+    lines = []
+    for one in followed(model, program, columns, single):
+        terms = [
+            f"state->coefficient[{k}]" if x == "1.0" else f"{x}{suffix} * state->coefficient[{k}]"
+            for k, x in one.factors.items()
+        ]
+        lines.append(
+            f"c->{one.name} = {' + '.join([*terms, *([one.constant + suffix] if one.constant else [])])};"
+        )
+    return code(lines)
+
+
+# What holds of every state of the estimator, and how Frama-C's Eva proves it.
+
+
+STATES = (
+    "-eva-domains equality -eva-slevel 20 -eva-slevel-function NAME_project:2000,NAME_variance:100,main:100"
+)
+"""Options of the proof: loops over coefficients are followed index by index, and nothing else is."""
+
+
+def bounds(n: int) -> list[tuple[str, str, str]]:
+    """The invariant of the state: field, lowest and highest value."""
+    return [
+        *((f"coefficient[{k}]", f"LOWEST_{k}", f"HIGHEST_{k}") for k in range(n)),
+        *((f"d[{k}]", "ZERO", "ONE") for k in range(n)),
+        *((f"u[{k}]", "-(MOST_U)", "MOST_U") for k in range(n * (n - 1) // 2)),
+        ("before", "-(MOST_LIMIT)", "MOST_LIMIT"),
+        ("square", "LEAST_SQUARE", "MOST_SQUARE"),
+        ("product", "-(MOST_SQUARE)", "MOST_SQUARE"),
+        ("rho", "ZERO", "MOST_RHO"),
+        ("sharpness", "LEAST_SHARPNESS", "MOST_SHARPNESS"),
+        ("limit", "LEAST_LIMIT", "MOST_LIMIT"),
+        ("rate", "RATE", "FIRST_RATE"),
+        ("up", "ZERO", "THRESHOLD"),
+        ("down", "ZERO", "THRESHOLD"),
+    ]
+
+
+def within(n: int) -> str:
+    """The condition in C that the coefficients are within their bounds."""
+    return " && ".join(f"(x_{k} >= LOWEST_{k}) && (x_{k} <= HIGHEST_{k})" for k in range(n))
+
+
+# What the estimator takes in every sample, each with the range that it is left out beyond.
+
+
+NEEDED = ("mechanical_residual", "regressor", "friction_coefficients")
+"""The functions of the model that it calls."""
+
+
+def ranged_inputs(model: Model, routines: Mapping[str, Routine]) -> list[dict[str, Any]]:
+    """The motion, the current, and whatever else the balance depends on."""
+    found = {
+        x.quantity.name: x.quantity for name in NEEDED for x in routines[name].inputs if x.length is None
+    }
+    first = [spoken_quantity(model.axis, q).name for q in (v.theta_m, v.omega_m, v.alpha_m, v.i)]
+    known = {q.name: q for q in spoken(model).inputs}
+    ordered = [*(x for x in first if x in known), *(x for x in found if x not in first)]
+    quantities = [found.get(x) or known[x] for x in ordered]
+    return [
+        {
+            "name": q.name,
+            "doc": plain(f"{q.meaning} [{q.unit}]"),
+            "low": limits(q, model.axis)[0],
+            "high": limits(q, model.axis)[1],
+        }
+        for q in quantities
+    ]
+
+
+def inside(inputs: list[dict[str, Any]]) -> str:
+    """The condition in C that the inputs are within their ranges; NaN is not."""
+    names = [x["name"] for x in inputs]
+    return " && ".join(f"({name} >= LEAST_{name}) && ({name} <= MOST_{name})" for name in names)

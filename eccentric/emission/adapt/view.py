@@ -2,25 +2,110 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable, Mapping
 from typing import Any
 
+import mpmath
 import numpy as np
 
 from eccentric.emission.adapt import update
-from eccentric.emission.adapt.alarm import alarm_of
-from eccentric.emission.adapt.applied import applied_lines
-from eccentric.emission.adapt.constants import AVERAGED, SLOWER, constants_of, decimals
-from eccentric.emission.adapt.inputs import NEEDED, inside, ranged_inputs
-from eccentric.emission.adapt.invariant import STATES, bounds, within
-from eccentric.emission.adapt.prior import Prior
-from eccentric.emission.adapt.settings import Adaptation
-from eccentric.emission.backends import code, with_plain_text, wrapped
+from eccentric.emission.adapt.prior import Adaptation, Alarm, Prior, alarm_of
+from eccentric.emission.adapt.update import (
+    NEEDED,
+    STATES,
+    applied_lines,
+    bounds,
+    inside,
+    ranged_inputs,
+    within,
+)
+from eccentric.emission.backends import BACKENDS, code, decimal, with_plain_text, wrapped
 from eccentric.emission.check import proof_command
-from eccentric.emission.free_text import plain
 from eccentric.emission.program import build_program
+from eccentric.emission.templates import plain, template
 from eccentric.errors import InputError
 from eccentric.model import Model, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
+from eccentric.version import __version__
+
+# The constants of the estimator, by the names in capitals that its C and Python share.
+
+
+AVERAGED = 2**15
+"""Rows over which noise and correlation are averaged: the standard deviation to 0.4 %."""
+ARMED = 2**10
+"""Rows before the first alarm: by then the standard deviation is known to 2 %."""
+SLOWER = 16
+"""What no row excites is forgotten slower by this factor."""
+_GLOBAL = {
+    "ZERO": 0.0,
+    "ONE": 1.0,
+    "CLIP": 5.0,  # beyond so many standard deviations, an innovation counts as an outlier of this size
+    "KNOWN": 0.25,  # half the prior's standard deviation, squared
+    "LEAST_VARIANCE": 2.0**-40,
+    "MOST_U": 2.0**10,
+    "LEAST_B": 2.0**-4,  # b is at least lambda, but no interval of Eva's knows it
+    "MOST_RHO": 0.96875,
+    "LEAST_SQUARE": 2.0**-10,
+    "MOST_SQUARE": 256.0,
+    "RATE": 1 / AVERAGED,
+    "FIRST_RATE": 2.0**-6,
+    "ARMED": 1 / ARMED,
+    "LEAST_SHARPNESS": 2.0**-5,  # spread is below 2 MOST_SQUARE, by intervals
+    "MOST_SHARPNESS": 2.0**5,
+    "LEAST_LIMIT": 5.0 * 2.0**-5,  # CLIP times the root of LEAST_SQUARE
+    "MOST_LIMIT": 5.0 * 2.0**4,
+}
+_MOST_ZETA, _MOST_RESIDUAL = 1e8, 1e6
+"""Largest variance of a row's friction and largest residual that count, over the noise."""
+
+
+def constants_of(
+    prior: Prior, asked: Adaptation, alarm: Alarm, inputs: Iterable[Mapping[str, Any]]
+) -> list[tuple[str, float]]:
+    """Names and values, those of the prior and of the ranges of the inputs included."""
+    forget, n = 1 - asked.forgetting, len(prior.values)
+    U, d = prior.factors()
+    scale = prior.deviations / prior.noise
+    each = {
+        "SCALE": scale,
+        "STEP": prior.deviations,
+        "START": prior.values,
+        "LOWEST": prior.lowest,
+        "HIGHEST": prior.highest,
+        "D": np.minimum(d, 1.0),
+        "U": [U[i, j] for j in range(n) for i in range(j)],
+    }
+    return [
+        *_GLOBAL.items(),
+        ("PER_NOISE", 1 / prior.noise),
+        ("MOVING", prior.moving),
+        ("LAMBDA", asked.forgetting),
+        ("FORGET", forget),
+        ("GROWTH", 1 + n * forget / SLOWER),
+        ("LEAST_ZETA", forget / 1024),
+        ("REFERENCE", alarm.reference),
+        ("THRESHOLD", alarm.threshold),
+        ("TURNS", float(n)),
+        ("MOST_ZETA", _MOST_ZETA),
+        ("MOST_RESIDUAL", _MOST_RESIDUAL * prior.noise),
+        *((f"{name}_{k}", float(x)) for name, values in each.items() for k, x in enumerate(values)),
+        *(
+            (f"{end}_{x['name']}", x[which])
+            for x in inputs
+            for end, which in (("LEAST", "low"), ("MOST", "high"))
+        ),
+    ]
+
+
+def decimals(name: str, value: float) -> dict[str, str]:
+    """A constant as the templates write it: its decimals in both precisions, in Python and C."""
+    with mpmath.workdps(30):
+        texts = [decimal(mpmath.mpf(value), single) for single in (True, False)]
+    in_c = (f"({text})" if text.startswith("-") else text for text in (f"{texts[0]}f", texts[1]))
+    return dict(zip(("name", "single", "double", "c_single", "c_double"), (name, *texts, *in_c), strict=True))
+
 
 _SHARE, _SHIFTS = 0.2, (0.5, 2.0)
 """The alarm is made for a change of friction by this share, if that is a shift within these."""
@@ -139,3 +224,45 @@ def _zeroed(model: Model, prior: Prior) -> list[str]:
     """Friction parameters that only a combination shows: it is assigned to another letter."""
     letters = {column.parameter.name for column in prior.columns}
     return [q.name for q in model.friction_parameters if q.name not in letters]
+
+
+# A model, its prior and what is asked -> the files of its estimator.
+
+
+def render_adapt(
+    model: Model,
+    files: Mapping[str, str],
+    prior: Prior,
+    asked: Adaptation | None = None,
+    command: str = "eccentric emit --adapt",
+) -> dict[str, str]:
+    """The files of the estimator, file name -> text.
+
+    Args:
+        model: what was emitted, with the defaults that the estimator starts from.
+        files: the output of `render`, with the C.
+        prior: of its coefficients.
+        asked: forgetting and false alarms.
+        command: that writes the files, for their banner.
+
+    Raises:
+        InputError: the model lacks a function that the estimator calls, or does not depend on friction in a
+            way that it can follow.
+    """
+    asked = asked or Adaptation()
+    digest = re.findall(r"_PROGRAM (0x\w+)", files[f"{model.name}.h"])[0]
+    seen = view(model, prior, asked, digest, files[f"{model.name}.c"])
+    banner = (
+        f"Generated: do not edit. Written by `{plain(command)}`, beside {model.name}.c",
+        f"(eccentric {__version__}, program {digest[2:].removesuffix('UL')}).",
+        "Estimator of the friction coefficients.",
+    )
+    return {
+        file: (BACKENDS[backend].banner(banner) if backend else "") + template(f"adapt/{kind}").render(seen)
+        for kind, file, backend in (
+            ("header.h", f"{model.name}_adapt.h", "c99"),
+            ("source.c", f"{model.name}_adapt.c", "c99"),
+            ("module.py", f"{model.name}_adapt.py", "numpy"),
+            ("proof.c", f"check/{model.name}_adapt_proof.c", ""),
+        )
+    }

@@ -9,11 +9,9 @@ common) and `text` (spellings). A back end imports `eccentric.emission.program` 
 from collections.abc import Mapping
 
 from eccentric.emission.backends import c99, jax, numpy
-from eccentric.emission.backends.backend import Backend
-from eccentric.emission.backends.c99.constants import decimal, prepared_values
-from eccentric.emission.backends.c99.lines import code, wrapped
+from eccentric.emission.backends.backend import Backend, with_plain_text
+from eccentric.emission.backends.c99.printer import code, decimal, prepared_values, wrapped
 from eccentric.emission.backends.expression import UnprintableError
-from eccentric.emission.backends.text import with_plain_text
 
 __all__ = [
     "BACKENDS",

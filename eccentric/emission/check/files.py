@@ -15,8 +15,8 @@ import numpy as np
 import sympy as sp
 
 from eccentric.emission.check import proof, selftest
-from eccentric.emission.check.called import Called
-from eccentric.emission.executed import executed
+from eccentric.emission.check.selftest import Called
+from eccentric.emission.hot import executed
 from eccentric.emission.templates import template
 from eccentric.model import Model, spoken
 from eccentric.model import vocabulary as v

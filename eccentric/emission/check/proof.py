@@ -6,9 +6,9 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from eccentric.emission.check.called import Called
-from eccentric.emission.free_text import plain
+from eccentric.emission.check.selftest import Called
 from eccentric.emission.program import SHORTEST
+from eccentric.emission.templates import plain
 from eccentric.model import TURNING, AxisKind, Model, Quantity
 from eccentric.model import vocabulary as v
 

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import cache
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -13,8 +14,31 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from eccentric.emission.check.called import Called
 from eccentric.emission.program import ABSENT
+
+# An emitted function as called by the checks.
+
+
+@dataclass(frozen=True)
+class Called:
+    """One emitted function.
+
+    Attributes:
+        name: in NumPy and, behind the model's prefix, in C.
+        inputs: names, in order.
+        width: number of its values.
+        scalar: whether C returns the single value; otherwise it writes to an array.
+        call: in C, from x[] to out[].
+        array_call: of its array function, from ARRAY samples in each of x_n[] to out_n[]; "" without inputs.
+    """
+
+    name: str
+    inputs: tuple[str, ...]
+    width: int
+    scalar: bool
+    call: str
+    array_call: str
+
 
 SECTIONS, SECTION = 10, 20_000  # generated samples
 _ARM_SECTION = 510  # of an arm: a sample costs a hundred times as much; no fewer than the arrays take

@@ -7,43 +7,46 @@ Imports `eccentric.model`.
 """
 
 from eccentric.emission.program import accuracy
-from eccentric.emission.program.accuracy import LARGEST_ANGLE, LARGEST_RATIO, Bound
+from eccentric.emission.program.accuracy import (
+    BITS,
+    LARGEST_ANGLE,
+    LARGEST_RATIO,
+    LEADING_BITS,
+    TURN_BITS,
+    Bound,
+    polynomial,
+)
 from eccentric.emission.program.arm import build_arm_program
-from eccentric.emission.program.build import build_program
-from eccentric.emission.program.choice import WHOLE, Arrays, Choice
-from eccentric.emission.program.digits import BITS, LEADING_BITS, TURN_BITS
-from eccentric.emission.program.pairs import paired
-from eccentric.emission.program.primitive import (
+from eccentric.emission.program.build import WHOLE, Arrays, Choice, build_program
+from eccentric.emission.program.functions import SHORTEST
+from eccentric.emission.program.program import (
+    ABSENT,
     COSINE,
     ROUNDER,
     SINE_RATIO,
+    Assignment,
     AtMost,
     Call,
+    Helper,
+    Input,
     InSingle,
     Low,
     Minus,
     Over,
     Pick,
     Plus,
+    Program,
     Root,
     Rounded,
+    Routine,
     Size,
     Times,
     TurnLeft,
     Within,
-)
-from eccentric.emission.program.program import (
-    ABSENT,
-    Assignment,
-    Helper,
-    Input,
-    Program,
-    Routine,
     differentiate,
     needed,
 )
-from eccentric.emission.program.series import polynomial
-from eccentric.emission.program.stepping import SHORTEST
+from eccentric.emission.program.shorten import paired
 
 __all__ = [
     "ABSENT",

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Literal
 
 import sympy as sp
 
 from eccentric.emission.program.accuracy import of_functions, promises
-from eccentric.emission.program.choice import WHOLE, Choice
-from eccentric.emission.program.distinct import require_distinct
 from eccentric.emission.program.functions import Function, closure, functions
-from eccentric.emission.program.group import grouped
-from eccentric.emission.program.half_turn import HalfTurns
-from eccentric.emission.program.lower import Lowering
+from eccentric.emission.program.lower import HalfTurns, Lowering, written_out
 from eccentric.emission.program.prepare import Prepare, notes
 from eccentric.emission.program.program import (
     Assignment,
@@ -24,12 +24,219 @@ from eccentric.emission.program.program import (
     differentiate,
     needed,
 )
-from eccentric.emission.program.shift import written_out
 from eccentric.emission.program.shorten import shortened, without_copies
-from eccentric.emission.program.spoken import spoken_program
-from eccentric.errors import InputError
-from eccentric.model import Magnitude, Model, Quantity
+from eccentric.errors import InputError, meant
+from eccentric.model import (
+    TURNING,
+    AxisKind,
+    Backward,
+    ByDirection,
+    Forward,
+    Gated,
+    Magnitude,
+    Model,
+    Quantity,
+    Sgn,
+    spoken_quantity,
+    spoken_symbol,
+)
 from eccentric.model import vocabulary as v
+
+# What of a model is emitted: all of it, or the functions that a user calls and what they need.
+
+
+_STEP = "next_state"  # of hidden states, which every function of a model with them follows
+Arrays = Literal["with", "beside", "none"]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A choice of what to emit.
+
+    Attributes:
+        functions: their names, without those of arrays and the step of hidden states; none chosen is all.
+        arrays: where C has its array functions: in the header, in one of their own, or nowhere.
+        fixed: whether C has the default parameters only: neither a structure of parameters nor `prepare`.
+    """
+
+    functions: tuple[str, ...] = ()
+    arrays: Arrays = "with"
+    fixed: bool = False
+
+    def of(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Those of the names that are emitted, in their order.
+
+        Raises:
+            InputError: there is no function of a chosen name.
+        """
+        offered = [name for name in names if name != _STEP]
+        for name in self.functions:
+            if name not in offered:
+                known = f"one of {', '.join(offered)} is required"
+                raise InputError(f"functions: {known}, received {name!r}{meant(name, offered)}")
+        return tuple(name for name in names if not self.functions or name in (*self.functions, _STEP))
+
+
+WHOLE = Choice()
+
+
+# Friction in few operations: terms that share a factor, or differ only in direction, become one.
+
+
+@cache
+def grouped(fixed: frozenset[sp.Symbol], slopes: frozenset[sp.Symbol], expression: sp.Expr) -> sp.Expr:
+    """Friction as (... F_N + ...) omega_m + (... F_N + ...) sgn: fewest operations per call, (18)-(20).
+
+    Args:
+        fixed: symbols that depend on parameters only.
+        slopes: derivatives of earlier values, which enter proportionally by the chain rule.
+        expression: the friction torque, or a derivative of it.
+    """
+    if not isinstance(expression, sp.Add):
+        return expression
+    if inner := sorted(expression.free_symbols & slopes, key=str):
+        parts = sp.collect(sp.expand_mul(expression), inner, evaluate=False)
+        return sp.Add(*(slope * grouped(fixed, slopes, factor) for slope, factor in parts.items()))
+    expression = _by_direction(fixed, sp.expand_mul(expression))
+    factors: list[sp.Expr] = [v.omega_m.symbol] if expression.has(v.omega_m.symbol) else []
+    factors += sorted(expression.atoms(Sgn), key=str)
+    if any(isinstance(term, sp.Mul) and term.has(*factors) for term in expression.args if factors):
+        return _collected(expression, factors)
+    return expression
+
+
+def _collected(expression: sp.Expr, factors: list[sp.Expr]) -> sp.Expr:
+    """The sum with each of the factors written once, in front of its terms."""
+    parts: dict[sp.Expr, list[sp.Expr]] = {}
+    for term in expression.args:
+        own = sp.Mul.make_args(term)
+        shared = next((factor for factor in factors if factor in own), sp.Integer(1))
+        parts.setdefault(shared, []).append(term / shared)
+    return sp.Add(*(shared * sp.Add(*rest) for shared, rest in parts.items()))
+
+
+def _by_direction(parameters: frozenset[sp.Symbol], expression: sp.Expr) -> sp.Expr:
+    """Addends that differ only in gate and parameters become one, with a coefficient chosen by direction."""
+    pairs: dict[tuple[sp.Expr, sp.Expr], dict[type, sp.Expr]] = {}
+    rest = []
+    for term in sp.Add.make_args(expression):
+        gated = [factor for factor in sp.Mul.make_args(term) if isinstance(factor, Gated)]
+        if len(gated) == 1 and isinstance(gated[0].args[1], Forward | Backward):
+            basis, gate = gated[0].args
+            fixed = [a for a in sp.Mul.make_args(basis) if a.free_symbols <= parameters]
+            moving = sp.Mul(*(a for a in sp.Mul.make_args(basis) if a not in fixed))
+            sides = pairs.setdefault(
+                (moving, gate.args[0]), {Forward: sp.Integer(0), Backward: sp.Integer(0)}
+            )
+            sides[type(gate)] += term / gated[0] * sp.Mul(*fixed)
+        else:
+            rest.append(term)
+    chosen = [basis * ByDirection(x, *sides.values()) for (basis, x), sides in pairs.items()]
+    return sp.Add(*rest, *chosen)
+
+
+# One name, one value: what a routine computes on the way has no name of the model's own quantities.
+
+
+# Arguments and local names of every emitted function in C, and modules that those in Python use.
+_LOCAL = frozenset({"c", "count", "first", "k", "n", "next", "np", "out", "own", "parameters", "state"})
+# Arguments and a local name of `prepare`, where parameters and what follows from them have names.
+_OF_PREPARE = frozenset({"c", "invalid", "p"})
+# What the object that holds the coefficients in Python has beside them.
+OF_COEFFICIENTS = frozenset({"leading", "real", "rounded", "rounder", "single"})
+
+
+def require_distinct(program: Program) -> None:
+    """Raise InputError for a quantity that has the name of a value which the emitted code computes."""
+    given = {q.name for q in (*program.parameters, *(q for q, _ in program.states))}
+    inputs = {x.quantity.name for r in program.routines for x in r.inputs}
+    inputs |= {q.name for q, _ in program.states}
+    _require_free(program.name, (inputs & _LOCAL) | (given & OF_COEFFICIENTS))
+    prepared = _targets(program.prepare)
+    _require_free(program.name, {*given, *prepared} & _OF_PREPARE)
+    known = given | {s.name for s in program.coefficients}
+    _require_free(program.name, _repeated([*given, *prepared]))
+    for part in (*program.helpers, *program.routines):
+        arguments = (
+            [part.argument.name] if isinstance(part, Helper) else [x.quantity.name for x in part.inputs]
+        )
+        results = part.results if isinstance(part, Routine) else ()
+        inner = [a for a in part.assignments if a.target not in results]
+        _require_free(program.name, _repeated([*arguments, *_targets(inner)]))
+        _require_free(program.name, known.intersection(_targets(part.assignments)))
+
+
+def _targets(assignments: Iterable[Assignment]) -> list[str]:
+    return [a.target.name for a in assignments]
+
+
+def _repeated(names: Iterable[str]) -> set[str]:
+    return {name for name, count in Counter(names).items() if count > 1}
+
+
+def _require_free(model: str, taken: set[str]) -> None:
+    if taken:
+        raise InputError(
+            f"model {model}: a quantity with a name that the emitted code does not use for a value of its"
+            f" own is required, received {min(taken)!r}: rename it"
+        )
+
+
+# A program under the names of its axis: what is printed of a carriage has positions, masses and forces.
+
+
+def spoken_program(program: Program, axis: AxisKind) -> Program:
+    """The same operations in the same order, with the letters, units and words of an axis."""
+    if axis is TURNING:
+        return program
+
+    longest = sorted(axis.letters, key=len, reverse=True)
+    letters = re.compile(rf"(?<![A-Za-z0-9])({'|'.join(longest)})(?![A-Za-z0-9])")
+
+    def local(symbol: sp.Symbol) -> sp.Symbol:
+        """A letter of the model, or a name made of some, such as C_m_per_k_i."""
+        if symbol.name in axis.letters:
+            return spoken_symbol(axis, symbol)
+        name = letters.sub(lambda found: axis.letters[found[0]], symbol.name)
+        return sp.Symbol(name, **symbol.assumptions0)
+
+    def put(value: sp.Expr) -> sp.Expr:
+        return value.xreplace({s: local(s) for s in value.free_symbols})
+
+    def steps(assignments: Iterable[Assignment]) -> tuple[Assignment, ...]:
+        return tuple(Assignment(local(a.target), put(a.value), axis.said(a.note)) for a in assignments)
+
+    def routine(r: Routine) -> Routine:
+        return replace(
+            r,
+            inputs=tuple(Input(spoken_quantity(axis, x.quantity), x.length) for x in r.inputs),
+            assignments=steps(r.assignments),
+            results=tuple(map(local, r.results)),
+            labels=tuple(map(axis.said, r.labels)),
+            requires=tuple(map(axis.said, r.requires)),
+        )
+
+    def helper(h: Helper) -> Helper:
+        return replace(
+            h, argument=local(h.argument), assignments=steps(h.assignments), meaning=axis.said(h.meaning)
+        )
+
+    return replace(
+        program,
+        title=axis.said(program.title),
+        parameters=tuple(spoken_quantity(axis, q) for q in program.parameters),
+        prepare=steps(program.prepare),
+        coefficients=tuple(map(local, program.coefficients)),
+        routines=tuple(map(routine, program.routines)),
+        constants=tuple((name, tuple(map(axis.said, labels))) for name, labels in program.constants),
+        notes=axis.told(program.notes),
+        states=tuple((spoken_quantity(axis, q), put(initial)) for q, initial in program.states),
+        defaults=axis.said(program.defaults),
+        helpers=tuple(map(helper, program.helpers)),
+        promises=tuple(map(axis.said, program.promises)),
+        axis=axis,
+    )
+
 
 _LABELLED = {
     "REGRESSOR": "regressor",

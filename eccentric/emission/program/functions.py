@@ -2,15 +2,154 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from eccentric.emission.program import one_sided, stepping
-from eccentric.emission.program.program import Assignment
+from eccentric.emission.program.program import BELOW, Assignment, Pick
 from eccentric.errors import InputError
-from eccentric.model import KINDS, Definition, Forward, Model, regressor, symbols
+from eccentric.model import (
+    KINDS,
+    Backward,
+    Bounded,
+    Definition,
+    Forward,
+    Gated,
+    Magnitude,
+    Model,
+    OpaqueStep,
+    Sgn,
+    SquareDifference,
+    quantity,
+    regressor,
+    symbols,
+)
 from eccentric.model import vocabulary as v
+
+# Friction on one side of zero velocity: its limit at standstill, and its polynomial in the velocity.
+
+
+_DIRECTED = Sgn | Forward | Backward | Gated
+
+
+def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
+    """The limit of the friction torque as the velocity tends to 0 from above (1) or below (-1)."""
+    omega_m = v.omega_m.symbol
+    moved = _following(model, {v.omega_m.symbol})
+    defined = {d.symbol: d.value for d in model.definitions if d.symbol in moved}
+    for symbol in reversed(list(defined)):
+        friction = friction.xreplace({symbol: defined[symbol]})
+    friction = friction.xreplace(moving(omega_m, direction)).xreplace({omega_m: sp.Integer(0)})
+    # At zero speed the steps reduce to plain numbers or to their other argument.
+    friction = friction.replace(
+        lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args)
+    )
+    friction = friction.replace(lambda e: isinstance(e, Bounded) and e.args[0] == 0, lambda e: sp.Integer(0))
+    friction = friction.replace(
+        lambda e: isinstance(e, SquareDifference) and e.args[0] == 0, lambda e: -(e.args[1] ** 2)
+    )
+    friction = friction.replace(
+        lambda e: isinstance(e, Magnitude) and sp.S.Zero in e.args, lambda e: sp.Abs(sp.Add(*e.args))
+    )
+    # By their definitions, which are those of the stable form of F_N.
+    scale_N, omega_star, weight = symbols(v.scale_N, v.omega_star, v.weight)
+    friction = friction.subs(scale_N * omega_star**2, weight)
+    # What depends on parameters only is prepared, in double precision: there the plain root serves.
+    varying = _following(model, {q.symbol for q in model.inputs})
+    return friction.replace(
+        lambda e: isinstance(e, Magnitude) and not e.free_symbols & varying,
+        lambda e: sp.sqrt(e.args[0] ** 2 + e.args[1] ** 2),
+    )
+
+
+def polynomials(
+    model: Model, resultant: sp.Expr, values: Iterable[sp.Expr]
+) -> dict[int, tuple[sp.Expr, ...]]:
+    """F_3, F_2, F_1, F_0 by direction, 1 or -1, if friction is a polynomial in the velocity, else none.
+
+    `values` are the resultant and the definitions that it needs. If friction is symmetric, -1 gives nothing
+    new and is omitted.
+    """
+    omega_m = v.omega_m.symbol
+    if _is_curved(model, values):
+        return {}
+    plain = model.expand(resultant).replace(Gated, sp.Mul)
+    sides = {direction: sp.expand(plain.xreplace(moving(omega_m, direction))) for direction in (1, -1)}
+    if not all(side.is_polynomial(omega_m) for side in sides.values()):
+        return {}
+    # Poly would take a common exp(-t/tau) out of a sum and leave exp(t/tau) in it, which overflows.
+    return {
+        direction: tuple(side.coeff(omega_m, k) for k in (3, 2, 1, 0))
+        for direction, side in sides.items()
+        if direction > 0 or resultant.has(Backward)
+    }
+
+
+def _following(model: Model, given: set[sp.Symbol]) -> set[sp.Symbol]:
+    """Symbols, and what is defined by them, also by way of other definitions."""
+    found = set(given)
+    for definition in model.definitions:
+        if definition.value.free_symbols & found:
+            found.add(definition.symbol)
+    return found
+
+
+def _is_curved(model: Model, values: Iterable[sp.Expr]) -> bool:
+    """Whether they contain a stable step of the velocity, other than those of its direction."""
+    moved = _following(model, {v.omega_m.symbol})
+    steps = {step for value in values for step in value.atoms(OpaqueStep)}
+    return any(step.free_symbols & moved for step in steps if not isinstance(step, _DIRECTED))
+
+
+def moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
+    """The values of the steps by direction for velocities above (1) or below (-1) zero."""
+    return {
+        Sgn(omega_m): sp.Integer(direction),
+        Forward(omega_m): sp.Integer(direction > 0),
+        Backward(omega_m): sp.Integer(direction < 0),
+    }
+
+
+# The hidden states one time step later, for any time step: without elapsed time, nothing changes.
+#
+# A model defines the update of a state over a positive time step. Firmware also passes 0 (the first sample, a
+# repeated time stamp) and negative ones (a counter overflow). Then the states stay unchanged, and nothing in
+# the computation divides by less than the shortest time step.
+
+
+# In seconds: shorter than any loop, and second differences of a current over it do not overflow in float.
+SHORTEST = "1e-9"
+_DT, _LEAST = v.dt.symbol, sp.Rational(SHORTEST)
+_ELAPSED = Definition(quantity("elapsed", "s", "time step, at least the shortest"), sp.Max(_DT, _LEAST))
+
+
+def step_meaning(model: Model) -> str:
+    """The result of `next_state`, in words."""
+    kept = f", unchanged if dt is less than {SHORTEST} s" if _is_timed(model) else ""
+    return f"the hidden states one time step later{kept}"
+
+
+def step_updates(model: Model) -> tuple[tuple[str, sp.Expr], ...]:
+    """Name and value one time step later of each hidden state; without dt, every call is one time step."""
+    if not _is_timed(model):
+        return tuple((state.quantity.name, state.update) for state in model.states)
+    return tuple(
+        (
+            state.quantity.name,
+            Pick(_DT, BELOW, _LEAST, state.symbol, state.update.xreplace({_DT: _ELAPSED.symbol})),
+        )
+        for state in model.states
+    )
+
+
+def step_definitions(model: Model) -> tuple[Definition, ...]:
+    """Definitions that the updates need in addition to the model's."""
+    return (_ELAPSED,) if _is_timed(model) else ()
+
+
+def _is_timed(model: Model) -> bool:
+    return any(state.update.has(_DT) for state in model.states)
 
 
 @dataclass(frozen=True)
@@ -104,7 +243,7 @@ def functions(model: Model) -> tuple[Function, ...]:
     inertia = tuple(q.name for q in model.parameters if q.default is None and q.symbol in inertial)
     dependence = tuple(x for x in _inputs(model, resultant) if x.name in {"theta_m", "omega_m", "alpha_m"})
     sides = (("pos", 1), ("neg", -1)) if friction.has(Forward) else (("", 1),)
-    standstill = tuple((side, sign * one_sided.standstill(model, friction, sign)) for side, sign in sides)
+    at_rest = tuple((side, sign * standstill(model, friction, sign)) for side, sign in sides)
     units = {q.symbol: q.unit for q in model.inputs}
     spanned = "friction_torque" if model.back_emf_in_friction else "mechanical_friction_torque"
     force = normal_force(model)
@@ -162,7 +301,7 @@ def functions(model: Model) -> tuple[Function, ...]:
             "coulomb_torque",
             "N m",
             "magnitude of the friction torque at standstill, where it is set-valued",
-            standstill,
+            at_rest,
         ),
         Function("gravity_torque", "N m", "gravity torque G, eq (5)", (("", gravity),)),
         Function(
@@ -193,9 +332,9 @@ def functions(model: Model) -> tuple[Function, ...]:
     ]
     if model.states:
         units = ", ".join(state.quantity.unit for state in model.states)
-        own = stepping.definitions(model)
+        own = step_definitions(model)
         listed.append(
-            Function("next_state", units, stepping.meaning(model), stepping.updates(model), definitions=own)
+            Function("next_state", units, step_meaning(model), step_updates(model), definitions=own)
         )
     given = (*listed, *_polynomials(model, resultant))
     withheld = frozenset[str]() if model.current_known else _OF_CURRENT
@@ -248,5 +387,5 @@ def _polynomials(model: Model, resultant: sp.Expr) -> tuple[Function, ...]:
             f"coefficients F_3, F_2, F_1, F_0 of F for {names[direction][1]}, eqs (11)-(14)",
             tuple((f"F_{k}", coefficient) for k, coefficient in zip((3, 2, 1, 0), found, strict=True)),
         )
-        for direction, found in one_sided.polynomials(model, resultant, values).items()
+        for direction, found in polynomials(model, resultant, values).items()
     )

@@ -6,8 +6,7 @@ import re
 
 import sympy as sp
 
-from eccentric.emission.program.primitive import InSingle, Low, Rounded, TurnLeft, exact
-from eccentric.emission.program.program import Assignment
+from eccentric.emission.program.program import Assignment, InSingle, Low, Rounded, TurnLeft, exact
 from eccentric.model import ByDirection, Chord, HalfCosine, HalfSine, Leading, Model, Sgn, SquareDifference
 from eccentric.model import vocabulary as v
 

@@ -8,9 +8,17 @@ triangle  X and y -> sums, merged in any order, solved
 of_file   all of it: a file -> `FileSums`
 """
 
-from eccentric.fleet.sums.columns import OFFSET, SCALE, Columns, Heading, require_rig
+from eccentric.fleet.sums.columns import (
+    OFFSET,
+    SCALE,
+    Columns,
+    Heading,
+    dependent,
+    merged,
+    require_rig,
+    solve,
+)
 from eccentric.fleet.sums.of_file import Coverage, FileSums, sums_of
-from eccentric.fleet.sums.triangle import dependent, merged, solve
 
 __all__ = [
     "OFFSET",

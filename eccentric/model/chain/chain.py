@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import copy
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
 from eccentric.errors import InputError, counted, few
-from eccentric.model.chain.body import Body, Moments
-from eccentric.model.chain.exact import exact, vector
-from eccentric.model.chain.joint import Joint
-from eccentric.model.quantity import Quantity
-from eccentric.model.reserved import require_free
+from eccentric.model.chain.links import Body, Joint, Moments, exact, vector
+from eccentric.model.quantity import Quantity, require_free
 
 _LONG = 10**18
 """Least denominator of a fraction that is rounded to 17 digits."""
@@ -124,3 +123,112 @@ def _short(entry: sp.Expr) -> sp.Expr:
     if not entry.is_number or (entry.is_Rational and entry.q < _LONG):
         return entry
     return exact(float(entry), "entry")
+
+
+# A chain with numbers in place of its letters: their defaults.
+
+
+def with_numbers(chain: Chain) -> Chain:
+    """The same chain with the default of every parameter in its place; without parameters, the chain itself.
+
+    Raises:
+        InputError: a parameter has no default.
+    """
+    if not chain.parameters:
+        return chain
+    values = {}
+    for q in chain.parameters:
+        if q.default is None or not q.default.is_number:
+            raise InputError(f"{chain.name}: a number for {q.name} is required, received none")
+        values[q.symbol] = q.default
+    return Chain(
+        chain.name,
+        [_joint(joint, values) for joint in chain.joints],
+        [_moments(body, values) for body in chain.bodies],
+        chain.gravity.xreplace(values),
+        None if chain.payload is None else _payload(chain.payload, values),
+    )
+
+
+def _joint(joint: Joint, values: dict[sp.Symbol, Any]) -> Joint:
+    found = copy.copy(joint)
+    found.placement = copy.copy(joint.placement)
+    for name in ("mu", "J_m", "bearing"):
+        setattr(found, name, getattr(joint, name).xreplace(values))
+    for name in ("position", "rotation"):
+        setattr(found.placement, name, getattr(joint.placement, name).xreplace(values))
+    return found
+
+
+def _moments(body: Body | Moments, values: dict[sp.Symbol, Any]) -> Moments:
+    of = body.moments
+    return Moments(*(x.xreplace(values) for x in (of.mass, of.first, of.second)))
+
+
+def _payload(body: Body, values: dict[sp.Symbol, Any]) -> Body:
+    mass, centre, inertia = (x.xreplace(values) for x in (body.mass, body.centre, body.inertia))
+    return Body(mass, centre, inertia, body.name)
+
+
+# What tells one arm from another: gravity, and of every joint its name, place, gear and rotor.
+
+
+_ALIKE = 1e-9
+"""Numbers of one arm are the same, but for their last digits in a file."""
+
+
+def identity_of(chain: Chain) -> dict[str, Any]:
+    """The arm in plain numbers, SI; without its bodies, which a fit may replace and a payload changes."""
+    own = with_numbers(chain)
+    return {"gravity": _plain(own.gravity), "joints": [_of_joint(joint) for joint in own.joints]}
+
+
+def unlike(chain: Chain, given: Mapping[str, Any]) -> str:
+    """In what a chain differs from that of an identity, in words; "" if in nothing.
+
+    Args:
+        chain: the chain.
+        given: as `identity_of` returns it, possibly from a file.
+    """
+    own, joints = identity_of(chain), given.get("joints")
+    names, others = ([x.get("name") for x in table] for table in (own["joints"], joints or []))
+    if names != others:
+        return f"it has the joints {', '.join(map(str, others)) or 'none'}, not {', '.join(map(str, names))}"
+    for here, there in zip(own["joints"], joints or [], strict=True):
+        for key, value in here.items():
+            if not _same(value, there.get(key)):
+                return f"{key} of {here['name']} is {_shown(there.get(key))}, not {_shown(value)}"
+    if not _same(own["gravity"], given.get("gravity")):
+        return f"gravity is {_shown(given.get('gravity'))}, not {_shown(own['gravity'])}"
+    return ""
+
+
+def _of_joint(joint: Joint) -> dict[str, Any]:
+    return {
+        "name": joint.name,
+        "kind": joint.kind,
+        "mu": float(joint.mu),
+        "J_m": float(joint.J_m),
+        "axis": _plain(joint.axis),
+        "position": _plain(joint.placement.position),
+        "rotation": _plain(joint.placement.rotation),
+        "bearing": float(joint.bearing),
+    }
+
+
+def _plain(matrix: Any) -> list[float]:
+    return [float(x) for x in matrix]
+
+
+def _same(left: object, right: object) -> bool:
+    if isinstance(left, list) and isinstance(right, list):
+        return len(left) == len(right) and all(map(_same, left, right))
+    if isinstance(left, float) and isinstance(right, int | float):
+        return math.isclose(left, right, rel_tol=_ALIKE, abs_tol=_ALIKE)
+    return left == right
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, list):
+        return f"({', '.join(map(_shown, value))})"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -8,16 +8,18 @@ C_m: behind the gear it would be the same.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import sympy as sp
 
-from eccentric.model.balance import Balance, Term
-from eccentric.model.chain.exact import is_zero
-from eccentric.model.chain.joint import UNNAMED, Joint
-from eccentric.model.chain.recursion import Recursion
+from eccentric.model.balance import Balance, Load, Role, Term
+from eccentric.model.chain.chain import Chain
+from eccentric.model.chain.links import UNNAMED, Joint, is_zero
+from eccentric.model.chain.recursion import Recursion, recursion
+from eccentric.model.equation import Equation
+from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity, quantity
-from eccentric.model.role import Load, Role
 from eccentric.model.steps import Sgn
 
 
@@ -147,4 +149,41 @@ def _coefficients(followed: _Followed, j: int, called: str, *, turns: bool) -> t
     return (
         quantity(f"B_{followed.letter}_{j}", viscous, f"viscous {words}", "(9)", "nonnegative", "0"),
         quantity(f"C_{followed.letter}_{j}", coulomb, f"Coulomb {words}", "(9)", "nonnegative", "0"),
+    )
+
+
+# A chain as a model: its recursion as definitions, and two balances for every joint.
+
+
+def arm(
+    chain: Chain, title: str, equations: Sequence[Equation] = (), found: Recursion | None = None
+) -> Model:
+    """The model of a chain.
+
+    Args:
+        chain: the chain.
+        title: of the model, one line.
+        equations: of its derivation.
+        found: its recursion, if that is there already.
+
+    Returns:
+        A model whose inputs are those of the paper with the joint's number: theta_m_0, theta_m_1, ...; its
+        balances are mechanical_0, electrical_0, mechanical_1, ...
+    """
+    found = found or recursion(chain)
+    of_joints = drives(found)
+    return Model(
+        name=chain.name,
+        title=title,
+        inputs=(
+            *(inputs.theta_m for inputs in found.inputs),
+            *(inputs.omega_m for inputs in found.inputs),
+            *(drive.current for drive in of_joints),
+            *(drive.voltage for drive in of_joints),
+            *(inputs.alpha_m for inputs in found.inputs),
+        ),
+        parameters=(*chain.parameters, *(q for drive in of_joints for q in drive.parameters)),
+        definitions=found.definitions,
+        balances=tuple(b for drive in of_joints for b in (drive.mechanical, drive.electrical)),
+        equations=tuple(equations),
     )

@@ -1,7 +1,6 @@
 """Long logs: one pass in constant memory, then the windows of the log that say all that more would say.
 
-    cells    signals on cells of 20 ms: the base of a friction model, and states
-    survey   a log -> its windows, each with its states and sums
+    survey   a log -> its windows, each with its states and sums, on cells of 20 ms
     choice   windows -> those to be read, and what they miss
     reading  logs -> logs whole, or the chosen windows of each
     limits   every threshold, with its reason

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.rigs import Rig
-from eccentric.signals.long.cells import state_name
 from eccentric.signals.long.limits import (
     AGREES,
     CELL_S,
@@ -35,9 +34,7 @@ from eccentric.signals.long.limits import (
     VISITED_S,
     WINDOW_S,
 )
-from eccentric.signals.long.survey import Window
-
-__all__ = ["ChosenWindows", "choose", "solved"]
+from eccentric.signals.long.survey import Window, state_name
 
 Array = NDArray[np.float64]
 

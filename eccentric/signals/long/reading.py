@@ -11,13 +11,10 @@ import numpy as np
 from eccentric.errors import few
 from eccentric.logs import Excerpt, Log, LogSource, LogStream, log_stems, stream_log
 from eccentric.rigs import ArmRig, Rig
-from eccentric.signals.converted import named_apart, run_column
-from eccentric.signals.joint_columns import require_columns
+from eccentric.signals.converted import named_apart, require_columns, run_column
 from eccentric.signals.long.choice import ChosenWindows, choose
 from eccentric.signals.long.limits import CELL_S, LONG_ROWS, POINT_RATE_HZ, SEARCH_POINTS, WINDOW_S
 from eccentric.signals.long.survey import LogSurvey, Window, survey
-
-__all__ = ["read_long", "read_long_joints"]
 
 
 def read_long(

@@ -12,31 +12,39 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.signals.finding import Finding
-from eccentric.signals.quality.body import (
+from eccentric.signals.quality.causes import (
+    Logged,
+    common_cause,
+    mass_causes,
+    misreadings,
+    of_letter,
+    readings,
+    single_cause,
+    with_unit,
+)
+from eccentric.signals.quality.limits import BETTER, EXPLAINED, FACTOR, FACTOR_MOTOR, IDEAL, TURNED
+from eccentric.signals.quality.ratios import (
     Means,
+    Ratio,
     RigidBody,
     body_of,
-    is_clear,
-    means_of,
-)
-from eccentric.signals.quality.causes import Logged, common_cause, mass_causes, misreadings, single_cause
-from eccentric.signals.quality.declared import torque_per_unit, upright_gravity_of
-from eccentric.signals.quality.limits import BETTER, EXPLAINED, FACTOR, FACTOR_MOTOR, IDEAL, TURNED
-from eccentric.signals.quality.mends import of_letter, readings, with_unit
-from eccentric.signals.quality.ratios import (
-    Ratio,
     constant_by_torque,
     electrical,
+    is_clear,
+    means_of,
     mechanical,
     motor_constant,
+    torque_per_unit,
+    upright_gravity_of,
 )
+from eccentric.signals.table import Finding
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from eccentric.rigs import Rig
     from eccentric.signals.measured import Channels
+
 
 Array = NDArray[np.float64]
 

@@ -7,24 +7,17 @@ bodies are MuJoCo's (`pip install 'eccentric[arms-bench]'`), the friction is of 
 the toolkit and the bench share nothing.
 
     plant        joints, links, drives, friction
-    engine       mass matrix, bias and joint loads, by MuJoCo
-    random_arms  arms that could have been built
-    course       reference motion
-    survey       loads and torques along the reference
-    friction     of all joints at once
+    engine       mass matrix, bias and joint loads, by MuJoCo; loads and torques along the reference
+    trajectory   reference motion, encoders and loops
     families     of effects; motion, what their laws see
-    acting       an effect at work in its joint
-    effects      drawn, and sized along the reference
-    servo        encoders and loops
-    scenario     all of it drawn
+    effects      drawn, and sized along the reference; at work in their joints
+    scenario     all of it drawn, arms that could have been built
     simulation   step by step, all runs side by side
-    log, files   what is written; warmth, the temperatures in it
+    log          what is written, and the temperatures in it
 """
 
-from eccentric.virtual_bench.arms.families import ARM_EFFECTS, ARM_VARIANTS
-from eccentric.virtual_bench.arms.files import free_arm_paths, write_arm
-from eccentric.virtual_bench.arms.log import ArmRun, simulate_arm
-from eccentric.virtual_bench.arms.request import known_joint_effect
+from eccentric.virtual_bench.arms.families import ARM_EFFECTS, ARM_VARIANTS, known_joint_effect
+from eccentric.virtual_bench.arms.log import ArmRun, free_arm_paths, simulate_arm, write_arm
 from eccentric.virtual_bench.arms.scenario import ArmScenario, random_arm_scenario
 
 __all__ = [

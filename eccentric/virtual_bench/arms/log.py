@@ -2,16 +2,43 @@
 
 from __future__ import annotations
 
+import gzip
+import io
+import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from math import pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.signal import lfilter
 
+from eccentric.virtual_bench.arms.effects import COLD_C, RISE_K, TAU_S, JointEffect
+from eccentric.virtual_bench.arms.engine import rms
 from eccentric.virtual_bench.arms.scenario import ArmScenario
 from eccentric.virtual_bench.arms.simulation import ArmTrace, Progress, trace
-from eccentric.virtual_bench.arms.survey import rms
-from eccentric.virtual_bench.arms.warmth import logs_temperature, warmed
+from eccentric.virtual_bench.files import LOG, new_paths, write_new
+
+# Temperatures of the drives: of one with an effect as it was simulated, of the others from their losses.
+
+
+def logs_temperature(effects: Sequence[JointEffect]) -> bool:
+    """Whether the log has a temperature of every drive: if an effect needs it."""
+    return any(one.effect.needs_temperature for one in effects)
+
+
+def warmed(rubbed: np.ndarray, current: np.ndarray, dt: float) -> np.ndarray:
+    """Temperature of each drive [deg C], shape (rows, joints): half by friction, half by the winding.
+
+    Args:
+        rubbed: power of friction [W], (rows, joints); only its course matters.
+        current: [A], likewise.
+        dt: from row to row [s].
+    """
+    lost = rubbed / rubbed.mean(axis=0) + current**2 / np.mean(current**2, axis=0)
+    step = dt / TAU_S
+    return COLD_C + np.asarray(lfilter([0.5 * RISE_K * step], [1.0, step - 1.0], lost, axis=0))
 
 
 @dataclass(frozen=True)
@@ -142,3 +169,71 @@ def _beyond(scenario: ArmScenario, found: ArmTrace, k: int) -> float:
     base = base[:, size > 1e-9] / size[size > 1e-9]
     taken, *_ = np.linalg.lstsq(base, torque, rcond=1e-9)
     return float(rms(torque - base @ taken) / rms(found.friction[rows, j]))
+
+
+# ArmRun -> LOG.csv.gz, LOG.toml (the rig), LOG.arm.toml and LOG.truth.json (sealed).
+
+
+_BESIDE = (".toml", ".arm.toml", ".truth.json")
+
+
+def write_arm(run: ArmRun, path: str | Path) -> tuple[Path, Path, Path, Path]:
+    """Write the log to `path`, NAME.csv.gz, beside it NAME.toml, NAME.arm.toml and NAME.truth.json.
+
+    Returns the four paths. The same run gives the same bytes; nothing is left behind if writing fails. Raises
+    InputError if the path does not end in .csv.gz, one of the files exists, or they cannot be written.
+    """
+    log, rig, arm, truth = free_arm_paths(path)
+    stem = log.name.removesuffix(LOG)
+    write_new(
+        {
+            log: gzip.compress(_csv(run), 9, mtime=0),
+            rig: _toml({**run.rig, "arm": arm.name}).encode("ascii"),
+            arm: _toml(run.arm).encode("ascii"),
+            truth: (json.dumps({**run.truth, "name": stem}, indent=1) + "\n").encode("ascii"),
+        }
+    )
+    return log, rig, arm, truth
+
+
+def free_arm_paths(path: str | Path) -> tuple[Path, Path, Path, Path]:
+    """Return the paths of log, rig, arm and truth, none of which exists; InputError as for `write_arm`."""
+    log, rig, arm, truth = new_paths(path, _BESIDE)
+    return log, rig, arm, truth
+
+
+def _csv(run: ArmRun) -> bytes:
+    text, names = io.StringIO(), list(run.columns)
+    formats = {"run": "%d", "t_s": "%.4f", "q": "%.7f"}
+    shown = [formats.get(name, formats.get(name.partition("_")[0], "%.5f")) for name in names]
+    np.savetxt(
+        text,
+        np.column_stack([run.columns[name] for name in names]),
+        fmt=",".join(shown),
+        header=",".join(names),
+        comments="",
+        newline="\n",
+    )
+    return text.getvalue().encode("ascii")
+
+
+def _toml(content: dict[str, Any]) -> str:
+    """Text of a table: its values first, then its tables, then its lists of tables, in any depth."""
+    return "\n".join(_lines(content, "")).strip() + "\n"
+
+
+def _lines(table: dict[str, Any], place: str) -> list[str]:
+    lines = [f"{key} = {json.dumps(value)}" for key, value in table.items() if not _is_table(value)]
+    for key, value in table.items():
+        if _is_table(value):
+            name = f"{place}{key}"
+            for inner in value if isinstance(value, list) else [value]:
+                bracket = f"[[{name}]]" if isinstance(value, list) else f"[{name}]"
+                lines += ["", bracket, *_lines(inner, f"{name}.")]
+    return lines
+
+
+def _is_table(value: object) -> bool:
+    return isinstance(value, dict) or (
+        isinstance(value, list) and bool(value) and all(isinstance(x, dict) for x in value)
+    )

@@ -17,14 +17,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from eccentric.virtual_bench.arms.acting import SMOOTH, Acting
-from eccentric.virtual_bench.arms.course import ArmCourse
-from eccentric.virtual_bench.arms.effects import GAP_S, MOVING, corrected
-from eccentric.virtual_bench.arms.engine import JointLoads, RigidArm
-from eccentric.virtual_bench.arms.friction import FrictionLaw
+from eccentric.virtual_bench.arms.effects import GAP_S, MOVING, SMOOTH, Acting, corrected
+from eccentric.virtual_bench.arms.engine import JointLoads, RigidArm, rms
+from eccentric.virtual_bench.arms.plant import FrictionLaw
 from eccentric.virtual_bench.arms.scenario import ArmScenario
-from eccentric.virtual_bench.arms.servo import ArmLoop
-from eccentric.virtual_bench.arms.survey import rms
+from eccentric.virtual_bench.arms.trajectory import ArmCourse, ArmLoop
 
 Progress = Callable[[float], None]
 """Told the part that is done, 0 to 1."""

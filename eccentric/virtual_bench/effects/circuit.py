@@ -3,7 +3,7 @@
 from math import sin
 
 from eccentric.virtual_bench.effects.record import Builder, PlantedEffect, Request, simply
-from eccentric.virtual_bench.motion import Motion
+from eccentric.virtual_bench.plant import Motion
 
 
 def kt_saturation(request: Request) -> PlantedEffect:

@@ -3,8 +3,7 @@
 from math import cos, exp, hypot, pi, sin
 
 from eccentric.virtual_bench.effects.record import Builder, Law, PlantedEffect, Request, simply
-from eccentric.virtual_bench.motion import Motion
-from eccentric.virtual_bench.plant import Plant
+from eccentric.virtual_bench.plant import Motion, Plant
 
 
 def link_harmonic_friction(request: Request) -> PlantedEffect:

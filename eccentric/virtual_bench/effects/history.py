@@ -3,7 +3,7 @@
 from math import exp
 
 from eccentric.virtual_bench.effects.record import Builder, Law, PlantedEffect, Request, sign
-from eccentric.virtual_bench.motion import Motion
+from eccentric.virtual_bench.plant import Motion
 
 _MICRO_DAMPING_S = 0.01  # sigma_1/sigma_0 of the bristles
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from math import exp, hypot
 
 from eccentric.virtual_bench.effects.record import Builder, Law, PlantedEffect, Request, sign, simply
-from eccentric.virtual_bench.motion import Motion
+from eccentric.virtual_bench.plant import Motion
 
 # Gear meshing follows the load within about this time; the lag also keeps the step explicit.
 _SETTLING_S = 0.002

@@ -7,8 +7,7 @@ from math import hypot, inf, pi
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.virtual_bench.motion import Motion
-from eccentric.virtual_bench.plant import Plant
+from eccentric.virtual_bench.plant import Motion, Plant
 
 Law = Callable[[Motion, float], float]
 """(motion, amplitude) -> value at the port."""

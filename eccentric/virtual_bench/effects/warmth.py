@@ -3,7 +3,7 @@
 from math import exp
 
 from eccentric.virtual_bench.effects.record import Builder, PlantedEffect, Request, simply
-from eccentric.virtual_bench.motion import Motion
+from eccentric.virtual_bench.plant import Motion
 
 _KELVIN = 273.15
 

@@ -6,15 +6,19 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.emission.backends.c99.constants import NOT_GIVEN, evaluate_prepare
-from eccentric.emission.backends.c99.lines import code, wrapped
-from eccentric.emission.backends.c99.pairs import pair_functions, pair_text
-from eccentric.emission.backends.c99.printer import DOUBLE, language
-from eccentric.emission.backends.c99.routine import argument, helper, routine, twin_of
-from eccentric.emission.backends.c99.staged import staged
+from eccentric.emission.backends.backend import number, splitting, used_series
+from eccentric.emission.backends.c99.printer import (
+    DOUBLE,
+    NOT_GIVEN,
+    code,
+    evaluate_prepare,
+    language,
+    pair_functions,
+    pair_text,
+    wrapped,
+)
+from eccentric.emission.backends.c99.routine import argument, helper, routine, staged, twin_of
 from eccentric.emission.backends.expression import Language, printed
-from eccentric.emission.backends.text import number, splitting, used_series
-from eccentric.emission.free_text import plain
 from eccentric.emission.program import (
     ABSENT,
     LARGEST_ANGLE,
@@ -29,6 +33,7 @@ from eccentric.emission.program import (
     paired,
     polynomial,
 )
+from eccentric.emission.templates import plain
 from eccentric.model import Backward, Forward, Quantity, Sgn
 
 # Written so that NaN in gives NaN out; one comparison per line is one instruction of a vector unit.

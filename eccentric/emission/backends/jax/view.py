@@ -2,12 +2,135 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Any
 
-from eccentric.emission.backends.jax.printer import DIALECT, differentiable
+import sympy as sp
+
+from eccentric.emission.backends.backend import number, used_series
+from eccentric.emission.backends.expression import Language, choice_of_pairs, printed
+from eccentric.emission.backends.python.dialect import ON_PARAMETERS, WIDTH, Dialect, broken, on_samples
 from eccentric.emission.backends.python.module import module, series, stepped
-from eccentric.emission.backends.text import used_series
-from eccentric.emission.program import COSINE, LEADING_BITS, SINE_RATIO, Program
+from eccentric.emission.program import (
+    COSINE,
+    LEADING_BITS,
+    ROUNDER,
+    SINE_RATIO,
+    Call,
+    Minus,
+    Over,
+    Pick,
+    Plus,
+    Program,
+    Times,
+    TurnLeft,
+    paired,
+)
+
+# JAX as a dialect of Python, and programs that it differentiates.
+
+
+_NONZERO = sp.Symbol("nonzero")
+
+
+def differentiable(program: Program) -> Program:
+    """The program with kernels that JAX compiles and differentiates; their values are the same.
+
+    Rounding by adding and subtracting one number, which XLA would cancel, is a call. A branch that is not
+    taken never divides by 0, since derivatives would propagate the result. And a missing parameter needs no
+    gate: no function that reads it is called without it.
+    """
+
+    def rewritten(parts: Iterable[Any]) -> tuple[Any, ...]:
+        return tuple(
+            replace(p, assignments=tuple(replace(a, value=_smooth(a.value)) for a in p.assignments))
+            for p in parts
+        )
+
+    pairs = paired(program)  # they are guarded where they are divided
+    prepare = tuple(a if a.target in pairs else replace(a, value=_guarded(a.value)) for a in program.prepare)
+    helpers, routines = rewritten(program.helpers), rewritten(program.routines)
+    return replace(program, prepare=prepare, helpers=helpers, routines=routines)
+
+
+def _guarded(e: sp.Expr) -> sp.Expr:
+    """A choice by parameters, without a division by 0 in the branch that is not taken."""
+    if not isinstance(e, sp.Piecewise):
+        return e
+    divisors = {p for value, _ in e.args for p in value.atoms(sp.Pow) if p.exp.is_negative}
+    guarded = {p: Call(_NONZERO, p.base) ** p.exp for p in divisors}
+    return sp.Piecewise(*((value.xreplace(guarded), condition) for value, condition in e.args))
+
+
+def _smooth(e: sp.Expr) -> sp.Expr:
+    e = e.func(*map(_smooth, e.args)) if e.args else e
+    if isinstance(e, Minus) and e.args[1] == ROUNDER and isinstance(e.args[0], Plus):
+        return Call(sp.Symbol("rounded_off"), e.args[0].args[0])
+    if isinstance(e, Pick) and e.args[1].name == "==" and e.args[2] == 0:
+        by, _, _, x, y = e.args
+        if (x, y) == (1, Over(1, by)):
+            return Over(1, Call(_NONZERO, by))
+        if x == 0 and isinstance(y, Times) and y.args[1] == by:
+            return y
+    return e
+
+
+def _pair(e: sp.Expr, pairs: frozenset[sp.Symbol], plain: Language, name: Callable[[str], str]) -> str:
+    """The expression as a formula of pairs."""
+    if isinstance(e, sp.Piecewise):
+        return choice_of_pairs(e, lambda value: _pair(value, pairs, plain, name), plain)
+    inner = {
+        part: f"_turn_less({', '.join(printed(a, plain) for a in part.args)})"
+        if isinstance(part, TurnLeft)
+        else f"_pair({printed(part, plain)})"
+        for part in e.atoms(sp.Function)
+    }
+    spelled = {text: text for text in inner.values()} | {s.name: name(s.name) for s in pairs}
+    spelling = replace(
+        plain,
+        symbol=lambda s: spelled.get(s) or f"_pair({plain.symbol(s)})",
+        number=lambda decimal: f"_pair({number(decimal)})",
+    )
+    return printed(e.xreplace({part: sp.Symbol(text) for part, text in inner.items()}), spelling)
+
+
+def _broken(line: str) -> list[str]:
+    """A choice that is too long takes a line for each of its arguments."""
+    head, call, arguments = line.partition("_choose(")
+    if len(line) <= WIDTH or not call:
+        target, _, value = line.partition(" = ")
+        return broken(f"{target} = ", value)
+    parts, depth = [""], 0
+    for c in arguments[:-1]:
+        depth += (c == "(") - (c == ")")
+        if c == "," and not depth:
+            parts.append("")
+        else:
+            parts[-1] += c
+    return [f"{head}{call}", *(f"    {part.strip()}," for part in parts), ")"]
+
+
+DIALECT = Dialect(
+    kernel=on_samples("jnp")
+    | {
+        "sqrt": "_sqrt({0})",
+        "sine_ratio": "_sine_ratio({0})",
+        "cosine": "_cosine({0})",
+        "rounded_off": "jnp.round({0})",
+        "nonzero": "_nonzero({0})",
+    },
+    prepare=ON_PARAMETERS
+    | {"sqrt": "_sqrt({0})", "nonzero": "_nonzero({0})"}
+    | {name: f"_math({{0}}).{name}({{0}})" for name in ("sin", "cos", "exp")},
+    where="jnp.where({0}, {1}, {2})",
+    choice="_choose({0}, {1}, {2})",
+    decorator="_function",
+    missing="0.0",  # derivatives of what is not computed are finite
+    pair=_pair,
+    broken=_broken,
+    single=False,  # coefficients have the same names in both precisions
+)
 
 
 def view(program: Program, _: str) -> dict[str, Any]:
