@@ -14,9 +14,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from eccentric.arms import read_arm  # noqa: E402 - the root of the clone comes first
 from eccentric.emission import Choice, executed, render_arm  # noqa: E402
 from eccentric.model import recursion  # noqa: E402
+from eccentric.rigs import read_arm  # noqa: E402 - the root of the clone comes first
 
 FUNCTIONS = ("mechanical_friction_torque", "bearing_loads")
 FRICTION = {

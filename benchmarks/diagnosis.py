@@ -24,8 +24,8 @@ from benchmarks.diagnosis_jobs import Job, Result
 from benchmarks.oracle import oracle
 from benchmarks.outside import OUTSIDE
 from benchmarks.record import Part, peak, progress, table
+from eccentric.core import InputError
 from eccentric.diagnosis import diagnose, diagnosis_document
-from eccentric.errors import InputError
 from eccentric.virtual_bench import EFFECTS, PlantedEffect, random_scenario, simply, simulate, write
 
 # Seeds below this one were used while the method was developed, so they can no longer judge it.

@@ -25,9 +25,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks.disguised import Column, Disguised, Judged, disguised, judged
 from benchmarks.measured_logs import SETS, measured_log
 from benchmarks.record import Measured, Part, progress
+from eccentric.core import InputError
 from eccentric.drafting import Draft, draft_of, toml_of
-from eccentric.errors import InputError
-from eccentric.fitting import fit
+from eccentric.identification import fit
 from eccentric.logs import Log, read_log
 from eccentric.model import load_model
 from eccentric.rigs import read_rig

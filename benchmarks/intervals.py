@@ -20,9 +20,9 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks.asked import DIAGNOSIS
 from benchmarks.record import Measured, Part, progress, table
+from eccentric.core import InputError
 from eccentric.diagnosis.stage import stage_of
-from eccentric.errors import InputError
-from eccentric.fitting import refit
+from eccentric.identification import refit
 from eccentric.logs import read_log
 from eccentric.model import load_model
 from eccentric.rigs import read_rig

@@ -13,7 +13,7 @@ from scipy.signal import lombscargle
 
 from benchmarks.measured_plot import AFTER, BEFORE, INK, PALE, STYLE, band, friction, over_speed, pair
 from eccentric.diagnosis import Diagnosis
-from eccentric.fitting import Refit, refit, residual_samples
+from eccentric.identification import Refit, refit, residual_samples
 
 RPM = 30.0 / np.pi
 COPPER = 0.39

@@ -13,7 +13,7 @@ import numpy as np
 
 from benchmarks.measured_plot import friction
 from eccentric.diagnosis import Diagnosis
-from eccentric.fitting import refit
+from eccentric.identification import refit
 
 K_E = (0.32, 0.355, 0.39)
 """Published fits of k_t at the output of this servo, lowest, middle and highest [V s/rad]."""

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from eccentric.diagnosis import Diagnosis
-from eccentric.fitting import Refit
+from eccentric.identification import Refit
 
 Array = np.ndarray
 

@@ -28,7 +28,7 @@ from benchmarks.measured_identified import IDENTIFIED
 from benchmarks.measured_logs import ROOT, SETS, measured_log
 from benchmarks.measured_page import Cell, Table, table
 from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_lines
-from eccentric.estimation import improvement
+from eccentric.identification import improvement
 
 OUT = ROOT / "docs" / "measured"
 

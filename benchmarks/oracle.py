@@ -9,7 +9,7 @@ import numpy as np
 
 from eccentric.diagnosis import Diagnosis
 from eccentric.effects import library
-from eccentric.fitting import Refit, refit
+from eccentric.identification import Refit, refit
 
 STRETCHES = 20
 

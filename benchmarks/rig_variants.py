@@ -24,8 +24,8 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks.measured_logs import ROOT, SETS, measured_log
 from benchmarks.record import progress
+from eccentric.core import InputError
 from eccentric.diagnosis import diagnose
-from eccentric.errors import InputError
 from eccentric.logs import read_log
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels

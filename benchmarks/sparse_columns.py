@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks import environment
 from eccentric.diagnosis import Diagnosis
-from eccentric.fitting import base_columns
+from eccentric.identification import base_columns
 
 Array = np.ndarray
 ORDERS = range(1, 13)

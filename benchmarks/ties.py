@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from eccentric.core import InputError
 from eccentric.diagnosis import Diagnosis, diagnose
-from eccentric.errors import InputError
 from eccentric.planning import Bounds
 from eccentric.virtual_bench import EFFECTS, BenchRun, Scenario, random_scenario, simulate
 from eccentric.virtual_bench.plant import Plant

@@ -5,10 +5,10 @@ Run it to read the derivation: python derivations/c1_asymmetric.py
 
 import sympy as sp
 
+from eccentric.core import show
 from eccentric.model import Backward, Equation, Forward, Identity, load_model, symbols
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import directed
-from eccentric.output import show
 
 omega_m, F = symbols(v.omega_m, v.F)
 symmetric = load_model("c1_perpendicular")

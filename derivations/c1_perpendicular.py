@@ -5,10 +5,10 @@ Run it to read the derivation: python derivations/c1_perpendicular.py
 
 import sympy as sp
 
+from eccentric.core import show
 from eccentric.model import Equation, Identity, load_model, symbols
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import limit
-from eccentric.output import show
 
 omega_m, omega_l, alpha_l, u = symbols(v.omega_m, v.omega_l, v.alpha_l, v.u)
 M, M_l, L, g, phi, mu, J = symbols(v.M, v.M_l, v.L, v.g, v.phi, v.mu, v.J)

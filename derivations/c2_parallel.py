@@ -5,6 +5,7 @@ Run it to read the derivation: python derivations/c2_parallel.py
 
 import sympy as sp
 
+from eccentric.core import show
 from eccentric.model import (
     Equation,
     HalfCosine,
@@ -17,7 +18,6 @@ from eccentric.model import (
 )
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import limit
-from eccentric.output import show
 
 theta_m, omega_m, theta_l, omega_l, alpha_l = symbols(v.theta_m, v.omega_m, v.theta_l, v.omega_l, v.alpha_l)
 M, M_l, L, g, phi, mu = symbols(v.M, v.M_l, v.L, v.g, v.phi, v.mu)

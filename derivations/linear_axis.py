@@ -7,6 +7,7 @@ Run it to read the derivation: python derivations/linear_axis.py
 
 import sympy as sp
 
+from eccentric.core import show
 from eccentric.model import (
     LINEAR,
     Balance,
@@ -21,7 +22,6 @@ from eccentric.model import (
     symbols,
 )
 from eccentric.model import vocabulary as v
-from eccentric.output import show
 
 # The toolkit's letters of a drive; LINEAR puts them into the words of a carriage: theta_m is the position,
 # J_m the mass, B_m and C_m the friction of the whole axis, T_load the load.

@@ -6,6 +6,7 @@ Run it to read the derivation: python derivations/rotating_link.py
 
 import sympy as sp
 
+from eccentric.core import show
 from eccentric.model import (
     Balance,
     Bounded,
@@ -26,7 +27,6 @@ from eccentric.model import (
     symbols,
 )
 from eccentric.model import vocabulary as v
-from eccentric.output import show
 
 t, theta_m, omega_m, alpha_m = symbols(v.t, v.theta_m, v.omega_m, v.alpha_m)
 theta_l, omega_l, alpha_l = symbols(v.theta_l, v.omega_l, v.alpha_l)

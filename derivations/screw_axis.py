@@ -6,8 +6,8 @@ Run it to read the derivation: python derivations/screw_axis.py
 
 from dataclasses import replace
 
+from eccentric.core import show
 from eccentric.model import load_model, quantity
-from eccentric.output import show
 
 carriage = load_model("linear_axis")
 # The toolkit's letter of a gear: the angle of the screw is mu times the position.

@@ -35,7 +35,7 @@ through their `__init__`:
 `virtual_bench` simulates a test bench with its own code.
 """
 
-import eccentric.started  # noqa: F401 - before anything else
+import eccentric.import_time  # noqa: F401 - before anything else
 from eccentric.lazy import lazy_names
 from eccentric.version import __version__  # noqa: F401 - in `__init__.pyi` with the rest
 

@@ -29,7 +29,7 @@ from eccentric.api import fit as fit
 from eccentric.api import fit_arm as fit_arm
 from eccentric.api import plan as plan
 from eccentric.compiled import compile as compile  # noqa: A004 - called as eccentric.compile
-from eccentric.errors import InputError as InputError
+from eccentric.core import InputError as InputError
 from eccentric.logs import Log as Log
 from eccentric.logs import read_log as read_log
 from eccentric.model import Model as Model

@@ -18,10 +18,9 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from eccentric.arms import read_arm
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs import evaluate, parse_value, read_log
-from eccentric.rigs import CHANNELS, KEYS, KNOWNS, read_rig
+from eccentric.rigs import CHANNELS, KEYS, KNOWNS, read_arm, read_rig
 from tests.damage import NUMBERS, csv_bytes, files, json_bytes, mat73_bytes, mat_bytes, parquet_bytes, texts
 from tests.recordings import bag_bytes, hdf5_bytes, mcap_bytes, mdf_bytes, npz_bytes, tdms_bytes, ulog_bytes
 

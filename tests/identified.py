@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from eccentric.fitting import Refit
+from eccentric.identification import Refit
 
 FILTERED = 1e-3
 """Relative: what a low pass of 25 Hz and a spline at 125 Hz take from an acceleration of 2 Hz and less."""

@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[1]
 HEAD = """
 import os, signal, sys
 from pathlib import Path
-from eccentric.output import whole_file, whole_files, whole_folder
+from eccentric.core import whole_file, whole_files, whole_folder
 
 out, text = Path(sys.argv[1]), sys.argv[2]
 

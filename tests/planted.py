@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from eccentric.fitting import Fit, fit
+from eccentric.identification import Fit, fit
 from eccentric.model import load_model
 from eccentric.rigs import Rig, read_rig
 from eccentric.signals import Channels, read_channels

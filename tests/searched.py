@@ -13,11 +13,11 @@ import numpy as np
 from scipy.linalg import hadamard
 
 from eccentric.effects import Evidence, Shape
-from eccentric.estimation import Coefficient
+from eccentric.identification import BalanceDesign, Coefficient
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate
 from eccentric.search.screen import Screen
-from eccentric.signals import BalanceDesign, Rows
+from eccentric.signals import Rows
 
 Array = np.ndarray
 BLOCKS, SIZE = 128, 16

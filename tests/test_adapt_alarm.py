@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from eccentric.core import InputError
 from eccentric.emission.adapt import alarm_of, run_length, threshold_of
-from eccentric.errors import InputError
 from tests.adapted import Estimator, columns, current, emitted, module, motion
 
 NOISE = 0.007

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from eccentric.core import InputError
 from eccentric.emission.adapt import prior_of
-from eccentric.errors import InputError
 from eccentric.model import Model, load_model, with_values
 from tests.adapted import DRIVE, Estimator, emitted, module, motion, python_bits
 from tests.extended import effects

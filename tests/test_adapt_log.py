@@ -10,7 +10,7 @@ import pytest
 import eccentric
 from eccentric.adaptation.replay import _elapsed, inputs_of
 from eccentric.cli import main
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.model import TURNING
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels

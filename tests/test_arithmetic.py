@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs.arithmetic import evaluate
 from eccentric.logs.limits import DEEPEST_ARITHMETIC, LONGEST_ARITHMETIC
 

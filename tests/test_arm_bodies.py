@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import eccentric
-from eccentric.arms import read_arm
+from eccentric.core import InputError
 from eccentric.emission import executed
-from eccentric.errors import InputError
 from eccentric.model import identity_of, with_bodies, with_numbers
+from eccentric.rigs import read_arm
 from tests.import_graph import ROOT
 from tests.test_arm_functions import moments
 

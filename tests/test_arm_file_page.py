@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
-from eccentric.arms import KEYS_OF_ARMS, KEYS_OF_BODIES, KEYS_OF_JOINTS, read_arm
+from eccentric.rigs import KEYS_OF_ARMS, KEYS_OF_BODIES, KEYS_OF_JOINTS, read_arm
 from tests.arms import bodies_of
 from tests.test_arms_urdf import joint, link, robot
 

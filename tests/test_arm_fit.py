@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.joints import ArmFit, arm_fit_document, arm_fit_lines, fit_arm
 from eccentric.joints.base_parameters import (
     BodyModule,

@@ -5,8 +5,8 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from eccentric.core import InputError
 from eccentric.emission import Choice, executed, render_arm
-from eccentric.errors import InputError
 from eccentric.model import Body, Chain, Joint, Placement, recursion
 from tests.arms import random_chain
 from tests.test_chain_numpy import TWO_LINKS, motions

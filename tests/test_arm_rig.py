@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.model import Chain, Joint
 from eccentric.rigs import names_arm, read_arm_rig, read_rig
 from eccentric.signals import read_joints

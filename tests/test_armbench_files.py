@@ -12,7 +12,7 @@ import pytest
 
 import eccentric
 from eccentric import InputError, cli
-from eccentric.arms import read_arm
+from eccentric.rigs import read_arm
 from eccentric.virtual_bench import ARM_EFFECTS, ARM_VARIANTS, ArmRun, random_arm_scenario, simulate_arm
 from tests.armbench import drawn_arm_scenario, require_mujoco
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from _pytest.mark import ParameterSet
 
-from eccentric.arms import read_arm
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.model import recursion
+from eccentric.rigs import read_arm
 from tests.test_chain_pinocchio import AGREE, ours
 
 pin = pytest.importorskip("pinocchio", reason="Pinocchio (`pip install pin`) is not installed")

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.arms import read_arm
-from eccentric.errors import InputError
+from eccentric.core import InputError
+from eccentric.rigs import read_arm
 from tests.test_arms_urdf import ARM, BASE, FINGERS, joint, link, robot
 
 ELBOW = '[[joint]]\nname = "elbow"\n'

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from eccentric.arms import read_arm
 from eccentric.model import Body, Chain, Recursion, recursion
+from eccentric.rigs import read_arm
 from tests.arms import behind, bodies_of, evaluated, number
 
 ARMS = Path(__file__).resolve().parents[1] / "examples" / "arms"

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from eccentric.arms import read_arm
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.model import Chain
+from eccentric.rigs import read_arm
 from tests.arms import bodies_of
 
 pytest.importorskip("yourdfpy", reason="yourdfpy (`pip install 'eccentric[arms]'`) is not installed")

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from eccentric.effects import Evidence, Shape
-from eccentric.estimation import Coefficient
+from eccentric.identification import Coefficient, balance_design
 from eccentric.model import quantity
 from eccentric.search import Attribution, attribute
 from eccentric.search.candidate import Candidate
 from eccentric.search.smooth import Variables
-from eccentric.signals import balance_design, hann_windows
+from eccentric.signals import hann_windows
 
 MU, NOISE = 0.2, 0.004
 

@@ -6,8 +6,8 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
-from eccentric.audit import PRINTED, agrees, findings, polynomial, table_1
 from eccentric.cli import main
+from eccentric.paper import PRINTED, agrees, findings, polynomial, table_1
 from tests import paper
 
 MU = [sp.Rational(1, 5), sp.Rational(1, 30)]

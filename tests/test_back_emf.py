@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from eccentric.errors import InputError
-from eccentric.fitting import Fit, back_emf_columns, fit
+from eccentric.core import InputError
+from eccentric.identification import Fit, back_emf_columns, fit
 from eccentric.model import Model, Role, Term, load_model, quantity
 from eccentric.model import vocabulary as v
 from tests.planted import FRICTION, K_E, K_I, KNOWN, MASS, MOTOR, R, fitted, motion, torque, voltage, written

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs import LogStream, batches, csv_file, mat_file, read_log, stream_log
 from eccentric.logs.log import READERS
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from eccentric.effects import Evidence
+from eccentric.identification import balance_design
 from eccentric.search import nulltest
 from eccentric.search.candidate import Candidate, Variant
 from eccentric.search.limits import EXTRAPOLATED, MOST_GROUPS
 from eccentric.search.nulltest import _Drawn, beats_chance
 from eccentric.search.screen import Fitted, Screen
-from eccentric.signals import balance_design
 from eccentric.signals.rows import Rows
 from tests.searched import candidate, search
 

@@ -228,7 +228,7 @@ def test_the_bench_shares_nothing_with_the_toolkit() -> None:
 
     others = {name for name in foreign if not name.startswith("eccentric.virtual_bench")}
 
-    assert others == {"eccentric.errors", "eccentric.output"}
+    assert others == {"eccentric.core"}
 
 
 def test_the_angle_is_that_of_the_nearest_count() -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from eccentric import cli
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.virtual_bench import EFFECTS, VARIANTS
 from tests.virtual import drawn_scenario
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.virtual_bench import on_reference, random_scenario, simulate
 from eccentric.virtual_bench.trajectory import Course, speed_runs, sum_of_sines
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from eccentric.compiled.entry import CacheEntry, keep_library, read_entry, read_record, write_entry
-from eccentric.errors import InputError
+from eccentric.core import InputError
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from eccentric.core import InputError
 from eccentric.emission import Choice, executed, render_arm
-from eccentric.errors import InputError
 from eccentric.model import Body, Chain, Joint, recursion
 from eccentric.model import vocabulary as v
 from tests.arms import random_chain

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.model import Body, Chain, Joint, Placement
 
 CASES = {

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.signals import read_channels
 from tests.logged import (
     MAPPED,

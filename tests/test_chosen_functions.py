@@ -9,7 +9,7 @@ import eccentric
 from benchmarks import cortex_m4
 from benchmarks.asked import CODE
 from benchmarks.footprint import footprint
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.model import model_names
 from tests.compiled import FLAGS, GENERATED, run
 from tests.hosts import REALS, both_reals, need

@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 from eccentric import cli
-from eccentric.errors import InputError
-from eccentric.places import folder
+from eccentric.core import InputError, folder
 
 ROOT = Path(__file__).resolve().parents[1]
 

@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from eccentric import cli
-from eccentric.errors import InputError
-from eccentric.output import MARKER, whole_file, whole_folder
+from eccentric.core import MARKER, InputError, whole_file, whole_folder
 
 
 def test_a_folder_is_replaced_as_a_whole(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 import eccentric
 from eccentric.cli import main
 from eccentric.diagnosis.stage import stage_of
-from eccentric.fitting import refit
+from eccentric.identification import refit
 from eccentric.signals import read_channels
 from eccentric.virtual_bench import simulate
 from tests.virtual import drawn_scenario

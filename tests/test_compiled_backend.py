@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 
 import eccentric
-from eccentric.errors import InputError
+from eccentric.core import InputError, folder
 from eccentric.model import load_model
-from eccentric.places import folder
 from tests import oracle
 from tests.emitted import (
     CALLED_ON_STATES,

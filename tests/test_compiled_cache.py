@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import eccentric
-from eccentric import started
+from eccentric import import_time
 from eccentric.compiled import entry
 from eccentric.compiled.entry import local_compiler
 from tests.emitted import module
@@ -47,7 +47,7 @@ def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CACHE_HOME", str(folder))
-        patch.setattr(started, "imported_at", float("inf"))
+        patch.setattr(import_time, "imported_at", float("inf"))
         yield folder / "eccentric"
 
 
@@ -202,7 +202,7 @@ def test_a_source_that_is_edited_while_a_process_runs_is_not_what_it_ran(
 ) -> None:
     """Then the process remembers nothing: the next one may run other code."""
     own = _own(tmp_path, "0.017")
-    monkeypatch.setattr(started, "imported_at", 0.0)
+    monkeypatch.setattr(import_time, "imported_at", 0.0)
     eccentric.compile(own)
 
     assert not _is_found(own)

@@ -11,11 +11,10 @@ import pytest
 
 import eccentric
 from eccentric import cli
-from eccentric.arms import read_arm
+from eccentric.core import InputError
 from eccentric.drafting import draft_of_arm
-from eccentric.errors import InputError
 from eccentric.logs import Log
-from eccentric.rigs import read_arm_rig
+from eccentric.rigs import read_arm, read_arm_rig
 from eccentric.signals import read_joints
 from tests.arm_logs import arm_log_of, plain, planar_arm
 

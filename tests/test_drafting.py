@@ -13,11 +13,11 @@ import pytest
 import eccentric
 from benchmarks.disguised import Column, disguised, judged
 from eccentric.api.simulated import BenchResult
+from eccentric.core import InputError
 from eccentric.drafting import draft_of, toml_of
 from eccentric.drafting.columns import LoggedColumn as Values
 from eccentric.drafting.columns import nice_counts, step_of, wrap_of
 from eccentric.drafting.words import Name, read_name
-from eccentric.errors import InputError
 from eccentric.logs import Log
 from eccentric.signals import beside_the_rig, read_channels
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.fitting import Drive, Refit, drive_of, fit_data_of, loaded_model, refit
+from eccentric.identification import Drive, Refit, drive_of, fit_data_of, loaded_model, refit
 from eccentric.model import load_model
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from eccentric.core import InputError
 from eccentric.effects import Effect, library
 from eccentric.emission import load_module
-from eccentric.errors import InputError
 from eccentric.model import Model, load_model, meaning
 from eccentric.model import vocabulary as v
 from tests.extended import M_L, MU, L, M, effects, setting

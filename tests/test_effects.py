@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from eccentric.core import InputError
 from eccentric.effects import FAMILIES, Effect, Evidence, base_aliases, library, load_effects
 from eccentric.emission import load_module
-from eccentric.errors import InputError
 from eccentric.model import Change, Definition, load_model, quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import of_expression, of_unit

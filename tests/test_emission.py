@@ -17,6 +17,7 @@ import sympy as sp
 from eccentric import __version__
 from eccentric.cli import main
 from eccentric.compiled.view import view as compiled_view
+from eccentric.core import folder
 from eccentric.emission import (
     BACKENDS,
     build_program,
@@ -31,7 +32,6 @@ from eccentric.emission import (
 )
 from eccentric.emission.program import Assignment, Input, Program, Routine, differentiate, needed
 from eccentric.model import load_model, model_names, quantity
-from eccentric.places import folder
 from generated import c2_parallel
 from tests.compiled import FLAGS
 

@@ -16,8 +16,7 @@ import numpy as np
 import pytest
 
 from eccentric import cli
-from eccentric.errors import InputError
-from eccentric.output import locks, whole_file, whole_folder, workshop
+from eccentric.core import InputError, locks, whole_file, whole_folder, workshop
 from eccentric.virtual_bench import write
 from tests.kills import ROOT, at_each_step, left_by
 
@@ -35,7 +34,7 @@ def draw(folder):
     while True:
         time.sleep(60)
 
-sys.modules["eccentric.figures"] = SimpleNamespace(draw=draw)  # the real one takes seconds
+sys.modules["eccentric.paper"] = SimpleNamespace(draw=draw)  # the real one takes seconds
 sys.exit(cli.main(["figures", "--out", sys.argv[1]]))
 """
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.diagnosis.stage import stage_of
-from eccentric.estimation import rms
-from eccentric.fitting import Refit, refit
+from eccentric.identification import Refit, refit, rms
 from eccentric.logs import read_log
 from eccentric.model import load_model
 from eccentric.rigs import read_rig

@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from eccentric.figures import (
+from eccentric.paper import (
     Section,
     figure_2,
     figure_4,

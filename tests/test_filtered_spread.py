@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from eccentric.estimation import Coefficient, Design
+from eccentric.identification import Coefficient, Design
 
 N = 4000
 MOVED = np.array([0.3, -0.02])

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from eccentric.core import InputError
 from eccentric.emission import load_module
-from eccentric.errors import InputError
-from eccentric.fitting import Fit, emitted_parameters, fit, fit_document, fit_lines, fit_sentence
+from eccentric.identification import Fit, emitted_parameters, fit, fit_document, fit_lines, fit_sentence
 from eccentric.model import load_model
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels

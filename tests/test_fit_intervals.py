@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from eccentric.fitting import fit, fit_lines
+from eccentric.identification import fit, fit_lines
 from eccentric.model import load_model
 from eccentric.rigs import Rig
 from eccentric.signals import Channels

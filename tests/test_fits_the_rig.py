@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.diagnosis import diagnose, diagnosis_document
-from eccentric.fitting import fit, fit_sentence
+from eccentric.identification import fit, fit_sentence
 from eccentric.logs import read_log
 from eccentric.model import load_model
 from eccentric.rigs import read_rig

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from eccentric.api import fleet as api
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.fleet import NOT_GROUPED, FleetProblem, Suspect, fleet_sentence
 from eccentric.fleet.drift import Changed, FleetChange, Series
 from eccentric.fleet.found import FleetFound, drifting_of

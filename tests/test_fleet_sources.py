@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.fleet.gathered import Assigned
 from eccentric.fleet.sources import find, in_order
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.fleet.sums.columns import Columns, dependent, merged, solve, triangles
 from eccentric.fleet.sums.of_file import FileSums, _Left, any_in, means, rates, sums_of
 from eccentric.logs import Log

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from eccentric.fitting import Signals
+from eccentric.identification import Signals
 from eccentric.model import load_model
 from eccentric.search import candidate_of
 from tests.extended import KNOWN, effects

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from eccentric.effects import Shape
-from eccentric.fitting import FitData, drive_of, fit_data_of
+from eccentric.identification import FitData, drive_of, fit_data_of
 from eccentric.logs import read_log
 from eccentric.model import Model, load_model, quantity
 from eccentric.rigs import read_rig

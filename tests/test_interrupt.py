@@ -14,7 +14,7 @@ import pytest
 
 from eccentric import DiagnosisResult
 from eccentric.cli import main
-from eccentric.output import whole_folder
+from eccentric.core import whole_folder
 
 ROOT = Path(__file__).resolve().parents[1]
 

@@ -8,7 +8,7 @@ import pytest
 
 import eccentric
 from eccentric.api import FitResult
-from eccentric.fitting import in_drive_unit
+from eccentric.identification import in_drive_unit
 from tests.carriage import RIG, SLIDE, TRUTH, Carriage, logged
 
 SEEDS = 20

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import eccentric
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs import read_log, stream_log
 from eccentric.rigs import Rig, read_rig
 from eccentric.signals import read_long

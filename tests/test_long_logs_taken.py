@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 import eccentric
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs import stream_log
 from eccentric.rigs import read_arm_rig
 from eccentric.signals import Channels, read_joints, read_long_joints

@@ -3,7 +3,7 @@
 import pytest
 import sympy as sp
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.model import Balance, Definition, Model, Role, Term, quantity
 
 speed = quantity("speed", "rad/s", "velocity")

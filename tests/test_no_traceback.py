@@ -14,8 +14,7 @@ import pytest
 
 import eccentric
 from eccentric.cli import main
-from eccentric.errors import InputError
-from eccentric.output import show
+from eccentric.core import InputError, show
 from eccentric.rigs import ColumnSource
 from eccentric.signals import read_channels
 
@@ -106,12 +105,12 @@ def test_too_little_memory_is_one_line(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:
     """As under a limit of the shell: NumPy raises MemoryError."""
-    import eccentric.audit
+    import eccentric.paper
 
     def full() -> str:
         raise MemoryError
 
-    monkeypatch.setattr(eccentric.audit, "table_1", full)
+    monkeypatch.setattr(eccentric.paper, "table_1", full)
 
     assert 2 == main(["audit"])
     assert capsys.readouterr().err.startswith("eccentric: error: not enough memory: ")

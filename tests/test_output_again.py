@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.errors import InputError
-from eccentric.output import MARKER, own_folder, whole_folder
+from eccentric.core import MARKER, InputError, own_folder, whole_folder
 
 
 def written(out: Path, *names: str, command: str = "fit") -> None:

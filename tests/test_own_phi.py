@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from eccentric.core import InputError
 from eccentric.diagnosis import diagnose
-from eccentric.errors import InputError
-from eccentric.fitting import emitted_parameters, fit
+from eccentric.identification import emitted_parameters, fit
 from eccentric.model import Model, Role, Sgn, Term, load_model, quantity
 from eccentric.model import vocabulary as v
 from eccentric.rigs import read_rig

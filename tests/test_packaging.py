@@ -125,7 +125,7 @@ def test_the_source_archive_can_be_tested(name: str, built: tuple[Path, Path]) -
 
 def test_an_installed_copy_works_anywhere(site: Path, tmp_path: Path) -> None:
     """Away from the clone the installed command finds its own derivations and templates."""
-    where = "from eccentric.places import folder; print(folder('derivations'), folder('templates'))"
+    where = "from eccentric.core import folder; print(folder('derivations'), folder('templates'))"
 
     places = _run(sys.executable, "-c", where, cwd=tmp_path, PYTHONPATH=str(site))
     audit = _run(sys.executable, "-m", "eccentric", "audit", cwd=tmp_path, PYTHONPATH=str(site))

@@ -18,8 +18,8 @@ from scipy.optimize import lsq_linear
 import eccentric
 from eccentric.api.planned import PlanResult
 from eccentric.cli import main
+from eccentric.core import InputError
 from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document
-from eccentric.errors import InputError
 from eccentric.model import TURNING
 from eccentric.planning import Bounds, plan_lines, planned, question_from, question_of, read_bounds
 from eccentric.planning.choice import Heavier, decided

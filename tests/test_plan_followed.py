@@ -9,8 +9,8 @@ import pytest
 from scipy.signal import StateSpace, lsim
 
 import eccentric
+from eccentric.core import InputError
 from eccentric.diagnosis import diagnose
-from eccentric.errors import InputError
 from eccentric.planning import Bounds, Reference, plan_document, plan_lines, planned, question_of
 from eccentric.planning.choice import kept
 from eccentric.planning.limits import INTEGRAL_PER_S, SPEED_FILTER_HZ

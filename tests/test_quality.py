@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 from eccentric.api import fit
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.rigs import read_rig
 from eccentric.signals import Finding, read_channels
 from eccentric.signals.quality import assess

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs import Log, read_log
 from eccentric.logs import csv_file as log_csv
 

@@ -13,7 +13,7 @@ import pytest
 from scipy.io import savemat
 from scipy.sparse import csc_array
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs import Log, read_log, stream_log
 
 T = np.arange(4.0)

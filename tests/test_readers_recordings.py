@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs import Log, read_log, stream_log
 from tests import recordings
 from tests.recordings import ANGLE, CURRENT, T

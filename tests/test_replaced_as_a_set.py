@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from eccentric.core import MARKER, whole_folder
 from eccentric.emission import write
-from eccentric.output import MARKER, whole_folder
 from tests.kills import at_each_step, left_by
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals are those of POSIX")

@@ -12,7 +12,7 @@ import pytest
 from jinja2 import meta
 
 from eccentric import report as package
-from eccentric.places import folder
+from eccentric.core import folder
 from eccentric.report import page
 from eccentric.report.data import Errors
 from eccentric.report.text import number, why

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from eccentric.core import InputError
 from eccentric.emission import render
 from eccentric.emission.program.build import OF_COEFFICIENTS
-from eccentric.errors import InputError
 from eccentric.model import Change, Extension, Model, Role, Term, extended, load_model, quantity
 from eccentric.model import vocabulary as v
 from generated.eccentric_runtime import Coefficients

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.rigs import Alignment, names_arm, read_arm_rig, read_rig
 
 SHARED = Path(__file__).parents[1] / ".." / "shared" / "data" / "examples"

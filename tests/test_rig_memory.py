@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.rigs import names_arm, read_rig
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.fitting import Fit, fit
+from eccentric.identification import Fit, fit
 from eccentric.logs import parse_unit
 from eccentric.model import load_model
 from eccentric.rigs import CHANNELS, KEYS, KNOWNS, read_rig

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
+from eccentric.core import InputError
 from eccentric.effects import library
 from eccentric.emission import build_program, load_module
-from eccentric.errors import InputError
-from eccentric.fitting import drive_of, emitted_parameters, fit, fit_data_of, refit
+from eccentric.identification import drive_of, emitted_parameters, fit, fit_data_of, refit
 from eccentric.model import (
     Definition,
     Load,

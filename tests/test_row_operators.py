@@ -11,7 +11,7 @@ import pytest
 from scipy import signal
 from scipy.integrate import quad
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.signals import Rows, hann_windows, low_pass_of, white_noise
 from eccentric.signals.filters import is_even
 from eccentric.signals.limits import BLOCK_S

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.errors import InputError
-from eccentric.fitting import drive_of, fit_data_of
-from eccentric.fitting.problem import pose
+from eccentric.core import InputError
+from eccentric.identification import drive_of, fit_data_of
+from eccentric.identification.problem import pose
 from eccentric.logs import read_log
 from eccentric.model import load_model
 from eccentric.rigs import Rig, read_rig

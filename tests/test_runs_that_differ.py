@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from eccentric.estimation import Coefficient
+from eccentric.identification import Coefficient, balance_design
 from eccentric.search import runs_that_differ
-from eccentric.signals import Rows, balance_design
+from eccentric.signals import Rows
 
 NAMES = ("monday", "tuesday", "wednesday", "thursday", "friday")
 ROWS = 200

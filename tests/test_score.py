@@ -13,7 +13,7 @@ import eccentric
 from eccentric.diagnosis import diagnose, diagnosis_sentence, leave_runs_out
 from eccentric.diagnosis.models import Models, confirms, contradiction
 from eccentric.diagnosis.score import BelowLowPass, Score, score
-from eccentric.fitting import FitData, drive_of, fit_data_of, refit
+from eccentric.identification import FitData, drive_of, fit_data_of, refit
 from eccentric.model import Model, load_model
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels

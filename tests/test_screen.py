@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.effects import Shape
-from eccentric.estimation import Coefficient
+from eccentric.identification import Coefficient
 from eccentric.model import Role, quantity
 from eccentric.search.candidate import Candidate, Scaling, Values, Variant, grid
 from eccentric.search.limits import BELOW_NOISE

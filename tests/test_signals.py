@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from eccentric.fitting import Signals, compiled
+from eccentric.identification import Signals, compiled
 from eccentric.model import Definition, load_model, quantity
 from eccentric.model import vocabulary as v
 from generated import c2_parallel

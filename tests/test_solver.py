@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit, lsq_linear
 
-from eccentric.estimation import (
+from eccentric.identification import (
     Coefficient,
     Design,
     Nonlinear,
@@ -20,7 +20,7 @@ from eccentric.estimation import (
     search,
     slopes_between,
 )
-from eccentric.fitting.machine import Machine
+from eccentric.identification.machine import Machine
 from eccentric.model import load_model
 from eccentric.model import vocabulary as v
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from eccentric.fitting import Signals
-from eccentric.fitting.states import state_series
+from eccentric.identification import Signals
+from eccentric.identification.states import state_series
 from eccentric.model import load_model
 from tests.extended import KNOWN, W_MAX, effects
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eccentric.fitting import Fit, fit
+from eccentric.identification import Fit, fit
 from eccentric.model import load_model
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from eccentric.core import InputError
 from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_sentence
-from eccentric.errors import InputError
-from eccentric.fitting import drive_of, fit_data_of, refit
+from eccentric.identification import drive_of, fit_data_of, refit
 from eccentric.model import load_model
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels

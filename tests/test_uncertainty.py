@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from eccentric.estimation import bounded
-from eccentric.estimation.limits import FRACTION
-from eccentric.estimation.uncertainty import (
+from eccentric.identification import bounded
+from eccentric.identification.limits import FRACTION
+from eccentric.identification.uncertainty import (
     TWO_SIDED,
     covariance,
     improvement,

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs import parse_unit, parse_value, require_unit
 
 TURN = 2.0 * math.pi

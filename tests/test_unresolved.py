@@ -11,7 +11,7 @@ import sympy as sp
 import eccentric
 from eccentric.api.diagnosed import DiagnosisResult
 from eccentric.effects import library
-from eccentric.fitting.drive import unresolved
+from eccentric.identification.drive import unresolved
 from eccentric.model import load_model
 from eccentric.model import vocabulary as v
 from tests.extended import J_L, J_M, K_E, K_I, M_L, MU, G, L, M, R, setting

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document
-from eccentric.fitting import refit
+from eccentric.identification import refit
 from eccentric.report.gather import report_data
 from tests.identified import FILTERED, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Array, Friction, Swing, log_of, sines, write_rig, write_runs
@@ -115,7 +115,7 @@ def test_a_fit_that_is_stopped_too_early_says_so(
     data = with_load.data
     assert data.drive.scale is not None
     wrong = replace(data, drive=replace(data.drive, scale=1.05 * data.drive.scale))
-    monkeypatch.setattr("eccentric.fitting.extended.MOST_STEPS", 1)
+    monkeypatch.setattr("eccentric.identification.extended.MOST_STEPS", 1)
     early = refit(with_load.models.base, (), wrong, bounds=False)
     found = replace(with_load, models=replace(with_load.models, paper=early))
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.core import InputError
 from eccentric.emission import Adaptation, executed_beside, load_module, prior_of, render, render_adapt
-from eccentric.errors import InputError
 from eccentric.model import TURNING, AxisKind, Model, spoken_quantity
 from eccentric.model import vocabulary as v
 from eccentric.signals import Channels

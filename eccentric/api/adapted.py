@@ -27,12 +27,11 @@ from eccentric.api.inputs import (
     sources_of,
 )
 from eccentric.api.result import Printed, ResultTable, new_axes, paragraphs
+from eccentric.core import InputError, given_path
 from eccentric.emission import Adaptation, document_of, read_parameters, with_fitted
-from eccentric.errors import InputError
-from eccentric.fitting import Drive, fit_document
-from eccentric.fitting import fit as fit_channels
+from eccentric.identification import Drive, fit_document
+from eccentric.identification import fit as fit_channels
 from eccentric.logs import log_names
-from eccentric.places import given_path
 from eccentric.rigs import read_rig
 from eccentric.signals import Channels, read_channels
 

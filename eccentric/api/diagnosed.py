@@ -19,6 +19,7 @@ from eccentric.api.inputs import (
     sources_of,
 )
 from eccentric.api.result import Correlation, Result, ResultTable, new_axes, paragraphs
+from eccentric.core import InputError, given_path, whole_file, whole_folder
 from eccentric.diagnosis import (
     BASE,
     Diagnosis,
@@ -32,10 +33,7 @@ from eccentric.diagnosis import (
 )
 from eccentric.diagnosis import diagnose as diagnose_logs
 from eccentric.emission import complete, write
-from eccentric.errors import InputError
 from eccentric.model import Model
-from eccentric.output import whole_file, whole_folder
-from eccentric.places import given_path
 from eccentric.report import Parameter, ReportData, page, plot_report, report_data
 from eccentric.rigs import read_rig
 from eccentric.signals import read_long

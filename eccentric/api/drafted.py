@@ -10,17 +10,24 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, read_logs
-from eccentric.arms import read_arm
+from eccentric.core import InputError, MissingValueError, counted, few, whole_file
 from eccentric.drafting import Draft, Proposal, RigLine, draft_of, draft_of_arm, log_complaints, toml_of
-from eccentric.errors import InputError, MissingValueError, counted, few
-from eccentric.fitting import fit as fit_channels
-from eccentric.fitting import fit_sentence
+from eccentric.identification import fit as fit_channels
+from eccentric.identification import fit_sentence
 from eccentric.joints import arm_fit_lines
 from eccentric.joints import fit_arm as fit_joints
 from eccentric.logs import Log, log_names
 from eccentric.model import load_model, with_numbers
-from eccentric.output import whole_file
-from eccentric.rigs import Complaint, Rig, arm_rig_complaints, knowns_of, names_arm, read_rig, rig_complaints
+from eccentric.rigs import (
+    Complaint,
+    Rig,
+    arm_rig_complaints,
+    knowns_of,
+    names_arm,
+    read_arm,
+    read_rig,
+    rig_complaints,
+)
 from eccentric.signals import (
     Channels,
     Finding,

@@ -12,6 +12,7 @@ from eccentric.api.adapted import asked_adaptation
 from eccentric.api.fitted import FitResult
 from eccentric.api.inputs import ModelSource, arm_of, is_arm, model_of, origin_of
 from eccentric.api.result import require_fit, write_arm, write_emitted
+from eccentric.core import InputError, given_path, refuse_other_files
 from eccentric.emission import (
     WHOLE,
     Arrays,
@@ -21,8 +22,6 @@ from eccentric.emission import (
     read_parameters,
     with_fitted,
 )
-from eccentric.errors import InputError
-from eccentric.places import given_path, refuse_other_files
 
 
 def emit(

@@ -19,15 +19,15 @@ from eccentric.api.inputs import (
 )
 from eccentric.api.result import Correlation, Result, ResultTable, new_axes, paragraphs
 from eccentric.emission import read_parameters, with_fitted
-from eccentric.estimation import Estimate
-from eccentric.fitting import (
+from eccentric.identification import (
     Comparison,
+    Estimate,
     compare,
     fit_document,
     fit_lines,
     plot_fit,
 )
-from eccentric.fitting import fit as fit_channels
+from eccentric.identification import fit as fit_channels
 from eccentric.logs import log_names
 from eccentric.model import Model
 from eccentric.rigs import read_rig

@@ -14,7 +14,16 @@ from urllib.parse import quote
 
 from eccentric.api.diagnosed import DiagnosisResult, diagnose
 from eccentric.api.result import Printed, ResultTable
-from eccentric.errors import InputError, counted, few, so_more
+from eccentric.core import (
+    InputError,
+    counted,
+    few,
+    own_folder,
+    remove_folder,
+    so_more,
+    whole_file,
+    whole_folder,
+)
 from eccentric.fleet import (
     NOT_GROUPED,
     NOT_TESTED,
@@ -38,7 +47,6 @@ from eccentric.fleet import (
     run_fleet,
     write_coefficients,
 )
-from eccentric.output import own_folder, remove_folder, whole_file, whole_folder
 from eccentric.version import __version__
 
 _COMMAND = "fleet"

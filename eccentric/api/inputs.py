@@ -8,13 +8,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from eccentric.arms import read_arm
+from eccentric.core import InputError, given_path, is_arm_file, shown
 from eccentric.emission import FittedValues
-from eccentric.errors import InputError
 from eccentric.logs import Log, LogSource, read_log
 from eccentric.model import Model, Recursion, arm, load_model, model_names, recursion, unlike, with_bodies
-from eccentric.places import given_path, is_arm_file, shown
-from eccentric.rigs import Rig
+from eccentric.rigs import Rig, read_arm
 
 LogSources: TypeAlias = LogSource | Sequence[LogSource]
 RigSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Rig

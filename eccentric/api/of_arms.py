@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from eccentric.api.diagnosed import DiagnosisResult, result_of
 from eccentric.api.inputs import LogSources, names_given, sources_of
 from eccentric.api.result import Printed, ResultTable, new_axes, paragraphs
+from eccentric.core import InputError, given_path, whole_folder
 from eccentric.diagnosis import SearchRequest
 from eccentric.emission import complete_arm, write
-from eccentric.errors import InputError
 from eccentric.joints import (
     ArmDiagnosis,
     ArmFit,
@@ -28,8 +28,6 @@ from eccentric.joints import (
 from eccentric.joints import diagnose_arm as diagnose_logs
 from eccentric.joints import fit_arm as fit_logs
 from eccentric.logs import log_names
-from eccentric.output import whole_folder
-from eccentric.places import given_path
 from eccentric.report import arm_page
 from eccentric.rigs import ArmRig, read_arm_rig
 from eccentric.signals import FIT_POINTS, read_long_joints

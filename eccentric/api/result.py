@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.core import InputError, whole_folder
 from eccentric.emission import (
     BACKENDS,
     DEFAULT,
@@ -31,12 +32,9 @@ from eccentric.emission import (
     render_adapt,
     write,
 )
-from eccentric.errors import InputError
-from eccentric.estimation import Estimate, correlation
-from eccentric.fitting import NEEDS_MATPLOTLIB
+from eccentric.identification import NEEDS_MATPLOTLIB, Estimate, correlation
 from eccentric.logs import Log
 from eccentric.model import Model, Recursion
-from eccentric.output import whole_folder
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eccentric.api.result import ResultTable, new_axes, paragraphs, ranges_of
-from eccentric.errors import InputError
+from eccentric.core import InputError, given_path
 from eccentric.logs import Log, read_log
-from eccentric.places import given_path
 from eccentric.rigs import Rig, read_rig
 from eccentric.virtual_bench import (
     ArmRun,

@@ -23,8 +23,15 @@ from pathlib import Path
 from typing import NoReturn
 
 from eccentric.cli.arguments import coloured
-from eccentric.errors import InputError, meant
-from eccentric.output import UNREAD, Ended, ended_by_signals, escape_unprintable, nobody_reads
+from eccentric.core import (
+    UNREAD,
+    Ended,
+    InputError,
+    ended_by_signals,
+    escape_unprintable,
+    meant,
+    nobody_reads,
+)
 from eccentric.version import __version__
 
 __all__ = ["COMMANDS", "main"]

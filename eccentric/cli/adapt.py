@@ -5,7 +5,7 @@ from pathlib import Path
 
 import eccentric
 from eccentric.cli.arguments import add_folder, options, print_warnings
-from eccentric.output import own_folder
+from eccentric.core import own_folder
 
 NAME = "adapt"
 HELP = "replay a log through the emitted estimator of friction: coefficients over time, alarms"

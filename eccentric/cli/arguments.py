@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 
 # Colour, where a terminal has it: https://no-color.org is respected, and a file or pipe gets none.
 

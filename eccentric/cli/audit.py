@@ -13,7 +13,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print Table 1 side by side with the derivation, then the findings."""
-    from eccentric.audit import findings, table_1
+    from eccentric.paper import findings, table_1
 
     del arguments
     print(table_1())

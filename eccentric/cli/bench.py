@@ -7,7 +7,7 @@ from typing import Any
 
 import eccentric
 from eccentric.cli.arguments import bar, options
-from eccentric.errors import InputError
+from eccentric.core import InputError
 
 NAME = "bench"
 HELP = "simulate a realistic log of a test bench, with effects that its rig file does not declare"

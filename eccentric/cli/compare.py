@@ -5,7 +5,7 @@ from pathlib import Path
 
 import eccentric
 from eccentric.cli.arguments import LOGS, bar, print_warnings
-from eccentric.output import own_folder
+from eccentric.core import own_folder
 
 NAME = "compare"
 HELP = "fit models on the same rows of a log, extended by effects or not, and compare their held-out errors"

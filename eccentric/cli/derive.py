@@ -7,8 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import eccentric
-from eccentric.errors import InputError
-from eccentric.output import folder_to_write
+from eccentric.core import InputError, folder_to_write
 
 # The others depend on these, or contain them.
 _FIRST = ("c1_perpendicular", "c2_parallel")

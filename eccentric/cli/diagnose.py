@@ -17,7 +17,7 @@ from eccentric.cli.arguments import (
     print_warnings,
     progress,
 )
-from eccentric.output import own_folder
+from eccentric.core import own_folder
 
 NAME = "diagnose"
 HELP = "find what the model lacks on a log, add it, emit the model, report the error before and after"

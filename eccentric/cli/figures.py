@@ -3,7 +3,7 @@
 import argparse
 
 from eccentric.cli.arguments import add_folder
-from eccentric.output import whole_folder
+from eccentric.core import whole_folder
 
 NAME = "figures"
 HELP = "draw the paper's figures 2, 4 and 5 from the emitted modules"
@@ -17,7 +17,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Draw the figures and print the names of the files."""
-    from eccentric.figures import draw
+    from eccentric.paper import draw
 
     with whole_folder(arguments.out, NAME) as folder:
         names = [path.name for path in draw(folder)]

@@ -4,7 +4,7 @@ import argparse
 
 import eccentric
 from eccentric.cli.arguments import MISFIT, add_folder, add_logs, arm_of, bar, print_warnings, progress
-from eccentric.output import own_folder
+from eccentric.core import own_folder
 
 NAME = "fit"
 HELP = "identify the friction of a rig from its logs, with uncertainty, and compare it with Coulomb + viscous"
@@ -20,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Fit, write the folder, print the table; return 1 if the log does not fit the rig."""
-    from eccentric.fitting import NEEDS_MATPLOTLIB
+    from eccentric.identification import NEEDS_MATPLOTLIB
 
     own_folder(args.out)
     if arm_of(args.rig, {"--model": args.model}):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import eccentric
 from eccentric.cli.arguments import bar, options, print_warnings
-from eccentric.output import Ended, own_folder
+from eccentric.core import Ended, own_folder
 
 NAME = "fleet"
 HELP = "reduce the logs of a fleet to friction coefficients by joint and period, and find what changed where"

@@ -4,8 +4,7 @@ import argparse
 
 import eccentric
 from eccentric.cli.arguments import add_folder, add_logs, arm_of, bar, print_warnings, progress
-from eccentric.errors import InputError
-from eccentric.output import own_folder
+from eccentric.core import InputError, own_folder
 
 NAME = "plan"
 HELP = "plan the motion that would tell apart what a diagnosis left open, within the limits of the drive"

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import eccentric
 from eccentric.cli.arguments import LOGS, bar, coloured, print_warnings
-from eccentric.errors import InputError
+from eccentric.core import InputError
 
 NAME = "rig"
 HELP = "draft the rig file of a log that nobody has described, or list all that is wrong with a rig file"

@@ -20,20 +20,21 @@ from itertools import chain
 from pathlib import Path, PurePath
 from typing import Any
 
-from eccentric import started
-from eccentric.errors import InputError
-from eccentric.output import (
+from eccentric import import_time
+from eccentric.core import (
     OURS_ALONE,
+    InputError,
     cache_folder,
+    derivation,
     digest,
+    folder,
     own_bytes,
     own_cache,
     read_cached,
+    scripts_behind,
     workshop,
     write_cached,
 )
-from eccentric.places import derivation, folder
-from eccentric.scripts import scripts_behind
 
 
 @dataclass(frozen=True)
@@ -230,9 +231,9 @@ def _finish(process: subprocess.Popen[str]) -> str:
 # that is neither ours nor known to compute only, may give a different model next time: it is always derived.
 
 
-_ROOMS = ("output", "model", "effects", "emission", "compiled")
+_ROOMS = ("core", "model", "effects", "emission", "compiled")
 _LIBRARIES = ("sympy", "mpmath", "jinja2")
-_OURS = ("eccentric.model", "eccentric.effects", "eccentric.errors", "eccentric.output")
+_OURS = ("eccentric.model", "eccentric.effects", "eccentric.core")
 _COMPUTES = (
     *("__future__", "abc", "cmath", "collections", "dataclasses", "decimal", "enum", "fractions"),
     *("functools", "itertools", "math", "mpmath", "numbers", "operator", "pathlib", "re", "string"),
@@ -262,7 +263,7 @@ def remember(asked: str | Path, compiler: Compiler, entry: tuple[str, str]) -> N
     if scripts is None or not all(_decides(script.text) for script in scripts):
         return
     # A file's time stamp comes from a clock that may lag by some milliseconds.
-    if max(path.stat().st_ctime for path in _toolkit()) > started.imported_at - 0.05:
+    if max(path.stat().st_ctime for path in _toolkit()) > import_time.imported_at - 0.05:
         return
     behind = [(script.asked, str(script.path), _contents(script.text)) for script in scripts]
     write_record(_name(asked, compiler), {"scripts": behind, "entry": entry})

@@ -20,10 +20,7 @@ from eccentric.compiled.entry import (
     remember,
     write_entry,
 )
-from eccentric.errors import InputError
-from eccentric.output import cache_folder, digest
-from eccentric.places import is_arm_file
-from eccentric.scripts import run_text
+from eccentric.core import InputError, cache_folder, digest, is_arm_file, run_text
 
 if TYPE_CHECKING:
     from eccentric.emission import Program
@@ -68,9 +65,9 @@ def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - called as 
 
 
 def _of_arm(asked: str | Path, compiler: Compiler) -> ModuleType:
-    from eccentric.arms import read_arm
     from eccentric.emission import build_arm_program, render_program
     from eccentric.model import arm, recursion
+    from eccentric.rigs import read_arm
 
     chain = read_arm(asked)
     found = recursion(chain)

@@ -13,10 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from eccentric.core import InputError, few
 from eccentric.diagnosis.stage import Stage, stage_of
-from eccentric.errors import InputError, few
-from eccentric.estimation import improvement, r_squared, rms
-from eccentric.fitting import DRIVE_UNITS, Refit, drive_noise, refit
+from eccentric.identification import DRIVE_UNITS, Refit, drive_noise, improvement, r_squared, refit, rms
 from eccentric.logs import Log, log_names
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig

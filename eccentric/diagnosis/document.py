@@ -10,8 +10,7 @@ import sympy as sp
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.words import diagnosis_sentence, tied_families
 from eccentric.effects import Effect
-from eccentric.estimation import Estimate
-from eccentric.fitting import in_drive_unit
+from eccentric.identification import Estimate, in_drive_unit
 from eccentric.model import TURNING
 
 

@@ -23,13 +23,13 @@ from typing import Any
 
 import numpy as np
 
+from eccentric.core import InputError
 from eccentric.diagnosis.limits import LEAST_ZERO_RAD
 from eccentric.diagnosis.models import better_sibling, closest_effect, fitted_models
 from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.diagnosis.stage import SearchRequest, Stage, stage_of, staged
-from eccentric.errors import InputError
-from eccentric.fitting import drive_noise, fit_data_of, residual_samples
+from eccentric.identification import drive_noise, fit_data_of, residual_samples
 from eccentric.logs import LogSource, log_names
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig

@@ -10,7 +10,7 @@ from pathlib import Path
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.effects import constant_load
 from eccentric.emission import plain
-from eccentric.fitting import NO_BACK_EMF, Drive, back_emf_columns
+from eccentric.identification import NO_BACK_EMF, Drive, back_emf_columns
 from eccentric.model import Model, regressor, with_values
 
 _NAME = re.compile(r"(.+?)(?:(_extended)(?:_(\d+))?|_fitted)?")
@@ -142,7 +142,7 @@ from pathlib import Path
 
 from eccentric.effects import Setting, library, load_effects{load[0]}
 from eccentric.model import load_model, with_values
-from eccentric.output import show
+from eccentric.core import show
 
 # {found.rig.axis.said("The paper's model")}.
 model = load_model({_base(found)})

@@ -7,12 +7,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from eccentric.core import InputError
 from eccentric.diagnosis.limits import FITTED, MOST_APART
 from eccentric.diagnosis.score import BelowLowPass, Score, below_low_pass, leave_runs_out, score
 from eccentric.effects import LOAD, Effect
-from eccentric.errors import InputError
-from eccentric.estimation import improvement, r_squared, rms
-from eccentric.fitting import LEAST_R_SQUARED, FitData, Refit, fit_data_of, loaded_model, refit
+from eccentric.identification import (
+    LEAST_R_SQUARED,
+    FitData,
+    Refit,
+    fit_data_of,
+    improvement,
+    loaded_model,
+    r_squared,
+    refit,
+    rms,
+)
 from eccentric.model import Model, load_model, model_names
 from eccentric.search import Attribution, unconfirmed
 from eccentric.signals import LEAST_HELD_OUT

@@ -27,7 +27,7 @@ from eccentric.diagnosis.limits import (
     ORDER_STEP,
     ROWS_PER_CYCLE,
 )
-from eccentric.fitting import FitData
+from eccentric.identification import FitData
 from eccentric.signals import rows_of_each
 
 Array = np.ndarray

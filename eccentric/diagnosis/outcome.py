@@ -12,7 +12,7 @@ from eccentric.diagnosis.orders import Order
 from eccentric.diagnosis.score import Score
 from eccentric.diagnosis.stage import SearchRequest
 from eccentric.effects import Effect, Setting
-from eccentric.fitting import FitData
+from eccentric.identification import FitData
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.search import Adopted, Attribution

@@ -10,8 +10,7 @@ import numpy as np
 
 from eccentric.diagnosis.limits import FEWEST_RUNS
 from eccentric.effects import Effect
-from eccentric.estimation import improvement, improvement_over_runs, rms
-from eccentric.fitting import FitData, Refit, refit
+from eccentric.identification import FitData, Refit, improvement, improvement_over_runs, refit, rms
 from eccentric.model import Model
 
 Array = np.ndarray

@@ -9,9 +9,17 @@ from pathlib import Path
 
 import numpy as np
 
+from eccentric.core import InputError
 from eccentric.effects import FAMILIES, Effect, Setting
-from eccentric.errors import InputError
-from eccentric.fitting import FitData, Signals, drive_of, fit_data_of, loaded_model, with_model_current
+from eccentric.identification import (
+    BalanceDesign,
+    FitData,
+    Signals,
+    drive_of,
+    fit_data_of,
+    loaded_model,
+    with_model_current,
+)
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.search import (
@@ -24,7 +32,7 @@ from eccentric.search import (
     runs_that_differ,
     setting_of,
 )
-from eccentric.signals import LEAST_HELD_OUT, BalanceDesign, Channels, require_rows
+from eccentric.signals import LEAST_HELD_OUT, Channels, require_rows
 
 # What a person asked of the search: effects that the model has from the start, and what it may offer.
 

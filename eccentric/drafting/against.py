@@ -7,10 +7,10 @@ import math
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
+from eccentric.core import InputError, few, meant
 from eccentric.drafting.draft import Draft
 from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.words import read_name
-from eccentric.errors import InputError, few, meant
 from eccentric.logs import Log, evaluate, parse_unit
 from eccentric.rigs import CHANNELS, Complaint, Rig, channels_of, gain_of
 

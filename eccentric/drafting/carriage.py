@@ -7,11 +7,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from eccentric.core import InputError
 from eccentric.drafting import limits
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.units import Shown
 from eccentric.drafting.words import of_a_carriage
-from eccentric.errors import InputError
 from eccentric.logs import parse_unit
 
 _LENGTHS = ("m", "cm", "mm", "um")

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.core import InputError, few
 from eccentric.drafting import limits
 from eccentric.drafting.balance import Explained, Gear, Moved, balance_of, gear_of, motion_from
 from eccentric.drafting.carriage import (
@@ -33,7 +34,6 @@ from eccentric.drafting.drives import find_drives, find_flags, find_slow, find_v
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.questions import entries_of, facts_of
 from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, find_clock, find_runs, readings
-from eccentric.errors import InputError, few
 from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
 from eccentric.rigs import channels_of

@@ -14,13 +14,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from eccentric.core import InputError, counted, few
 from eccentric.drafting import limits
 from eccentric.drafting.columns import columns_of
 from eccentric.drafting.draft import Draft, draft_of
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.units import find_clock, find_runs
 from eccentric.drafting.words import read_name
-from eccentric.errors import InputError, counted, few
 from eccentric.logs import Log
 from eccentric.model import Chain
 from eccentric.rigs import NUMBER

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from eccentric.core import counted
 from eccentric.drafting import limits
 from eccentric.drafting.balance import SHORT, Explained, Moved
 from eccentric.drafting.columns import Grid, nice_counts
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.units import Reading, Shown
-from eccentric.errors import counted
 
 TURN = 2.0 * math.pi
 

@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.core import InputError
 from eccentric.drafting import limits
 from eccentric.drafting.columns import LoggedColumn, nice_counts
 from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.words import read_name
-from eccentric.errors import InputError
 
 # The clock of a log and its runs: which column is the time, in which unit, and where a run ends.
 

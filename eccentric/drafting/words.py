@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs import parse_unit
 
 _WORDS = {

@@ -15,10 +15,9 @@ from pathlib import Path
 
 import sympy as sp
 
-from eccentric.errors import InputError
+from eccentric.core import InputError, asks, run_script
 from eccentric.model import Change, Equation, Extension, Model, Quantity, extended
 from eccentric.model import vocabulary as v
-from eccentric.scripts import asks, run_script
 
 # What the library of effects depends on: a case, known parameters, and the ranges that a log covers.
 

@@ -6,8 +6,8 @@
     adapt      Model, fit -> an estimator of the friction coefficients beside the C
     render     the emitted files of a model, name -> text; `write` writes them, `hot` loads the module
 
-In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model`, `eccentric.places` and
-`eccentric.output`; it knows no data, and its templates know no physics.
+In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model`, `eccentric.core` and
+`eccentric.core`; it knows no data, and its templates know no physics.
 """
 
 from eccentric.emission.adapt import Adaptation, prior_of, render_adapt

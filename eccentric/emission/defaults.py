@@ -13,9 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from eccentric.errors import InputError
+from eccentric.core import InputError, readable
 from eccentric.model import AXES, C_KEYWORDS, TURNING, Model, in_general_letters, with_values
-from eccentric.places import readable
 
 
 @dataclass(frozen=True)

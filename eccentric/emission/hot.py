@@ -10,9 +10,9 @@ from functools import cache
 from itertools import count
 from types import ModuleType
 
+from eccentric.core import derived
 from eccentric.emission.render import render_code
 from eccentric.model import Model, fingerprint
-from eccentric.output import derived
 
 # Execute an emitted NumPy module from memory, with its runtime beside it.
 

@@ -8,10 +8,10 @@ from contextlib import contextmanager
 
 import sympy as sp
 
+from eccentric.core import InputError
 from eccentric.emission.backends import BACKENDS, DEFAULT, Backend, UnprintableError, with_plain_text
 from eccentric.emission.program import WHOLE, Choice, Program, build_arm_program, build_program
 from eccentric.emission.templates import plain, template
-from eccentric.errors import InputError
 from eccentric.model import Model, Recursion, arm
 from eccentric.version import __version__
 

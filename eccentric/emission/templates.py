@@ -8,8 +8,7 @@ from functools import cache
 import jinja2
 from jinja2.bccache import Bucket
 
-from eccentric.output import derived
-from eccentric.places import folder
+from eccentric.core import derived, folder
 
 
 class TemplateCache(jinja2.BytecodeCache):

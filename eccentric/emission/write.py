@@ -6,13 +6,13 @@ import difflib
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
+from eccentric.core import whole_files
 from eccentric.emission.backends import DEFAULT
 from eccentric.emission.check import render_check
 from eccentric.emission.program import WHOLE, Choice
 from eccentric.emission.render import render, render_arm
 from eccentric.model import Model, Recursion
 from eccentric.model import vocabulary as v
-from eccentric.output import whole_files
 
 
 def complete(

@@ -17,9 +17,8 @@ from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
-from eccentric.errors import InputError
+from eccentric.core import InputError, held
 from eccentric.fleet.limits import AHEAD, ALIVE_S, CONNECT, DEATHS, KEPT_BYTES, WORKER_BYTES, WORKERLESS_S
-from eccentric.output import held
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

@@ -10,8 +10,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from eccentric.entries import read_document, read_table, read_utf8, refuse_unknown
-from eccentric.errors import InputError, few
+from eccentric.core import (
+    InputError,
+    few,
+    given_path,
+    read_document,
+    read_table,
+    read_utf8,
+    readable,
+    refuse_unknown,
+    workshop,
+)
 from eccentric.fleet.cluster import Failed, SchedulerLost, spread, threads_of
 from eccentric.fleet.limits import PART_FILES
 from eccentric.fleet.sources import NO_RIG, SCHEDULER, FleetProblem, LogFile, in_order, without_suffix
@@ -30,8 +39,6 @@ from eccentric.fleet.work import (
     write,
 )
 from eccentric.model import AXES, TURNING, AxisKind
-from eccentric.output import workshop
-from eccentric.places import given_path, readable
 from eccentric.rigs import Rig, knowns_of, read_rig
 
 # RIGS -> the rig of each joint: one rig file for all, or a table that maps joints to files and own values.

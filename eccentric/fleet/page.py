@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import counted, few
+from eccentric.core import counted, few
 from eccentric.fleet.drift import FRICTION, RESIDUAL
 from eccentric.fleet.found import Drifting, FleetFound
 from eccentric.fleet.sources import in_order

@@ -16,8 +16,7 @@ from dataclasses import astuple, dataclass, fields
 from glob import glob
 from pathlib import Path
 
-from eccentric.errors import InputError, so_more
-from eccentric.places import given_path
+from eccentric.core import InputError, given_path, so_more
 
 # What could not be done, one row each: the run goes on, and its exit status says that there are some.
 

@@ -17,7 +17,7 @@ from urllib.parse import quote, unquote
 
 import numpy as np
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.fleet.limits import (
     BLOCKS,
     LAST_BYTES,

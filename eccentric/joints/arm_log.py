@@ -8,9 +8,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
-from eccentric.estimation import Coefficient, Design, Estimate
-from eccentric.fitting import Drive, FitData, Machine, MetAlong, compiled, fit_data_of
+from eccentric.core import InputError
+from eccentric.identification import (
+    Coefficient,
+    Design,
+    Drive,
+    Estimate,
+    FitData,
+    Machine,
+    MetAlong,
+    compiled,
+    fit_data_of,
+)
 from eccentric.joints.base_parameters import (
     NEGLIGIBLE,
     VARIES,

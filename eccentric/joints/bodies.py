@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.estimation import Coefficient, Design, Estimate
-from eccentric.fitting import base_coefficients, base_columns
+from eccentric.identification import Coefficient, Design, Estimate, base_coefficients, base_columns
 from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.base_parameters import (
     COUNT,

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.diagnosis import diagnosis_document
-from eccentric.estimation import Estimate
+from eccentric.identification import Estimate
 from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.bodies import IdentifiedBodies
 from eccentric.joints.diagnosed import ArmDiagnosis

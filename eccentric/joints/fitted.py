@@ -11,11 +11,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.core import counted
 from eccentric.diagnosis import OverRuns, leave_runs_out
 from eccentric.effects import Evidence
-from eccentric.errors import counted
-from eccentric.estimation import Estimate, improvement, r_squared, rms
-from eccentric.fitting import LEAST_R_SQUARED, Drive, FitData, Refit, compiled, drive_noise, refit
+from eccentric.identification import (
+    LEAST_R_SQUARED,
+    Drive,
+    Estimate,
+    FitData,
+    Refit,
+    compiled,
+    drive_noise,
+    improvement,
+    r_squared,
+    refit,
+    rms,
+)
 from eccentric.joints.arm_log import ArmLog, arm_log
 from eccentric.joints.bodies import IdentifiedBodies, identified_bodies
 from eccentric.joints.joint_model import OF_BENDING, OF_FORCES

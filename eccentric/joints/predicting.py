@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.estimation import Coefficient, Design, Estimate, improvement, rms
+from eccentric.identification import Coefficient, Design, Estimate, improvement, rms
 from eccentric.joints.arm_log import ArmLog, arm_log
 from eccentric.joints.base_parameters import COUNT, base_of, names_of
 from eccentric.joints.fitted import ArmFit

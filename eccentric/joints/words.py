@@ -5,10 +5,9 @@ from __future__ import annotations
 import shlex
 from collections.abc import Sequence
 
+from eccentric.core import counted, few
 from eccentric.diagnosis import diagnosis_lines
-from eccentric.errors import counted, few
-from eccentric.estimation import Estimate
-from eccentric.fitting import estimate_table
+from eccentric.identification import Estimate, estimate_table
 from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.bodies import IdentifiedBodies
 from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, misfit_sentence

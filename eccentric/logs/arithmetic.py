@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs.limits import DEEPEST_ARITHMETIC, LONGEST_ARITHMETIC
 
 if TYPE_CHECKING:

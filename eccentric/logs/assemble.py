@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError, few
+from eccentric.core import InputError, few
 from eccentric.logs.limits import DEEPEST_STRUCTURE, MOST_PARTS, SHORTEST_VECTOR, SIMILAR_RATE, SIMILAR_TIME
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from typing import IO
 
 import numpy as np
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs.assemble import (
     MISSING,
     Column,

@@ -20,7 +20,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs.limits import (
     BYTES_PER_CHARACTER,
     BYTES_PER_NUMBER,

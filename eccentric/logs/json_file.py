@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs.assemble import Read, assemble
 from eccentric.logs.csv_file import text_of
 from eccentric.logs.foreign import require_room_for_text

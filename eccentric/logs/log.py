@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError, few, meant
+from eccentric.core import InputError, few, given_path, meant, readable, shown
 from eccentric.logs.assemble import Column, Read, number_of
 from eccentric.logs.csv_file import POINT, read_csv
 from eccentric.logs.hdf5_file import read_hdf5
@@ -29,7 +29,6 @@ from eccentric.logs.parquet_file import read_parquet
 from eccentric.logs.ros_file import read_bag, read_mcap
 from eccentric.logs.tdms_file import read_tdms
 from eccentric.logs.ulog_file import read_ulog
-from eccentric.places import given_path, readable, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

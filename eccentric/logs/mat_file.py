@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs.assemble import Column, InParts, LeftOut, Part, Read, assemble
 from eccentric.logs.foreign import require_room_for_numbers
 from eccentric.logs.hdf5_file import entries, own

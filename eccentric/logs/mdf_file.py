@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.errors import few
+from eccentric.core import few
 from eccentric.logs.assemble import Read, Recorded, on_one_clock
 from eccentric.logs.foreign import library, reading, require_room_for_numbers
 

@@ -13,7 +13,7 @@ from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
-from eccentric.errors import InputError, few
+from eccentric.core import InputError, few
 from eccentric.logs.assemble import Column, Read, column_of
 from eccentric.logs.parquet_file import arrow_columns
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.errors import InputError, few
+from eccentric.core import InputError, few
 from eccentric.logs.assemble import Column, InParts, Part, Read, column_of, overlaps
 from eccentric.logs.foreign import require_room_for_numbers
 from eccentric.logs.limits import BATCH_ROWS

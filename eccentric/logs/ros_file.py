@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.errors import InputError, few
+from eccentric.core import InputError, few
 from eccentric.logs.assemble import Read, Recorded, on_one_clock
 from eccentric.logs.foreign import library, reading, require_room_for_numbers
 from eccentric.logs.limits import MOST_PARTS

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.model import vocabulary as v
 from eccentric.model.balance import Balance, Term
 from eccentric.model.model import Change, Extension, Model

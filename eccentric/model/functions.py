@@ -17,8 +17,8 @@ import numpy as np
 import sympy as sp
 from sympy.printing.numpy import NumPyPrinter
 
+from eccentric.core import derived
 from eccentric.model.exact import fingerprint
-from eccentric.output import derived
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,21 @@ from typing import TypeVar
 
 import sympy as sp
 
-from eccentric.errors import InputError, meant
+from eccentric.core import (
+    InputError,
+    asks,
+    derivation,
+    derived,
+    folder,
+    loads_behind,
+    meant,
+    remember_loads,
+    run_script,
+)
 from eccentric.model.axis import LINEAR, AxisKind
 from eccentric.model.exact import from_bytes, to_bytes
 from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity
-from eccentric.output import derived
-from eccentric.places import derivation, folder
-from eccentric.scripts import asks, loads_behind, remember_loads, run_script
 
 _BESIDE = frozenset({"serial_chain", "linear_axis", "screw_axis"})
 """Derivations that are not of the paper's drive: several joints, and a carriage."""

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import sympy as sp
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.model.axis import TURNING, AxisKind, in_letters_of, spoken_equation, spoken_quantity
 from eccentric.model.balance import Balance, Role, Term
 from eccentric.model.equation import Equation, equation_named

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 
 # Names that a quantity cannot have: it is a member of a structure in C and C++, an attribute in Python.
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.model.balance import Load, Role, Term
 from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity

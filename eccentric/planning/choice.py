@@ -9,7 +9,7 @@ from itertools import permutations, product
 import numpy as np
 from scipy.stats import norm
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.model import TURNING, Model
 from eccentric.model import vocabulary as v
 from eccentric.planning.limits import (

@@ -17,11 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.entries import read_document, read_number, refuse_unknown
-from eccentric.errors import InputError
+from eccentric.core import InputError, given_path, read_document, read_number, refuse_unknown
 from eccentric.logs import parse_value
 from eccentric.model import TURNING, AxisKind
-from eccentric.places import given_path
 from eccentric.planning.limits import (
     ACCELERATION_PART,
     FIRMWARE_HZ,

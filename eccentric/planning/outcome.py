@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from eccentric.core import InputError
 from eccentric.diagnosis import Diagnosis
-from eccentric.errors import InputError
-from eccentric.fitting import with_own
+from eccentric.identification import with_own
 from eccentric.model import TURNING, AxisKind
 from eccentric.planning.choice import Heavier, Pairs, chosen, expected, require_link, with_more_mass
 from eccentric.planning.limits import DECIDES, HARDLY, RATE_HZ, SAME_TORQUE, UNDECIDED, WORTH_A_RUN

@@ -10,14 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from eccentric.core import InputError, few, given_path, read_document
 from eccentric.diagnosis import Diagnosis, staged_log
 from eccentric.effects import Effect
-from eccentric.entries import read_document
-from eccentric.errors import InputError, few
-from eccentric.fitting import FitData
+from eccentric.identification import FitData
 from eccentric.logs import LogSource
 from eccentric.model import Model
-from eccentric.places import given_path
 from eccentric.planning.limits import LEAST_CHANCE
 from eccentric.rigs import Rig
 from eccentric.search import Candidate, Screen, Variant

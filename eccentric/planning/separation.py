@@ -18,8 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.effects import Effect
-from eccentric.estimation import Coefficient, ColumnRole
-from eccentric.fitting import Machine, Signals, base_coefficients, base_columns, load_torque
+from eccentric.identification import (
+    BalanceDesign,
+    Coefficient,
+    ColumnRole,
+    Machine,
+    Signals,
+    balance_design,
+    base_coefficients,
+    base_columns,
+    load_torque,
+)
 from eccentric.planning.limits import (
     COARSE,
     INFORMATIVE_HZ,
@@ -37,7 +46,7 @@ from eccentric.planning.motion import Bounds, Reference
 from eccentric.planning.question import Question, Rival, rival_of
 from eccentric.rigs import AddedMass
 from eccentric.search import Candidate, Screen, Variant, bounded_solve, candidate_of, refined
-from eccentric.signals import BalanceDesign, Rows, balance_design, white_noise
+from eccentric.signals import Rows, white_noise
 
 # A motion as a drive makes it that is not quite the fitted one: extremes of angle, speed and current.
 #

@@ -25,10 +25,10 @@ from typing import TYPE_CHECKING, Any
 
 import jinja2
 
+from eccentric.core import folder
 from eccentric.diagnosis import Diagnosis
 from eccentric.emission import TemplateCache
 from eccentric.model import TURNING
-from eccentric.places import folder
 from eccentric.report.data import Parameter, ReportData
 from eccentric.report.figures import library, plot_report
 from eccentric.report.gather import report_data

@@ -21,7 +21,7 @@ from eccentric.diagnosis import (
     stability_words,
 )
 from eccentric.effects import Effect
-from eccentric.fitting import DRIVE_UNITS, Refit, in_drive_unit
+from eccentric.identification import DRIVE_UNITS, Refit, in_drive_unit
 from eccentric.model import spoken
 from eccentric.report.arrays import BalanceResiduals, Channel, DriveSignal, ResidualRows
 from eccentric.report.data import (

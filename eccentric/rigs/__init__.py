@@ -4,11 +4,15 @@ In: the path of a TOML or JSON file, or its content.  Out: a `Rig`, composed of 
 with a `ColumnSource` for each channel that it maps), `Sampling`, `NamedHoldout` and `Alignment`, and with an
 `AddedMass` for runs that carry one; the tables of what a rig file may contain (`KEYS`, `KNOWNS`, `CHANNELS`,
 `ALIGNMENT`). A rig that names an arm: an `ArmRig`, with a `Rig` for each joint. `rig_complaints` and
-`arm_rig_complaints` list all that is wrong at once.
-May import: `logs` for units, `model` for the vocabulary and chains, `arms` for their files.
+`arm_rig_complaints` list all that is wrong at once. `read_arm` reads an arm file, TOML, JSON or URDF: a
+`Chain` whose joints have the names, gear ratios and rotors of the file; meshes are not read, and nothing is
+fetched.
+May import: `logs` for units, `model` for the vocabulary and chains.
 """
 
 from eccentric.rigs.arm_complaints import arm_rig_complaints
+from eccentric.rigs.arm_file import KEYS_OF_ARMS, read_arm
+from eccentric.rigs.arm_parts import KEYS_OF_BODIES, KEYS_OF_JOINTS, complaints_of
 from eccentric.rigs.arm_rig import NUMBER, ArmRig, names_arm, read_arm_rig
 from eccentric.rigs.complaints import Complaint, rig_complaints
 from eccentric.rigs.entries import plain_entries, read_pair
@@ -31,6 +35,9 @@ __all__ = [
     "ALIGNMENT",
     "CHANNELS",
     "KEYS",
+    "KEYS_OF_ARMS",
+    "KEYS_OF_BODIES",
+    "KEYS_OF_JOINTS",
     "KNOWNS",
     "NUMBER",
     "AddedMass",
@@ -47,11 +54,13 @@ __all__ = [
     "alignment_of",
     "arm_rig_complaints",
     "channels_of",
+    "complaints_of",
     "gain_of",
     "knowns_of",
     "mass_alone",
     "names_arm",
     "plain_entries",
+    "read_arm",
     "read_arm_rig",
     "read_mass",
     "read_pair",

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.rigs.arm_rig import ArmRig, arm_content, arm_rig_of
 
 Place = tuple[str, str]

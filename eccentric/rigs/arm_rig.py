@@ -11,11 +11,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from eccentric.arms import complaints_of, read_arm
-from eccentric.entries import read_document, read_number, read_table, refuse_unknown
-from eccentric.errors import InputError, counted
+from eccentric.core import (
+    InputError,
+    counted,
+    given_path,
+    read_document,
+    read_number,
+    read_table,
+    refuse_unknown,
+    shown,
+)
 from eccentric.model import Chain, with_numbers
-from eccentric.places import given_path, shown
+from eccentric.rigs.arm_file import read_arm
+from eccentric.rigs.arm_parts import complaints_of
 from eccentric.rigs.entries import plain_entries, read_names
 from eccentric.rigs.known import KNOWNS
 from eccentric.rigs.rig import KEYS, Rig, read_rig

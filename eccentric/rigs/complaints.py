@@ -11,10 +11,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from eccentric.entries import read_document
-from eccentric.errors import InputError
+from eccentric.core import InputError, given_path, read_document, shown
 from eccentric.model import AXES, TURNING, AxisKind
-from eccentric.places import given_path, shown
 from eccentric.rigs.entries import plain_entries
 from eccentric.rigs.known import knowns_of
 from eccentric.rigs.rig import keys_of, read_rig

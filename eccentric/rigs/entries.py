@@ -9,8 +9,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from eccentric.entries import read_number
-from eccentric.errors import InputError
+from eccentric.core import InputError, read_number
 
 
 def read_pair(value: object, where: str) -> tuple[Any, Any]:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from eccentric.entries import read_number, read_table, refuse_unknown
-from eccentric.errors import InputError
+from eccentric.core import InputError, read_number, read_table, refuse_unknown
 from eccentric.logs import parse_value
 from eccentric.model import LINEAR, TURNING, AxisKind, vocabulary
 from eccentric.rigs.entries import read_pair

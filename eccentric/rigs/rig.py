@@ -11,11 +11,19 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eccentric.entries import read_document, read_number, refuse_unknown
-from eccentric.errors import InputError, MissingValueError, few, meant
+from eccentric.core import (
+    InputError,
+    MissingValueError,
+    few,
+    given_path,
+    meant,
+    read_document,
+    read_number,
+    refuse_unknown,
+    shown,
+)
 from eccentric.logs import parse_value
 from eccentric.model import AXES, LINEAR, TURNING, AxisKind
-from eccentric.places import given_path, shown
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names
 from eccentric.rigs.known import LEAST_LOW_PASS_HZ, AddedMass, mass_alone, read_added, read_knowns
 from eccentric.rigs.sources import (

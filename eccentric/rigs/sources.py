@@ -7,8 +7,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 
-from eccentric.entries import read_table, refuse_unknown
-from eccentric.errors import InputError, meant
+from eccentric.core import InputError, meant, read_table, refuse_unknown
 from eccentric.logs import Unit, parse_value, require_unit
 from eccentric.model import LINEAR, TURNING, AxisKind
 from eccentric.rigs.entries import read_names

@@ -1,7 +1,7 @@
 """What a model lacks: residuals of a log and a library of effects in, one verdict out.
 
     balances      FitData -> both balances as linear designs; motor orders that stand out in a residual
-    from_effect   an effect becomes a candidate: columns of torque with a few shapes; which effects are offered
+    from_effect   an effect becomes a candidate: torque columns with a few shapes; which effects are offered
     candidate     a candidate and its variants, refined
     instruments   signals without the noise of the target, for what a candidate gains by chance
     screen        candidates on one balance: scored, refined, cross-validated

@@ -10,8 +10,16 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from eccentric.effects import CURRENT_DELAYS_S, HIGHEST_ORDER, Setting
-from eccentric.estimation import ColumnRole
-from eccentric.fitting import FitData, Signals, base_coefficients, base_columns, load_torque
+from eccentric.identification import (
+    BalanceDesign,
+    ColumnRole,
+    FitData,
+    Signals,
+    balance_design,
+    base_coefficients,
+    base_columns,
+    load_torque,
+)
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.search.limits import (
@@ -34,14 +42,7 @@ from eccentric.search.limits import (
     TOP_SPEED,
 )
 from eccentric.search.smooth import Variables
-from eccentric.signals import (
-    BalanceDesign,
-    Channels,
-    Rows,
-    balance_design,
-    search_rows,
-    white_noise,
-)
+from eccentric.signals import Channels, Rows, search_rows, white_noise
 
 # Orders of the motor that stand out in a residual: its spectrum over the motor angle.
 

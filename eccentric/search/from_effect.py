@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 
 from eccentric.effects import Effect, Setting, library, load_effects
-from eccentric.fitting import FitData, Signals, States, base_columns, compiled
+from eccentric.identification import FitData, Signals, States, base_columns, compiled
 from eccentric.model import Extension, Model, Role
 from eccentric.model import vocabulary as v
 from eccentric.rigs import Rig

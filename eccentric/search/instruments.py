@@ -20,8 +20,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from eccentric.estimation import ColumnRole
-from eccentric.fitting import FitData, Signals, base_columns, load_torque
+from eccentric.identification import ColumnRole, FitData, Signals, base_columns, load_torque
 from eccentric.model import Model
 from eccentric.search.limits import (
     CLEARLY,

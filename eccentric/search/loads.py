@@ -6,11 +6,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from eccentric.identification import BalanceDesign
 from eccentric.search import limits
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate
 from eccentric.search.screen import Screen
-from eccentric.signals import BalanceDesign
 
 
 @dataclass(frozen=True)

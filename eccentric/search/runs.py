@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from eccentric.identification import BalanceDesign
 from eccentric.search.limits import LEAST_DIFFERENCE, LEAST_OTHERS, LEAST_SHARE_OF_LOAD
-from eccentric.signals import BalanceDesign
 
 Array = np.ndarray
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from eccentric.identification import BalanceDesign
 from eccentric.model import Role
 from eccentric.search.candidate import Candidate, Variant, bounds_of, grid, instrument_of, refined
 from eccentric.search.crossval import Gram, bounded_solve, bounded_solve_each, cross_validate
@@ -23,7 +24,6 @@ from eccentric.search.limits import (
     STEPS,
     TOGETHER,
 )
-from eccentric.signals import BalanceDesign
 
 Array = np.ndarray
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from eccentric.estimation import Coefficient
+from eccentric.identification import BalanceDesign, Coefficient
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant, bounds_of, refined
 from eccentric.search.crossval import bounded_solve
@@ -31,7 +31,6 @@ from eccentric.search.limits import (
 )
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
-from eccentric.signals import BalanceDesign
 
 # An effect that both balances show, estimated from both: one may leave open what the other determines.
 

@@ -17,13 +17,14 @@ from types import MappingProxyType
 import numpy as np
 
 from eccentric.effects import Words, measurement_between
+from eccentric.identification import BalanceDesign
 from eccentric.search import limits
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant
 from eccentric.search.screen import Fitted
 from eccentric.search.smooth import Variables
 from eccentric.search.two_balances import search_all
-from eccentric.signals import MANY_RUNS, BalanceDesign
+from eccentric.signals import MANY_RUNS
 
 # What to measure where structure remains that no effect explains: one sentence for each variable.
 

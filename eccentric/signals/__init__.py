@@ -1,7 +1,7 @@
 """Logs and a rig in, motor-side signals in SI units out: masks, hold-out, the rows of a comparison.
 
-In: logs and a `Rig`.  Out: `Channels`; the rows that models are fitted, compared and searched on (`Rows`,
-`BalanceDesign`); what is unusual about the record (`Finding`).
+In: logs and a `Rig`.  Out: `Channels`; the rows that models are fitted, compared and searched on (`Rows`);
+what is unusual about the record (`Finding`).
 May import: `logs`, `rigs`; `model` for what a rig declares, by the general derivation. Nothing is fitted.
 """
 
@@ -14,7 +14,7 @@ from eccentric.signals.long import FIT_POINTS, SEARCH_POINTS, read_long, read_lo
 from eccentric.signals.measured import Channels
 from eccentric.signals.motion import motion_of, of_the_motor, white_noise
 from eccentric.signals.quality import Ratio, beside_the_rig, shared_cause
-from eccentric.signals.rows import BalanceDesign, Band, Rows, balance_design, band_of, blocks_of, require_rows
+from eccentric.signals.rows import Band, Rows, band_of, blocks_of, require_rows
 from eccentric.signals.sampling import fit_rows, rows_of, search_rows
 from eccentric.signals.table import Finding, Table, read_table, with_doubts
 from eccentric.signals.windows import hann_windows
@@ -24,14 +24,12 @@ __all__ = [
     "LEAST_HELD_OUT",
     "MANY_RUNS",
     "SEARCH_POINTS",
-    "BalanceDesign",
     "Band",
     "Channels",
     "Finding",
     "Ratio",
     "Rows",
     "Table",
-    "balance_design",
     "band_of",
     "beside_the_rig",
     "blocks_of",

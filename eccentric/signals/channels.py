@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
-from eccentric.errors import InputError, few
+from eccentric.core import InputError, few
 from eccentric.logs import read_log
 from eccentric.rigs import Alignment, Rig
 from eccentric.signals.filters import rows_of_each, stretches, suited

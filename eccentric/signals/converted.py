@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError, counted, few, meant
+from eccentric.core import InputError, counted, few, meant
 from eccentric.logs import Log, LogStream, evaluate
 from eccentric.rigs import ArmRig, ColumnSource, Rig, channels_of
 from eccentric.signals.limits import LARGEST, SMALLEST

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError, few
+from eccentric.core import InputError, few
 from eccentric.signals.limits import FEWEST_RUNS_HELD_OUT, HELD_OUT_BLOCKS, HELD_OUT_PART
 
 if TYPE_CHECKING:

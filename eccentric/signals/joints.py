@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs import Excerpt, Log, LogSource, evaluate, read_log
 from eccentric.signals.channels import read_channels
 from eccentric.signals.converted import require_columns

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.rigs import Alignment
 from eccentric.signals.filters import LowPass, joined, low_pass_of
 from eccentric.signals.holdout import carriers

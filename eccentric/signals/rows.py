@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, vstack
 
-from eccentric.errors import InputError
-from eccentric.estimation import Coefficient, Design, rms
+from eccentric.core import InputError
 from eccentric.signals.limits import BLOCK_S, FILTERED, PER_COEFFICIENT, PER_COEFFICIENT_OF_RUNS
 from eccentric.signals.measured import Channels
 
@@ -251,39 +250,4 @@ def band_of(residual: Array, moving: Array, rows: Rows, channels: Channels, nois
     cut = channels.rig.sampling.low_pass_hz
     return Band(
         cut, below, float(np.sqrt(max(whole**2 - below**2, 0.0))), noise * float(np.sqrt(1.0 - passed**2))
-    )
-
-
-# A balance of a log as a linear design: target = columns @ coefficients + missing part of the model.
-
-
-@dataclass(frozen=True, kw_only=True)
-class BalanceDesign(Design):
-    """The design of one scalar balance on the rows of the search, in N m on the motor side.
-
-    Its columns are the base, which every model has.
-    name: 'mechanical' or 'electrical'; scale: reference of shares (RMS of the friction or of the drive
-    torque, N m); samples (n, p): the base before averaging, for effects that change it.
-    """
-
-    name: str
-    rows: Rows
-    scale: float
-    samples: Array
-
-
-def balance_design(
-    name: str, rows: Rows, coefficients: Sequence[Coefficient], target: Array, base: Array, share_of: Array
-) -> BalanceDesign:
-    """Return the design of a target (n,) and base (n, p) of samples; shares are of `share_of`'s RMS."""
-    return BalanceDesign(
-        tuple(coefficients),
-        rows.mean(target),
-        rows.mean(base),
-        rows.train,
-        rows.weights,
-        name=name,
-        rows=rows,
-        scale=rms(rows.mean(share_of)),
-        samples=base,
     )

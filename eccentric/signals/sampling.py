@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.rigs import Rig
 from eccentric.signals.filters import LowPass
 from eccentric.signals.limits import (

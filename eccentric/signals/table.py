@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError, few
+from eccentric.core import InputError, few
 from eccentric.logs import Log, LogSource, log_stems, read_log
 from eccentric.rigs import Rig
 from eccentric.signals.converted import converted, named_apart

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.signals.filters import rows_of_each
 from eccentric.signals.limits import LEAST_WINDOW_ROWS, MOST_WINDOWS, WINDOW_GAP
 from eccentric.signals.rows import Rows, blocks_of

@@ -12,8 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from eccentric.errors import InputError
-from eccentric.output import whole_files, workshop
+from eccentric.core import InputError, whole_files, workshop
 from eccentric.virtual_bench.simulation import BenchRun
 
 # A set of new files named after a log: none is there before, all of them or none afterwards.

@@ -21,8 +21,7 @@ import numpy as np
 from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
-from eccentric.output import own_folder, whole_folder
+from eccentric.core import InputError, own_folder, whole_folder
 
 Array = NDArray[np.float64]
 

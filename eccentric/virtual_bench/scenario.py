@@ -8,7 +8,7 @@ from math import atan, floor, log2, pi
 import numpy as np
 from scipy.optimize import brentq
 
-from eccentric.errors import InputError, meant
+from eccentric.core import InputError, meant
 from eccentric.virtual_bench.effects import EFFECTS, VARIANTS, PlantedEffect, PlantSetting, Request
 from eccentric.virtual_bench.plant import Plant
 from eccentric.virtual_bench.trajectory import Course, MotorController, followed, speed_runs, sum_of_sines

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.virtual_bench.effects import Law, PlantedEffect
 from eccentric.virtual_bench.plant import Motion, Plant
 from eccentric.virtual_bench.scenario import Scenario

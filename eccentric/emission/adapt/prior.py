@@ -17,8 +17,8 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
+from eccentric.core import InputError
 from eccentric.emission.hot import load_module
-from eccentric.errors import InputError
 from eccentric.model import LINEAR, TURNING, AxisKind, Column, Model, regressor, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
 

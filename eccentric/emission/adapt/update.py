@@ -23,11 +23,11 @@ from typing import Any
 import mpmath
 import sympy as sp
 
+from eccentric.core import InputError
 from eccentric.emission.backends import code, decimal, prepared_values
 from eccentric.emission.check import limits
 from eccentric.emission.program import Program, Routine
 from eccentric.emission.templates import plain
-from eccentric.errors import InputError
 from eccentric.model import Column, Model, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
 

@@ -9,6 +9,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
+from eccentric.core import InputError
 from eccentric.emission.adapt import update
 from eccentric.emission.adapt.prior import Adaptation, Alarm, Prior, alarm_of
 from eccentric.emission.adapt.update import (
@@ -24,7 +25,6 @@ from eccentric.emission.backends import BACKENDS, code, decimal, with_plain_text
 from eccentric.emission.check import proof_command
 from eccentric.emission.program import build_program
 from eccentric.emission.templates import plain, template
-from eccentric.errors import InputError
 from eccentric.model import Model, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
 from eccentric.version import __version__

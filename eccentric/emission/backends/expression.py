@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import mpmath
 import sympy as sp
 
+from eccentric.core import InputError
 from eccentric.emission.program import (
     AtMost,
     Call,
@@ -23,7 +24,6 @@ from eccentric.emission.program import (
     Times,
     Within,
 )
-from eccentric.errors import InputError
 from eccentric.model import steps
 
 _CHOICE, _SUM, _PRODUCT, _ATOM = 0, 1, 2, 3

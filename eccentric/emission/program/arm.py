@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import sympy as sp
 
+from eccentric.core import InputError
 from eccentric.emission.program.arm_functions import (
     GRADIENT,
     INERTIAL,
@@ -21,7 +22,6 @@ from eccentric.emission.program.lower import HalfTurns, Lowering
 from eccentric.emission.program.prepare import Prepare, notes
 from eccentric.emission.program.program import Assignment, Helper, Input, Program, Routine, needed
 from eccentric.emission.program.shorten import shortened, without_copies
-from eccentric.errors import InputError
 from eccentric.model import HalfCosine, HalfSine, Model, Recursion, meaning, quantity
 from eccentric.model import vocabulary as v
 

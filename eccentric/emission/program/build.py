@@ -11,6 +11,7 @@ from typing import Literal
 
 import sympy as sp
 
+from eccentric.core import InputError, meant
 from eccentric.emission.program.accuracy import of_functions, promises
 from eccentric.emission.program.functions import Function, closure, functions
 from eccentric.emission.program.lower import HalfTurns, Lowering, written_out
@@ -25,7 +26,6 @@ from eccentric.emission.program.program import (
     needed,
 )
 from eccentric.emission.program.shorten import shortened, without_copies
-from eccentric.errors import InputError, meant
 from eccentric.model import (
     TURNING,
     AxisKind,

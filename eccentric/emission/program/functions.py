@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
+from eccentric.core import InputError
 from eccentric.emission.program.program import BELOW, Assignment, Pick
-from eccentric.errors import InputError
 from eccentric.model import (
     KINDS,
     Backward,

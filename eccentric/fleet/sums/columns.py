@@ -19,9 +19,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError, few
-from eccentric.fitting import LOAD, Emitted, Machine, load_gain, load_letters, require_case, with_own
+from eccentric.core import InputError, few
 from eccentric.fleet.limits import LEAST_PART, MEMBER_PART
+from eccentric.identification import LOAD, Emitted, Machine, load_gain, load_letters, require_case, with_own
 from eccentric.model import Load, Model, Role, load_model, regressor, spoken
 from eccentric.rigs import Rig
 

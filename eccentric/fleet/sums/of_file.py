@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.fleet.limits import (
     BATCH_ROWS,
     BLOCKS,

@@ -10,7 +10,7 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.errors import InputError, counted, few
+from eccentric.core import InputError, counted, few
 from eccentric.model.chain.links import Body, Joint, Moments, exact, vector
 from eccentric.model.quantity import Quantity, require_free
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import sympy as sp
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.model.chain.chain import Chain
 from eccentric.model.chain.links import Moments, exact
 from eccentric.model.chain.motion import AXES

@@ -10,7 +10,7 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.errors import InputError, meant
+from eccentric.core import InputError, meant
 
 # Numbers and letters of a chain: exact in SymPy, so that zeros and ones fold away.
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from eccentric.errors import few
+from eccentric.core import few
 from eccentric.logs import Excerpt, Log, LogSource, LogStream, log_stems, stream_log
 from eccentric.rigs import ArmRig, Rig
 from eccentric.signals.converted import named_apart, require_columns, run_column

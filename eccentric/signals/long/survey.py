@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.logs import Log, LogStream
 from eccentric.rigs import Rig
 from eccentric.signals.converted import Converted, converted, stream_columns

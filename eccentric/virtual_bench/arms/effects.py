@@ -7,7 +7,7 @@ from math import exp, tanh
 
 import numpy as np
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.virtual_bench.arms.engine import SURVEY_S, Survey, rms
 from eccentric.virtual_bench.arms.families import ARM_EFFECTS, ARM_VARIANTS, EffectRequest, JointMotion
 from eccentric.virtual_bench.arms.plant import BenchArm, FrictionLaw

@@ -20,7 +20,7 @@ from types import ModuleType
 
 import numpy as np
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, Vector
 from eccentric.virtual_bench.arms.trajectory import ArmCourse
 

@@ -10,7 +10,7 @@ from typing import cast
 
 import numpy as np
 
-from eccentric.errors import InputError, meant
+from eccentric.core import InputError, meant
 from eccentric.virtual_bench.effects import EFFECTS, VARIANTS, Builder, PlantedEffect, Request, simply
 from eccentric.virtual_bench.plant import Motion, Plant
 

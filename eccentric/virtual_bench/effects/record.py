@@ -6,7 +6,7 @@ from math import hypot, inf, pi
 
 import numpy as np
 
-from eccentric.errors import InputError
+from eccentric.core import InputError
 from eccentric.virtual_bench.plant import Motion, Plant
 
 Law = Callable[[Motion, float], float]

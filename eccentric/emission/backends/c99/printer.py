@@ -10,6 +10,7 @@ from functools import reduce
 import mpmath
 import sympy as sp
 
+from eccentric.core import InputError
 from eccentric.emission.backends.backend import number
 from eccentric.emission.backends.expression import Language, UnprintableError, printed
 from eccentric.emission.program import (
@@ -24,7 +25,6 @@ from eccentric.emission.program import (
     TurnLeft,
     paired,
 )
-from eccentric.errors import InputError
 from eccentric.model import Leading
 
 REAL = {

@@ -1,0 +1,85 @@
+"""Paths: those that a user gives, and those of the derivations and templates.
+
+Derivations and templates are inside an installed package, or beside it in a clone.
+"""
+
+import os
+from pathlib import Path
+
+from eccentric.core.errors import InputError
+
+_OF_ARMS = {".toml", ".json", ".urdf"}
+_NO_ARMS = {".xacro", ".xml"}
+
+
+def given_path(value: object, what: str) -> Path:
+    """Return a path that a user gives; InputError for anything that cannot be one, with `what` it is of."""
+    if not isinstance(value, str | os.PathLike) or isinstance(os.fspath(value), bytes):
+        raise InputError(f"{what}: a path is required, received {type(value).__name__}")
+    if "\0" in os.fspath(value):
+        raise InputError(f"{what}: a path without null characters is required, received {str(value)!r}")
+    return Path(value)
+
+
+def is_arm_file(path: str | os.PathLike[str]) -> bool:
+    """Return whether a path leads to the file of an arm, by its suffix; behind # is the tip of a URDF."""
+    return Path(os.fspath(path).partition("#")[0]).suffix.lower() in _OF_ARMS
+
+
+def refuse_other_files(path: str | os.PathLike[str]) -> None:
+    """Raise InputError for a folder, XML or xacro where a model or an arm is required."""
+    given = Path(path)
+    if given.is_dir() or given.suffix.lower() in _NO_ARMS:
+        what = "a model's name, a derivation .py, or an arm .toml, .json or .urdf"
+        received = "a folder" if given.is_dir() else f"{given.suffix!r}"
+        hint = "" if given.is_dir() else ": expand a xacro and name the result .urdf"
+        raise InputError(f"{shown(given)}: {what} is required, received {received}{hint}")
+
+
+def shown(path: Path) -> str:
+    """Return a path as messages and results show it: bytes of its name that are not UTF-8 are replaced."""
+    return os.fsencode(path).decode("utf-8", "replace")
+
+
+def readable(path: Path) -> Path:
+    """Return the path of a file to read; InputError if there is none, or it is a directory, pipe or device.
+
+    Reading a pipe would wait for a writer.
+    """
+    if not path.exists():
+        raise InputError(f"{shown(path)}: no such file")
+    if not path.is_file():
+        received = "a directory" if path.is_dir() else "a pipe or a device"
+        raise InputError(f"{shown(path)}: a regular file is required, received {received}")
+    return path
+
+
+def folder(name: str) -> Path:
+    """Return the folder of the scripts or templates that belong to this copy of the package.
+
+    Args:
+        name: `derivations` or `templates`.
+
+    Returns:
+        The folder in the package (an installed wheel), else the one beside it (a clone).
+
+    Raises:
+        InputError: neither exists, the installation is incomplete.
+    """
+    package = Path(__file__).resolve().parent
+    inside, beside = package / name, package.parent / name
+    if inside.is_dir():
+        return inside
+    # An installed package is in site-packages, where a `templates` folder would belong to another project.
+    if beside.is_dir() and (package.parent / "pyproject.toml").is_file():
+        return beside
+    raise InputError(f"{name}: a folder {inside} or, in a clone, {beside}, is required, received neither")
+
+
+def derivation(name_or_path: str | os.PathLike[str]) -> Path:
+    """Return the path of a script: given by its path, which ends in `.py`, or by the name of a bundled one.
+
+    The file need not exist.
+    """
+    path = given_path(name_or_path, "model")
+    return (path if path.suffix == ".py" else folder("derivations") / f"{name_or_path}.py").resolve()

@@ -1,0 +1,142 @@
+"""Signals and a model in, coefficients with uncertainty out. The first room that knows a model.
+
+In: `Channels`, a `Rig`, a `Model`, for an extended model its effects.  Out: `fit` -> `Fit` (one model against
+Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`, `FitData`, `refit` -> `Refit`
+(any model on its own emitted module, as `eccentric diagnose` needs it).
+
+    expressions  smooth signals, compiled expressions, and the columns of a base with their coefficients
+    machine      motor, armature and inertia as numbers
+    drive        the drive torque of a log, the columns that its rig leaves open, external loads on a joint
+    columns      the coefficients of a fit: names, roles, units, bounds; which parameters the rig gives
+    problem      drive, rig and model as a linear problem for given nonlinear values
+    identify     its solution for `eccentric fit`; `document`, `words`, `figure` present it
+    first_fit    its solution as the drive of a log, for `eccentric diagnose`
+    fit_data     the log with this drive, prepared for any model
+    extended     a model with effects as a linear problem at a point
+    refitting    its solution, and the estimates
+    residuals    the residuals of an emitted module on a log, and their columns: the design of every fit
+    states       hidden states along a log
+    design       target, columns, named coefficients with bounds and roles; linear least squares
+    solver       iterations around it, and the search over nonlinear values
+    uncertainty  intervals of the estimates; the gain of one model over another
+    limits       every threshold, with its reason
+
+May import: `signals`, `rigs`, `model`, `effects`, `emission`.
+"""
+
+from eccentric.identification.columns import back_emf_columns, load_letters, require_case, with_own
+from eccentric.identification.design import (
+    BalanceDesign,
+    Coefficient,
+    ColumnRole,
+    Design,
+    Nonlinear,
+    Solution,
+    balance_design,
+    bounded,
+    require_rank,
+)
+from eccentric.identification.document import emitted_parameters, fit_document
+from eccentric.identification.drive import (
+    DRIVE_UNITS,
+    LOAD,
+    NO_BACK_EMF,
+    Drive,
+    MetAlong,
+    in_drive_unit,
+    load_gain,
+    loaded_model,
+)
+from eccentric.identification.expressions import (
+    Signals,
+    base_coefficients,
+    base_columns,
+    compiled,
+    load_torque,
+)
+from eccentric.identification.figure import NEEDS_MATPLOTLIB, Comparison, compare, plot_fit
+from eccentric.identification.first_fit import drive_of
+from eccentric.identification.fit_data import FitData, drive_noise, fit_data_of, with_model_current
+from eccentric.identification.identify import Fit, fit
+from eccentric.identification.limits import LEAST_R_SQUARED
+from eccentric.identification.machine import Machine
+from eccentric.identification.refitting import Refit, refit, residual_samples
+from eccentric.identification.residuals import Emitted
+from eccentric.identification.solver import Profile, iterate, profile, search, slopes_between
+from eccentric.identification.states import States
+from eccentric.identification.uncertainty import (
+    TWO_SIDED,
+    Estimate,
+    Spread,
+    correlation,
+    improvement,
+    improvement_over_runs,
+    r_squared,
+    rms,
+)
+from eccentric.identification.words import estimate_table, fit_lines, fit_sentence
+
+__all__ = [
+    "DRIVE_UNITS",
+    "LEAST_R_SQUARED",
+    "LOAD",
+    "NEEDS_MATPLOTLIB",
+    "NO_BACK_EMF",
+    "TWO_SIDED",
+    "BalanceDesign",
+    "Coefficient",
+    "ColumnRole",
+    "Comparison",
+    "Design",
+    "Drive",
+    "Emitted",
+    "Estimate",
+    "Fit",
+    "FitData",
+    "Machine",
+    "MetAlong",
+    "Nonlinear",
+    "Profile",
+    "Refit",
+    "Signals",
+    "Solution",
+    "Spread",
+    "States",
+    "back_emf_columns",
+    "balance_design",
+    "base_coefficients",
+    "base_columns",
+    "bounded",
+    "compare",
+    "compiled",
+    "correlation",
+    "drive_noise",
+    "drive_of",
+    "emitted_parameters",
+    "estimate_table",
+    "fit",
+    "fit_data_of",
+    "fit_document",
+    "fit_lines",
+    "fit_sentence",
+    "improvement",
+    "improvement_over_runs",
+    "in_drive_unit",
+    "iterate",
+    "load_gain",
+    "load_letters",
+    "load_torque",
+    "loaded_model",
+    "plot_fit",
+    "profile",
+    "r_squared",
+    "refit",
+    "require_case",
+    "require_rank",
+    "residual_samples",
+    "rms",
+    "search",
+    "slopes_between",
+    "with_model_current",
+    "with_own",
+]

@@ -1,0 +1,275 @@
+"""A fit as a document: fit.json, format eccentric-fit/1.
+
+Keys of the document; an estimate is {value, std_error, interval_95, unit, bound_active (or null)}, its
+std_error null if an active bound, its own or another value's, determines the interval:
+
+    format, model, rig, logs, kind (of an axis that does not turn: names and units are then its own),
+    drive (current, voltage, torque), unit (of target and error: N m, V or A)
+    known             letter: value in SI, from the rig
+    added_kg          run or pattern: mass that it carries besides M; only where the rig has one
+    coefficients      name: estimate, the columns of the fit as they were fitted
+    correlation       names, matrix: of the errors of coefficients and unknown; null without a standard error
+    combinations      name: estimate, coefficients of columns that are not a single letter; in newton metres
+                      if the scale is identified
+    identified, not_identified  letters
+    unknown           letter: estimate with range, range_end_hit, profile {values, rmse_training}
+    alignment         input_delay_s, theta_zero_rad, voltage_offset_V: value (estimate), estimated
+    parameters        letter: value or null, complete for `Parameters` of the emitted module
+    parameter_notes   letter: known, fitted (with uncertainty) or convention, in words
+    back_emf_in_friction  whether the viscous friction contains the back-EMF: a voltage alone, k_e unknown
+    torque_unit       of the parameters: N m, or V or A where the log has no scale for a torque
+    current_known     whether the parameters give a current in amperes: not where a voltage gives R/k_i alone
+    voltage_known     whether they give a voltage: not by a current or a torque where R or k_e is not known
+    identified_range  ranges in words;  ranges  {omega_m_rad_s, speed_m_rad_s, temperature_C}
+    rmse_holdout_Nm (_V, _A), r_squared_holdout (of the drive signal)  linear, paper, paper_unbounded
+    fits_the_rig      false if the log cannot be from this rig: nothing follows from the fit
+    error_band        of paper: cut_hz of the low pass, its error below and above, noise of the sensors above;
+                      null for averages
+    improvement       percent 100 (1 - paper/linear), interval_95
+    rows, moving_threshold_rad_s, fitted_on, holdout {rule, intervals_s}, warnings
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eccentric.identification.columns import following_letters, k_e, own_letters
+from eccentric.identification.drive import NO_BACK_EMF
+from eccentric.identification.uncertainty import correlation
+from eccentric.model import TURNING
+from eccentric.rigs import ALIGNMENT, alignment_of, knowns_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from eccentric.identification.identify import Fit
+    from eccentric.identification.uncertainty import Estimate
+
+
+FORMAT = "eccentric-fit/1"
+
+
+def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
+    """Return the fit as strict JSON: numbers, strings, lists and tables; null for missing values.
+
+    `logs` are the names of the logs.
+    """
+    problem = fit.problem
+    channels, rig = problem.drive.channels, problem.rig
+    parameters, texts = emitted_parameters(fit)
+    counted = problem.rows
+    axis = rig.axis
+    known = {known.name for known in knowns_of(axis)}
+    document = {
+        "format": FORMAT,
+        **({} if axis is TURNING else {"kind": axis.name}),
+        "model": problem.model.name,
+        "rig": rig.name,
+        "logs": list(logs),
+        "drive": channels.motor.measured_by,
+        "unit": problem.unit,
+        "known": {name: value for name, value in rig.known.items() if name in known},
+        "coefficients": {name: _entry(e) for name, e in fit.coefficients.items() if name not in ALIGNMENT},
+        "correlation": _correlation(fit),
+        "combinations": {name: _entry(e) for name, e in fit.combinations.items()},
+        "identified": fit.identified[0],
+        "not_identified": fit.identified[1],
+        "unknown": {
+            name: {
+                **_entry(fit.searched[name]),
+                "range": list(rig.unknown[name]),
+                "range_end_hit": fit.searched[name].bound_active is not None,
+                "profile": {"values": list(p.values), "rmse_training": list(p.rmse)},
+            }
+            for name, p in fit.profiles.items()
+        },
+        "alignment": _alignment(fit),
+        "parameters": parameters,
+        "parameter_notes": texts,
+        "back_emf_in_friction": any(k_e in c.expression.free_symbols for c in problem.coefficients),
+        "current_known": _current_known(fit),
+        "voltage_known": problem.drive.voltage_known,
+        "torque_unit": _torque_unit(fit),
+        "identified_range": identified_range(fit),
+        "ranges": ranges(fit),
+        f"rmse_holdout_{problem.unit.replace(' ', '')}": dict(fit.rmse),
+        "error_band": None if fit.band is None else vars(fit.band),
+        "improvement": {"percent": fit.percent, "interval_95": list(fit.percent_interval)},
+        "r_squared_holdout": dict(fit.r_squared),
+        "fits_the_rig": fit.fits_the_rig,
+        "rows": channels.counts,
+        **({"excerpt": channels.excerpt} if channels.excerpt else {}),
+        **({"added_kg": rig.added_kg} if rig.added else {}),
+        "moving_threshold_rad_s": channels.selection.moving_threshold_rad_s,
+        "fitted_on": {
+            "what": counted.description,
+            "training": int(np.count_nonzero(counted.train)),
+            "held_out": int(np.count_nonzero(counted.score)),
+        },
+        "holdout": {
+            "rule": channels.selection.holdout.rule,
+            "intervals_s": [list(x) for x in channels.selection.holdout.intervals_s],
+        },
+        "warnings": list(fit.warnings),
+    }
+    return axis.told(document, (*logs, *channels.own_names))
+
+
+def _correlation(fit: Fit) -> dict[str, Any]:
+    """Correlation of the errors of coefficients and searched values."""
+    matrix = correlation(fit.spread.matrix)
+    return {
+        "names": [*fit.coefficients, *fit.searched],
+        "matrix": [[float(x) if math.isfinite(x) else None for x in row] for row in matrix],
+    }
+
+
+def _entry(e: Estimate) -> dict[str, Any]:
+    return {
+        "value": e.value,
+        "std_error": None if e.widened else e.std_error,
+        "interval_95": [x if math.isfinite(x) else None for x in e.interval],
+        "unit": e.unit,
+        "bound_active": e.bound_active,
+    }
+
+
+def _alignment(fit: Fit) -> dict[str, Any]:
+    rig = fit.problem.rig
+    found = {**fit.coefficients, **fit.searched}
+    return {
+        name: {**_entry(found[name]), "estimated": True}
+        if name in found
+        else {"value": getattr(rig.alignment, name), "estimated": False}
+        for name in alignment_of(rig.axis)
+    }
+
+
+def ranges(fit: Fit) -> dict[str, list[float] | None]:
+    """Return the ranges of motor velocity and speed [rad/s] and temperature [degC] of the training rows."""
+    channels = fit.problem.drive.channels
+    rows = channels.selection.fit_rows if np.any(channels.selection.fit_rows) else channels.selection.usable
+    omega = channels.motion.omega_m[rows]
+    temperature = None if channels.temperature is None else channels.temperature[rows]
+    return {
+        "omega_m_rad_s": _ends(omega),
+        "speed_m_rad_s": _ends(np.abs(omega)),
+        "temperature_C": None if temperature is None else _ends(temperature),
+    }
+
+
+def _ends(x: np.ndarray) -> list[float]:
+    return [float(np.min(x)), float(np.max(x))]
+
+
+def identified_range(fit: Fit) -> str:
+    """Return the range of speed and temperature that the parameters were identified on, in words."""
+    found = ranges(fit)
+    low, high = found["omega_m_rad_s"] or [0.0, 0.0]
+    slow, fast = found["speed_m_rad_s"] or [0.0, 0.0]
+    sides = "both directions" if low < 0.0 < high else "one direction"
+    text = f"motor speed {slow:.3g} to {fast:.3g} rad/s, {sides}"
+    warm = found["temperature_C"]
+    return f"{text}, temperature " + (f"{warm[0]:.3g} to {warm[1]:.3g} degC" if warm else "not logged")
+
+
+def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str]]:
+    """Return values for every parameter of the model, known and fitted, and the origin of each in words.
+
+    A combination is assigned to one letter, and the others have a value that does not change it (B_lT = C_lT
+    = 0; k_e = 0 with the back-EMF damping in B_m; k_i = 1 N m/A): the notes say so.
+    """
+    problem = fit.problem
+    fitted = {q.name for q in problem.model.friction_parameters}
+    own = {name: value for name, value in own_letters(problem.model).items() if name not in fitted}
+    values: dict[str, float | None] = {n: x for n, x in problem.rig.known.items() if n not in own}
+    notes = dict.fromkeys(values, "known, from the rig")
+    for name, e in fit.searched.items():
+        values[name], notes[name] = e.value, _words(e)
+    _put_scale(fit, values, notes)
+    for c in problem.coefficients:
+        if c.role not in ("friction", "inertia", "load"):
+            continue
+        e = _mechanical(fit, c.name)
+        values[c.parameter], notes[c.parameter] = e.value, _words(e)
+        if c.parameter != c.letter or k_e in c.expression.free_symbols:
+            shown = _mechanical_name(fit, c.name)
+            notes[c.parameter] += "" if shown in (c.parameter, "J") else f"; contains all of {shown}"
+    if problem.has("inertia") and problem.drive.machine.link:
+        machine = problem.drive.machine
+        values[machine.link] = 0.0
+        notes[machine.link] = f"convention: {machine.rotor} contains all of the inertia J_m + mu^2 J_l"
+    fields, inertia = problem.emitted.letters, problem.drive.machine.inertia_letters
+    follows = following_letters(problem.model)
+    for name in fields:
+        if name in values:
+            continue
+        if name in own:
+            values[name], notes[name] = own[name], "the model's own, not fitted"
+        elif name in inertia or name in follows:
+            values[name], notes[name] = None, "not known, not needed"
+        else:
+            values[name], notes[name] = (1.0 if name in ("R", "k_i") else 0.0), "convention: not identified"
+    if not problem.drive.voltage_known:
+        for name in problem.drive.machine.back_emf_letters & set(fields):
+            values[name], notes[name] = 0.0, NO_BACK_EMF
+    return {name: values[name] for name in fields}, {name: notes[name] for name in fields}
+
+
+def _put_scale(fit: Fit, values: dict[str, float | None], notes: dict[str, str]) -> None:
+    """Set k_i and R so that their ratio is the identified scale; without one, 1 N m represents 1 V or 1 A."""
+    problem = fit.problem
+    if problem.scale is None:
+        return
+    column = next((c for c in problem.coefficients if c.role == "scale"), None)
+    s = fit.coefficients[column.name].value if column else 1.0
+    text = (
+        _words(fit.coefficients[column.name])
+        if column
+        else f"no scale identified: N m represents {problem.unit}"
+    )
+    if problem.unit == "A":
+        values["k_i"], notes["k_i"] = 1.0 / s, f"from 1/k_i {text}"
+        return
+    known = problem.rig.known
+    if "k_i" not in known and "R" not in known:
+        values["k_i"], notes["k_i"] = 1.0, "convention: only R/k_i shows in a voltage"
+    if "R" in known:
+        values["k_i"], notes["k_i"] = known["R"] / s, f"from R/k_i {text}"
+    else:
+        values["R"], notes["R"] = s * (values["k_i"] or 1.0), f"from R/k_i {text}"
+
+
+def _current_known(fit: Fit) -> bool:
+    """Whether the parameters give a current in amperes: by a voltage, k_i or R splits R/k_i."""
+    problem = fit.problem
+    by_ratio = problem.scale is not None and problem.drive.by_voltage
+    return not by_ratio or (_torque_unit(fit) == "N m" and bool({"R", "k_i"} & set(problem.rig.known)))
+
+
+def _torque_unit(fit: Fit) -> str:
+    return "N m" if fit.problem.has("scale") else fit.problem.unit
+
+
+def _mechanical_name(fit: Fit, name: str) -> str:
+    """The combination in newton metres for a coefficient: they have the same order."""
+    if not fit.problem.has("scale"):
+        return name
+    names = [c.name for c in fit.problem.coefficients if c.role != "offset"]
+    return list(fit.combinations)[names.index(name)]
+
+
+def _mechanical(fit: Fit, name: str) -> Estimate:
+    shown = _mechanical_name(fit, name)
+    return fit.coefficients[name] if shown == name else fit.combinations[shown]
+
+
+def _words(e: Estimate) -> str:
+    low, high = e.interval
+    bound = f", at its {e.bound_active} bound" if e.bound_active else ""
+    error = "" if e.widened else f", std error {e.std_error:.2g}"
+    unit = "" if e.unit == "1" else f" {e.unit}"
+    return f"fitted: {e.value:.4g}{unit}{error}, 95 % interval {low:.4g} to {high:.4g}{bound}"

@@ -1,0 +1,244 @@
+"""Evaluation of expressions: smooth signals of one log, and expressions compiled for them.
+
+Definitions of the base model are signals as well, computed once. Other definitions are expanded, numerically
+stable steps are replaced by their plain formulas, and the rest is compiled to NumPy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from eccentric.identification.design import Coefficient
+from eccentric.model import (
+    Column,
+    Model,
+    PartValues,
+    fingerprint,
+    function_of,
+    meaning,
+    printed,
+    regressor,
+)
+from eccentric.model import vocabulary as v
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Signals:
+    """The smooth signals of one log that expressions are evaluated on, all of shape (samples,), in SI units.
+
+    Attributes:
+        values: input name -> signal: theta_m, omega_m, alpha_m, t, and if available i, u, temperature.
+        dt: step to the next sample [s].
+        starts: index of the first sample of each run; hidden states restart there.
+        known: value of every parameter that is not a friction coefficient.
+        open: what the rig leaves open, coefficient -> column of torque [N m]; part of every base.
+        friction: positions of the columns of the regressor that are not identically zero.
+        base: the model whose definitions are signals.
+        by_row: parameters that differ along the log, where runs carry more mass: name -> (samples,), in place
+            of those in `known`.
+        bridged: of the starts, those of a window of a long log, with the steps since the sample before; what
+            warms up goes on from there.
+    """
+
+    values: Mapping[str, Array]
+    dt: Array
+    starts: tuple[int, ...]
+    known: Mapping[str, float]
+    open: Mapping[Coefficient, Array] = field(default_factory=dict)
+    friction: tuple[int, ...] | None = None
+    base: Model | None = None
+    bridged: Mapping[int, int] = field(default_factory=dict)
+    by_row: Mapping[str, Array] = field(default_factory=dict)
+
+    def columns(self, model: Model) -> tuple[Column, ...]:
+        """The friction columns of a model that the log can show."""
+        every = regressor(model)
+        return every if self.friction is None else tuple(every[k] for k in self.friction)
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return len(self.dt)
+
+    @cached_property
+    def defined(self) -> dict[sp.Symbol, tuple[sp.Expr, Array]]:
+        """The definitions of the base model that the log determines: symbol -> (its formula, its values).
+
+        A definition with the name of something else that expressions use is omitted, and so expanded.
+        """
+        found: dict[sp.Symbol, tuple[sp.Expr, Array]] = {}
+        given = {**self.known, **self.by_row, **self.values}
+        others = {*given, "dt"}
+        for definition in () if self.base is None else self.base.definitions:
+            function, arguments = function_of(meaning(definition.value))
+            if definition.quantity.name not in others and given.keys() >= set(arguments):
+                with np.errstate(all="ignore"):
+                    values = np.asarray(function(*(given[a] for a in arguments)), float)
+                found[definition.symbol] = definition.value, values
+                given[definition.quantity.name] = values
+        return found
+
+    @cached_property
+    def parts(self) -> PartValues:
+        """The values of parts that several expressions share."""
+        return PartValues(self._own)
+
+    @cached_property
+    def _own(self) -> dict[str, Any]:
+        defined = {symbol.name: values for symbol, (_, values) in self.defined.items()}
+        return {**self.known, **self.by_row, **defined, **self.values, "dt": self.dt}
+
+    def part(self, whole: sp.Symbol | None) -> Array | float:
+        """The declared part of a quantity along the log (samples,): the rest is what some runs carry.
+
+        1 where there is nothing to have a part of.
+        """
+        if whole is None or not self.by_row or self.base is None:
+            return 1.0
+        value = self.base.expand(whole)
+        own = np.full(self.size, float(evaluated(value, self.known)))
+        all_of_it = np.broadcast_to(evaluated(value, {**self.known, **self.by_row}), (self.size,))
+        return np.divide(own, all_of_it, out=np.ones(self.size), where=all_of_it != 0.0)
+
+    def given(self, shape: Mapping[str, Array | float], series: Mapping[str, Array]) -> dict[str, Any]:
+        """Everything that an expression may use, by name."""
+        return {**self._own, **series, **shape}
+
+    @cached_property
+    def fixed(self) -> frozenset[str]:
+        """Names of all that has one value on the log, before shapes and states."""
+        return frozenset(self._own)
+
+    @cached_property
+    def varying(self) -> frozenset[str]:
+        """Those of them that change along the log."""
+        return frozenset(name for name, x in self._own.items() if np.ndim(x))
+
+    @cached_property
+    def key(self) -> str:
+        """The digest of what decides how an expression is printed: names, and formulas of what is defined."""
+        formulas = {symbol: formula for symbol, (formula, _) in self.defined.items()}
+        return fingerprint((self.fixed, self.varying, formulas))
+
+    def expanded(self, model: Model, expression: sp.Expr, names: Collection[str]) -> sp.Expr:
+        """The expression in signals, states and shapes of these names, with plain formulas for steps."""
+        put_in: dict[sp.Symbol, sp.Expr] = {}
+        for definition in model.definitions:
+            symbol, value = definition.symbol, definition.value
+            used = value.free_symbols
+            own = not used.isdisjoint(put_in) or any(s.name in names for s in used)
+            if own or symbol not in self.defined or self.defined[symbol][0] != value:
+                put_in[symbol] = value
+        return _in_full(expression, tuple(put_in.items()))
+
+
+def base_coefficients(model: Model, signals: Signals) -> tuple[Coefficient, ...]:
+    """The coefficients of `base_columns`, with their bounds; friction by the parameters of the model."""
+    friction = (
+        Coefficient.within(c.parameter.name, "friction", c.parameter.unit, c.bounds)
+        for c in signals.columns(model)
+    )
+    return (*friction, *signals.open)
+
+
+def base_columns(model: Model, signals: Signals) -> Array:
+    """The regressor of the model and the columns that the rig leaves open, (samples, columns)."""
+    columns = [compiled(model, column.basis, signals, ()) for column in signals.columns(model)]
+    return np.column_stack([*(column({}, {}) for column in columns), *signals.open.values()])
+
+
+def load_torque(model: Model, signals: Signals) -> Array:
+    """What the model requires of the drive besides friction, at the motor (samples,) [N m]."""
+    load = model.balance("mechanical").sum_of("inertial", "bodies", "gravity", "conservative")
+    return compiled(model, load, signals)({}, {})
+
+
+def compiled(
+    model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...] = ()
+) -> Callable[[Mapping[str, float], Mapping[str, Array]], Array]:
+    """An expression as a function of shape values and state series, over all samples."""
+    evaluated_at = lambdified(model, expression, signals, names)
+    parts = {q.name: signals.part(q.part_of) for q in model.parameters if q.name in names and signals.by_row}
+
+    def evaluate(shape: Mapping[str, float], series: Mapping[str, Array]) -> Array:
+        given = signals.given({name: x * parts.get(name, 1.0) for name, x in shape.items()}, series)
+        with np.errstate(all="ignore"):
+            return np.broadcast_to(np.asarray(evaluated_at(given), float), (signals.size,))
+
+    return evaluate
+
+
+def lambdified(
+    model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...]
+) -> Callable[[Mapping[str, Any]], Any]:
+    """An expression as a function of what `Signals.given` gives; `names` are those of shapes."""
+    definitions = [(definition.symbol, definition.value) for definition in model.definitions]
+    try:
+        key = f"expression {fingerprint((expression, definitions, sorted(names)))} {signals.key}"
+    except TypeError:  # it has a class of a person's own
+        key = ""
+    function = printed(
+        key,
+        lambda: signals.expanded(model, expression, names),
+        signals.fixed.difference(names),
+        signals.varying,
+    )
+
+    def evaluate(given: Mapping[str, Any]) -> Any:
+        parts = function.parts
+        values = (signals.parts[parts[a]] if a in parts else given[a] for a in function.arguments)
+        return function.call(*values)
+
+    return evaluate
+
+
+def evaluated(expression: sp.Expr, given: Mapping[str, Any]) -> Any:
+    """An expression at values or arrays (n,) of its inputs and parameters, by name.
+
+    Raises KeyError if one is missing.
+    """
+    function, arguments = function_of(meaning(expression))
+    return function(*(given[name] for name in arguments))
+
+
+def seen_columns(model: Model, known: Mapping[str, float]) -> tuple[int, ...]:
+    """Columns of the regressor that are not identically zero: in C1 without a mass, those of F_N are."""
+    absent = {symbol: 0 for symbol in (v.M.symbol, v.L.symbol) if known.get(symbol.name) == 0.0}
+    return tuple(
+        k
+        for k, column in enumerate(regressor(model))
+        if not absent or meaning(model.expand(column.basis)).subs(absent) != 0
+    )
+
+
+def alike(columns: Sequence[Column]) -> list[tuple[int, ...]]:
+    """The columns of the linear model, grouped: those of one role and joint are one for each direction."""
+    groups: dict[tuple[object, int], list[int]] = {}
+    for k, column in enumerate(columns):
+        if column.linear:
+            groups.setdefault((column.role, column.joint), []).append(k)
+    return [tuple(group) for group in groups.values()]
+
+
+# As many as all effects of the library have on a few models.
+@lru_cache(maxsize=2000)
+def _in_full(expression: sp.Expr, definitions: tuple[tuple[sp.Symbol, sp.Expr], ...]) -> sp.Expr:
+    """An expression with these definitions put in, each in those after it, and plain formulas for steps."""
+    values, needed, left = dict(definitions), set[sp.Basic](), [expression]
+    while left:
+        new = left.pop().free_symbols & values.keys() - needed
+        needed |= new
+        left += [values[symbol] for symbol in new]
+    put_in: dict[sp.Symbol, sp.Expr] = {}
+    for symbol, value in definitions:
+        if symbol in needed:
+            put_in[symbol] = value.xreplace(put_in)
+    return meaning(expression.xreplace(put_in))

@@ -1,0 +1,277 @@
+"""A rig and a model as a linear problem: target = columns @ coefficients, for given nonlinear values.
+
+    torque:  tau                = J alpha + G + f                       [N m]
+    current: k_i i              = J alpha + G + f                       [N m]
+    voltage: (k_i/R) u          = J alpha + G + f + (k_i k_e/R) w       [N m]   R and k_i known
+    voltage: u                  = (R/k_i) (J alpha + G + f) + k_e w     [V]     else
+    current: i                  = (1/k_i) (J alpha + G + f)             [A]     k_i known by a range only
+
+Friction and inertia are unit steps of the emitted residual (`residuals`).  Known parts move to the left; with
+an unknown scale s (R/k_i or 1/k_i) the known part of J alpha + G becomes the column of s, and without it only
+products with s are identifiable.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from eccentric.core import InputError, MissingValueError, few
+from eccentric.identification.columns import (
+    Combination,
+    bounded_letters,
+    combinations_of,
+    load_letters,
+    require_case,
+    scale_of,
+    with_own,
+)
+from eccentric.identification.design import ColumnRole, Design, Nonlinear, Solution
+from eccentric.identification.drive import DRIVE_UNITS, LOAD, Drive, inputs_of, load_gain
+from eccentric.identification.expressions import alike, seen_columns
+from eccentric.identification.limits import (
+    ANGLE_STEP,
+    DELAYS,
+    LONGEST_DELAY_S,
+    LONGEST_DELAY_STEPS,
+    STARTS,
+    STEPS_OF_A_RANGE,
+)
+from eccentric.identification.machine import Machine
+from eccentric.identification.residuals import Emitted, Residuals
+from eccentric.model import Column, Load, Model, Role, regressor
+from eccentric.rigs import KNOWNS
+from eccentric.signals import Rows, fit_rows, rows_of
+
+if TYPE_CHECKING:
+    from eccentric.rigs import Rig
+    from eccentric.signals import Channels
+
+
+# The nonlinear values of a fit: their ranges, where their search starts, and typical steps.
+
+
+_UNITS = {known.name: known.unit for known in KNOWNS}
+
+
+def nonlinear_of(channels: Channels, rig: Rig, model: Model, needed: set[str]) -> list[Nonlinear]:
+    """Return the nonlinear values: delay and zero angle to estimate, `needed` letters with ranges."""
+    step = channels.time.logged_step_s
+    turning = any(
+        "theta_m" in {x.name for x in model.expand(e).free_symbols}
+        for e in (*(c.basis for c in regressor(model)), model.balance("mechanical").sum_of("gravity"))
+    )
+    found: list[Nonlinear] = []
+    if "input_delay_s" in rig.estimate and channels.motor.measured_by == "voltage":
+        starts, most = tuple(k * step for k in DELAYS), max(LONGEST_DELAY_S, LONGEST_DELAY_STEPS * step)
+        found.append(Nonlinear("input_delay_s", "s", 0.0, most, starts, step))
+    if "theta_zero_rad" in rig.estimate and turning:
+        found.append(Nonlinear("theta_zero_rad", "rad", -math.pi, math.pi, (0.0,), ANGLE_STEP))
+    for letter, (low, high) in rig.unknown.items():
+        if letter in needed:
+            starts, step = (
+                tuple(low + part * (high - low) for part in STARTS),
+                (high - low) / STEPS_OF_A_RANGE,
+            )
+            found.append(Nonlinear(letter, _UNITS[letter], low, high, starts, step))
+    return found
+
+
+Array = NDArray[np.float64]
+_ALIGNED = ("input_delay_s", "theta_zero_rad")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is minimised.
+
+    `drive` is as the rig describes it, its unit that of target and residual; `scale` is s if the log has to
+    determine it, else None; `friction` are the columns of the regressor, those of one coefficient together:
+    the first coefficients, in this order.
+    """
+
+    drive: Drive
+    rig: Rig
+    model: Model
+    emitted: Emitted
+    rows: Rows
+    scale: sp.Expr | None
+    coefficients: tuple[Combination, ...]
+    nonlinear: tuple[Nonlinear, ...]
+    friction: tuple[tuple[Column, ...], ...]
+    warnings: tuple[str, ...]
+
+    def design(self, at: Mapping[str, float]) -> Design:
+        """Return the design for given nonlinear values."""
+        drive, values, rotor = self.aligned(at), self._values(at), self.drive.machine.rotor
+        residuals = Residuals(self.model, drive, self.rows, values)
+        unknown = [tuple(column.parameter.name for column in columns) for columns in self.friction]
+        unknown += [(rotor,)] if self.has("inertia") else []
+        try:
+            target, steps = residuals.design("mechanical", values, unknown)
+        except ValueError as error:
+            raise InputError(f"{self.rig.path}: {error}") from None
+        if self.has("inertia"):
+            # The column is that of the whole inertia: a part that the rig knows is in it, not in the target.
+            target = target + drive.machine.inertia({**values, rotor: 0.0}) * steps[:, -1]
+        one = np.ones(len(target))
+        # What the rig says of a constant load is added beside the model, whether the model has it or not.
+        target = target - self.rig.known.get(LOAD, 0.0) * load_gain(self.rig) * one
+        torque = target if self.scale is None else self.rows.mean(residuals.torque)
+        beside: dict[ColumnRole, Array] = {
+            "scale": torque - target,
+            "load": load_gain(self.rig) * one,
+            "offset": one / (drive.scale or 1.0),
+        }
+        columns = [beside[c.role] for c in self.coefficients if c.role in beside]
+        return Design(
+            self.coefficients, torque, np.column_stack([steps, *columns]), self.rows.train, self.rows.weights
+        )
+
+    @property
+    def baseline(self) -> Problem:
+        """The problem of Coulomb + viscous friction: one coefficient of each, for both directions."""
+        alone = [column for column, *_ in self.friction]
+        groups, bench = alike(alone), self.coefficients[len(alone) :]
+        return dataclasses.replace(
+            self,
+            friction=tuple(tuple(alone[k] for k in group) for group in groups),
+            coefficients=(*(self.coefficients[first] for first, *_ in groups), *bench),
+        )
+
+    @property
+    def is_baseline(self) -> bool:
+        """Whether the model itself is Coulomb + viscous friction, as that of a carriage."""
+        roles = [column.role for columns in self.friction for column in columns]
+        unloaded = all(column.load is Load.NONE for columns in self.friction for column in columns)
+        return unloaded and roles == [Role.VISCOUS, Role.COULOMB]
+
+    @property
+    def narrowed(self) -> Problem | None:
+        """The same problem below a lower cut-off; None where no low pass is used."""
+        if self.rows.smooth is None or self.drive.channels.time.points_per_row > 1:
+            return None
+        channels = self.drive.channels.narrowed(self.rig)
+        drive = dataclasses.replace(self.drive, channels=channels)
+        rows = fit_rows(channels, channels.rig)
+        return dataclasses.replace(self, drive=drive, rig=channels.rig, rows=rows)
+
+    def held_out(self, solution: Solution) -> tuple[Array, Array]:
+        """Residual and drive signal on the held-out rows that every command compares models on."""
+        residual, rows = self.compared(solution)
+        signal = rows.mean(self.aligned(solution.at).torque())
+        return residual[rows.score], signal[rows.score]
+
+    def compared(self, solution: Solution) -> tuple[Array, Rows]:
+        """Residual (m,) on the rows that every command compares models on, and these rows."""
+        judged = dataclasses.replace(self, rows=rows_of(self.drive.channels, self.rig))
+        design = judged.design(solution.at)
+        return design.target - design.columns @ solution.values, judged.rows
+
+    def moving(self, solution: Solution) -> Array:
+        """What accelerates the inertia (n,), in the unit of the residual."""
+        of = {c.role: value for c, value in zip(self.coefficients, solution.values, strict=True)}
+        drive, values = self.aligned(solution.at), self._values(solution.at)
+        channels, machine, scale = drive.channels, drive.machine, of.get("scale", 1.0)
+        inertia = machine.inertia(values)
+        carried = machine.inertia_along(values, channels.carried) - inertia
+        return (of.get("inertia", inertia * scale) + carried * scale) * channels.motion.alpha_m
+
+    @property
+    def unit(self) -> str:
+        """Unit of target and residual."""
+        return self.drive.unit
+
+    def has(self, role: ColumnRole) -> bool:
+        """Whether a coefficient has this role."""
+        return any(c.role == role for c in self.coefficients)
+
+    def aligned(self, at: Mapping[str, float]) -> Drive:
+        """The drive with the delay and the zero angle of some nonlinear values."""
+        aligned = {name: value for name, value in at.items() if name in _ALIGNED}
+        return self.drive.aligned(self.rig, aligned) if aligned else self.drive
+
+    def _values(self, at: Mapping[str, float]) -> dict[str, float]:
+        """Every parameter of the model: as the rig has it, else as the model has it; none for friction."""
+        given = {**self.drive.machine.absent, **self.drive.known}
+        unfitted = dict.fromkeys((q.name for q in self.model.friction_parameters), 0.0)
+        return {**given, **self.drive.scaled(), **at, **unfitted, LOAD: 0.0}
+
+
+def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
+    """Return the problem of a log under a rig and a model.
+
+    Raises InputError for a model of another case than the rig's, a letter that the model needs and the rig
+    gives neither as a value nor as a range, a current without k_i, and friction that depends on what the log
+    does not have, on the current or on hidden states.
+    """
+    require_case(rig, model)
+    channels, given, rig = channels.driven, rig, with_own(rig, model)
+    if lacking := sorted(load_letters(model) - set(rig.known) - set(rig.unknown)):
+        several = len(lacking) > 1
+        raise MissingValueError(
+            f"{rig.path}: [known] {few(lacking)} {'are' if several else 'is'} required by {model.name}, or"
+            f" {'their ranges' if several else 'its range'} in [unknown], received"
+            f" {'none of them' if several else 'neither'}",
+            lacking[0],
+        )
+    emitted = Emitted(model)
+    used = {*emitted.inputs_of("regressor"), *emitted.inputs_of("gravity_torque")}
+    used |= {"i"} if model.balance("mechanical").sum_of("actuator") != 0 else set()
+    if missing := used - set(inputs_of(channels)):
+        # What follows the current would explain the drive by the drive; hidden states need a past.
+        raise InputError(
+            f"{model.name}: fit requires friction and load that depend on motion, time and logged temperature"
+            f", received some that depend on {', '.join(sorted(missing))}"
+        )
+    by = channels.motor.measured_by
+    machine = Machine(model)
+    scale = scale_of(by, rig, machine)
+    rows, drive = fit_rows(channels, rig), _posed(channels, rig, machine, scale)
+    warnings = list(channels.intake.warnings)
+    if rows.operator is not None:
+        compared = rows_of(channels, rig).description
+        on = f", and its error taken, on {compared}" if compared == rows.description else ""
+        on = on or f" on {rows.description}, and its error taken on {compared}"
+        warnings.append(f"the log is fitted{on}")
+    coefficients = combinations_of(drive, rig, model, scale)
+    kept = seen_columns(model, {} if drive.channels.carried else rig.known)
+    gone = [c.letter for k, c in enumerate(coefficients) if c.role == "friction" and k not in kept]
+    if gone:
+        warnings.append(f"no unbalanced mass: {', '.join(gone)} have no effect and are omitted")
+    coefficients = [c for c in coefficients if c.letter not in gone]
+    nonlinear = nonlinear_of(channels, rig, model, load_letters(model))
+    searched = {s.name for s in nonlinear}
+    idle = set(rig.unknown) - searched - bounded_letters(coefficients, drive.machine)
+    idle |= rig.estimate - searched - {c.letter for c in coefficients}
+    warnings += [f"{name} has no effect on {model.name} driven by {by}" for name in sorted(idle)]
+    return Problem(
+        drive,
+        given,
+        model,
+        emitted,
+        rows,
+        scale,
+        tuple(coefficients),
+        tuple(nonlinear),
+        tuple((regressor(model)[k],) for k in kept),
+        tuple(warnings),
+    )
+
+
+def _posed(channels: Channels, rig: Rig, machine: Machine, scale: sp.Expr | None) -> Drive:
+    """The drive as the rig describes it: with a scale for the log to determine, in its own unit."""
+    by = channels.motor.measured_by
+    if scale is not None:
+        return Drive(machine, channels, rig.known, 1.0, DRIVE_UNITS[by])
+    if by != "voltage":
+        return Drive(machine, channels, rig.known, None, "N m")
+    per_volt = machine.torque(rig.known, machine.current({**machine.absent, **rig.known}, 1.0, 0.0))
+    return Drive(machine, channels, rig.known, 1.0 / float(per_volt), "N m")

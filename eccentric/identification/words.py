@@ -1,0 +1,153 @@
+"""A fit in words: one sentence on what the model gains, and a few lines for a terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from eccentric.core import few
+from eccentric.identification.drive import DRIVE_UNITS
+from eccentric.identification.limits import LEAST_GAIN_PERCENT
+from eccentric.model import model_names
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from eccentric.identification.identify import Fit
+    from eccentric.identification.uncertainty import Estimate
+
+
+_DRIVES = {unit: drive for drive, unit in DRIVE_UNITS.items()}
+
+
+def fit_sentence(fit: Fit) -> str:
+    """Return one sentence on the gain of the model over Coulomb + viscous friction on the held-out part.
+
+    If the log does not fit the rig at all, the sentence says that instead.
+    """
+    if not fit.fits_the_rig:
+        return (
+            f"This log does not fit the rig (R^2 {fit.r_squared['paper']:.2f}): check units and signs of the "
+            'columns, mu, and the zero angle (theta_zero_rad = "estimate" estimates it).'
+        )
+    if fit.problem.is_baseline:
+        part = 100.0 * (1.0 - fit.r_squared["paper"])
+        return f"Coulomb + viscous friction, which the model is, leaves {part:.2g} % of the drive's variance."
+    subject = f"The model {called}" if (called := _called(fit)) != "paper" else "The paper's model"
+    low, high = fit.percent_interval
+    gain, interval = _percent(fit.percent), f"95 % interval {_percent(low)} to {_percent(high)} %"
+    if low > 0.0 and fit.percent >= LEAST_GAIN_PERCENT:
+        return (
+            f"{subject} predicts the held-out part {gain} % better than "
+            f"Coulomb + viscous friction ({interval})."
+        )
+    if high < 0.0 and fit.percent <= -LEAST_GAIN_PERCENT:
+        return (
+            f"{subject} predicts the held-out part {_percent(-fit.percent)} % worse than "
+            f"Coulomb + viscous friction ({interval} of gain)."
+        )
+    if abs(fit.percent) >= LEAST_GAIN_PERCENT:
+        return (
+            f"{subject} has no certain gain over Coulomb + viscous friction on the held-out part "
+            f"({gain} %, {interval})."
+        )
+    if low > 0.0 or high < 0.0:
+        return (
+            f"{subject} predicts the held-out part only slightly {'better' if low > 0.0 else 'worse'} than "
+            f"Coulomb + viscous friction ({_percent(abs(fit.percent))} %, {interval} of gain)."
+        )
+    return (
+        f"{subject} predicts the held-out part no better than Coulomb + viscous friction "
+        f"({gain} % less error, {interval})."
+    )
+
+
+def _called(fit: Fit) -> str:
+    """Return "paper" for the bundled models, else the model's own name."""
+    name = fit.problem.model.name
+    return "paper" if name in model_names() else name
+
+
+def _percent(x: float) -> str:
+    return f"{round(x, 1) + 0.0:.1f}"  # + 0.0 takes the sign from a zero
+
+
+def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
+    """Return the fit for a terminal."""
+    problem, channels = fit.problem, fit.problem.drive.channels
+    rows, axis = problem.rows, problem.rig.axis
+    what = f"{np.count_nonzero(rows.train)} {rows.description} fitted"
+    head = f"{few(logs)}: {problem.model.name}, driven by {channels.motor.measured_by}; {what}, "
+    head += f"{np.count_nonzero(rows.score)} held out ({channels.selection.holdout.brief})"
+    above = [head, *filter(None, (channels.excerpt, problem.rig.added_words))]
+    table = estimate_table(axis.estimates({**fit.coefficients, **fit.searched}))
+    out = _scale_line(fit)
+    shown = {"paper": _called(fit)} if problem.is_baseline else {"linear": "linear", "paper": _called(fit)}
+    errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())
+    parts = ", ".join(f"{name} {fit.r_squared[which]:.4f}" for which, name in shown.items())
+    out.append(f"held-out RMSE [{problem.unit}]: {errors}; R^2 of the drive {_DRIVES[problem.unit]}: {parts}")
+    if fit.band is not None:
+        out.append(fit.band.words(shown["paper"]))
+    if problem.rig.sampling.moving_threshold_rad_s is None:
+        threshold = channels.selection.moving_threshold_rad_s
+        out.append(f"rows count as moving above {threshold:.4g} rad/s (default of moving_threshold_rad_s)")
+    if fit.fits_the_rig:
+        out += _bounds_line(fit)
+    own = (*logs, *channels.own_names)
+    above, out = ([axis.said(line, own) for line in lines] for lines in (above, [*out, fit_sentence(fit)]))
+    return [*above, *table, *out]
+
+
+def estimate_table(shown: Mapping[str, Estimate]) -> list[str]:
+    """Return estimates by name as lines of a table, each with standard error, interval and unit."""
+    table = [("", "value", "std error", "95 % interval", "unit")]
+    table += [
+        (name, f"{e.value:.4g}", "-" if e.widened else f"{e.std_error:.2g}", _interval(e), e.unit + _bound(e))
+        for name, e in shown.items()
+    ]
+    widths = [max(len(row[k]) for row in table) for k in range(4)]
+    out = []
+    for name, *middle, unit in table:
+        cells = [name.ljust(widths[0]), *(x.rjust(w) for x, w in zip(middle, widths[1:], strict=True))]
+        out.append("  ".join(["", *cells, unit]).rstrip())
+    return out
+
+
+def _scale_line(fit: Fit) -> list[str]:
+    problem = fit.problem
+    if problem.has("scale"):
+        names = [name for name in fit.combinations if name not in fit.coefficients]
+        combined = (f"{name} = {fit.combinations[name].value:.4g}" for name in names)
+        return [f"in newton metres: {', '.join(combined)}"]
+    if problem.scale is not None:
+        return [
+            f"no scale to newton metres (no inertia, gravity or load is known): all is times {problem.scale}"
+        ]
+    return []
+
+
+def _interval(e: Estimate) -> str:
+    return f"{e.interval[0]:.4g} to {e.interval[1]:.4g}"
+
+
+def _bound(e: Estimate) -> str:
+    return f"  ({e.bound_active} bound active)" if e.bound_active else ""
+
+
+def _bounds_line(fit: Fit) -> list[str]:
+    free, held = fit.rmse["paper_unbounded"], fit.rmse["paper"]
+    if not fit.bounds_active:
+        return []
+    gain = 100.0 * (1.0 - free / held)
+    at = "its bound" if len(fit.bounds_active) == 1 else "their bounds"
+    out = [f"{', '.join(fit.bounds_active)}: at {at}"]
+    if any(e.widened for e in fit.coefficients.values()):
+        out[0] += "; this widens the intervals of the estimates without a std error"
+    if gain <= 0.0:
+        return out
+    text = f"without bounds the held-out RMSE is {free:.4g}"
+    contradicted = any(f.doubts_the_rig for f in fit.problem.drive.channels.intake.findings)
+    if gain >= LEAST_GAIN_PERCENT and not contradicted:
+        text += f", {gain:.2g} % less: a sign that the model lacks an effect"
+    return [*out, text]

@@ -1,0 +1,35 @@
+"""The paper: its findings computed anew, and its figures from the emitted module.
+
+    audit    what a careful reading finds, computed from the derivation, with our reading
+    figures  figures 2, 4 and 5
+
+May import: `model`, `emission`.
+"""
+
+from eccentric.paper.audit import PRINTED, agrees, findings, polynomial, table_1
+from eccentric.paper.figures import (
+    Section,
+    draw,
+    figure_2,
+    figure_4,
+    figure_5,
+    friction_surface,
+    sections,
+    steady_curves,
+)
+
+__all__ = [
+    "PRINTED",
+    "Section",
+    "agrees",
+    "draw",
+    "figure_2",
+    "figure_4",
+    "figure_5",
+    "findings",
+    "friction_surface",
+    "polynomial",
+    "sections",
+    "steady_curves",
+    "table_1",
+]
