@@ -19,7 +19,7 @@ LINT := $(VENV)/.stamp-lint
 DOCS := $(VENV)/.stamp-docs
 DERIVED := $(VENV)/.stamp-derived
 
-.PHONY: run test test-slow derive figures docs lint check bench freeze compare mutants clean
+.PHONY: run test test-slow derive figures docs lint check bench freeze compare mutants weight clean
 .NOTPARALLEL:
 
 run: $(DERIVED)
@@ -75,6 +75,10 @@ compare:
 # Small changes to the sources, each of which a test should notice. Goes on where an earlier run was interrupted.
 mutants: $(TEST)
 	@OMP_NUM_THREADS=1 $(BIN)/python benchmarks/mutants.py --number $(or $(NUMBER),200) --seed $(or $(SEED),1)
+
+# Lines, files, floors, and how many files a diagnosis runs through.
+weight: $(RUN)
+	@$(BIN)/python benchmarks/weight.py
 
 # The environment stays: delete $(VENV) by hand to start over.
 clean:
