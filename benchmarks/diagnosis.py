@@ -25,7 +25,8 @@ from benchmarks.oracle import oracle
 from benchmarks.outside import OUTSIDE
 from benchmarks.record import Part, peak, progress, table
 from eccentric.core import InputError
-from eccentric.diagnosis import diagnose, diagnosis_document
+from eccentric.diagnosis import diagnose
+from eccentric.presentation import diagnosis_document
 from eccentric.virtual_bench import EFFECTS, PlantedEffect, random_scenario, simply, simulate, write
 
 # Seeds below this one were used while the method was developed, so they can no longer judge it.

@@ -27,8 +27,9 @@ from benchmarks.measured_free import K_E, free_errors
 from benchmarks.measured_identified import IDENTIFIED
 from benchmarks.measured_logs import ROOT, SETS, measured_log
 from benchmarks.measured_page import Cell, Table, table
-from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_lines
+from eccentric.diagnosis import Diagnosis, diagnose
 from eccentric.identification import improvement
+from eccentric.presentation import diagnosis_lines
 
 OUT = ROOT / "docs" / "measured"
 

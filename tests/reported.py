@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.report.arrays import BalanceResiduals, Channel, ResidualRows
-from eccentric.report.data import (
+from eccentric.presentation.html.arrays import BalanceResiduals, Channel, ResidualRows
+from eccentric.presentation.html.data import (
     AddedEffect,
     CandidateRow,
     Conclusion,

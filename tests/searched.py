@@ -12,11 +12,11 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from scipy.linalg import hadamard
 
+from eccentric.diagnosis.search.attribution import Search
+from eccentric.diagnosis.search.candidate import Candidate
+from eccentric.diagnosis.search.screen import Screen
 from eccentric.effects import Evidence, Shape
 from eccentric.identification import BalanceDesign, Coefficient
-from eccentric.search.attribution import Search
-from eccentric.search.candidate import Candidate
-from eccentric.search.screen import Screen
 from eccentric.signals import Rows
 
 Array = np.ndarray

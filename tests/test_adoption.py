@@ -12,15 +12,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from eccentric.diagnosis.search import limits
+from eccentric.diagnosis.search.attribution import Search
+from eccentric.diagnosis.search.candidate import Candidate, grid
+from eccentric.diagnosis.search.nulltest import beats_chance
+from eccentric.diagnosis.search.screen import Screen
+from eccentric.diagnosis.search.smooth import Variables
+from eccentric.diagnosis.search.two_balances import search_all
 from eccentric.effects import Shape
 from eccentric.model import quantity
-from eccentric.search import limits
-from eccentric.search.attribution import Search
-from eccentric.search.candidate import Candidate, grid
-from eccentric.search.nulltest import beats_chance
-from eccentric.search.screen import Screen
-from eccentric.search.smooth import Variables
-from eccentric.search.two_balances import search_all
 from tests.searched import COLUMNS, N, adopted, candidate, design, mixed, search
 
 A, B, C = candidate("a", {2: 1.0}), candidate("b", {3: 1.0}), candidate("c", {4: 1.0})

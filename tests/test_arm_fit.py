@@ -7,18 +7,11 @@ import numpy as np
 import pytest
 
 from eccentric.core import InputError
-from eccentric.joints import ArmFit, arm_fit_document, arm_fit_lines, fit_arm
-from eccentric.joints.base_parameters import (
-    BodyModule,
-    JointMotions,
-    base_of,
-    matrix_of,
-    moments_of,
-    names_of,
-    parameters_of,
-)
+from eccentric.joints import ArmFit, fit_arm
+from eccentric.joints.base_parameters import BodyModule, JointMotions, base_of, matrix_of, moments_of, names_of, parameters_of
 from eccentric.joints.bodies import possible_bodies
 from eccentric.model import Chain, Joint, Load, Placement, letters_of
+from eccentric.presentation import arm_fit_document, arm_fit_lines
 from eccentric.rigs import read_arm_rig
 from tests.arm_logs import LENGTHS, MASSES, MU, Friction, arm_log_of, arm_rig_of, moved, plain, planar_arm
 from tests.arm_logs import shoulder_by_load as by_load

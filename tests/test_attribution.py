@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from eccentric.diagnosis.search import Attribution, attribute
+from eccentric.diagnosis.search.candidate import Candidate
+from eccentric.diagnosis.search.smooth import Variables
 from eccentric.effects import Evidence, Shape
 from eccentric.identification import Coefficient, balance_design
 from eccentric.model import quantity
-from eccentric.search import Attribution, attribute
-from eccentric.search.candidate import Candidate
-from eccentric.search.smooth import Variables
 from eccentric.signals import hann_windows
 
 MU, NOISE = 0.2, 0.004

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from eccentric.diagnosis.search import nulltest
+from eccentric.diagnosis.search.candidate import Candidate, Variant
+from eccentric.diagnosis.search.limits import EXTRAPOLATED, MOST_GROUPS
+from eccentric.diagnosis.search.nulltest import _Drawn, beats_chance
+from eccentric.diagnosis.search.screen import Fitted, Screen
 from eccentric.effects import Evidence
 from eccentric.identification import balance_design
-from eccentric.search import nulltest
-from eccentric.search.candidate import Candidate, Variant
-from eccentric.search.limits import EXTRAPOLATED, MOST_GROUPS
-from eccentric.search.nulltest import _Drawn, beats_chance
-from eccentric.search.screen import Fitted, Screen
 from eccentric.signals.rows import Rows
 from tests.searched import candidate, search
 

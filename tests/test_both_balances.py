@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from eccentric.diagnosis.search.candidate import Candidate
+from eccentric.diagnosis.search.limits import HINTED
+from eccentric.diagnosis.search.smooth import Variables
+from eccentric.diagnosis.search.two_balances import search_all
+from eccentric.diagnosis.search.verdict import decided
 from eccentric.effects import Shape
 from eccentric.model import quantity
-from eccentric.search.candidate import Candidate
-from eccentric.search.limits import HINTED
-from eccentric.search.smooth import Variables
-from eccentric.search.two_balances import search_all
-from eccentric.search.verdict import decided
 from tests.searched import Array, N, candidate, design, mixed
 
 

@@ -9,7 +9,7 @@ import pytest
 from reported import HOSTILE, nothing_missing, sample
 
 from eccentric.diagnosis import Diagnosis
-from eccentric.report import page, report
+from eccentric.presentation.html import page, report
 
 playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from eccentric.diagnosis.models import closest_effect
-from eccentric.search.verdict import decided
+from eccentric.diagnosis.search.verdict import decided
 from tests.searched import candidate, search
 
 FIRST, SECOND = candidate("first", {2: 1.0}), candidate("second", {3: 1.0})

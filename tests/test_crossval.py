@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from eccentric.search.crossval import (
+from eccentric.diagnosis.search.crossval import (
     Gram,
     bounded_solve,
     bounded_solve_each,

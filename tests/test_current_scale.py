@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.diagnosis import diagnose, diagnosis_sentence
+from eccentric.diagnosis import diagnose
+from eccentric.presentation import diagnosis_sentence
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from tests.virtual import log_of

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from eccentric.cli import main
-from eccentric.diagnosis import diagnose, diagnosis_document
+from eccentric.diagnosis import diagnose
+from eccentric.presentation import diagnosis_document
 from eccentric.virtual_bench import Law, PlantedEffect, simply, simulate, write
 from tests.virtual import drawn_scenario, log_of
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from eccentric.cli import main
-from eccentric.diagnosis import diagnose, diagnosis_document, diagnosis_sentence
-from eccentric.report.gather import report_data
+from eccentric.diagnosis import diagnose
+from eccentric.presentation import diagnosis_document, diagnosis_sentence
+from eccentric.presentation.html.gather import report_data
 from tests import screw
 
 ROOT = Path(__file__).resolve().parent.parent

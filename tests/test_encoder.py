@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from eccentric.diagnosis import diagnose
+from eccentric.diagnosis.search.smooth import Variables
+from eccentric.diagnosis.search.two_balances import search_all
 from eccentric.effects import library
-from eccentric.search.smooth import Variables
-from eccentric.search.two_balances import search_all
 from eccentric.virtual_bench import simulate, write
 from tests.extended import (
     FIRST_FIT,

@@ -11,8 +11,9 @@ import pytest
 
 from eccentric.core import InputError
 from eccentric.emission import load_module
-from eccentric.identification import Fit, emitted_parameters, fit, fit_document, fit_lines, fit_sentence
+from eccentric.identification import Fit, fit
 from eccentric.model import load_model
+from eccentric.presentation import emitted_parameters, fit_document, fit_lines, fit_sentence
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from tests.planted import (

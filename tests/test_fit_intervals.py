@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from eccentric.identification import fit, fit_lines
+from eccentric.identification import fit
 from eccentric.model import load_model
+from eccentric.presentation import fit_lines
 from eccentric.rigs import Rig
 from eccentric.signals import Channels
 from tests.planted import (

@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.diagnosis import diagnose, diagnosis_document
-from eccentric.identification import fit, fit_sentence
+from eccentric.diagnosis import diagnose
+from eccentric.identification import fit
 from eccentric.logs import read_log
 from eccentric.model import load_model
+from eccentric.presentation import diagnosis_document, fit_sentence
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from eccentric.virtual_bench import simulate

@@ -12,10 +12,11 @@ import pytest
 
 from eccentric.api import fleet as api
 from eccentric.core import InputError
-from eccentric.fleet import NOT_GROUPED, FleetProblem, Suspect, fleet_sentence
+from eccentric.fleet import NOT_GROUPED, FleetProblem, Suspect
 from eccentric.fleet.drift import Changed, FleetChange, Series
 from eccentric.fleet.found import FleetFound, drifting_of
 from eccentric.fleet.periods import History
+from eccentric.presentation import fleet_sentence
 from eccentric.rigs import Rig
 from tests.fleets import one_joint, rig_of
 

@@ -13,8 +13,8 @@ import sympy as sp
 from eccentric.effects import Effect, Setting, library
 from eccentric.model import load_model, meaning, model_names, quantity
 from eccentric.model import vocabulary as v
-from eccentric.report.equation import typesetter_of
-from eccentric.report.formulas import Typesetter, equation, letter, plain, short_formula
+from eccentric.presentation.html.equation import typesetter_of
+from eccentric.presentation.html.formulas import Typesetter, equation, letter, plain, short_formula
 from tests.mathml import read, value
 
 CHANNELS = frozenset({"current", "voltage", "temperature"})

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from eccentric.diagnosis.search import candidate_of
 from eccentric.identification import Signals
 from eccentric.model import load_model
-from eccentric.search import candidate_of
 from tests.extended import KNOWN, effects
 
 DT, SLOPE = 0.004, 0.04

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.diagnosis import Diagnosis, diagnosis_sentence
+from eccentric.diagnosis import Diagnosis
+from eccentric.presentation import diagnosis_sentence
 from eccentric.signals.table import Finding
 
 

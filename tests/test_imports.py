@@ -21,16 +21,13 @@ LAYERS = (
     {"lazy", "import_time", "version"},
     {"core"},
     {"model"},
-    {"effects", "derivations"},
-    {"emission", "logs"},
-    {"rigs", "paper", "compiled"},
-    {"signals", "drafting", "arms"},
-    {"identification"},
-    {"search"},
-    {"diagnosis", "adaptation"},
+    {"effects", "derivations", "logs"},
+    {"emission", "rigs"},
+    {"signals", "drafting", "paper", "compiled", "arms"},
+    {"identification", "adaptation"},
+    {"diagnosis", "fleet"},
     {"joints", "planning"},
-    {"report"},
-    {"fleet"},
+    {"presentation"},
     {"api"},
     {"__init__"},
     {"cli"},
@@ -44,7 +41,7 @@ MAY_IMPORT["cli"] |= {"virtual_bench"}
 
 FROM_LOG_TO_REPORT = {
     *("model", "effects", "emission"),
-    *("logs", "rigs", "signals", "identification", "search", "diagnosis", "report"),
+    *("logs", "rigs", "signals", "identification", "diagnosis", "presentation"),
 }
 MOST_FLOORS = 7
 MOST_LEVELS = 8
@@ -195,8 +192,8 @@ def test_a_circle_and_a_floor_are_found() -> None:
 @pytest.mark.parametrize(
     ("module", "other", "expected"),
     [
-        ("eccentric.search.verdict", "eccentric.signals", False),
-        ("eccentric.search.verdict", "eccentric.signals.rows", True),
+        ("eccentric.diagnosis.search.verdict", "eccentric.signals", False),
+        ("eccentric.diagnosis.search.verdict", "eccentric.signals.rows", True),
         ("eccentric.signals.channels", "eccentric.signals.rows", False),
         ("eccentric.signals.channels", "eccentric.signals.quality", False),
         ("eccentric.signals.channels", "eccentric.signals.quality.ratios", True),

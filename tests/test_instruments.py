@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from eccentric.diagnosis.search import instruments_of, limits
+from eccentric.diagnosis.search.candidate import Candidate
 from eccentric.effects import Shape
 from eccentric.identification import FitData, drive_of, fit_data_of
 from eccentric.logs import read_log
 from eccentric.model import Model, load_model, quantity
 from eccentric.rigs import read_rig
-from eccentric.search import instruments_of, limits
-from eccentric.search.candidate import Candidate
 from eccentric.signals import read_channels
 from eccentric.virtual_bench import BenchRun, simulate
 from tests.searched import NOISE, SIZE, N, adopted, candidate, mixed, search

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from eccentric.search import balances
+from eccentric.diagnosis.search import balances
 
 
 def test_a_lag_is_taken_back_within_a_segment() -> None:

@@ -35,7 +35,7 @@ def test_errors_say_what_is_required_then_what_was_received() -> None:
     assert set() == raised
 
 
-DECIDING = ("diagnosis", "estimation", "fitting", "joints", "logs", "rigs", "search", "signals")
+DECIDING = ("diagnosis", "identification", "joints", "logs", "rigs", "signals")
 # Numbers that are no thresholds: a turn, the exponent and padding of a method, the width of a line.
 NO_THRESHOLDS = {"COUNT", "TURN", "_TURN", "_POWER", "_PADDING", "_WIDTH"}
 
@@ -46,7 +46,7 @@ def test_thresholds_of_a_room_are_in_its_limits() -> None:
         f"{module}.{name}"
         for room in DECIDING
         for module, path in files_of(f"eccentric/{room}").items()
-        if path.name not in {"limits.py", "mat_check.py"}
+        if path.name not in {"limits.py", "mat_file.py"}
         for name in _numbers(path.read_text(encoding="utf-8"))
     }
 

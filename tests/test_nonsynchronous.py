@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from eccentric.diagnosis import SearchRequest, diagnose
+from eccentric.diagnosis.search.balances import standing_orders
 from eccentric.effects import library
-from eccentric.search.balances import standing_orders
 from eccentric.virtual_bench import simulate, write
 from tests.extended import MU, TURNS, every_case, setting
 from tests.virtual import drawn_scenario

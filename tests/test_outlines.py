@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from eccentric.search.verdict import _outlines
+from eccentric.diagnosis.search.verdict import _outlines
 
 
 def _variant(family: str, variable: str = "time") -> SimpleNamespace:

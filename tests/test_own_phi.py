@@ -10,9 +10,10 @@ import pytest
 
 from eccentric.core import InputError
 from eccentric.diagnosis import diagnose
-from eccentric.identification import emitted_parameters, fit
+from eccentric.identification import fit
 from eccentric.model import Model, Role, Sgn, Term, load_model, quantity
 from eccentric.model import vocabulary as v
+from eccentric.presentation import emitted_parameters
 from eccentric.rigs import read_rig
 from tests.planted import FRICTION, K_I, KNOWN, MASS, TORQUE, T, motion, torque, written
 

@@ -19,7 +19,8 @@ import eccentric
 from eccentric.api.planned import PlanResult
 from eccentric.cli import main
 from eccentric.core import InputError
-from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document
+from eccentric.diagnosis import Diagnosis, diagnose
+from eccentric.diagnosis.search import PARTS, STABLE, SURE, Variant
 from eccentric.model import TURNING
 from eccentric.planning import Bounds, plan_lines, planned, question_from, question_of, read_bounds
 from eccentric.planning.choice import Heavier, decided
@@ -27,8 +28,8 @@ from eccentric.planning.limits import MARGIN, UNDECIDED
 from eccentric.planning.motion import Reference, joined, pieces
 from eccentric.planning.question import Rival
 from eccentric.planning.separation import Ground, Separation
+from eccentric.presentation import diagnosis_document
 from eccentric.rigs import read_rig
-from eccentric.search import PARTS, STABLE, SURE, Variant
 from eccentric.virtual_bench import random_scenario, simulate
 
 LIMITS = {"speed_rad_s": 190.0, "acceleration_rad_s2": 500.0, "current_A": 9.0, "time_s": 40.0}

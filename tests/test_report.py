@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from jinja2 import meta
 
-from eccentric import report as package
+import eccentric.presentation.html as package
 from eccentric.core import folder
-from eccentric.report import page
-from eccentric.report.data import Errors
-from eccentric.report.text import number, why
-from eccentric.report.view import view
+from eccentric.presentation.html import page
+from eccentric.presentation.html.data import Errors
+from eccentric.presentation.html.text import number, why
+from eccentric.presentation.html.view import view
 from tests.page_reader import Reader, figures_of
 from tests.reported import ADOPTED, RIVAL, balance_of, changed, nothing_missing, rows_of, sample
 

@@ -6,7 +6,7 @@ import sympy as sp
 
 from eccentric.effects import Setting, library
 from eccentric.model import load_model, quantity
-from eccentric.report.equation import friction_equations
+from eccentric.presentation.html.equation import friction_equations
 
 
 def test_the_equation_has_every_friction_term() -> None:

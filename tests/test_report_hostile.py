@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from eccentric.report import page
+from eccentric.presentation.html import page
 from tests.page_reader import Reader, figures_of
 from tests.reported import HOSTILE, sample
 

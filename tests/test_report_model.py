@@ -13,7 +13,7 @@ import pytest
 from eccentric.cli import diagnose as command
 from eccentric.cli import main
 from eccentric.diagnosis import Diagnosis, script
-from eccentric.report import report_data
+from eccentric.presentation.html import report_data
 from tests.page_reader import Reader
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from eccentric.report.arrays import Channel
-from eccentric.report.panels import POINTS, friction_panel, residual_panel, trace
+from eccentric.presentation.html.arrays import Channel
+from eccentric.presentation.html.panels import POINTS, friction_panel, residual_panel, trace
 from tests.reported import balance_of, rows_of
 
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-import eccentric.report as package
-from eccentric.report.arrays import BalanceResiduals, DriveSignal, runs_apart, runs_of
-from eccentric.report.data import Correlations, ReportData
-from eccentric.report.simulated import simulated
-from eccentric.report.text import headline
+import eccentric.presentation.html as package
+from eccentric.presentation.html.arrays import BalanceResiduals, DriveSignal, runs_apart, runs_of
+from eccentric.presentation.html.data import Correlations, ReportData
+from eccentric.presentation.html.simulated import simulated
+from eccentric.presentation.html.text import headline
 from tests.reported import HOSTILE, RIVAL, nothing_missing, sample
 
 

@@ -10,7 +10,7 @@ import sympy as sp
 from eccentric.core import InputError
 from eccentric.effects import library
 from eccentric.emission import build_program, load_module
-from eccentric.identification import drive_of, emitted_parameters, fit, fit_data_of, refit
+from eccentric.identification import drive_of, fit, fit_data_of, refit
 from eccentric.model import (
     Definition,
     Load,
@@ -24,6 +24,7 @@ from eccentric.model import (
     regressor,
 )
 from eccentric.model import vocabulary as v
+from eccentric.presentation import emitted_parameters
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from tests import planted

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from eccentric.diagnosis.search import runs_that_differ
 from eccentric.identification import Coefficient, balance_design
-from eccentric.search import runs_that_differ
 from eccentric.signals import Rows
 
 NAMES = ("monday", "tuesday", "wednesday", "thursday", "friday")

@@ -10,11 +10,12 @@ import pytest
 from scipy.optimize import nnls
 
 import eccentric
-from eccentric.diagnosis import diagnose, diagnosis_sentence, leave_runs_out
+from eccentric.diagnosis import diagnose, leave_runs_out
 from eccentric.diagnosis.models import Models, confirms, contradiction
 from eccentric.diagnosis.score import BelowLowPass, Score, score
 from eccentric.identification import FitData, drive_of, fit_data_of, refit
 from eccentric.model import Model, load_model
+from eccentric.presentation import diagnosis_sentence
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from eccentric.virtual_bench import simulate

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from eccentric.diagnosis.search.candidate import Candidate, Scaling, Values, Variant, grid
+from eccentric.diagnosis.search.limits import BELOW_NOISE
+from eccentric.diagnosis.search.screen import Fitted, Screen
 from eccentric.effects import Shape
 from eccentric.identification import Coefficient
 from eccentric.model import Role, quantity
-from eccentric.search.candidate import Candidate, Scaling, Values, Variant, grid
-from eccentric.search.limits import BELOW_NOISE
-from eccentric.search.screen import Fitted, Screen
 from tests.searched import BLOCKS, COLUMNS, SIZE, Array, N, candidate, design, mixed
 
 ANGLE = Shape(quantity("angle", "rad", "direction of a column"), 0.1, 1.5, "linear", 5)

@@ -12,13 +12,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from eccentric.diagnosis.search import limits
+from eccentric.diagnosis.search.attribution import Search
+from eccentric.diagnosis.search.candidate import Candidate, grid
+from eccentric.diagnosis.search.screen import Screen
+from eccentric.diagnosis.search.stability import Stability, stability_of
+from eccentric.diagnosis.search.verdict import decided
 from eccentric.identification import BalanceDesign
-from eccentric.search import limits
-from eccentric.search.attribution import Search
-from eccentric.search.candidate import Candidate, grid
-from eccentric.search.screen import Screen
-from eccentric.search.stability import Stability, stability_of
-from eccentric.search.verdict import decided
 from tests.searched import BLOCKS, COLUMNS, SIZE, N, adopted, candidate, design, mixed, search
 
 A, B, C = candidate("a", {2: 1.0}), candidate("b", {3: 1.0}), candidate("c", {4: 1.0})

@@ -7,9 +7,9 @@ from typing import Any, cast
 
 import pytest
 
-from eccentric.diagnosis import stability_words
-from eccentric.search.candidate import Variant, grid
-from eccentric.search.verdict import Adopted
+from eccentric.diagnosis.search.candidate import Variant, grid
+from eccentric.diagnosis.search.verdict import Adopted
+from eccentric.presentation import stability_words
 from tests.searched import candidate
 
 A: Variant = grid(candidate("a", {2: 1.0}))[0]

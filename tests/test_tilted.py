@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from eccentric.core import InputError
-from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_sentence
+from eccentric.diagnosis import Diagnosis, diagnose
 from eccentric.identification import drive_of, fit_data_of, refit
 from eccentric.model import load_model
+from eccentric.presentation import diagnosis_sentence
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from tests.identified import is_found

@@ -12,10 +12,10 @@ from scipy.stats import chi2
 
 from eccentric.diagnosis import Diagnosis
 from eccentric.diagnosis.models import _with_the_constant_first
+from eccentric.diagnosis.search import Attribution, limits, unconfirmed
+from eccentric.diagnosis.search.candidate import Candidate
+from eccentric.diagnosis.search.verdict import decided, measurement_of, next_measurement
 from eccentric.effects import LOAD, Evidence, Kin, Words
-from eccentric.search import Attribution, limits, unconfirmed
-from eccentric.search.candidate import Candidate
-from eccentric.search.verdict import decided, measurement_of, next_measurement
 from eccentric.signals import MANY_RUNS
 from tests.searched import N, candidate, search
 

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document
+from eccentric.diagnosis import Diagnosis, diagnose
 from eccentric.identification import refit
-from eccentric.report.gather import report_data
+from eccentric.presentation import diagnosis_document
+from eccentric.presentation.html.gather import report_data
 from tests.identified import FILTERED, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Array, Friction, Swing, log_of, sines, write_rig, write_runs
 

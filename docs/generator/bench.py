@@ -8,7 +8,8 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from eccentric.diagnosis import diagnose, diagnosis_sentence
+from eccentric.diagnosis import diagnose
+from eccentric.presentation import diagnosis_sentence
 from generator.pictures import COLOURS, STYLE, save
 
 BENCH = Path(__file__).parents[2] / "examples" / "bench"

@@ -9,7 +9,7 @@ import sympy as sp
 from eccentric.effects import Effect
 from eccentric.model import Quantity
 from eccentric.model import vocabulary as v
-from eccentric.report.formulas import Typesetter, equation, letter, plain
+from eccentric.presentation.html.formulas import Typesetter, equation, letter, plain
 
 _LEFT = {"mechanical": "Delta tau", "electrical": "Delta u"}
 _VOCABULARY = {q.symbol: q for q in vars(v).values() if isinstance(q, Quantity)}

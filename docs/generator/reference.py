@@ -9,7 +9,7 @@ from pathlib import Path
 
 from eccentric.effects import FAMILIES, Effect, base_aliases
 from eccentric.model import Model, Quantity
-from eccentric.report.formulas import short_formula
+from eccentric.presentation.html.formulas import short_formula
 from generator.formula import equations, typesetter
 from generator.pictures import draw
 from generator.setting import effects

@@ -8,15 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eccentric.adaptation import (
-    CURRENT,
-    Replay,
-    course_document,
-    course_lines,
-    plot_course,
-    replayed,
-    require_logged,
-)
+from eccentric.adaptation import CURRENT, Replay, replayed, require_logged
 from eccentric.api.inputs import (
     LogSources,
     ModelSource,
@@ -29,9 +21,10 @@ from eccentric.api.inputs import (
 from eccentric.api.result import Printed, ResultTable, new_axes, paragraphs
 from eccentric.core import InputError, given_path
 from eccentric.emission import Adaptation, document_of, read_parameters, with_fitted
-from eccentric.identification import Drive, fit_document
+from eccentric.identification import Drive
 from eccentric.identification import fit as fit_channels
 from eccentric.logs import log_names
+from eccentric.presentation import course_document, course_lines, fit_document, plot_course
 from eccentric.rigs import read_rig
 from eccentric.signals import Channels, read_channels
 

@@ -25,8 +25,6 @@ from eccentric.diagnosis import (
     Diagnosis,
     SearchRequest,
     base_source,
-    diagnosis_document,
-    diagnosis_lines,
     extended_model,
     is_result_name,
     script,
@@ -34,7 +32,15 @@ from eccentric.diagnosis import (
 from eccentric.diagnosis import diagnose as diagnose_logs
 from eccentric.emission import complete, write
 from eccentric.model import Model
-from eccentric.report import Parameter, ReportData, page, plot_report, report_data
+from eccentric.presentation import (
+    Parameter,
+    ReportData,
+    diagnosis_document,
+    diagnosis_lines,
+    page,
+    plot_report,
+    report_data,
+)
 from eccentric.rigs import read_rig
 from eccentric.signals import read_long
 

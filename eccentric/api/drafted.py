@@ -13,11 +13,10 @@ from eccentric.api.inputs import LogSources, read_logs
 from eccentric.core import InputError, MissingValueError, counted, few, whole_file
 from eccentric.drafting import Draft, Proposal, RigLine, draft_of, draft_of_arm, log_complaints, toml_of
 from eccentric.identification import fit as fit_channels
-from eccentric.identification import fit_sentence
-from eccentric.joints import arm_fit_lines
 from eccentric.joints import fit_arm as fit_joints
 from eccentric.logs import Log, log_names
 from eccentric.model import load_model, with_numbers
+from eccentric.presentation import arm_fit_lines, fit_sentence
 from eccentric.rigs import (
     Complaint,
     Rig,

@@ -19,17 +19,11 @@ from eccentric.api.inputs import (
 )
 from eccentric.api.result import Correlation, Result, ResultTable, new_axes, paragraphs
 from eccentric.emission import read_parameters, with_fitted
-from eccentric.identification import (
-    Comparison,
-    Estimate,
-    compare,
-    fit_document,
-    fit_lines,
-    plot_fit,
-)
+from eccentric.identification import Estimate
 from eccentric.identification import fit as fit_channels
 from eccentric.logs import log_names
 from eccentric.model import Model
+from eccentric.presentation import Comparison, compare, fit_document, fit_lines, plot_fit
 from eccentric.rigs import read_rig
 from eccentric.signals import FIT_POINTS, read_channels, read_long
 

@@ -40,13 +40,11 @@ from eccentric.fleet import (
     as_csv,
     changes_csv,
     document_of,
-    fleet_page,
-    fleet_sentence,
     give_back,
-    joints_without_logs,
     run_fleet,
     write_coefficients,
 )
+from eccentric.presentation import fleet_page, fleet_sentence, joints_without_logs
 from eccentric.version import __version__
 
 _COMMAND = "fleet"

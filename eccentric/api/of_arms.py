@@ -14,21 +14,18 @@ from eccentric.api.result import Printed, ResultTable, new_axes, paragraphs
 from eccentric.core import InputError, given_path, whole_folder
 from eccentric.diagnosis import SearchRequest
 from eccentric.emission import complete_arm, write
-from eccentric.joints import (
-    ArmDiagnosis,
-    ArmFit,
-    JointFit,
+from eccentric.joints import ArmDiagnosis, ArmFit, JointFit, extended_arm
+from eccentric.joints import diagnose_arm as diagnose_logs
+from eccentric.joints import fit_arm as fit_logs
+from eccentric.logs import log_names
+from eccentric.presentation import (
     arm_command,
     arm_diagnosis_document,
     arm_diagnosis_lines,
     arm_fit_document,
     arm_fit_lines,
-    extended_arm,
+    arm_page,
 )
-from eccentric.joints import diagnose_arm as diagnose_logs
-from eccentric.joints import fit_arm as fit_logs
-from eccentric.logs import log_names
-from eccentric.report import arm_page
 from eccentric.rigs import ArmRig, read_arm_rig
 from eccentric.signals import FIT_POINTS, read_long_joints
 

@@ -32,9 +32,10 @@ from eccentric.emission import (
     render_adapt,
     write,
 )
-from eccentric.identification import NEEDS_MATPLOTLIB, Estimate, correlation
+from eccentric.identification import Estimate, correlation
 from eccentric.logs import Log
 from eccentric.model import Model, Recursion
+from eccentric.presentation import NEEDS_MATPLOTLIB
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -20,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Fit, write the folder, print the table; return 1 if the log does not fit the rig."""
-    from eccentric.identification import NEEDS_MATPLOTLIB
+    from eccentric.presentation import NEEDS_MATPLOTLIB
 
     own_folder(args.out)
     if arm_of(args.rig, {"--model": args.model}):

@@ -1,44 +1,59 @@
-"""The loop: fit, search, extend, refit, score; and the result in words, as JSON and as a script.
+"""The loop: fit, search, extend, refit, score; and the result as a script.
 
     loop          logs, rig -> Diagnosis: every stage in order
+    search        what a model lacks: candidates, null level, verdict
     stage         the request; what a log offers to a base model before the search
     models        the models after the search; the best effect or shipped model where none is adopted
     outcome       a Diagnosis: everything that the loop found
     score         held-out errors before and after, run by run where there are enough
     orders        what is left inside runs and periodic in the motor angle
     contest       models on the same rows, extended by effects or not
-    words         a Diagnosis for a person
-    document      a Diagnosis as diagnosis.json
     model_script  the extended model as a derivation
     base_script   the base model as a derivation, where it was given as an object
     limits        every threshold, with its reason
 
 In: logs and a rig. Out: a `Diagnosis`.
-May import: `search` and all rooms below it.
+May import: `identification` and all rooms below it.
 """
 
 from eccentric.diagnosis.base_script import BASE, base_source
 from eccentric.diagnosis.contest import BASELINE, Contest, Entry, contest, contest_document, contest_lines
-from eccentric.diagnosis.document import diagnosis_document
 from eccentric.diagnosis.loop import diagnose, diagnosed, staged_log
 from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name, script
 from eccentric.diagnosis.models import Closest
 from eccentric.diagnosis.orders import Order, orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out
-from eccentric.diagnosis.stage import SearchRequest, Stage, staged
-from eccentric.diagnosis.words import (
-    closest_sentence,
-    diagnosis_lines,
-    diagnosis_sentence,
-    sibling_sentence,
-    stability_words,
+from eccentric.diagnosis.search import (
+    IN_A_DRAW,
+    LEAST_DEVIANCE,
+    LEAST_SHARE,
+    PARTS,
+    STABLE,
+    SURE,
+    Candidate,
+    Screen,
+    Variant,
+    balances_of,
+    bounded_solve,
+    candidate_of,
+    refined,
+    required_over,
+    searched_loads,
 )
+from eccentric.diagnosis.stage import SearchRequest, Stage, staged
 
 __all__ = [
     "BASE",
     "BASELINE",
+    "IN_A_DRAW",
+    "LEAST_DEVIANCE",
+    "LEAST_SHARE",
+    "PARTS",
+    "STABLE",
+    "SURE",
     "Asked",
+    "Candidate",
     "Closest",
     "Contest",
     "Diagnosis",
@@ -46,26 +61,28 @@ __all__ = [
     "Order",
     "OverRuns",
     "Score",
+    "Screen",
     "SearchRequest",
     "Stage",
+    "Variant",
+    "balances_of",
     "base_source",
-    "closest_sentence",
+    "bounded_solve",
+    "candidate_of",
     "contest",
     "contest_document",
     "contest_lines",
     "diagnose",
     "diagnosed",
-    "diagnosis_document",
-    "diagnosis_lines",
-    "diagnosis_sentence",
     "extended_model",
     "is_result_name",
     "leave_runs_out",
     "orders_of",
+    "refined",
+    "required_over",
     "result_name",
     "script",
-    "sibling_sentence",
-    "stability_words",
+    "searched_loads",
     "staged",
     "staged_log",
 ]

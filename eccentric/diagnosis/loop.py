@@ -28,12 +28,19 @@ from eccentric.diagnosis.limits import LEAST_ZERO_RAD
 from eccentric.diagnosis.models import better_sibling, closest_effect, fitted_models
 from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
+from eccentric.diagnosis.search import (
+    AT_FLOOR,
+    CONFIRMED,
+    LEAST_DEVIANCE,
+    Attribution,
+    attribute,
+    variables_of,
+)
 from eccentric.diagnosis.stage import SearchRequest, Stage, stage_of, staged
 from eccentric.identification import drive_noise, fit_data_of, residual_samples
 from eccentric.logs import LogSource, log_names
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
-from eccentric.search import AT_FLOOR, CONFIRMED, LEAST_DEVIANCE, Attribution, attribute, variables_of
 from eccentric.signals import Channels, read_channels, read_long
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from eccentric.core import InputError
 from eccentric.diagnosis.limits import FITTED, MOST_APART
 from eccentric.diagnosis.score import BelowLowPass, Score, below_low_pass, leave_runs_out, score
+from eccentric.diagnosis.search import Attribution, unconfirmed
 from eccentric.effects import LOAD, Effect
 from eccentric.identification import (
     LEAST_R_SQUARED,
@@ -23,7 +24,6 @@ from eccentric.identification import (
     rms,
 )
 from eccentric.model import Model, load_model, model_names
-from eccentric.search import Attribution, unconfirmed
 from eccentric.signals import LEAST_HELD_OUT
 
 

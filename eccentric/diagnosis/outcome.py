@@ -10,12 +10,12 @@ from eccentric.diagnosis.base_script import BASE
 from eccentric.diagnosis.models import Closest, Models, Sibling
 from eccentric.diagnosis.orders import Order
 from eccentric.diagnosis.score import Score
+from eccentric.diagnosis.search import Adopted, Attribution
 from eccentric.diagnosis.stage import SearchRequest
 from eccentric.effects import Effect, Setting
 from eccentric.identification import FitData
 from eccentric.model import Model
 from eccentric.rigs import Rig
-from eccentric.search import Adopted, Attribution
 from eccentric.signals import Band, Channels, Rows
 
 Added = tuple[Effect, dict[str, float]]

@@ -10,6 +10,16 @@ from pathlib import Path
 import numpy as np
 
 from eccentric.core import InputError
+from eccentric.diagnosis.search import (
+    Candidate,
+    balances_of,
+    candidate_of,
+    fitted_variants,
+    instruments_of,
+    offered,
+    runs_that_differ,
+    setting_of,
+)
 from eccentric.effects import FAMILIES, Effect, Setting
 from eccentric.identification import (
     BalanceDesign,
@@ -22,16 +32,6 @@ from eccentric.identification import (
 )
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
-from eccentric.search import (
-    Candidate,
-    balances_of,
-    candidate_of,
-    fitted_variants,
-    instruments_of,
-    offered,
-    runs_that_differ,
-    setting_of,
-)
 from eccentric.signals import LEAST_HELD_OUT, Channels, require_rows
 
 # What a person asked of the search: effects that the model has from the start, and what it may offer.

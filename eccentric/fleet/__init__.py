@@ -8,12 +8,11 @@
     periods    sums -> coefficients with intervals, by joint and period; temperatures from the fleet
     drift      a test for each coefficient, at a false discovery rate; joints that cannot be judged
     found      what changed in words, and as files
-    page       what the page shows
     run        the whole run
     limits     every threshold, with its reason
 
 In: paths of logs and rigs. Out: `FleetFound`, and the sums of a fleet on disk.
-May import: `diagnosis` and all rooms below it. No log is ever written to.
+May import: `identification` and all rooms below it. No log is ever written to.
 """
 
 from eccentric.fleet.cluster import connected
@@ -28,7 +27,6 @@ from eccentric.fleet.found import (
 )
 from eccentric.fleet.gathered import Assigned, gather, plan_of
 from eccentric.fleet.limits import RATE
-from eccentric.fleet.page import fleet_page, fleet_sentence, joints_without_logs
 from eccentric.fleet.run import FleetRequest, run_fleet
 from eccentric.fleet.sources import NOT_GROUPED, NOT_TESTED, SCHEDULER, UNREAD, FleetProblem, as_csv, find
 from eccentric.fleet.work import Sample, give_back
@@ -52,11 +50,8 @@ __all__ = [
     "connected",
     "document_of",
     "find",
-    "fleet_page",
-    "fleet_sentence",
     "gather",
     "give_back",
-    "joints_without_logs",
     "plan_of",
     "run_fleet",
     "write_coefficients",

@@ -9,7 +9,7 @@ Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`,
     drive        the drive torque of a log, the columns that its rig leaves open, external loads on a joint
     columns      the coefficients of a fit: names, roles, units, bounds; which parameters the rig gives
     problem      drive, rig and model as a linear problem for given nonlinear values
-    identify     its solution for `eccentric fit`; `document`, `words`, `figure` present it
+    identify     its solution for `eccentric fit`
     first_fit    its solution as the drive of a log, for `eccentric diagnose`
     fit_data     the log with this drive, prepared for any model
     extended     a model with effects as a linear problem at a point
@@ -36,7 +36,6 @@ from eccentric.identification.design import (
     bounded,
     require_rank,
 )
-from eccentric.identification.document import emitted_parameters, fit_document
 from eccentric.identification.drive import (
     DRIVE_UNITS,
     LOAD,
@@ -54,7 +53,6 @@ from eccentric.identification.expressions import (
     compiled,
     load_torque,
 )
-from eccentric.identification.figure import NEEDS_MATPLOTLIB, Comparison, compare, plot_fit
 from eccentric.identification.first_fit import drive_of
 from eccentric.identification.fit_data import FitData, drive_noise, fit_data_of, with_model_current
 from eccentric.identification.identify import Fit, fit
@@ -74,19 +72,16 @@ from eccentric.identification.uncertainty import (
     r_squared,
     rms,
 )
-from eccentric.identification.words import estimate_table, fit_lines, fit_sentence
 
 __all__ = [
     "DRIVE_UNITS",
     "LEAST_R_SQUARED",
     "LOAD",
-    "NEEDS_MATPLOTLIB",
     "NO_BACK_EMF",
     "TWO_SIDED",
     "BalanceDesign",
     "Coefficient",
     "ColumnRole",
-    "Comparison",
     "Design",
     "Drive",
     "Emitted",
@@ -107,18 +102,12 @@ __all__ = [
     "base_coefficients",
     "base_columns",
     "bounded",
-    "compare",
     "compiled",
     "correlation",
     "drive_noise",
     "drive_of",
-    "emitted_parameters",
-    "estimate_table",
     "fit",
     "fit_data_of",
-    "fit_document",
-    "fit_lines",
-    "fit_sentence",
     "improvement",
     "improvement_over_runs",
     "in_drive_unit",
@@ -127,7 +116,6 @@ __all__ = [
     "load_letters",
     "load_torque",
     "loaded_model",
-    "plot_fit",
     "profile",
     "r_squared",
     "refit",

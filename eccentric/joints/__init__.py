@@ -12,17 +12,14 @@ both as documents and lines.
     diagnosed    every joint diagnosed by them
     extended_arm  the arm with the friction of every joint as it was fitted, effects included
     predicting   other runs predicted by a fit, and the payload that they have
-    documents, words     the results for programs and for a terminal
 
 May import: `diagnosis` and all rooms below it.
 """
 
 from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, diagnose_arm
-from eccentric.joints.documents import arm_diagnosis_document, arm_fit_document
 from eccentric.joints.extended_arm import arm_name, extended_arm, why_not_emitted
 from eccentric.joints.fitted import ArmFit, JointFit, fit_arm
 from eccentric.joints.predicting import ForeignRuns, Payload, payload_of, predicted
-from eccentric.joints.words import arm_command, arm_diagnosis_lines, arm_fit_lines
 
 __all__ = [
     "ArmDiagnosis",
@@ -31,11 +28,6 @@ __all__ = [
     "JointDiagnosis",
     "JointFit",
     "Payload",
-    "arm_command",
-    "arm_diagnosis_document",
-    "arm_diagnosis_lines",
-    "arm_fit_document",
-    "arm_fit_lines",
     "arm_name",
     "diagnose_arm",
     "extended_arm",

@@ -21,8 +21,6 @@ from eccentric.identification import (
     fit_data_of,
 )
 from eccentric.joints.base_parameters import (
-    NEGLIGIBLE,
-    VARIES,
     BaseParameters,
     BodyModule,
     JointMotions,
@@ -31,6 +29,7 @@ from eccentric.joints.base_parameters import (
     names_of,
 )
 from eccentric.joints.joint_model import EVERY, FORCE, joint_model, signals_of, sources_of
+from eccentric.joints.limits import NEGLIGIBLE, VARIES
 from eccentric.model import Load, Model, letters_of
 from eccentric.rigs import ArmRig
 from eccentric.signals import Channels, Rows, fit_rows, motion_of

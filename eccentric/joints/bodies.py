@@ -16,16 +16,13 @@ from eccentric.identification import Coefficient, Design, Estimate, base_coeffic
 from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.base_parameters import (
     COUNT,
-    IN_ERRORS,
-    LEAST_EIGENVALUE,
-    PROJECTIONS,
-    TIGHTEST,
     BaseParameters,
     base_of,
     matrix_of,
     names_of,
     parameters_of,
 )
+from eccentric.joints.limits import IN_ERRORS, LEAST_EIGENVALUE, PROJECTIONS, TIGHTEST
 from eccentric.model import letters_of
 
 # Bodies that could exist and have given base parameters: the nearest to those of the arm file.

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from eccentric.diagnosis import Asked, Diagnosis, SearchRequest, diagnosed, staged
+from eccentric.diagnosis import Asked, Diagnosis, SearchRequest, diagnosed, required_over, staged
 from eccentric.effects import Effect
 from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.bodies import IdentifiedBodies
@@ -20,7 +20,6 @@ from eccentric.joints.fitted import prepared, warnings_of
 from eccentric.joints.joint_model import DECLARED
 from eccentric.logs import LogSource
 from eccentric.rigs import ArmRig
-from eccentric.search import required_over
 
 # A log that does not fit the rig of an arm, in words.
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import counted
-from eccentric.diagnosis import OverRuns, leave_runs_out
+from eccentric.diagnosis import Candidate, OverRuns, balances_of, leave_runs_out, searched_loads
 from eccentric.effects import Evidence
 from eccentric.identification import (
     LEAST_R_SQUARED,
@@ -33,7 +33,6 @@ from eccentric.joints.joint_model import OF_BENDING, OF_FORCES
 from eccentric.logs import LogSource
 from eccentric.model import Load, Role
 from eccentric.rigs import ArmRig
-from eccentric.search import Candidate, balances_of, searched_loads
 from eccentric.signals import LEAST_HELD_OUT, read_joints, require_rows
 
 # Which load the friction of a joint follows, or none: decided inside the training part.

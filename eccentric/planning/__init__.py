@@ -8,7 +8,7 @@
     limits      every threshold, with its reason
 
 In: a `Diagnosis`, or logs and its document, and `Bounds`.  Out: a `MeasurementPlan`.
-May import: `diagnosis`, `search`, `fitting`, `signals`, `rigs`, `logs`, `model`, `effects`, `estimation`.
+May import: `diagnosis` and all rooms below it.
 """
 
 from eccentric.planning.choice import require_link

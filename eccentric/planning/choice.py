@@ -10,6 +10,7 @@ import numpy as np
 from scipy.stats import norm
 
 from eccentric.core import InputError
+from eccentric.diagnosis import IN_A_DRAW
 from eccentric.model import TURNING, Model
 from eccentric.model import vocabulary as v
 from eccentric.planning.limits import (
@@ -33,7 +34,6 @@ from eccentric.planning.limits import (
 from eccentric.planning.motion import FORCE, Bounds, Segment, joined, pieces
 from eccentric.planning.separation import Ground, Separation, extremes
 from eccentric.rigs import AddedMass, Rig
-from eccentric.search import IN_A_DRAW
 
 # The probability that a diagnosis of log and motion together decides, from how far apart the rivals are.
 #

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
-from eccentric.search import PARTS, STABLE, SURE
+from eccentric.diagnosis import PARTS, STABLE, SURE
 
 RATE_HZ = 200.0
 """Samples of a reference: what a position controller takes, and fine beside the 25 Hz of the low pass."""

@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import InputError, few, given_path, read_document
-from eccentric.diagnosis import Diagnosis, staged_log
+from eccentric.diagnosis import Candidate, Diagnosis, Screen, Variant, staged_log
 from eccentric.effects import Effect
 from eccentric.identification import FitData
 from eccentric.logs import LogSource
 from eccentric.model import Model
 from eccentric.planning.limits import LEAST_CHANCE
 from eccentric.rigs import Rig
-from eccentric.search import Candidate, Screen, Variant
 
 # What a diagnosis left open: the fits that explain its log alike, each with the log's own evidence.
 

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.diagnosis import Candidate, Screen, Variant, bounded_solve, candidate_of, refined
 from eccentric.effects import Effect
 from eccentric.identification import (
     BalanceDesign,
@@ -45,7 +46,6 @@ from eccentric.planning.limits import (
 from eccentric.planning.motion import Bounds, Reference
 from eccentric.planning.question import Question, Rival, rival_of
 from eccentric.rigs import AddedMass
-from eccentric.search import Candidate, Screen, Variant, bounded_solve, candidate_of, refined
 from eccentric.signals import Rows, white_noise
 
 # A motion as a drive makes it that is not quite the fitted one: extremes of angle, speed and current.

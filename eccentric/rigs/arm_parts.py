@@ -13,6 +13,7 @@ import sympy as sp
 from eccentric.core import InputError, few, meant, read_number, read_table, refuse_unknown
 from eccentric.logs import parse_value
 from eccentric.model import Body, Joint, Placement, Quantity, quantity
+from eccentric.rigs.limits import LARGEST_ANGLE, LARGEST_OF_ARM
 
 # Names of arms in code.
 
@@ -37,19 +38,6 @@ def complaints_of(where: str) -> Iterator[None]:
         yield
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
-
-
-# Every limit of what a file of an arm may say, each with its reason.
-
-
-LARGEST = 1e9
-"""Size of a number in SI: beyond a ship's inertia it is a unit that was left out; far beyond, squares of it
-overflow in single precision."""
-LARGEST_ANGLE = 6.284
-"""A turn [rad], rounded: a plain number beyond is one of degrees."""
-SMALLEST_INERTIA = 1e-15
-"""Below the wheel of a watch [kg m^2], the tensor of a URDF is what a program for drawing left of 0; as it is
-rounded, it would be that of no body."""
 
 
 INERTIA = ("xx", "xy", "xz", "yy", "yz", "zz")
@@ -137,8 +125,8 @@ class FileQuantity:
             raise InputError(
                 f'{where}: a text with a unit is required, as in "0.1 {self.unit}", received {value!r}'
             )
-        if not abs(number) <= LARGEST:
-            raise InputError(f"{where}: a size of at most {LARGEST:g} is required, received {value!r}")
+        if not abs(number) <= LARGEST_OF_ARM:
+            raise InputError(f"{where}: a size of at most {LARGEST_OF_ARM:g} is required, received {value!r}")
         return value if isinstance(value, str) and _RATIO.fullmatch(value) else number
 
     def _three(self, value: Any, key: str, where: str) -> Any:

@@ -25,7 +25,8 @@ from eccentric.core import (
 from eccentric.logs import parse_value
 from eccentric.model import AXES, LINEAR, TURNING, AxisKind
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names
-from eccentric.rigs.known import LEAST_LOW_PASS_HZ, AddedMass, mass_alone, read_added, read_knowns
+from eccentric.rigs.known import AddedMass, mass_alone, read_added, read_knowns
+from eccentric.rigs.limits import LEAST_LOW_PASS_HZ
 from eccentric.rigs.sources import (
     ALIGNMENT,
     Alignment,

@@ -17,18 +17,8 @@ import numpy as np
 
 from eccentric.core import InputError, few, meant, readable
 from eccentric.model import Body, Joint, Placement
-from eccentric.rigs.arm_parts import (
-    INERTIA,
-    LARGEST,
-    LARGEST_ANGLE,
-    SMALLEST_INERTIA,
-    ReadJoint,
-    after,
-    complaints_of,
-    identifier,
-    joined,
-    placed,
-)
+from eccentric.rigs.arm_parts import INERTIA, ReadJoint, after, complaints_of, identifier, joined, placed
+from eccentric.rigs.limits import LARGEST_ANGLE, LARGEST_OF_ARM, SMALLEST_INERTIA
 
 # The text of a URDF: UTF-8 without entities, reduced to links and joints, every number of theirs checked.
 #
@@ -133,7 +123,7 @@ def _require_numbers(element: Any, numbers: tuple[tuple[str, str, int, bool], ..
             values = [float(word) for word in (given or "").replace("_", "?").split()]
         except ValueError:
             values = []
-        if len(values) != count or not all(math.isfinite(v) and abs(v) <= LARGEST for v in values):
+        if len(values) != count or not all(math.isfinite(v) and abs(v) <= LARGEST_OF_ARM for v in values):
             what = "a finite number is" if count == 1 else f"{count} finite numbers are"
             received = "none" if given is None else repr(given)
             raise InputError(f"{here}: {tag} {attribute}: {what} required, received {received}")

@@ -1,0 +1,320 @@
+"""Residual attribution on a balance: which effects, in which order, with what probability.
+
+1. forward: the candidate with the best cross-validated score is adopted as long as it gains enough;
+2. each step also tries the best partners of the first search's runners-up and every swap of one variant for
+   another (the best single effect need not be in the best pair); what has become superfluous is removed;
+3. each adopted variant is compared with its alternatives, the others kept: their scores give probabilities;
+4. smooth terms are fitted to what is left. If they explain part of the structure, no candidate explains it.
+
+Scores are n_eff/2 log(cross-validated sum of squares), n_eff from the autocorrelation of the best residual: a
+residual that still has structure counts as few samples and carries little weight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.special import expit
+
+from eccentric.diagnosis.search import limits
+from eccentric.diagnosis.search.candidate import Variant, instrument_of
+from eccentric.diagnosis.search.nulltest import beats_chance, null_quantile
+from eccentric.diagnosis.search.screen import Fitted, Screen
+from eccentric.diagnosis.search.stability import Stability, stability_of
+
+Array = np.ndarray
+
+
+@dataclass
+class Search:
+    """The search on one balance.
+
+    base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
+    smoothed: smooth terms beside the adopted ones; alternatives: per adopted variant, family -> (probability,
+        fit); steps: the best model after each step; tried: other models that were compared with it;
+        required: deviance that an addition has to gain; stability: of the adopted effects; by_both: of
+        effects that this balance alone leaves open, family -> deviance by which the other one, or both
+        together, prefer it.
+    """
+
+    screen: Screen
+    smooth: Screen
+    base: Fitted
+    best: Fitted
+    ranked: list[Fitted] = field(default_factory=list)
+    smoothed: list[Fitted] = field(default_factory=list)
+    alternatives: list[dict[str, tuple[float, Fitted]]] = field(default_factory=list)
+    steps: list[Fitted] = field(default_factory=list)
+    tried: list[Fitted] = field(default_factory=list)
+    required: float = limits.LEAST_DEVIANCE
+    stability: Stability = field(default_factory=Stability)
+    by_both: dict[str, float] = field(default_factory=dict)
+
+    def run(self) -> None:
+        """Adopt, compare, then fit the smooth terms to what is left."""
+        while len(self.best.variants) < limits.MOST_EFFECTS:
+            if self.best.variants and self.best.score < limits.AT_FLOOR * self.screen.floor:
+                break
+            ranked = self.screen.rank(self.best.variants)
+            self.ranked = self.ranked or ranked
+            leaders = self._leaders(ranked)
+            tried = [self.swapped(self.screen.refine(fitted)) for fitted in leaders]
+            if len(self.best.variants) == 1:
+                tried += self.pairs()
+            tried = [f for f in tried if self.confirmed(f) and self._keeps_all_names(f)]
+            tried = [f for f in tried if not self._is_remainder(self.best, f)]
+            self.tried += tried
+            tried = [f for f in tried if self.worth_it(self.best, f) and self.clears(self.best, f)]
+            if not tried:
+                break
+            self.best = self.pruned(min(tried, key=lambda f: f.score))
+            self.steps.append(self.best)
+        self._compare()
+        self._examine(self.steps)
+        self.smoothed = self.smooth.rank(self.best.variants)
+
+    def deviance(self, before: Fitted, after: Fitted, screen: Screen | None = None) -> float:
+        """Twice the gain in log-likelihood from one fit to another, of the cross-validated scores."""
+        return (screen or self.screen).deviance(before, after)
+
+    def worth_it(self, before: Fitted, after: Fitted, screen: Screen | None = None) -> bool:
+        """Whether a fit improves on another beyond chance and beyond the errors of filters and sampling."""
+        gain = before.score - after.score
+        return (
+            gain > limits.LEAST_PART * (self.base.score - after.score)
+            and not self._is_remainder(before, after)
+            and gain > self.screen.rows * (limits.LEAST_SHARE * self.screen.balance.scale) ** 2
+            and self.deviance(before, after, screen) > self.required
+        )
+
+    def _is_remainder(self, before: Fitted, after: Fitted) -> bool:
+        """Whether what is added may be what the record of an effect beside it leaves out."""
+        added = {v.candidate.family for v in after.variants} - {v.candidate.family for v in before.variants}
+        alike = any(added & set(v.candidate.evidence.second_order) for v in after.variants)
+        least = limits.LEAST_PART_OF_SECOND_ORDER * (self.base.score - after.score)
+        return alike and before.score - after.score <= least
+
+    def confirmed(self, fitted: Fitted) -> bool:
+        """Whether every variant gains a good part on its instrument too, or is the same torque there."""
+        return all(
+            self._gained(_without(fitted, place), variant, fitted, self.screen)
+            for place, variant in enumerate(fitted.variants)
+        )
+
+    def _keeps_all_names(self, fitted: Fitted) -> bool:
+        """Whether no variant has lost to those beside it what names it."""
+        return all(self.screen.itself(fitted, place) for place in range(len(fitted.variants)))
+
+    def explains(self, before: Fitted, after: Fitted) -> bool:
+        """Whether a smooth term takes something out that is there without the noise of its signals too.
+
+        There is nothing to take out where the sensors' noise is as large as all that is left. What is far
+        beyond that noise needs no draws, be it what is taken out or what is left, if most of that follows the
+        variable: a short stretch of a log has too few signs to beat them all.
+        """
+        far = limits.BEYOND_NOISE * self.screen.floor
+        return (
+            before.score > self.screen.floor
+            and self.worth_it(before, after, self.smooth)
+            and self._gained(list(before.variants), after.variants[-1], after, self.smooth)
+            and (
+                before.score - after.score > far > 0.0
+                or (before.score > far > 0.0 and self._takes_out(before, after))
+                or beats_chance(self.smooth, before, after)
+            )
+        )
+
+    def _gained(self, others: list[Variant], variant: Variant, fitted: Fitted, screen: Screen) -> bool:
+        twin = instrument_of(variant)
+        if twin is None:
+            return True
+        without = screen.fit(others)
+        gain = without.score - fitted.score
+        if gain > limits.BEYOND_NOISE * self.screen.floor > 0.0:
+            return True
+        there = screen.fit([*others, twin])
+        # An instrument may place an event a sample early and gain nothing; it still finds the same torque.
+        jumps = any(shape.jumps for shape in variant.candidate.shapes)
+        if not jumps and self.deviance(without, there, screen) <= limits.CONFIRMED:
+            return False
+        # An instrument that blurs the signal takes out little; it finds the same coefficients all the same.
+        part = without.score - there.score > limits.CONFIRMED_PART * gain
+        return part or screen.exogenous(others, variant)
+
+    def _leaders(self, ranked: Sequence[Fitted]) -> list[Fitted]:
+        """The candidates to try: the first that gain by more than the noise of their own signals."""
+        found: list[Fitted] = []
+        for fitted in ranked:
+            gains = self.worth_it(self.best, fitted)
+            others = _without(fitted, len(fitted.variants) - 1)
+            if not gains or self._gained(others, fitted.variants[-1], fitted, self.screen):
+                found.append(fitted)
+            if len(found) == limits.TRIED:
+                break
+        return found
+
+    def null_level(self) -> float:
+        """The deviance that the best effect of the library reaches by chance on this log, 99 % quantile."""
+        return null_quantile(self.screen, self.best)
+
+    def clears(self, before: Fitted, after: Fitted) -> bool:
+        """Whether a further effect explains enough of what the first ones leave above the noise floor."""
+        return not before.variants or self._takes_out(before, after)
+
+    def _takes_out(self, before: Fitted, after: Fitted) -> bool:
+        """Whether one fit takes out most of what the other leaves above the noise floor."""
+        floor = min(self.screen.floor, after.score)
+        return before.score - after.score > limits.CLEARS * (before.score - floor)
+
+    def pairs(self) -> list[Fitted]:
+        """Best partner of the leading other families of the first step.
+
+        Partners of the best effect's own family are ranked beside it anyway, where its form is swapped too.
+        """
+        own = self.best.variants[0].candidate.family
+        seen, found = {own}, []
+        for fitted in self.ranked:
+            family = fitted.last.family
+            if family in seen or len(seen) > limits.PARTNERS or not self.worth_it(self.base, fitted):
+                continue
+            seen.add(family)
+            partners = self.screen.rank(fitted.variants, leaders=limits.LEADERS_OF_A_PARTNER)[:1]
+            near = [
+                pair
+                for pair in partners
+                if pair.last.family != own and pair.score < limits.NEAR * self.best.score
+            ]
+            found += [self.swapped(self.screen.refine(pair)) for pair in near]
+        return found
+
+    def swapped(self, fitted: Fitted) -> Fitted:
+        """Each variant against all others in its place, in two passes, or until a pass changes nothing."""
+        count = len(fitted.variants)
+        if count == 1:
+            return fitted
+        kept = 0
+        for place in [*range(count)] * 2:
+            found = self.screen.rank(_without(fitted, place), leaders=limits.LEADERS_OF_A_SWAP)
+            kept += 1
+            if found and found[0].score < limits.SWAPPED * fitted.score:
+                fitted, kept = self.screen.refine(found[0]), 0
+            if kept == count:
+                break
+        return fitted
+
+    def pruned(self, fitted: Fitted) -> Fitted:
+        """Without the variants that the others have made superfluous."""
+        for place in range(len(fitted.variants)):
+            without = self.screen.fit(_without(fitted, place))
+            if len(fitted.variants) > 1 and not self.worth_it(without, fitted):
+                return self.pruned(self.screen.refine(without))
+        return fitted
+
+    def chances(self, place: int) -> dict[str, float]:
+        """Probabilities of an adopted effect's family and of those in its place, over variants of the log."""
+        family, options = self.best.variants[place].candidate.family, self.alternatives[place]
+        # A family beside it, found once more in its place, is no alternative to it.
+        beside = {v.candidate.family for v in self.best.variants} - {family}
+        open_to = {other: chance for other, (chance, _) in options.items() if other not in beside}
+        if family in self.by_both:
+            most = self.stability.most if self.stability.variants else 1.0
+            return {family: min(most, float(expit(0.5 * self.by_both[family])))}
+        if self.stability.variants:
+            return self.stability.chances(family, [other for other in open_to if other != family])
+        return {other: chance / sum(open_to.values()) for other, chance in open_to.items()}
+
+    def clear(self, place: int) -> bool:
+        """Whether an adopted effect is clearly ahead of what could be in its place."""
+        family = self.best.variants[place].candidate.family
+        if family in self.by_both:
+            return True
+        return self.chances(place)[family] >= limits.SURE and self.stability.nearly_all(family)
+
+    def instead(self, family: str) -> dict[str, int]:
+        """Families that variants of the log find in the place of an adopted one: in how many, most first.
+
+        A declared value counts on top of the few effects that may be tied: one measurement settles it.
+        """
+        beside = {variant.candidate.family for variant in self.best.variants}
+        declared = {c.family for c in self.screen.candidates if c.tolerance}
+        least = limits.POSSIBLE * self.stability.variants
+        found = self.stability.instead(family, beside, declared, limits.IN_PLACE)
+        return {other: times for other, times in found.items() if times >= least}
+
+    def _examine(self, steps: Sequence[Fitted]) -> None:
+        """Drop the effects that too few variants of the log find, even with what takes their place.
+
+        Those that stay keep their alternatives: what is dropped is still missing, and would confuse them. But
+        what was right only beside it gives way to an earlier step without it that explained clearly more,
+        which is compared and examined as if the search had ended there. Each of the steps is gone back to
+        once: what is compared with it may bring back what was dropped.
+        """
+        if not self.best.variants:
+            return
+        self.stability = stability_of(self.screen, self._models())
+        families = [v.candidate.family for v in self.best.variants]
+        kept = [k for k, f in enumerate(families) if self.stability.nearly_all(f, *self.instead(f))]
+        if len(kept) < len(families):
+            left = self.screen.refine(self.screen.fit([self.best.variants[k] for k in kept]))
+            dropped = {family for k, family in enumerate(families) if k not in kept}
+            earlier = [
+                step
+                for step in steps
+                if dropped.isdisjoint(v.candidate.family for v in step.variants)
+                and step.score < limits.SWAPPED * left.score
+            ]
+            if earlier:
+                self.tried.append(self.best)
+                self.best = again = min(earlier, key=lambda f: f.score)
+                self._compare()
+                self._examine([step for step in steps if step is not again])
+            else:
+                self.best, self.alternatives = left, [self.alternatives[k] for k in kept]
+
+    def _models(self) -> list[Fitted]:
+        """The best model first, then those that came close, each set of effects once."""
+        places = range(len(self.best.variants))
+        reduced = [self.screen.fit(_without(self.best, place)) for place in places]
+        rivals = [fitted for options in self.alternatives for _, fitted in options.values()]
+        close = sorted([*reduced, *rivals, *self.tried], key=lambda f: f.score)[: limits.CLOSE]
+        models: dict[frozenset[str], Fitted] = {}
+        for fitted in [self.best, *close]:
+            models.setdefault(frozenset(v.candidate.id for v in fitted.variants), fitted)
+        return list(models.values())
+
+    def _compare(self, changes: int = limits.CHANGES) -> None:
+        """Probabilities of the families in the place of each adopted variant, the others kept.
+
+        A special case that explains the log as well as the family that contains it takes the place. An order
+        has its part of the family's probability before the log counts.
+        """
+        effective = self.screen.effective(self.best)
+        self.alternatives = []
+        for place, variant in enumerate(self.best.variants):
+            rivals = {variant.candidate.family: (variant, self.best)}
+            for fitted in self.screen.rank(_without(self.best, place)):
+                family = fitted.last.family
+                better = family not in rivals or fitted.score < rivals[family][1].score
+                if better and (fitted.score > self.best.score or self.confirmed(fitted)):
+                    rivals[family] = (fitted.variants[-1], fitted)
+            log = {
+                family: -0.5 * effective * float(np.log(fitted.score))
+                - 0.5 * len(own.values)
+                - float(np.log(own.candidate.evidence.one_of))
+                + limits.SPECIAL * any(general in rivals for general in own.candidate.evidence.special_of)
+                for family, (own, fitted) in rivals.items()
+            }
+            first = max(log, key=lambda family: log[family])
+            if rivals[first][1] is not self.best and changes:
+                self.best = self.screen.refine(rivals[first][1])
+                self._compare(changes - 1)
+                return
+            weight = {family: float(np.exp(value - log[first])) for family, value in log.items()}
+            total = sum(weight.values())
+            self.alternatives.append({f: (weight[f] / total, fitted) for f, (_, fitted) in rivals.items()})
+
+
+def _without(fitted: Fitted, place: int) -> list[Variant]:
+    return [variant for k, variant in enumerate(fitted.variants) if k != place]

@@ -1,0 +1,241 @@
+"""How stable a search is: which effects it would have found had an engineer chosen otherwise.
+
+A hundred variants of the log. In each, every model that came close is fitted and cross-validated. They differ
+in
+
+- the blocks: four fifths of them, as if others had been held out, or half of them, drawn at random;
+- the rows: as they are, or means of two neighbours (a lower bandwidth);
+- the declared values: as they are, or estimated, with the standard deviation that their usual tolerance
+  leaves (R, k_i, k_e: 2 %, J: 5 %).
+
+Every part of the log has the weight of the whole.
+
+The best model of a variant is the one with the best score. A family is stable if it is part of the best
+model of nearly every variant, whatever is beside it.
+
+After N. Meinshausen, P. Buehlmann, "Stability selection", J. Royal Statistical Society B 72(4), 2010 (who
+take halves), and J. H. Huggins, J. W. Miller, "Reproducible model selection using bagged posteriors",
+Bayesian Analysis 18(1), 2023 (who draw with replacement, and take the mean of the posterior over the draws);
+JCGM 100:2008 (GUM), 4.3.7 (the standard deviation of a value of which only a tolerance is known).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from eccentric.diagnosis.search import limits
+from eccentric.diagnosis.search.candidate import Candidate, Variant
+from eccentric.diagnosis.search.crossval import Gram, cross_validate_each
+from eccentric.diagnosis.search.screen import Fitted, Screen
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Stability:
+    """What the variants of a log found; nothing where it has too few blocks.
+
+    best: of each variant, the families of its best model, and of the declared values that it found off;
+    weights: such a set -> its mean posterior weight.
+    """
+
+    best: tuple[frozenset[str], ...] = ()
+    weights: Mapping[frozenset[str], float] = field(default_factory=dict)
+
+    @property
+    def variants(self) -> int:
+        """The number of variants."""
+        return len(self.best)
+
+    def found(self, *families: str) -> int:
+        """In how many variants one of the families is part of the best model."""
+        return sum(not own.isdisjoint(families) for own in self.best)
+
+    def nearly_all(self, *families: str) -> bool:
+        """Whether nearly every variant finds one of the families, or there are none to say otherwise."""
+        return self.found(*families) >= limits.STABLE * self.variants
+
+    def instead(
+        self, family: str, beside: AbstractSet[str], declared: AbstractSet[str], most: int
+    ) -> dict[str, int]:
+        """What the best model has where it lacks a family: the families that are not `beside` it.
+
+        First the `declared` values, then the effect that most of the remaining variants have, then that
+        of what it leaves, up to `most`: what only accompanies one of them is no alternative. Each with the
+        number of variants that it adds; of equals, the first by name.
+        """
+        missing = [families - beside for families in self.best if family not in families]
+        found: dict[str, int] = {}
+        for pool, number in ((declared, len(declared)), (None, most)):
+            for _ in range(number):
+                counts = Counter(f for families in missing for f in families if pool is None or f in pool)
+                if not counts:
+                    break
+                other = min(counts, key=lambda name: (-counts[name], name))
+                found[other] = counts[other]
+                missing = [families for families in missing if other not in families]
+        return found
+
+    def weight(self, family: str, lacking: AbstractSet[str] = frozenset()) -> float:
+        """The mean weight of the models that have a family, or that have it and lack all of some others."""
+        return sum(w for own, w in self.weights.items() if family in own and own.isdisjoint(lacking))
+
+    def chances(self, family: str, others: Iterable[str]) -> dict[str, float]:
+        """The weight of a family, and of others in its place, most first; of equals, the first by name.
+
+        One that only accompanies a likely other has what weight is left without that one.
+        """
+        found = {family: self.probability(family)}
+        for other in sorted(others, key=lambda other: (-self.weight(other, {family}), other)):
+            likely = {taken for taken, chance in found.items() if chance > limits.POSSIBLE}
+            found[other] = self.weight(other, {family} | likely)
+        return found
+
+    @property
+    def most(self) -> float:
+        """The probability of a family that every variant finds, by the rule of succession."""
+        return (self.variants + 1.0) / (self.variants + 2.0)
+
+    def probability(self, family: str) -> float:
+        """The weight of a family by the rule of succession: no number of variants proves a certainty."""
+        return (self.variants * self.weight(family) + 1.0) / (self.variants + 2.0)
+
+
+def stability_of(screen: Screen, models: Sequence[Fitted]) -> Stability:
+    """The best of some models in every variant of a log.
+
+    models: those that came close, each with its own effects, the adopted one first. A declared value that it
+    corrects is not free in any of them.
+    """
+    first, count = models[0], int(screen.block[-1]) + 1
+    # Where two predict alike, the one with fewer effects is the better.
+    models = sorted(models, key=lambda fitted: len(fitted.variants))
+    if count < limits.LEAST_BLOCKS:
+        return Stability()
+    adopted = {variant.candidate.id for variant in first.variants}
+    free = [c for c in screen.candidates if c.tolerance and c.id not in adopted and not _open(screen, c)]
+    effective = screen.effective(first)
+    given = free, first.score / effective, effective, _draws(count)
+    found = [_evidence(screen, fitted, *given) for fitted in models]
+    log = np.stack([evidence for evidence, _ in found], axis=1)
+    log += np.array([_bonus(fitted, models, len(adopted)) for fitted in models])
+    weight = np.exp(log - log.max(axis=1, keepdims=True))
+    weight /= weight.sum(axis=1, keepdims=True)
+    # Model, then variant.
+    families = [
+        [_families(m) | moved for moved in every] for m, (_, every) in zip(models, found, strict=True)
+    ]
+    weights: dict[frozenset[str], float] = {}
+    for own, shares in zip(families, weight.T, strict=True):
+        for one, share in zip(own, shares, strict=True):
+            weights[one] = weights.get(one, 0.0) + float(share) / len(shares)
+    best = tuple(families[int(k)][variant] for variant, k in enumerate(np.argmax(log, axis=1)))
+    return Stability(best, weights)
+
+
+def _families(fitted: Fitted) -> frozenset[str]:
+    return frozenset(variant.candidate.family for variant in fitted.variants)
+
+
+def _open(screen: Screen, candidate: Candidate) -> bool:
+    """Whether the base has the column of a declared value already: the rig file leaves it to be estimated."""
+    _, base, _ = screen.design([])
+    column = screen.columns(Variant(candidate, {}))
+    left = column - base @ np.linalg.lstsq(base, column, rcond=None)[0] if base.shape[1] else column
+    return bool(np.linalg.norm(left) < limits.TINY_COLUMN * np.linalg.norm(column))
+
+
+def _bonus(fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
+    """Log-odds of a model before its fit counts.
+
+    Special cases of what another model has speak for it, shapes and effects against it, and how many orders
+    there are of which an effect is one. An effect more than were adopted has to gain what adoption requires.
+    """
+    every = frozenset().union(*(_families(model) for model in models))
+    own = [variant.candidate.evidence.special_of for variant in fitted.variants]
+    special = sum(bool(every & set(general)) for general in own)
+    orders = sum(float(np.log(variant.candidate.evidence.one_of)) for variant in fitted.variants)
+    shapes = sum(len(variant.values) for variant in fitted.variants)
+    further = max(len(own) - adopted, 0)
+    cost = limits.CONFIRMED * (len(own) - further) + limits.LEAST_DEVIANCE * further
+    return limits.IN_A_DRAW * (limits.SPECIAL * special - orders) - 0.5 * (shapes + cost)
+
+
+def _draws(count: int) -> list[Array]:
+    """The blocks of each variant, by number, in ascending order."""
+    rng = np.random.default_rng(limits.ORDER_OF_DRAWS)
+    # Four of each size in turn: rows and declared values come in up to four combinations, in turn as well.
+    sizes = [round(limits.PARTS[k // 4 % 2] * count) for k in range(limits.VARIANTS)]
+    return [np.sort(rng.permutation(count)[:size]) for size in sizes]
+
+
+def _evidence(
+    screen: Screen,
+    fitted: Fitted,
+    free: Sequence[Candidate],
+    noise: float,
+    effective: float,
+    draws: Sequence[Array],
+) -> tuple[Array, list[frozenset[str]]]:
+    """Log-likelihood of a model in every variant (variants,), but for what all models have in common.
+
+    Also, for each variant, the families of declared values that it had to be off by more than `limits.WRONG`.
+
+    free: declared values that every second variant leaves free; noise: variance of one of the `effective`
+    number of independent rows, which weighs a log against a declared value and its deviation.
+    """
+    target, design, lower = screen.design(fitted.variants)
+    extra = [screen.columns(Variant(c, {}), fitted.variants) for c in free]
+    stacked, p = np.column_stack([target, design, *extra]), design.shape[1]
+    bands = [(stacked, screen.block)]
+    if not screen.balance.rows.independent:
+        bands.append(_means_of_two(stacked, screen.block))
+    deviation = np.array([candidate.deviation for candidate in free])
+    count = int(screen.block[-1]) + 1
+    settings = [(_others(rows[:, : 1 + p], block, count), lower, np.zeros(p)) for rows, block in bands] + [
+        (
+            _others(rows, block, count),
+            np.r_[lower, np.full(len(free), -np.inf)],
+            np.r_[np.zeros(p), _held(rows[:, 1 + p :], noise, deviation)],
+        )
+        for rows, block in bands
+        if len(free)
+    ]
+    # A log without noise leaves rounding.
+    least = np.finfo(float).eps * float(screen.balance.target @ screen.balance.target)
+    found, moved = np.empty(len(draws)), [frozenset[str]()] * len(draws)
+    together: dict[tuple[int, int], list[int]] = {}
+    for number, chosen in enumerate(draws):
+        together.setdefault((number % len(settings), len(chosen)), []).append(number)
+    for (setting, _), numbers in together.items():
+        gram, bounds, prior = settings[setting]
+        drawn = gram.of_blocks(np.array([draws[number] for number in numbers]))
+        losses, whole = cross_validate_each(drawn, bounds, prior)
+        # There are none where the declared values are not free.
+        off = whole[:, p:] / deviation[: whole.shape[1] - p]
+        score = np.maximum(losses.sum(axis=1), least)
+        found[numbers] = -0.5 * (effective * np.log(score) + np.sum(off**2, axis=1))
+        for number, own in zip(numbers, np.abs(off) > limits.WRONG, strict=True):
+            moved[number] = frozenset(c.family for c, wrong in zip(free, own, strict=False) if wrong)
+    return found, moved
+
+
+def _held(columns: Array, noise: float, deviation: Array) -> Array:
+    """Penalties (k,) on the coefficients of columns (rows, k), in units of the scaled diagonal."""
+    return noise / (deviation**2 * np.maximum(np.sum(columns**2, axis=0), np.finfo(float).tiny))
+
+
+def _others(rows: Array, block: Array, count: int) -> Gram:
+    """The normal equations of the first column by the others, for each block; a block may have no rows."""
+    return Gram.of(rows[:, 1:], rows[:, 0], block, count)
+
+
+def _means_of_two(rows: Array, block: Array) -> tuple[Array, Array]:
+    """Means of neighbouring rows of one block, with their blocks."""
+    same = block[1:] == block[:-1]
+    return 0.5 * (rows[1:] + rows[:-1])[same], block[1:][same]

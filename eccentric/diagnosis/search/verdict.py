@@ -1,0 +1,372 @@
+"""The searches on the balances become one verdict, a ranked list and the measurement that would decide.
+
+named             adopted effects, each clearly ahead of its alternatives; which declared value is off beside
+                  them may stay open
+not_identifiable  adopted, but another family explains the log equally well
+unexplained       a smooth term explains a part of the structure that no candidate does: no name is given
+nothing_missing   no candidate and no smooth term gains enough
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from eccentric.diagnosis.search import limits
+from eccentric.diagnosis.search.attribution import Search
+from eccentric.diagnosis.search.candidate import Candidate, Variant
+from eccentric.diagnosis.search.screen import Fitted
+from eccentric.diagnosis.search.smooth import Variables
+from eccentric.diagnosis.search.two_balances import search_all
+from eccentric.effects import Words, measurement_between
+from eccentric.identification import BalanceDesign
+from eccentric.signals import MANY_RUNS
+
+# What to measure where structure remains that no effect explains: one sentence for each variable.
+
+
+_MEASUREMENTS = MappingProxyType(
+    {
+        "velocity": (
+            "Hold eight or more constant speeds over the range of use, each for several turns of the link, in"
+            " both directions."
+        ),
+        "direction": (
+            "Run the same constant speeds forwards and backwards in turn, the first pair again at the end."
+        ),
+        "link_angle": (
+            "Turn the link slowly at one constant speed, over five whole turns in each direction; repeat at"
+            " twice that speed."
+        ),
+        "motor_angle": (
+            "Turn at one slow, constant speed with at least fifty rows per motor turn, in both directions;"
+            " repeat at twice that speed."
+        ),
+        "gravity_load": "Repeat the log with half of the mass on the link, and with none.",
+        "transmitted_torque": (
+            "Accelerate and brake through the same speeds at three rates, then repeat with another mass on"
+            " the link."
+        ),
+        "acceleration": (
+            "Leave J_m and J_l out of the rig file: the log then identifies the inertia and shows what else"
+            " is left."
+        ),
+        "current": (
+            "Hold one slow, constant speed with three different masses on the link: the current changes, the"
+            " speed does not."
+        ),
+        "voltage": "Run the same constant speeds at two supply voltages, a fifth or more apart.",
+        "temperature": (
+            "Run the same speeds from a cold start until the motor is warm, and again while it cools, with"
+            " its temperature logged."
+        ),
+        "time": (
+            "Run the same course at once and again after an hour at rest, with the temperature logged if"
+            " possible."
+        ),
+        "history": (
+            "Start from rest after pauses of 1 s, 10 s and 100 s, and swing back and forth slowly over a few"
+            " degrees."
+        ),
+    }
+)
+"""Variable -> a measurement that a person can do."""
+
+
+def measurement_of(variable: str) -> str:
+    """What to measure where the residual follows a variable; a user's own effect may name any."""
+    name = variable.replace("_", " ")
+    own = (
+        f"Change the {name} alone, in five steps up and down, at the same constant speed in both directions."
+    )
+    return _MEASUREMENTS.get(variable, own)
+
+
+@dataclass(frozen=True)
+class Adopted:
+    """An adopted variant with its balance.
+
+    coefficients: of its columns, none if its parameters are all shapes; share: RMS that it removes from the
+        residual beside the others, as a fraction of the balance's scale; found: in how many of the `variants`
+        of the log its family is part of the best model; instead: family -> in how many it takes the place;
+        alike: families that explain the log equally well, its own first; none if it is clearly
+        ahead; undecided: whether it is a declared value, and what is alike is an effect: beside the
+        name of another the two stay open; by_both: whether too few variants find it, and both balances
+        together decide.
+    """
+
+    balance: str
+    variant: Variant
+    coefficients: tuple[float, ...]
+    share: float
+    found: int = 0
+    variants: int = 0
+    instead: Mapping[str, int] = field(default_factory=dict)
+    alike: tuple[str, ...] = ()
+    undecided: bool = False
+    by_both: bool = False
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """A candidate in the list: id, family, balance, cross-validated RMSE [N m], probability, words.
+
+    instead_of: the family of the adopted effect in whose place it is; "" for none.
+    """
+
+    id: str
+    family: str
+    balance: str
+    rmse: float
+    probability: float
+    words: Words = field(default_factory=Words)
+    instead_of: str = ""
+
+
+@dataclass(frozen=True)
+class Attribution:
+    """What was decided.
+
+    verdict: as in the module's table; adopted: effects by share, the largest first (for `unexplained` the
+    best approximation, not to be reported as a name); tied: families that explain the log equally well;
+    candidates: best first, those of the balance that the verdict is about before all others; depends_on:
+    variables that the residual of the paper's model follows, strongest first;
+    next_measurement: one sentence, empty if nothing is open; searches: per balance;
+    deviance: per balance, the gain of the best addition and the level that chance reaches (99 %);
+    unconfirmed: adopted effects that did not predict the held-out part.
+    """
+
+    verdict: str
+    adopted: tuple[Adopted, ...]
+    tied: tuple[str, ...]
+    candidates: tuple[Ranked, ...]
+    depends_on: tuple[str, ...]
+    next_measurement: str
+    searches: dict[str, Search]
+    deviance: dict[str, tuple[float, float]]
+    unconfirmed: tuple[str, ...] = ()
+
+    def adopted_as(self, effect_id: str) -> Adopted | None:
+        """The adopted effect of this id."""
+        return next((one for one in self.adopted if one.variant.candidate.id == effect_id), None)
+
+
+def attribute(
+    balances: Sequence[BalanceDesign],
+    candidates: Sequence[Candidate],
+    variables: Variables,
+    noise: Mapping[str, float] | None = None,
+    runs: int = 1,
+    progress: Callable[[str], None] = lambda _: None,
+    required: float = limits.LEAST_DEVIANCE,
+) -> Attribution:
+    """Attribute the residuals of a log's training part.
+
+    balances: mechanical, electrical or both, training windows only; candidates: of all balances;
+    variables: what a residual may depend on; noise: RMS of a window that the sensors' white noise explains,
+    per balance (`balances.balances_of`); runs: number of those that were fitted; progress: called with one
+    line before and after each balance; required: deviance that an addition must gain.
+    """
+    return decided(search_all(balances, candidates, variables, noise or {}, progress, required), runs)
+
+
+def decided(searches: dict[str, Search], runs: int = 1) -> Attribution:
+    """The verdict on searches that have run, by balance; `runs`: number of those that were fitted."""
+    adopted, leading, tied = _adopted(searches)
+    unexplained = limits.UNEXPLAINED if runs < MANY_RUNS else limits.UNEXPLAINED_OVER_RUNS
+    left, depends = _variables(searches, unexplained)
+    patched = _patched(adopted)
+    if left or patched:
+        verdict, tied = "unexplained", []
+        depends = list(dict.fromkeys([*patched, *depends]))
+    elif adopted:
+        verdict = "not_identifiable" if tied else "named"
+    else:
+        verdict = "nothing_missing"
+    about = [entry.balance for entry in leading] or [balance for _, balance in left] or ["mechanical"]
+    listed = [*leading, *_runners_up(searches, {entry.family for entry in leading}, set(about))]
+    follows = tuple(dict.fromkeys([*depends, *(variable for variable, _ in left)]))
+    deviance = {
+        name: (search.deviance(search.base, search.ranked[0]), search.null_level())
+        for name, search in searches.items()
+        if search.ranked
+    }
+    words = {entry.family: entry.words for entry in listed}
+    sentence = next_measurement(verdict, [(family, words[family]) for family in tied], follows)
+    return Attribution(
+        verdict, tuple(adopted), tuple(tied), tuple(listed), follows, sentence, searches, deviance
+    )
+
+
+def unconfirmed(found: Attribution) -> Attribution:
+    """The same search with its names withdrawn: what fitted the training part did not predict the rest."""
+    first = [a.variant.candidate.variable for a in found.adopted]
+    follows = tuple(dict.fromkeys([*first, *found.depends_on]))
+    return replace(
+        found,
+        verdict="unexplained",
+        tied=(),
+        depends_on=follows,
+        next_measurement=next_measurement("unexplained", (), follows),
+        unconfirmed=tuple(a.variant.candidate.id for a in found.adopted),
+    )
+
+
+def _patched(adopted: Sequence[Adopted]) -> list[str]:
+    """The variables of families that needed so many members that none of them is the effect."""
+    candidates = [entry.variant.candidate for entry in adopted]
+    members = Counter(candidate.family for candidate in candidates)
+    return [c.variable for c in candidates if members[c.family] >= limits.FORMS_OF_A_PATCH]
+
+
+def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], list[str]]:
+    """Adopted variants of all balances by share, their entries in the list, and families tied with them."""
+    found: list[tuple[Adopted, Ranked]] = []
+    declared = {c.family for search in searches.values() for c in search.screen.candidates if c.tolerance}
+    seen: set[str] = set()
+    for name, search in searches.items():
+        screen, best = search.screen, search.best
+        for place, (variant, own) in enumerate(zip(best.variants, screen.own(best), strict=True)):
+            without = screen.fit([v for k, v in enumerate(best.variants) if k != place])
+            share = np.sqrt(max(without.score - best.score, 0.0) / screen.rows) / screen.balance.scale
+            candidate = variant.candidate
+            family, stability = candidate.family, search.stability
+            if candidate.id in seen:  # the mechanical balance only corrects what the electrical one found
+                continue
+            seen.add(candidate.id)
+            chances, clear = search.chances(place), search.clear(place)
+            entry = _ranked(candidate, name, search, best, chances[family])
+            one = Adopted(
+                name,
+                variant,
+                tuple(map(float, own)),
+                float(share),
+                stability.found(family),
+                stability.variants,
+                search.instead(family),
+                () if clear else _alike(family, chances),
+                by_both=family in search.by_both and not stability.nearly_all(family),
+            )
+            found.append((one, entry))
+    found.sort(key=lambda pair: -pair[0].share)
+    ties = [(entry.family, one.alike) for one, entry in found if one.alike]
+    # Several drifts in one balance make up the course of one that none of them has.
+    for name in searches:
+        drifts = dict.fromkeys(e.family for one, e in found if one.balance == name and _drifts(one))
+        if len(drifts) > 1:
+            ties.append((next(iter(drifts)), tuple(drifts)))
+            found = [
+                (replace(one, alike=tuple(drifts)) if entry.family in drifts else one, entry)
+                for one, entry in found
+            ]
+    # Which declared value is off, or whether one is, takes no name from an effect that is clear.
+    effects = [one for one, entry in found if entry.family not in declared]
+    if any(not one.alike for one in effects):
+        ties = [(family, tie) for family, tie in ties if family not in declared]
+        found = [
+            (replace(one, undecided=entry.family in declared and not declared.issuperset(one.alike)), entry)
+            for one, entry in found
+        ]
+    elif effects:
+        ties = [(family, tie) for family, tie in ties if not declared.issuperset(tie)]
+    tied = dict.fromkeys(other for _, tie in ties for other in tie)
+    return [one for one, _ in found], [entry for _, entry in found], list(tied)
+
+
+def _drifts(one: Adopted) -> bool:
+    """Whether an effect is a course over the time of the log."""
+    return one.variant.candidate.variable == "time"
+
+
+def _ranked(candidate: Candidate, balance: str, search: Search, fitted: Fitted, probability: float) -> Ranked:
+    rmse = float(np.sqrt(fitted.score / search.screen.rows))
+    return Ranked(candidate.id, candidate.family, balance, rmse, probability, candidate.words)
+
+
+def _alike(own: str, chances: Mapping[str, float]) -> tuple[str, ...]:
+    """The families that explain the log equally well, the adopted one first, then the likeliest."""
+    others = sorted((family for family in chances if family != own), key=lambda family: -chances[family])
+    return (own, *(f for k, f in enumerate(others) if chances[f] > limits.POSSIBLE or k == 0))
+
+
+def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -> list[Ranked]:
+    """The best of every other family: alternatives of the adopted variants, then the first step's candidates.
+
+    The probability of an alternative is that of its family without the one in whose place it is.
+    Errors of different balances are not comparable: those that the verdict is about come first.
+    """
+    best: dict[str, Ranked] = {}
+    for name, search in searches.items():
+        own = [variant.candidate.family for variant in search.best.variants]
+        pool = [
+            (search.stability.weight(family, {adopted}) if search.stability.variants else p, f, adopted)
+            for adopted, options in zip(own, search.alternatives, strict=True)
+            for family, (p, f) in options.items()
+            if f is not search.best
+        ]
+        for probability, fitted, adopted in [*pool, *((0.0, fitted, "") for fitted in search.ranked)]:
+            candidate = fitted.last
+            entry = replace(_ranked(candidate, name, search, fitted, probability), instead_of=adopted)
+            old = best.get(candidate.family)
+            if candidate.family not in named and (old is None or old.probability < probability):
+                best[candidate.family] = entry
+    return sorted(best.values(), key=lambda r: (r.balance not in about, -r.probability, r.rmse))
+
+
+def _variables(searches: dict[str, Search], unexplained: float) -> tuple[list[tuple[str, str]], list[str]]:
+    """Variables that the residual depends on after the adopted effects, each with its balance, and before.
+
+    The larger part comes first.
+    """
+    left: list[tuple[float, str, str]] = []
+    depends: list[tuple[float, str]] = []
+    for name, search in searches.items():
+        for fitted in search.smoothed:
+            part = (search.best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
+            enough = part > unexplained or _outlines(search, fitted)
+            if enough and search.explains(search.best, fitted):
+                left.append((part, fitted.last.variable, name))
+        least = min([search.best.score, *(fitted.score for fitted in search.smoothed)])
+        structure = max(search.base.score - least, 1e-300)
+        for fitted in search.smooth.rank([]):
+            if search.explains(search.base, fitted):
+                share = (search.base.score - fitted.score) / structure
+                depends.append((share, fitted.last.variable))
+    return [(v, name) for _, v, name in sorted(left, reverse=True)], [
+        v for _, v in sorted(depends, reverse=True)
+    ]
+
+
+def _outlines(search: Search, smooth: Fitted) -> bool:
+    """Whether effects of several families, of one variable, only outline what a smooth term of it follows.
+
+    Two laws together can imitate a curve that contains neither: what they leave is small beside the
+    structure, but not noise, and follows the same variable.
+    """
+    variable, best = smooth.last.variable, search.best
+    own = [variant.candidate for variant in best.variants]
+    return (
+        len({candidate.family for candidate in own if candidate.variable == variable}) > 1
+        and best.score > limits.HIDES * search.screen.floor
+        and best.score - smooth.score > limits.CLEARS * (best.score - search.screen.floor)
+    )
+
+
+def next_measurement(verdict: str, tied: Sequence[tuple[str, Words]], variables: Sequence[str]) -> str:
+    """The measurement that would decide, in one sentence; empty where nothing is open.
+
+    tied: families that explain the log equally well, each with the words of its best member.
+    """
+    if verdict == "unexplained":
+        return measurement_of(variables[0] if variables else "time")
+    if verdict != "not_identifiable" or not tied:
+        return ""
+    first, second = tied[0], tied[1] if len(tied) > 1 else tied[0]
+    one, other = (words.headline or family for family, words in (first, second))
+    return measurement_between(first, second) or (
+        f"Log what separates {one} from {other}: other speeds, loads and directions than this log has."
+    )

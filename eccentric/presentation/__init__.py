@@ -1,0 +1,17 @@
+"""All that a person reads of a result: lines, tables, figures, documents, pages.
+
+    fit_text, fit_json, fit_figure    a Fit
+    diagnosis_text, diagnosis_json    a Diagnosis
+    html                              a Diagnosis as one HTML page
+    arm_text, arm_json                the fit and the diagnosis of an arm
+    adaptation                        a Replay
+    fleet_html                        what changed in a fleet
+
+In: results.  Out: text, documents, figures.  A file is imported when one of its names is first used;
+`__init__.pyi` lists them.
+May import: all rooms below it.
+"""
+
+from eccentric.lazy import lazy_names
+
+__getattr__, __dir__ = lazy_names(__name__, __file__)

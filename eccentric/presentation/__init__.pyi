@@ -1,0 +1,34 @@
+# The names of the door, each from the file that defines it; `eccentric.presentation` reads this list.
+
+from eccentric.presentation.adaptation import course_document as course_document
+from eccentric.presentation.adaptation import course_lines as course_lines
+from eccentric.presentation.adaptation import plot_course as plot_course
+from eccentric.presentation.arm_json import arm_diagnosis_document as arm_diagnosis_document
+from eccentric.presentation.arm_json import arm_fit_document as arm_fit_document
+from eccentric.presentation.arm_text import arm_command as arm_command
+from eccentric.presentation.arm_text import arm_diagnosis_lines as arm_diagnosis_lines
+from eccentric.presentation.arm_text import arm_fit_lines as arm_fit_lines
+from eccentric.presentation.diagnosis_json import diagnosis_document as diagnosis_document
+from eccentric.presentation.diagnosis_text import diagnosis_lines as diagnosis_lines
+from eccentric.presentation.diagnosis_text import diagnosis_sentence as diagnosis_sentence
+from eccentric.presentation.diagnosis_text import stability_words as stability_words
+from eccentric.presentation.fit_figure import NEEDS_MATPLOTLIB as NEEDS_MATPLOTLIB
+from eccentric.presentation.fit_figure import Comparison as Comparison
+from eccentric.presentation.fit_figure import compare as compare
+from eccentric.presentation.fit_figure import plot_fit as plot_fit
+from eccentric.presentation.fit_json import emitted_parameters as emitted_parameters
+from eccentric.presentation.fit_json import fit_document as fit_document
+from eccentric.presentation.fit_text import fit_lines as fit_lines
+from eccentric.presentation.fit_text import fit_sentence as fit_sentence
+from eccentric.presentation.fleet_html import fleet_page as fleet_page
+from eccentric.presentation.fleet_html import fleet_sentence as fleet_sentence
+from eccentric.presentation.fleet_html import joints_without_logs as joints_without_logs
+from eccentric.presentation.html import Parameter as Parameter
+from eccentric.presentation.html import ReportData as ReportData
+from eccentric.presentation.html import arm_page as arm_page
+from eccentric.presentation.html import number as number
+from eccentric.presentation.html import page as page
+from eccentric.presentation.html import plot_report as plot_report
+from eccentric.presentation.html import rendered as rendered
+from eccentric.presentation.html import report as report
+from eccentric.presentation.html import report_data as report_data

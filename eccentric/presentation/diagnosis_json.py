@@ -1,0 +1,209 @@
+"""A diagnosis as a document: diagnosis.json, format eccentric-diagnosis/1."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import sympy as sp
+
+from eccentric.diagnosis.outcome import Diagnosis
+from eccentric.effects import Effect
+from eccentric.identification import Estimate, in_drive_unit
+from eccentric.model import TURNING
+from eccentric.presentation.diagnosis_text import diagnosis_sentence, tied_families
+
+
+def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
+    """The content of diagnosis.json, format eccentric-diagnosis/1 (keys as in the manual)."""
+    a, axis = found.attribution, found.rig.axis
+    document = {
+        "format": "eccentric-diagnosis/1",
+        **({} if axis is TURNING else {"kind": axis.name}),
+        "logs": list(found.asked.logs),
+        "model": found.models.base.name,
+        "asked": {
+            "with": list(found.asked.request.including),
+            "without": list(found.asked.request.without),
+            "only": list(found.asked.request.only),
+        },
+        "verdict": a.verdict,
+        "fits_the_rig": found.models.fits_the_rig,
+        "sentence": diagnosis_sentence(found),
+        "effects": [_effect(found, effect) for effect, _ in found.effects],
+        "undecided": [
+            {**_effect(found, effect), "alike": list(own.alike)}
+            for effect, _ in found.undecided
+            if (own := found.attribution.adopted_as(effect.id)) is not None
+        ],
+        "tied": list(tied_families(found)),
+        "clear": [_effect(found, effect) for effect, _ in found.clear],
+        "candidates": [
+            {
+                "id": c.id,
+                "family": c.family,
+                "balance": c.balance,
+                "rmse_cross_validated": c.rmse,
+                "probability": c.probability,
+            }
+            for c in a.candidates
+        ],
+        "extended_by": [effect.id for effect, _ in found.models.extended.effects],
+        "residual_depends_on": list(a.depends_on),
+        "next_measurement": a.next_measurement,
+        **_errors(found),
+        "improvement": {
+            "balance": found.score.balance,
+            "percent": found.score.percent,
+            "interval_95": list(found.score.interval),
+        },
+        "improvement_below_low_pass": _below(found),
+        "closest_effect": _closest(found),
+        "better_model": _sibling(found),
+        f"noise_floor_{_suffix(found)}": found.noise_floor,
+        "error_band": None if found.band is None else vars(found.band),
+        "null_test": {
+            name: {"gain": gain, "by_chance_99": level} for name, (gain, level) in a.deviance.items()
+        },
+        "unconfirmed": _unconfirmed(found),
+        "data_quality": [
+            {"kind": f.kind, "channel": f.channel, "text": f.text, "rows": f.rows, "severity": f.severity}
+            for f in found.channels.intake.findings
+        ],
+        "periodic_per_motor_turn": [
+            {"order": o.per_turn, "amplitude": o.amplitude, "share": o.share, "seen": [o.seen, o.stretches]}
+            for o in found.orders
+        ],
+        "rig_identified": _identified(found),
+        "holdout": {
+            "rule": found.channels.selection.holdout.rule,
+            "intervals_s": [list(map(float, pair)) for pair in found.channels.selection.holdout.intervals_s],
+        },
+        "rows": found.channels.counts,
+        **({"excerpt": found.channels.excerpt} if found.channels.excerpt else {}),
+        **({"added_kg": found.rig.added_kg} if found.rig.added else {}),
+        "settled": not found.models.unsettled,
+        "warnings": list(found.warnings),
+    }
+    return axis.told(document, (*found.asked.logs, *found.channels.own_names))
+
+
+def _below(found: Diagnosis) -> dict[str, Any] | None:
+    below = found.score.below
+    return below and {"percent": below.percent, "interval_95": list(below.interval)}
+
+
+def _unconfirmed(found: Diagnosis) -> dict[str, Any]:
+    """Effects that fitted the training part and that the held-out part did not confirm, with its figures."""
+    if found.refused is None:
+        return {"effects": list(found.attribution.unconfirmed)}
+    percent, interval = found.refused.percent, list(found.refused.interval)
+    return {
+        "effects": list(found.attribution.unconfirmed),
+        "improvement": {"percent": percent, "interval_95": interval},
+    }
+
+
+def _closest(found: Diagnosis) -> dict[str, Any] | None:
+    """The best effect where none is adopted, with what it gains on the held-out part."""
+    if (best := found.closest) is None:
+        return None
+    return {
+        "id": best.effect.id,
+        "family": best.effect.family,
+        "balance": best.balance,
+        f"rmse_holdout_{_suffix(found)}": {"paper": best.before, "extended": best.after},
+        "improvement": {"percent": best.percent, "interval_95": list(best.interval)},
+    }
+
+
+def _sibling(found: Diagnosis) -> dict[str, Any] | None:
+    """The shipped model that predicts the held-out part better than what was found."""
+    if (better := found.sibling) is None:
+        return None
+    return {
+        "model": better.name,
+        f"rmse_holdout_{_suffix(found)}": better.rmse,
+        "improvement": {"percent": better.percent, "interval_95": list(better.interval)},
+    }
+
+
+def _suffix(found: Diagnosis) -> str:
+    return found.unit.replace(" ", "")
+
+
+def _errors(found: Diagnosis) -> dict[str, Any]:
+    """Held-out errors; also in the drive's unit if the torque is not measured, and those of free motion."""
+    score, drive = found.score, found.data.drive
+    said: dict[str, Any] = {f"rmse_holdout_{_suffix(found)}": {k: dict(v) for k, v in score.rmse.items()}}
+    if score.per_drive and found.unit == "N m":
+        said[f"rmse_holdout_{'V' if drive.by_voltage else 'A'}"] = {"mechanical": dict(score.per_drive)}
+    if score.free:
+        said[f"rmse_holdout_motor_off_{_suffix(found)}"] = dict(score.free)
+    over = score.over_runs
+    if over is not None:
+        said["leave_one_run_out"] = {
+            "runs": over.runs,
+            f"rmse_{_suffix(found)}": dict(over.rmse),
+            "gains": {
+                name: {"percent": percent, "interval_95": list(interval), "better_runs": better}
+                for name, (percent, interval, better) in over.gains.items()
+            },
+            "below_low_pass": over.below and {"percent": over.below[0], "interval_95": list(over.below[1])},
+        }
+    return said
+
+
+def _identified(found: Diagnosis) -> dict[str, Any]:
+    """What the rig leaves to be identified: alignment, and quantities with their uncertainty.
+
+    A zero angle or an offset that the refit has moved replaces that of the first fit.
+    """
+    fitted, aligned = found.models.extended, found.channels.alignment
+    of_the_model = {q.name for q in found.models.base.friction_parameters}
+    of_the_model |= {q.name for effect, _ in fitted.effects for q in effect.parameters}
+    said: dict[str, Any] = {name: getattr(aligned, name) for name in sorted(found.rig.estimate)}
+    for name, e in fitted.estimates.items():
+        if name not in of_the_model:
+            said[name] = {"value": e.value, **_uncertainty(e), "unit": e.unit}
+    return said
+
+
+def _uncertainty(estimate: Estimate | None) -> dict[str, Any]:
+    """Standard error and interval; null where there is none, or no end to it."""
+    if estimate is None:
+        return {"std_error": None, "interval_95": None}
+    error, *ends = (x if math.isfinite(x) else None for x in (estimate.std_error, *estimate.interval))
+    return {"std_error": error, "interval_95": ends}
+
+
+def _stability(found: Diagnosis, effect: Effect) -> dict[str, Any] | None:
+    """In how many variants of the log the search finds the effect, and what it finds instead."""
+    own = found.attribution.adopted_as(effect.id)
+    if own is None or not own.variants:
+        return None
+    return {"variants": own.variants, "found": own.found, "instead": dict(own.instead)}
+
+
+def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
+    values = dict(next(own for e, own in found.models.extended.effects if e is effect))
+    parameters = {}
+    for q in effect.parameters:
+        estimate = found.models.extended.estimates.get(q.name)
+        unit = in_drive_unit(q.unit, found.unit)
+        parameters[q.name] = {"value": values[q.name], **_uncertainty(estimate), "unit": unit}
+    equation = effect.equation()
+    return {
+        "id": effect.id,
+        "family": effect.family,
+        "headline": effect.words.headline,
+        "balance": effect.balance,
+        "corrects": None if effect.corrects is None else effect.corrects.quantity.name,
+        "equation": f"{equation.left} = {sp.sstr(equation.right)}",
+        "formula": effect.formula,
+        "reference": effect.reference,
+        "parameters": parameters,
+        "share_of_friction_rms": found.models.extended.shares.get(effect.id, 0.0),
+        "stability": _stability(found, effect),
+        "aliases": list(effect.evidence.aliases),
+    }

@@ -1,0 +1,93 @@
+"""`report.html`: the diagnosis for a person, one file that opens offline.
+
+    gather    Diagnosis -> ReportData: plain numbers, arrays and strings, the interface   (`report_data`)
+    data      the record of it
+    arrays    rows -> means and quantiles over a channel, run by run
+    panels    -> the curves of each figure, and time traces, few enough points to draw
+    figures   -> their data as JSON, which BokehJS draws in the page; without Bokeh there are text and tables;
+              two of them on matplotlib axes
+    equation, formulas  -> the model as MathML
+    simulated the report of a simulated log: what was planted
+    text      -> its sentences and tables
+    arm_page  the page of an arm, which leads to those of its joints
+    view      -> the strings that the templates see (`templates/report/`)
+    limits    every threshold, with its reason
+
+All text from logs and rigs is escaped; only what is made here is inserted verbatim: formulas, BokehJS, the
+JSON of the figures. The page's own content policy forbids it to fetch anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import jinja2
+
+from eccentric.core import folder
+from eccentric.diagnosis import Diagnosis
+from eccentric.emission import TemplateCache
+from eccentric.model import TURNING
+from eccentric.presentation.html.data import Parameter, ReportData
+from eccentric.presentation.html.figures import library, plot_report
+from eccentric.presentation.html.gather import report_data
+from eccentric.presentation.html.text import number
+from eccentric.presentation.html.view import view
+
+if TYPE_CHECKING:
+    from eccentric.joints import ArmDiagnosis
+
+
+__all__ = [
+    "Parameter",
+    "ReportData",
+    "arm_page",
+    "number",
+    "page",
+    "plot_report",
+    "rendered",
+    "report",
+    "report_data",
+]
+
+
+def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
+    """The page of a diagnosis; `files` are (name, description) of everything written beside it."""
+    return page(report_data(found, files))
+
+
+def page(data: ReportData) -> str:
+    """The page, its text in the words of the axis."""
+    html = rendered("report", view(data, library()))
+    axis = data.source.axis
+    if axis is TURNING:
+        return html
+    head, begin, rest = html.partition("<main>")
+    text, end, scripts = rest.partition("</main>")
+    # No attribute of the templates is in single quotes.
+    return head + begin + axis.said(text.replace("&#39;", "'"), data.source.own) + end + scripts
+
+
+def arm_page(found: ArmDiagnosis) -> str:
+    """The page of an arm, which leads to that of each joint, joint_NUMBER/report.html."""
+    from eccentric.presentation.html.arm_page import arm_view  # the joints of an arm take a while to import
+
+    return rendered("arm", arm_view(found))
+
+
+def rendered(page: str, variables: Mapping[str, Any]) -> str:
+    """A page of `templates/report` with its variables; all text is escaped."""
+    return _environment().get_template(f"report/{page}.html.jinja").render(variables)
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader(folder("templates")),
+        bytecode_cache=TemplateCache("page"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        autoescape=True,
+    )

@@ -1,0 +1,91 @@
+"""The page of an arm: its joints in a table, each with a page of its own, and its bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from eccentric.joints import ArmDiagnosis, arm_name, why_not_emitted
+from eccentric.presentation.html.text import VERDICTS, number, range_of
+
+NOTE = (
+    "Errors are RMS values on the held-out part. Each joint is the log of one drive, with what it meets from"
+    " the others as inputs; its own page has what it lacks. The header of its emitted model says which values"
+    " of the emitted arm's bearing_loads are its inputs."
+)
+
+
+def _emitted(found: ArmDiagnosis) -> str:
+    """What is emitted of the arm as a whole, for the note."""
+    if why := why_not_emitted(found):
+        return f"The arm as a whole is not emitted: {why}."
+    return (
+        f"The arm with the friction of all joints as fitted is emitted beside this page as {arm_name(found)}."
+    )
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A joint in the table, all in words."""
+
+    href: str
+    name: str
+    verdict: str
+    effects: str
+    linear: str
+    paper: str
+    extended: str
+    noise: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class _Sum:
+    """A base parameter in the table, all in words."""
+
+    words: str
+    value: str
+    interval: str
+    unit: str
+
+
+def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
+    """The variables of the template."""
+    joints = []
+    for joint in found.joints:
+        rmse = joint.found.score.rmse["mechanical"]
+        joints.append(
+            _Row(
+                f"joint_{joint.number}/report.html",
+                f"{joint.number} {joint.name}",
+                VERDICTS[joint.verdict] if joint.fits_the_rig else "does not fit the rig",
+                ", ".join(effect.id for effect, _ in joint.found.effects) or "-",
+                number(rmse["linear"]),
+                number(rmse["paper"]),
+                number(rmse["extended"]),
+                number(joint.found.noise_floor),
+                joint.found.unit,
+            )
+        )
+    sums, bodies = [], ""
+    if (identified := found.bodies) is not None:
+        bodies = (
+            "Identified from all joints at once; there are bodies with these values."
+            if identified.bodies.explain
+            else "Identified from all joints at once; no real bodies have these values."
+        )
+        sums = [
+            _Sum(words, number(e.value), range_of(e.interval), e.unit)
+            for words, e in zip(identified.sums, identified.estimates.values(), strict=True)
+        ]
+    return {
+        "title": f"What does the model of the arm lack? {', '.join(found.names)}",
+        "verdict": found.verdict,
+        "verdict_words": VERDICTS[found.verdict],
+        "sentence": found.sentence,
+        "note": f"{NOTE} {_emitted(found)}",
+        "joints": joints,
+        "bodies": bodies,
+        "sums": sums,
+        "warnings": list(found.warnings),
+    }

@@ -1,0 +1,13 @@
+"""Formulas as MathML, which browsers typeset themselves: for the report and the manual.
+
+    expression   an expression on one line: letters such as eta_2, stable forms as what they evaluate
+    blocks       an equation as a block, a long sum in aligned lines; a formula typed as text
+
+In: SymPy expressions, quantities with their letters, typed formulas. Out: MathML. It imports only
+`eccentric.model`.
+"""
+
+from eccentric.presentation.html.formulas.blocks import Line, aligned, block, equation, short_formula
+from eccentric.presentation.html.formulas.expression import Typesetter, letter, plain
+
+__all__ = ["Line", "Typesetter", "aligned", "block", "equation", "letter", "plain", "short_formula"]
