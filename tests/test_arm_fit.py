@@ -8,7 +8,15 @@ import pytest
 
 from eccentric.core import InputError
 from eccentric.joints import ArmFit, fit_arm
-from eccentric.joints.base_parameters import BodyModule, JointMotions, base_of, matrix_of, moments_of, names_of, parameters_of
+from eccentric.joints.base_parameters import (
+    BodyModule,
+    JointMotions,
+    base_of,
+    matrix_of,
+    moments_of,
+    names_of,
+    parameters_of,
+)
 from eccentric.joints.bodies import possible_bodies
 from eccentric.model import Chain, Joint, Load, Placement, letters_of
 from eccentric.presentation import arm_fit_document, arm_fit_lines

@@ -158,8 +158,7 @@ def test_noise_is_what_was_asked_for() -> None:
     assert spread == pytest.approx(0.02 * np.max(np.abs(quiet.columns["current_A"])), rel=0.05)
 
 
-@pytest.mark.parametrize("log_type", ["runs", "traj"])
-@pytest.mark.parametrize("case", ["C1", "C2"])
+@pytest.mark.parametrize(("case", "log_type"), [("C1", "runs"), ("C2", "traj")])
 def test_the_rig_says_what_a_user_knows_and_no_more(case: str, log_type: str) -> None:
     """Its keys are those of the format; five disjoint blocks, about a fifth of the log, are held out."""
     scenario = drawn_scenario(case=case, log_type=log_type, seconds=60.0, effects=["current_bias"])

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import pytest
 import sympy as sp
 
 from eccentric.model import Body, Chain, Joint, Load, Placement, arm, quantity, recursion
@@ -179,6 +180,7 @@ def test_a_planar_arm_with_rotors_is_that_of_lagrange() -> None:
     assert [0, 0] == differences(chain, parts)
 
 
+@pytest.mark.slow
 def test_an_arm_in_space_is_that_of_lagrange() -> None:
     """3R, a turret with shoulder and elbow; rotors turn in frames that turn: gyroscopic torque and all."""
     given = parameters("J0", "J1", "J2", "l1", "l2", "g")

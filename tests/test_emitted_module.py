@@ -33,7 +33,7 @@ def test_an_emitted_module_is_short_and_plain(name: str) -> None:
 
 
 WITH_SLOPES = {"kinematic_error", "encoder_eccentricity"}
-LONGEST = {"kt_ripple[n=1]", "presliding[lugre]", "backlash", "gear_efficiency[transmitted]"}
+LONGEST = {"presliding[lugre]", "gear_efficiency[transmitted]"}
 
 
 @pytest.mark.parametrize(

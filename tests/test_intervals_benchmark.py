@@ -84,6 +84,7 @@ def test_intervals_are_counted_by_kind() -> None:
     assert (1, 2) == counted([one, other], "inertia") == counted([one, other], "friction")
 
 
+@pytest.mark.slow
 def test_a_log_that_could_not_be_fitted_holds_no_truth(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its quantities count: a fit that fails where it is difficult would flatter the rest."""
 

@@ -18,7 +18,7 @@ from eccentric.effects import library
 from eccentric.virtual_bench import simulate, write
 from eccentric.virtual_bench.plant import Motion
 from eccentric.virtual_bench.time_step import laws, mover
-from tests.extended import CASES, J_L, J_M, M_L, MU, G, L, M, call, every_case, inputs, setting, with_effect
+from tests.extended import CASES, J_L, J_M, M_L, MU, G, L, M, call, inputs, setting, with_effect
 from tests.virtual import drawn_scenario
 
 Array = np.ndarray
@@ -55,8 +55,16 @@ def exact_torque(case: str, rate: float) -> Callable[..., Array]:
     return sp.lambdify((theta, w, alpha, c, s), torque)
 
 
-@pytest.mark.parametrize("variant", ["motor,n=2", "link,n=1"])
-@every_case
+@pytest.mark.parametrize(
+    ("case", "variant"),
+    [
+        ("C2", "motor,n=2"),
+        *(
+            pytest.param(*one, marks=pytest.mark.slow)
+            for one in (("C1", "motor,n=2"), ("C1", "link,n=1"), ("C2", "link,n=1"))
+        ),
+    ],
+)
 def test_it_is_the_first_order_of_lagranges_equation(case: str, variant: str) -> None:
     """What is left of the exact torque falls with the square of the error."""
     x, effect = inputs(), with_effect(case, f"kinematic_error[{variant}]")
@@ -79,7 +87,7 @@ def test_it_is_the_first_order_of_lagranges_equation(case: str, variant: str) ->
     assert left[1] < 0.02 * added[1]
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", [pytest.param("C1", marks=pytest.mark.slow), "C2"])
 def test_the_circuit_shows_nothing_of_it(case: str) -> None:
     """The motor angle is read rightly, and so is the back-EMF; a misread angle shows there."""
     module = with_effect(case, "kinematic_error[motor,n=1]").module
@@ -134,7 +142,7 @@ def test_a_misread_angle_of_the_link_has_another_torque() -> None:
     assert min(left(column, *encoder.T) for column in own.T) > 0.2
 
 
-@every_case
+@pytest.mark.parametrize("case", [pytest.param("C1", marks=pytest.mark.slow), "C2"])
 def test_it_is_offered_once_where_motor_and_link_turn_alike_and_not_for_an_open_inertia(case: str) -> None:
     """At mu = 1 a turn of the link is one of the motor; at mu = 1/2 two of them are."""
     given = setting(case, warm=False)

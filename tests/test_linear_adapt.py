@@ -35,8 +35,15 @@ def driven(moved: tuple[np.ndarray, ...], B: np.ndarray, C: np.ndarray) -> np.nd
     return (force + noise) / 35.0
 
 
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-@pytest.mark.parametrize("name", ["linear_axis", "screw_axis"])
+@pytest.mark.parametrize(
+    ("name", "dtype"),
+    [
+        pytest.param("linear_axis", np.float32, marks=pytest.mark.slow),
+        pytest.param("linear_axis", np.float64, marks=pytest.mark.slow),
+        pytest.param("screw_axis", np.float32, marks=pytest.mark.slow),
+        ("screw_axis", np.float64),
+    ],
+)
 def test_same_bits(tmp_path: Path, name: str, dtype: Any) -> None:
     """Flags and every number of the state agree in C and Python; B and C end at what was driven."""
     given = GIVEN | ({"kappa": 628.3} if name == "screw_axis" else {})

@@ -123,6 +123,7 @@ def test_the_source_archive_can_be_tested(name: str, built: tuple[Path, Path]) -
     assert name in parts
 
 
+@pytest.mark.slow
 def test_an_installed_copy_works_anywhere(site: Path, tmp_path: Path) -> None:
     """Away from the clone the installed command finds its own derivations and templates."""
     where = "from eccentric.core import folder; print(folder('derivations'), folder('templates'))"
@@ -135,6 +136,7 @@ def test_an_installed_copy_works_anywhere(site: Path, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_generated_is_a_distribution_of_its_own(clone: Path, tmp_path: Path) -> None:
     """`pip install ./generated` gives the emitted modules with nothing but NumPy to depend on."""
     _, wheel = _build(clone / "generated", tmp_path)

@@ -50,6 +50,7 @@ def products() -> frozenset[tuple[str, str]]:
     return frozenset((emitted(text, patterns[0]), emitted(text, patterns[1])) for text in sources)
 
 
+@pytest.mark.slow
 @every_real
 def test_products_are_proved(real: str) -> None:
     """F_N of case C1 keeps its bound for all parameters and speeds of 1e-6 to 1e6, whatever the effects."""

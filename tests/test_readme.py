@@ -10,7 +10,7 @@ import pytest
 
 from generated import c2_parallel
 from tests.compiled import FLAGS, run
-from tests.hosts import both_reals, need
+from tests.hosts import need
 from tests.test_tutorial import first_difference, outputs
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -22,8 +22,7 @@ def snippets(language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```$", README, re.DOTALL | re.MULTILINE)
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@both_reals
+@pytest.mark.parametrize(("compiler", "real"), [("gcc", "double"), ("clang", "float")])
 def test_the_c_in_both_precisions(tmp_path: Path, real: str, compiler: str) -> None:
     """The C compiles without a word in double and in float, and gives the torque that NumPy gives."""
     need(compiler)

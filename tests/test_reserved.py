@@ -136,20 +136,11 @@ def with_drag(name: str) -> Model:
 @pytest.mark.parametrize(
     "name",
     [
+        *("rest", "load", "part_1", "c", "invalid"),
         *(
-            "rest",
-            "turns",
-            "load",
-            "size",
-            "q",
-            "chord",
-            "from_top",
-            "part_1",
-            "rounder",
-            "single",
-            "leading",
+            pytest.param(one, marks=pytest.mark.slow)
+            for one in ("turns", "size", "q", "chord", "from_top", "rounder", "single", "leading", "p")
         ),
-        *("c", "p", "invalid"),
     ],
 )
 def test_values_of_the_code_are_not_confused_with_a_quantity(name: str) -> None:

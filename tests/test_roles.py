@@ -55,7 +55,9 @@ def fan(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return log_of(tmp_path_factory.mktemp("fan"), 11, ("quadratic_drag", 0.2))
 
 
-@pytest.mark.parametrize("coefficient", ["D_m", "B_fan", "eta_lN", "x"])
+@pytest.mark.parametrize(
+    "coefficient", ["eta_lN", *(pytest.param(one, marks=pytest.mark.slow) for one in ("D_m", "B_fan", "x"))]
+)
 def test_a_friction_parameter_of_ones_own_is_fitted_whatever_its_name(
     coefficient: str, fan: tuple[Path, Path]
 ) -> None:
@@ -99,8 +101,8 @@ def renamed(names: dict[str, str], values: Mapping[str, float]) -> Model:
 @pytest.mark.parametrize(
     "names",
     [
-        {"k_i": "K_t"},
-        {"R": "R_a", "k_e": "K_b"},
+        pytest.param({"k_i": "K_t"}, marks=pytest.mark.slow),
+        pytest.param({"R": "R_a", "k_e": "K_b"}, marks=pytest.mark.slow),
         {"J_m": "J_r", "J_l": "a"},
         {"mu": "n"},
         {"M": "m_1", "L": "l_1", "M_l": "m_2", "g": "g_0"},

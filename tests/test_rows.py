@@ -30,7 +30,7 @@ def planted(tmp_path: Path, above: str) -> tuple[Channels, Rig]:
     return channels, channels.rig
 
 
-@pytest.mark.parametrize("length", [0.05, AVERAGE_S])
+@pytest.mark.parametrize("length", [pytest.param(0.05, marks=pytest.mark.slow), AVERAGE_S])
 def test_averages_leave_the_coefficients_of_a_log_without_noise(tmp_path: Path, length: float) -> None:
     """Both sides pass the same window: friction comes back as from the rows, to the differences' error."""
     above = f'average_over = "{length} s"'
