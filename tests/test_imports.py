@@ -23,7 +23,7 @@ LAYERS = (
     {"model"},
     {"effects", "derivations", "logs"},
     {"emission", "rigs"},
-    {"signals", "drafting", "paper", "compiled", "arms"},
+    {"signals", "drafting", "paper", "compiled", "arms", "output"},
     {"identification", "adaptation"},
     {"diagnosis", "fleet"},
     {"joints", "planning"},

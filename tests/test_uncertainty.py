@@ -11,7 +11,7 @@ from scipy.stats import binom
 
 from eccentric.identification import bounded
 from eccentric.identification.limits import FRACTION
-from eccentric.identification.uncertainty import (
+from eccentric.identification.regression.uncertainty import (
     TWO_SIDED,
     covariance,
     improvement,

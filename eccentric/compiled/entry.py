@@ -233,7 +233,7 @@ def _finish(process: subprocess.Popen[str]) -> str:
 
 _ROOMS = ("core", "model", "effects", "emission", "compiled")
 _LIBRARIES = ("sympy", "mpmath", "jinja2")
-_OURS = ("eccentric.model", "eccentric.effects", "eccentric.core")
+_OURS = ("eccentric.model", "eccentric.effects", "eccentric.core", "eccentric.output")
 _COMPUTES = (
     *("__future__", "abc", "cmath", "collections", "dataclasses", "decimal", "enum", "fractions"),
     *("functools", "itertools", "math", "mpmath", "numbers", "operator", "pathlib", "re", "string"),

@@ -66,7 +66,7 @@ def folder(name: str) -> Path:
     Raises:
         InputError: neither exists, the installation is incomplete.
     """
-    package = Path(__file__).resolve().parent
+    package = Path(__file__).resolve().parents[1]
     inside, beside = package / name, package.parent / name
     if inside.is_dir():
         return inside

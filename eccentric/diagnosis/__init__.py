@@ -18,12 +18,13 @@ May import: `identification` and all rooms below it.
 
 from eccentric.diagnosis.base_script import BASE, base_source
 from eccentric.diagnosis.contest import BASELINE, Contest, Entry, contest, contest_document, contest_lines
+from eccentric.diagnosis.limits import PROVABLE, ROUNDING
 from eccentric.diagnosis.loop import diagnose, diagnosed, staged_log
 from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name, script
 from eccentric.diagnosis.models import Closest
 from eccentric.diagnosis.orders import Order, orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
-from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out
+from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out, only_below
 from eccentric.diagnosis.search import (
     IN_A_DRAW,
     LEAST_DEVIANCE,
@@ -50,6 +51,8 @@ __all__ = [
     "LEAST_DEVIANCE",
     "LEAST_SHARE",
     "PARTS",
+    "PROVABLE",
+    "ROUNDING",
     "STABLE",
     "SURE",
     "Asked",
@@ -77,6 +80,7 @@ __all__ = [
     "extended_model",
     "is_result_name",
     "leave_runs_out",
+    "only_below",
     "orders_of",
     "refined",
     "required_over",

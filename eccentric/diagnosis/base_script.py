@@ -43,7 +43,7 @@ def base_source(model: Model) -> str:
         f"{_imports('sympy', used - of_steps - writer.words)}\n"
         f"{_imports('eccentric.model', writer.words)}"
         f"{_imports('eccentric.model.steps', of_steps)}"
-        f"from eccentric.core import show\n\n"
+        f"from eccentric.output import show\n\n"
         f"{symbols}\n"
         f"model = {body}\n\n"
         'if __name__ == "__main__":\n    show(model)\n'

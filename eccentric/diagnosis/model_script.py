@@ -142,7 +142,7 @@ from pathlib import Path
 
 from eccentric.effects import Setting, library, load_effects{load[0]}
 from eccentric.model import load_model, with_values
-from eccentric.core import show
+from eccentric.output import show
 
 # {found.rig.axis.said("The paper's model")}.
 model = load_model({_base(found)})

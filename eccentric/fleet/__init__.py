@@ -16,6 +16,7 @@ May import: `identification` and all rooms below it. No log is ever written to.
 """
 
 from eccentric.fleet.cluster import connected
+from eccentric.fleet.drift import FRICTION, RESIDUAL
 from eccentric.fleet.found import (
     Drifting,
     Examined,
@@ -28,13 +29,24 @@ from eccentric.fleet.found import (
 from eccentric.fleet.gathered import Assigned, gather, plan_of
 from eccentric.fleet.limits import RATE
 from eccentric.fleet.run import FleetRequest, run_fleet
-from eccentric.fleet.sources import NOT_GROUPED, NOT_TESTED, SCHEDULER, UNREAD, FleetProblem, as_csv, find
+from eccentric.fleet.sources import (
+    NOT_GROUPED,
+    NOT_TESTED,
+    SCHEDULER,
+    UNREAD,
+    FleetProblem,
+    as_csv,
+    find,
+    in_order,
+)
 from eccentric.fleet.work import Sample, give_back
 
 __all__ = [
+    "FRICTION",
     "NOT_GROUPED",
     "NOT_TESTED",
     "RATE",
+    "RESIDUAL",
     "SCHEDULER",
     "UNREAD",
     "Assigned",
@@ -52,6 +64,7 @@ __all__ = [
     "find",
     "gather",
     "give_back",
+    "in_order",
     "plan_of",
     "run_fleet",
     "write_coefficients",

@@ -16,25 +16,20 @@ Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`,
     refitting    its solution, and the estimates
     residuals    the residuals of an emitted module on a log, and their columns: the design of every fit
     states       hidden states along a log
-    design       target, columns, named coefficients with bounds and roles; linear least squares
-    solver       iterations around it, and the search over nonlinear values
-    uncertainty  intervals of the estimates; the gain of one model over another
+    regression   a design -> estimates with intervals: least squares, iterations around it
     limits       every threshold, with its reason
 
 May import: `signals`, `rigs`, `model`, `effects`, `emission`.
 """
 
-from eccentric.identification.columns import back_emf_columns, load_letters, require_case, with_own
-from eccentric.identification.design import (
-    BalanceDesign,
-    Coefficient,
-    ColumnRole,
-    Design,
-    Nonlinear,
-    Solution,
-    balance_design,
-    bounded,
-    require_rank,
+from eccentric.identification.columns import (
+    back_emf_columns,
+    following_letters,
+    k_e,
+    load_letters,
+    own_letters,
+    require_case,
+    with_own,
 )
 from eccentric.identification.drive import (
     DRIVE_UNITS,
@@ -56,27 +51,42 @@ from eccentric.identification.expressions import (
 from eccentric.identification.first_fit import drive_of
 from eccentric.identification.fit_data import FitData, drive_noise, fit_data_of, with_model_current
 from eccentric.identification.identify import Fit, fit
-from eccentric.identification.limits import LEAST_R_SQUARED
+from eccentric.identification.limits import LEAST_GAIN_PERCENT, LEAST_R_SQUARED, MOST_POINTS
 from eccentric.identification.machine import Machine
 from eccentric.identification.refitting import Refit, refit, residual_samples
-from eccentric.identification.residuals import Emitted
-from eccentric.identification.solver import Profile, iterate, profile, search, slopes_between
-from eccentric.identification.states import States
-from eccentric.identification.uncertainty import (
+from eccentric.identification.regression import (
     TWO_SIDED,
+    BalanceDesign,
+    Coefficient,
+    ColumnRole,
+    Design,
     Estimate,
+    Nonlinear,
+    Profile,
+    Solution,
     Spread,
+    balance_design,
+    bounded,
     correlation,
     improvement,
     improvement_over_runs,
+    iterate,
+    profile,
     r_squared,
+    require_rank,
     rms,
+    search,
+    slopes_between,
 )
+from eccentric.identification.residuals import Emitted
+from eccentric.identification.states import States
 
 __all__ = [
     "DRIVE_UNITS",
+    "LEAST_GAIN_PERCENT",
     "LEAST_R_SQUARED",
     "LOAD",
+    "MOST_POINTS",
     "NO_BACK_EMF",
     "TWO_SIDED",
     "BalanceDesign",
@@ -108,14 +118,17 @@ __all__ = [
     "drive_of",
     "fit",
     "fit_data_of",
+    "following_letters",
     "improvement",
     "improvement_over_runs",
     "in_drive_unit",
     "iterate",
+    "k_e",
     "load_gain",
     "load_letters",
     "load_torque",
     "loaded_model",
+    "own_letters",
     "profile",
     "r_squared",
     "refit",

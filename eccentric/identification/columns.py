@@ -11,8 +11,8 @@ import sympy as sp
 
 from eccentric.core import InputError, MissingValueError
 from eccentric.effects import constant_load
-from eccentric.identification.design import Coefficient
 from eccentric.identification.drive import LOAD, Drive, in_drive_unit
+from eccentric.identification.regression import Coefficient
 from eccentric.model import Column, Model, Role, meaning, regressor
 from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS

@@ -23,10 +23,10 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.effects import constant_load, with_constant_load
-from eccentric.identification.design import Coefficient, ColumnRole
 from eccentric.identification.expressions import evaluated
 from eccentric.identification.limits import LEAST_RESOLVED
 from eccentric.identification.machine import Machine
+from eccentric.identification.regression import Coefficient, ColumnRole
 from eccentric.model import Model, Term
 from eccentric.rigs import Rig
 from eccentric.signals import Channels

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from eccentric.identification.design import Coefficient
+from eccentric.identification.regression import Coefficient
 from eccentric.model import (
     Column,
     Model,

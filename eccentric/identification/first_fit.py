@@ -10,13 +10,13 @@ import sympy as sp
 
 from eccentric.core import InputError, MissingValueError
 from eccentric.identification.columns import following_letters, require_case, with_own
-from eccentric.identification.design import Coefficient, Solution
 from eccentric.identification.drive import LOAD, Drive
 from eccentric.identification.expressions import evaluated
 from eccentric.identification.identify import solved
 from eccentric.identification.limits import LEAST_IN_PLANE
 from eccentric.identification.machine import Machine
 from eccentric.identification.problem import Problem, pose
+from eccentric.identification.regression import Coefficient, Solution
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.rigs import ALIGNMENT, Rig, mass_alone

@@ -9,7 +9,6 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from eccentric.identification.design import require_rank
 from eccentric.identification.drive import Drive
 from eccentric.identification.expressions import (
     Signals,
@@ -21,6 +20,7 @@ from eccentric.identification.expressions import (
 )
 from eccentric.identification.limits import MOSTLY_OFF
 from eccentric.identification.machine import Machine
+from eccentric.identification.regression import require_rank
 from eccentric.identification.residuals import Residuals
 from eccentric.identification.states import state_series
 from eccentric.model import Model, meaning

@@ -18,12 +18,22 @@ from numpy.typing import NDArray
 
 from eccentric.core import InputError
 from eccentric.identification.columns import as_text, following_letters
-from eccentric.identification.design import ColumnRole, Solution, require_rank
 from eccentric.identification.drive import LOAD
 from eccentric.identification.limits import LEAST_R_SQUARED
 from eccentric.identification.problem import Problem, pose
-from eccentric.identification.solver import Profile, profile, search
-from eccentric.identification.uncertainty import Estimate, Spread, improvement, r_squared, rms
+from eccentric.identification.regression import (
+    ColumnRole,
+    Estimate,
+    Profile,
+    Solution,
+    Spread,
+    improvement,
+    profile,
+    r_squared,
+    require_rank,
+    rms,
+    search,
+)
 from eccentric.signals import LEAST_HELD_OUT, Band, band_of, require_rows, white_noise, with_doubts
 
 if TYPE_CHECKING:

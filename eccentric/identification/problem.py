@@ -33,7 +33,6 @@ from eccentric.identification.columns import (
     scale_of,
     with_own,
 )
-from eccentric.identification.design import ColumnRole, Design, Nonlinear, Solution
 from eccentric.identification.drive import DRIVE_UNITS, LOAD, Drive, inputs_of, load_gain
 from eccentric.identification.expressions import alike, seen_columns
 from eccentric.identification.limits import (
@@ -45,6 +44,7 @@ from eccentric.identification.limits import (
     STEPS_OF_A_RANGE,
 )
 from eccentric.identification.machine import Machine
+from eccentric.identification.regression import ColumnRole, Design, Nonlinear, Solution
 from eccentric.identification.residuals import Emitted, Residuals
 from eccentric.model import Column, Load, Model, Role, regressor
 from eccentric.rigs import KNOWNS

@@ -10,15 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.effects import Effect, Shape
-from eccentric.identification.design import Coefficient, Nonlinear
 from eccentric.identification.drive import in_drive_unit
 from eccentric.identification.expressions import alike, base_coefficients
 from eccentric.identification.extended import Adopted, Extended, Step
 from eccentric.identification.fit_data import FitData, Values, drive_noise
 from eccentric.identification.limits import AT_END, CONVERGED, FIRST_PART, HALVINGS, LEAST_TILT, SHAPE_STEP
 from eccentric.identification.machine import Machine
-from eccentric.identification.solver import slopes_between
-from eccentric.identification.uncertainty import TWO_SIDED, Estimate, rms
+from eccentric.identification.regression import (
+    TWO_SIDED,
+    Coefficient,
+    Estimate,
+    Nonlinear,
+    rms,
+    slopes_between,
+)
 from eccentric.model import Model
 from eccentric.signals import Band, band_of
 

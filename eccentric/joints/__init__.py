@@ -16,15 +16,19 @@ both as documents and lines.
 May import: `diagnosis` and all rooms below it.
 """
 
-from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, diagnose_arm
+from eccentric.joints.arm_log import ArmLog
+from eccentric.joints.bodies import IdentifiedBodies
+from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, diagnose_arm, misfit_sentence
 from eccentric.joints.extended_arm import arm_name, extended_arm, why_not_emitted
-from eccentric.joints.fitted import ArmFit, JointFit, fit_arm
+from eccentric.joints.fitted import ArmFit, JointFit, fit_arm, gain_of
 from eccentric.joints.predicting import ForeignRuns, Payload, payload_of, predicted
 
 __all__ = [
     "ArmDiagnosis",
     "ArmFit",
+    "ArmLog",
     "ForeignRuns",
+    "IdentifiedBodies",
     "JointDiagnosis",
     "JointFit",
     "Payload",
@@ -32,6 +36,8 @@ __all__ = [
     "diagnose_arm",
     "extended_arm",
     "fit_arm",
+    "gain_of",
+    "misfit_sentence",
     "payload_of",
     "predicted",
     "why_not_emitted",

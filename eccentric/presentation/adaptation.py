@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.adaptation.replay import Replay
+from eccentric.adaptation import Replay
 
 FORMAT = "eccentric-adapt/1"
 _LONG_S = 10.0

@@ -24,10 +24,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.identification import Estimate
-from eccentric.joints.arm_log import ArmLog
-from eccentric.joints.bodies import IdentifiedBodies
-from eccentric.joints.diagnosed import ArmDiagnosis
-from eccentric.joints.fitted import ArmFit, JointFit, gain_of
+from eccentric.joints import ArmDiagnosis, ArmFit, ArmLog, IdentifiedBodies, JointFit, gain_of
 from eccentric.model import identity_of, letters_of
 from eccentric.presentation.diagnosis_json import diagnosis_document
 

@@ -7,11 +7,18 @@ from collections.abc import Sequence
 
 from eccentric.core import counted, few
 from eccentric.identification import Estimate
-from eccentric.joints.arm_log import ArmLog
-from eccentric.joints.bodies import IdentifiedBodies
-from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, misfit_sentence
-from eccentric.joints.extended_arm import arm_name, why_not_emitted
-from eccentric.joints.fitted import ArmFit, JointFit, gain_of
+from eccentric.joints import (
+    ArmDiagnosis,
+    ArmFit,
+    ArmLog,
+    IdentifiedBodies,
+    JointDiagnosis,
+    JointFit,
+    arm_name,
+    gain_of,
+    misfit_sentence,
+    why_not_emitted,
+)
 from eccentric.model import Load
 from eccentric.presentation.diagnosis_text import diagnosis_lines
 from eccentric.presentation.fit_text import estimate_table

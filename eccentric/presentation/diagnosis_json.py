@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.diagnosis.outcome import Diagnosis
+from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Effect
 from eccentric.identification import Estimate, in_drive_unit
 from eccentric.model import TURNING

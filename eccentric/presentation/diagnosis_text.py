@@ -11,10 +11,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from eccentric.core import few
-from eccentric.diagnosis.limits import PROVABLE, ROUNDING
-from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name
-from eccentric.diagnosis.outcome import Diagnosis
-from eccentric.diagnosis.score import OverRuns, only_below
+from eccentric.diagnosis import (
+    PROVABLE,
+    ROUNDING,
+    Diagnosis,
+    OverRuns,
+    extended_model,
+    is_result_name,
+    only_below,
+    result_name,
+)
 from eccentric.effects import Correction, Effect, Words
 from eccentric.identification import Emitted, in_drive_unit
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.identification.limits import MOST_POINTS
+from eccentric.identification import MOST_POINTS
 from eccentric.model import model_names
 
 if TYPE_CHECKING:
-    from eccentric.identification.identify import Fit
+    from eccentric.identification import Fit
 
 
 Array = NDArray[np.float64]

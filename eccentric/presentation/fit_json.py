@@ -36,17 +36,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eccentric.identification.columns import following_letters, k_e, own_letters
-from eccentric.identification.drive import NO_BACK_EMF
-from eccentric.identification.uncertainty import correlation
+from eccentric.identification import NO_BACK_EMF, correlation, following_letters, k_e, own_letters
 from eccentric.model import TURNING
 from eccentric.rigs import ALIGNMENT, alignment_of, knowns_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from eccentric.identification.identify import Fit
-    from eccentric.identification.uncertainty import Estimate
+    from eccentric.identification import Estimate, Fit
 
 
 FORMAT = "eccentric-fit/1"

@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eccentric.core import few
-from eccentric.identification.drive import DRIVE_UNITS
-from eccentric.identification.limits import LEAST_GAIN_PERCENT
+from eccentric.identification import DRIVE_UNITS, LEAST_GAIN_PERCENT
 from eccentric.model import model_names
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from eccentric.identification.identify import Fit
-    from eccentric.identification.uncertainty import Estimate
+    from eccentric.identification import Estimate, Fit
 
 
 _DRIVES = {unit: drive for drive, unit in DRIVE_UNITS.items()}

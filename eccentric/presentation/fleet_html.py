@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import counted, few
-from eccentric.fleet.drift import FRICTION, RESIDUAL
-from eccentric.fleet.found import Drifting, FleetFound
-from eccentric.fleet.sources import in_order
+from eccentric.fleet import FRICTION, RESIDUAL, Drifting, FleetFound, in_order
 from eccentric.model import AxisKind
 from eccentric.presentation.html import number, rendered
 
