@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import binom
 
 from eccentric.identification import bounded
-from eccentric.identification.limits import FRACTION
+from eccentric.identification.regression.limits import FRACTION
 from eccentric.identification.regression.uncertainty import (
     TWO_SIDED,
     covariance,

@@ -18,7 +18,13 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from eccentric.core import InputError
-from eccentric.identification.regression.limits import BLOCK_ROWS, LEAST_PART, MEMBER_PART, NO_INFLUENCE, ROUNDING
+from eccentric.identification.regression.limits import (
+    BLOCK_ROWS,
+    LEAST_PART,
+    MEMBER_PART,
+    NO_INFLUENCE,
+    ROUNDING,
+)
 from eccentric.identification.regression.uncertainty import Spread, rms, spread
 from eccentric.signals import Rows
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from eccentric.identification.regression.design import Design, Nonlinear, Solution
 from eccentric.identification.regression.limits import (
     COST_CHANGE,
     LEAST_SLOPE,
@@ -24,7 +25,6 @@ from eccentric.identification.regression.limits import (
     SLOPE_STEP,
     VALUE_CHANGE,
 )
-from eccentric.identification.regression.design import Design, Nonlinear, Solution
 
 Array = NDArray[np.float64]
 
