@@ -265,7 +265,7 @@ def test_templates_use_what_they_are_given() -> None:
     """The templates of the report use exactly the names that its view has; arms and fleets have their own."""
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(folder("templates")), autoescape=True)
     used: set[str] = set()
-    others = {"arm.html.jinja", "fleet.html.jinja", "fleet-joints.html.jinja", "fleet-levels.html.jinja"}
+    others = {"arm.html.jinja", "fleet.html.jinja"}
     for path in (folder("templates") / "report").glob("*.jinja"):
         if path.name in others:
             continue

@@ -123,7 +123,7 @@ def _default(source: str) -> list[dict[str, float]]:
 
 
 def _without_exponential(module: ModuleType) -> None:
-    """Put 1/(1 + x^2) in place of the exponential, as selftest_exponential.c.jinja does."""
+    """Put 1/(1 + x^2) in place of the exponential, as selftest.c.jinja does."""
 
     def stand_in(x: Any) -> Any:
         return 1.0 / (1.0 + x * x)
@@ -249,7 +249,7 @@ def _special(k: int, at: float, real: Any) -> np.ndarray:
 
 
 def _stream(centres: np.ndarray, spans: np.ndarray, section: int, stride: int) -> list[np.ndarray]:
-    """The generated samples, an array per input: what `generated` in selftest_stream.c.jinja computes."""
+    """The generated samples, an array per input: what `generated` in selftest.c.jinja computes."""
     columns = []
     for k in range(spans.shape[1]):
         unit, word = _drawn(k, spans.dtype, section, stride)
