@@ -142,7 +142,7 @@ def _scripts(effects: Path | None, model: str | Model | None) -> tuple[Path, ...
             raise InputError(f"{one}: a name that no file of the result has is required")
     if len({one.resolve() for one in own}) > len(called := {one.name for one in own}):
         raise InputError(
-            f"effects and model: files of different names are required, received {called.pop()} twice"
+            "effects and model", "files of different names", f"{called.pop()} twice", plural=True
         )
     return own
 

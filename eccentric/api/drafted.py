@@ -75,7 +75,7 @@ class RigDraft:
         """Write the rig file. InputError if there is one already: a draft replaces nobody's work."""
         path = Path(out)
         if path.suffix != ".toml":
-            raise InputError(f"{path}: a rig file .toml is required, received {path.suffix or 'no suffix'!r}")
+            raise InputError(path, "a rig file .toml", f"{path.suffix or 'no suffix'!r}")
         if path.exists():
             raise InputError(f"{path}: a new file is required, this one exists")
         with whole_file(path) as new:

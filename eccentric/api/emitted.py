@@ -68,7 +68,7 @@ def emit(
             is not a free name in C and Python; the folder cannot be written.
     """
     if isinstance(functions, str):
-        raise InputError(f"functions: a list of names is required, received {functions!r}")
+        raise InputError("functions", "a list of names", f"{functions!r}")
     with_arrays = not functions if arrays is None else arrays
     where: Arrays = "none" if not with_arrays else "beside" if functions else "with"
     choice = Choice(tuple(functions), where, fixed)
@@ -81,7 +81,7 @@ def emit(
         refuse_other_files(model)
     found, loaded = arm_of(model, fitted) if is_arm(model) else (None, model_of(model))
     if asked is not None and found is not None:
-        raise InputError("adapt: a model of one joint is required, received an arm")
+        raise InputError("adapt", "a model of one joint", "an arm")
     name = checked_name(
         *((loaded.name, f"model {loaded.name}: its name") if prefix is None else (prefix, "prefix"))
     )

@@ -87,10 +87,10 @@ def diagnose_fleet(
             folder cannot be written. What concerns a joint or a file is a problem in the result.
     """
     if not 0.0 < rate < 1.0:
-        raise InputError(f"rate: a number above 0 and below 1 is required, received {rate:g}")
+        raise InputError("rate", "a number above 0 and below 1", f"{rate:g}")
     count = os.cpu_count() or 1 if workers is None else workers
     if count < 1:
-        raise InputError(f"workers: at least 1 is required, received {count}")
+        raise InputError("workers", "at least 1", count)
     target = own_folder(out)
     if not target.exists() or not any(target.iterdir()):
         with whole_folder(out, _COMMAND):

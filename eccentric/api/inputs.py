@@ -52,7 +52,7 @@ def sources_of(logs: LogSources) -> list[Any]:
     """
     sources: list[Any] = list(logs) if isinstance(logs, list | tuple) else [logs]
     if not sources:
-        raise InputError("a log is required, received none")
+        raise InputError("", "a log", "none")
     places = [given_path(x, "log").resolve() if isinstance(x, str | os.PathLike) else id(x) for x in sources]
     for k, source in enumerate(sources):
         if places[k] in places[:k]:

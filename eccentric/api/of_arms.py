@@ -260,7 +260,7 @@ class ArmDiagnosisResult(Printed):
         """
         found = {joint.number: joint.found for joint in self.diagnosis.joints}
         if number not in found:
-            raise InputError(f"joint: one of {', '.join(map(str, found))} is required, received {number}")
+            raise InputError("joint", f"one of {', '.join(map(str, found))}", number)
         result = result_of(found[number], self.own)
         source = replace(result.data.source, command=arm_command(self.diagnosis))
         return replace(result, data=replace(result.data, source=source))

@@ -101,7 +101,7 @@ def _backends(backend: str | Sequence[str] | None) -> dict[str, None]:
     names: dict[str, None] = {}
     for name in given or ["none"]:
         if not isinstance(name, str) or name not in BACKENDS:
-            raise InputError(f"backend: one of {', '.join(BACKENDS)} is required, received {name!r}")
+            raise InputError("backend", f"one of {', '.join(BACKENDS)}", f"{name!r}")
         names[name] = None
     return names
 

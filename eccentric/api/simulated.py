@@ -77,7 +77,7 @@ def bench(
             name exists.
     """
     if not isinstance(seed, int | np.integer) or seed < 0:
-        raise InputError(f"seed: an integer of 0 or more is required, received {seed!r}")
+        raise InputError("seed", "an integer of 0 or more", f"{seed!r}")
     path = None if out is None else given_path(out, "out")
     scenario = random_scenario(
         np.random.default_rng(seed),
@@ -210,7 +210,7 @@ def bench_arm(
             MuJoCo is not installed.
     """
     if not isinstance(seed, int | np.integer) or seed < 0:
-        raise InputError(f"seed: an integer of 0 or more is required, received {seed!r}")
+        raise InputError("seed", "an integer of 0 or more", f"{seed!r}")
     path = None if out is None else given_path(out, "out")
     if path is not None:
         free_arm_paths(path)

@@ -100,9 +100,9 @@ def run(args: argparse.Namespace) -> int:
         _list_effects(of_arms=args.arm is not None)
         return 0
     if args.out is None:
-        raise InputError("--out: the path of a log (LOG.csv.gz) is required, received none")
+        raise InputError("--out", "the path of a log (LOG.csv.gz)", "none")
     if not args.out.endswith(".csv.gz"):
-        raise InputError(f"--out: a log name that ends in .csv.gz is required, received {args.out}")
+        raise InputError("--out", "a log name that ends in .csv.gz", args.out)
     bench = _of_a_drive if args.arm is None else _of_an_arm
     common = {"seconds": args.seconds, "noise": args.noise, "seed": args.seed, "out": args.out}
     with options(_OPTIONS):
@@ -187,4 +187,4 @@ def _effect(text: str, known: Callable[[str], object]) -> str | tuple[str, float
     try:
         return name, float(size)
     except ValueError:
-        raise InputError(f"--effect {text}: a number for the strength is required, received {size}") from None
+        raise InputError(f"--effect {text}", "a number for the strength", size) from None

@@ -192,15 +192,13 @@ def _command() -> list[str]:
     try:
         commands = [command] if (command := shlex.split(given)) else [["cc"], ["gcc"], ["clang"]]
     except ValueError as error:
-        raise InputError(
-            f"compile: CC: a command with its options is required, received {given!r}: {error}"
-        ) from None
+        raise InputError("compile: CC", "a command with its options", f"{given!r}: {error}") from None
     for command in commands:
         if path := shutil.which(command[0]):
             return [path, *command[1:]]
     if given.strip():
-        raise InputError(f"compile: CC: a C compiler that is installed is required, received {given!r}")
-    raise InputError("compile: a C compiler (CC, cc, gcc or clang) is required, received none")
+        raise InputError("compile: CC", "a C compiler that is installed", f"{given!r}")
+    raise InputError("compile", "a C compiler (CC, cc, gcc or clang)", "none")
 
 
 def _start(command: Sequence[str], folder: Path | None = None) -> subprocess.Popen[str]:
@@ -215,9 +213,7 @@ def _finish(process: subprocess.Popen[str]) -> str:
     if process.returncode:
         command = process.args[0] if isinstance(process.args, list) else process.args
         said = (complaint.strip() or f"exit status {process.returncode}").splitlines()[0]
-        raise InputError(
-            f"compile: {command}: a C99 compiler that takes {' '.join(_FLAGS)} is required, received {said}"
-        )
+        raise InputError(f"compile: {command}", f"a C99 compiler that takes {' '.join(_FLAGS)}", said)
     return output
 
 

@@ -118,10 +118,7 @@ def _compiled(program: Program, files: Mapping[str, str], compiler: Compiler) ->
     write_entry(key, entry)
     if served := _served(entry):
         return served, program.name, key
-    raise InputError(
-        f"compile: a library that this process can load is required,"
-        f" received {cache_folder() / entry.library}"
-    )
+    raise InputError("compile", "a library that this process can load", cache_folder() / entry.library)
 
 
 def _served(entry: CacheEntry | None) -> ModuleType | None:

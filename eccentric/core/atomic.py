@@ -27,7 +27,7 @@ def folder_to_write(path: str | os.PathLike[str]) -> Path:
     """
     target = given_path(path, "output").resolve()
     if target.exists() and not target.is_dir():
-        raise InputError(f"{Path(path)}: a folder to write is required, received a file")
+        raise InputError(Path(path), "a folder to write", "a file")
     there = next(place for place in (target, *target.parents) if place.exists())
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
         what = "is protected" if there.is_dir() else "is a file"
@@ -53,8 +53,9 @@ def own_folder(path: str | os.PathLike[str]) -> Path:
     there = target.is_dir() and any(not f.name.startswith(f"{MARKER}-") for f in target.iterdir())
     if there and not (target / MARKER).is_file():
         raise InputError(
-            f"{Path(path)}: a new or empty folder, or one that eccentric wrote (it holds {MARKER}), is"
-            " required, received a folder with other files"
+            Path(path),
+            f"a new or empty folder, or one that eccentric wrote (it holds {MARKER}),",
+            "a folder with other files",
         )
     listed_in(target)
     return target
@@ -70,7 +71,7 @@ def require_free(folder: Path, name: str, listed: dict[str, str], command: str) 
         wrote = listed.get(place.as_posix())
         owner = f"`eccentric {wrote}` wrote" if wrote else "eccentric did not write"
         what = "a folder" if is_folder(taken) else f"a file that {owner}"
-        raise InputError(f"{folder}: a free name {place.as_posix()} is required, received {what}")
+        raise InputError(folder, f"a free name {place.as_posix()}", what)
 
 
 def mark(folder: Path, written: dict[str, str]) -> None:
@@ -136,7 +137,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     target = given_path(path, "output").resolve()
     if target.exists() and not target.is_file():
-        raise InputError(f"{path}: a file to write is required, received one that is not a regular file")
+        raise InputError(path, "a file to write", "one that is not a regular file")
     with workshop(target.parent) as place:
         new = place / target.name
         yield new
@@ -160,7 +161,7 @@ def whole_files(path: str | os.PathLike[str]) -> Iterator[Path]:
             for name in files(new):
                 there = target / name
                 if is_folder(there):
-                    raise InputError(f"{there}: a file to write is required, received a folder")
+                    raise InputError(there, "a file to write", "a folder")
                 if there.is_file() and there.read_bytes() == (new / name).read_bytes():
                     (new / name).unlink()
             swap(target, new.parent)

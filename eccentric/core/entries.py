@@ -27,9 +27,7 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
         ".json": lambda text: json.loads(text, object_pairs_hook=lambda pairs: _no_repeats(pairs, path)),
     }
     if path.suffix.lower() not in parsers:
-        raise InputError(
-            f"{path}: {what} .toml or .json is required, received {path.suffix or 'no suffix'!r}"
-        )
+        raise InputError(path, f"{what} .toml or .json", f"{path.suffix or 'no suffix'!r}")
     text = read_utf8(path)
     try:
         content = parsers[path.suffix.lower()](text)
@@ -38,7 +36,7 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
     except (ValueError, RecursionError) as error:
         line, place = _stopped_at(text, str(error))
         if re.search(r"[=:]\s*[-+]?\d+,\d+\s*(?:#.*)?$", line):
-            raise InputError(f"{path}: a decimal point is required, received {line!r} in {place}") from None
+            raise InputError(path, "a decimal point", f"{line!r} in {place}") from None
         if unquoted := re.match(r"(\S+)\s*=\s*([-+.\deE]+\s*[^\W\d_][^#]*?)\s*(?:#.*)?$", line):
             key, value = unquoted.groups()
             wanted = f'a value with its unit in quotes is required, {key} = "{value}"'
@@ -83,18 +81,18 @@ def _no_repeats(pairs: list[tuple[str, Any]], path: Path) -> dict[str, Any]:
 def read_number(value: object, where: str, lower: float = -math.inf, open_below: bool = False) -> float:
     """Return a finite number, at least (or above) `lower`; InputError for anything else, including true."""
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{where}: a number is required, received {value!r}")
+        raise InputError(where, "a number", f"{value!r}")
     number = float(value) if abs(value) < 1e300 else math.inf
     if not math.isfinite(number) or number < lower or (open_below and number == lower):
         bound = "" if math.isinf(lower) else f" {'above' if open_below else 'of at least'} {lower:g}"
-        raise InputError(f"{where}: a finite number{bound} is required, received {value!r}")
+        raise InputError(where, f"a finite number{bound}", f"{value!r}")
     return number
 
 
 def read_table(value: object, where: str) -> Mapping[str, Any]:
     """Return a table of the rig file; InputError for anything else."""
     if not isinstance(value, dict):
-        raise InputError(f"{where}: a table is required, received {value!r}")
+        raise InputError(where, "a table", f"{value!r}")
     return value
 
 

@@ -7,9 +7,20 @@ from collections.abc import Iterable
 class InputError(ValueError):
     """Bad input from outside: a log, a rig, a parameter, a command line.
 
-    The message is one line: the file, row, column or quantity, what was required and what was received.
-    The command line prints it after `eccentric: error:` and exits with status 2; nothing is written.
+    It is one line, which the command line prints after `eccentric: error:`, to exit with status 2; nothing is
+    written.
+
+    Attributes:
+        place: what is wrong, from the outside in: "rig.toml: [known] k_i"; "" if it is not said apart.
+        expected, got: what is required there, and what was received.
     """
+
+    def __init__(self, place: object, expected: str = "", got: object = "", *, plural: bool = False) -> None:
+        """One that is not about a value has its whole line for a place; plural: several are expected."""
+        self.place, self.expected, self.got = (str(place) if expected else ""), expected, str(got)
+        before = f"{self.place}: " if self.place else ""
+        verb = "are" if plural else "is"
+        super().__init__(f"{before}{expected} {verb} required, received {got}" if expected else str(place))
 
 
 class MissingValueError(InputError):

@@ -15,9 +15,9 @@ _NO_ARMS = {".xacro", ".xml"}
 def given_path(value: object, what: str) -> Path:
     """Return a path that a user gives; InputError for anything that cannot be one, with `what` it is of."""
     if not isinstance(value, str | os.PathLike) or isinstance(os.fspath(value), bytes):
-        raise InputError(f"{what}: a path is required, received {type(value).__name__}")
+        raise InputError(what, "a path", type(value).__name__)
     if "\0" in os.fspath(value):
-        raise InputError(f"{what}: a path without null characters is required, received {str(value)!r}")
+        raise InputError(what, "a path without null characters", f"{str(value)!r}")
     return Path(value)
 
 
@@ -33,7 +33,7 @@ def refuse_other_files(path: str | os.PathLike[str]) -> None:
         what = "a model's name, a derivation .py, or an arm .toml, .json or .urdf"
         received = "a folder" if given.is_dir() else f"{given.suffix!r}"
         hint = "" if given.is_dir() else ": expand a xacro and name the result .urdf"
-        raise InputError(f"{shown(given)}: {what} is required, received {received}{hint}")
+        raise InputError(shown(given), what, f"{received}{hint}")
 
 
 def shown(path: Path) -> str:
@@ -50,7 +50,7 @@ def readable(path: Path) -> Path:
         raise InputError(f"{shown(path)}: no such file")
     if not path.is_file():
         received = "a directory" if path.is_dir() else "a pipe or a device"
-        raise InputError(f"{shown(path)}: a regular file is required, received {received}")
+        raise InputError(shown(path), "a regular file", received)
     return path
 
 
@@ -73,7 +73,7 @@ def folder(name: str) -> Path:
     # An installed package is in site-packages, where a `templates` folder would belong to another project.
     if beside.is_dir() and (package.parent / "pyproject.toml").is_file():
         return beside
-    raise InputError(f"{name}: a folder {inside} or, in a clone, {beside}, is required, received neither")
+    raise InputError(name, f"a folder {inside} or, in a clone, {beside},", "neither")
 
 
 def derivation(name_or_path: str | os.PathLike[str]) -> Path:

@@ -99,7 +99,7 @@ def contest(
     """
     names = [model if isinstance(model, str) else model.name for model in models]
     if not names:
-        raise InputError("models: at least one model is required, received none")
+        raise InputError("models", "at least one model", "none")
     if twice := [name for k, name in enumerate(names) if name in names[:k]]:
         raise InputError(f"models: each model is required only once, received {twice[0]} twice")
     given = _Field(logs, rig, effects)

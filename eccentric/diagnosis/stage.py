@@ -71,8 +71,9 @@ class SearchRequest:
         )
         if self.only and not left:
             raise InputError(
-                f"only: a family that this log can show is required, received {', '.join(self.only)};"
-                f" it can show {', '.join(_families(offered))}"
+                "only",
+                "a family that this log can show",
+                f"{', '.join(self.only)}; it can show {', '.join(_families(offered))}",
             )
         return left
 
@@ -87,8 +88,7 @@ def members(word: str, name: str, offered: Sequence[Effect]) -> list[Effect]:
     found = [effect for effect in offered if _named(effect, (name,))]
     if not found:
         raise InputError(
-            f"{word}: an effect that this log can show is required, received {name}; it can show"
-            f" {', '.join(_families(offered))}"
+            word, "an effect that this log can show", f"{name}; it can show {', '.join(_families(offered))}"
         )
     return found
 
@@ -109,14 +109,12 @@ def _require_known(word: str, name: str, offered: Sequence[Effect]) -> None:
     family = name.partition("[")[0]
     own = [effect_id for effect_id in ids if effect_id.partition("[")[0] == family]
     if own:
-        raise InputError(
-            f"{word}: an effect is required, received {name}; of {family} there are {', '.join(own)}"
-        )
+        raise InputError(word, "an effect", f"{name}; of {family} there are {', '.join(own)}")
     if family in families:
         return
     near = difflib.get_close_matches(family, families, 1)
     hint = f" (did you mean {near[0]}?)" if near else ""
-    raise InputError(f"{word}: an effect is required, received {name}{hint}; there are {', '.join(families)}")
+    raise InputError(word, "an effect", f"{name}{hint}; there are {', '.join(families)}")
 
 
 Array = np.ndarray
@@ -181,7 +179,7 @@ class Stage:
         chosen = []
         for name, pool, one in zip(names, pools, found, strict=True):
             if one is None:
-                raise InputError(f"{word}: an effect that this log determines is required, received {name}")
+                raise InputError(word, "an effect that this log determines", name)
             variant, coefficients = one
             effect = next(e for e in pool if e.id == variant.candidate.id)
             own = dict(zip((q.name for q in effect.coefficients), coefficients, strict=False))

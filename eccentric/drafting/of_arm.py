@@ -92,8 +92,10 @@ def _patterns(log: Log, count: int) -> tuple[int, list[str]]:
     if not starts:
         most = max((len(numbers) for numbers in seen.values()), default=0)
         raise InputError(
-            f"{log.path}: columns of {counted(count, 'joint')}, such as q_1 to q_{count}, are required,"
-            f" received at most {most} that differ by a number; the log has {few(log.columns)}"
+            log.path,
+            f"columns of {counted(count, 'joint')}, such as q_1 to q_{count},",
+            f"at most {most} that differ by a number; the log has {few(log.columns)}",
+            plural=True,
         )
     first = max(starts, key=lambda start: (starts[start], -start))
     return first, [p for p, numbers in seen.items() if numbers == {*range(first, first + count)}]

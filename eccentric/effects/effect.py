@@ -401,10 +401,9 @@ def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
     found = (found,) if isinstance(found, Effect) else found
     if not isinstance(found, Iterable):
         raise InputError(
-            f"{path}: a function `effects(setting)` or an `effect` of type Effect is required,"
-            f" received {type(found).__name__}"
+            path, "a function `effects(setting)` or an `effect` of type Effect", type(found).__name__
         )
     found = tuple(found)
     if wrong := [type(one).__name__ for one in found if not isinstance(one, Effect)]:
-        raise InputError(f"{path}: effects of type Effect are required, received {wrong[0]}")
+        raise InputError(path, "effects of type Effect", wrong[0], plural=True)
     return found

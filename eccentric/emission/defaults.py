@@ -103,7 +103,7 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     values = {letter: value for letter, value in values.items() if value is not None}
     for letter, value in values.items():
         if not _is_number(value):
-            raise InputError(f"{where}: parameters.{letter}: a finite number is required, received {value!r}")
+            raise InputError(f"{where}: parameters.{letter}", "a finite number", f"{value!r}")
     values = in_general_letters(values, axis, where)
     notes, identified_on = content.get("parameter_notes", {}), content.get("identified_range", "")
     if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
@@ -122,7 +122,7 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     unit = content.get(axis.said("torque_unit"), "N m")
     unit = "N m" if unit == axis.said("N m") else unit
     if unit not in ("N m", "V", "A"):
-        raise InputError(f"{where}: torque_unit: N m, V or A is required, received {unit!r}")
+        raise InputError(f"{where}: torque_unit", "N m, V or A", f"{unit!r}")
     of = content.get("model")
     return FittedValues(
         name,
@@ -152,9 +152,7 @@ def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:
             value is of no parameter of the model, or of a sign that it cannot have.
     """
     if fitted.model not in (None, model.name):
-        raise InputError(
-            f"{fitted.source}: a fit of {model.name} is required, received one of {fitted.model}"
-        )
+        raise InputError(fitted.source, f"a fit of {model.name}", f"one of {fitted.model}")
     title = f"{model.title}; {fitted.identified_on}" if fitted.identified_on else model.title
     return with_values(
         model,
@@ -200,11 +198,9 @@ def checked_name(name: str, where: str) -> str:
         InputError: it is not, or would hide another name; `where` is the source of the name.
     """
     if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", name):
-        raise InputError(
-            f"{where}: a lower-case C identifier of at most 31 characters is required, received {name!r}"
-        )
+        raise InputError(where, "a lower-case C identifier of at most 31 characters", f"{name!r}")
     taken = next((what for what, names in _TAKEN.items() if name in names), None)
     if taken is not None:
         free = "a lower-case C identifier that C and Python leave free"
-        raise InputError(f"{where}: {free} is required, received {name!r}, {taken}")
+        raise InputError(where, free, f"{name!r}, {taken}")
     return name

@@ -88,7 +88,7 @@ class Assigned:
         if self._table is None:
             return None
         if joint not in self._table:
-            raise InputError(f"{self._path}: a rig of joint {joint} is required, received none")
+            raise InputError(self._path, f"a rig of joint {joint}", "none")
         name, own = self._table[joint]
         path = self._path.parent / name
         if path not in self._files:
@@ -125,13 +125,13 @@ def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
     try:
         names = list(reader.fieldnames or [])
         if not {"joint", "rig"} <= set(names):
-            raise InputError(f"{path}: columns joint and rig are required, received {few(names) or 'none'}")
+            raise InputError(path, "columns joint and rig", few(names) or "none", plural=True)
         if again := next((name for name in names if names.count(name) > 1), None):
             raise InputError(f"{path}: each column is required only once, received {again!r} twice")
         for line, row in enumerate(reader, start=2):
             where = f"{path}: line {line}"
             if None in row or None in row.values():
-                raise InputError(f"{where}: {len(names)} entries are required, received more or fewer")
+                raise InputError(where, f"{len(names)} entries", "more or fewer", plural=True)
             joint, rig = row.pop("joint"), row.pop("rig")
             _require_new(joint, found, where)
             found[joint] = rig, {key: _value(text) for key, text in row.items() if text.strip()}
@@ -155,9 +155,7 @@ def _of_toml(joints: object, path: Path) -> dict[str, tuple[str, Mapping[str, An
         table = read_table(entry, where)
         refuse_unknown(table, ("rig", "known"), where)
         if not isinstance(table.get("rig"), str):
-            raise InputError(
-                f"{where}: rig: the path of a rig file is required, received {table.get('rig')!r}"
-            )
+            raise InputError(f"{where}: rig", "the path of a rig file", f"{table.get('rig')!r}")
         found[joint] = table["rig"], read_table(table.get("known", {}), f"{where}: known")
     return found
 

@@ -151,7 +151,7 @@ def _of_folders(parts: Iterable[str]) -> Mapping[str, str]:
 def _compiled(pattern: str):  # noqa: ANN202 - a function from a name to its parts
     parts = re.split(r"\{(joint|period)\}", pattern)
     if sorted(parts[1::2]) != ["joint", "period"]:
-        raise InputError(f"pattern: {{joint}} and {{period}}, each once, are required, received {pattern!r}")
+        raise InputError("pattern", "{joint} and {period}, each once,", f"{pattern!r}", plural=True)
     text = "".join(f"(?P<{p}>.+?)" if k % 2 else re.escape(p) for k, p in enumerate(parts))
     form = re.compile(text)
     has_suffix = without_suffix(pattern) != pattern

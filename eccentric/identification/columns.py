@@ -255,9 +255,7 @@ def require_case(rig: Rig, model: Model) -> None:
     And for one without an unbalanced mass, where runs carry more of it.
     """
     if rig.added and not {v.M.name, v.L.name} <= {q.symbol.name for q in model.parameters}:
-        raise InputError(
-            f"{rig.path}: [added]: a model with an unbalanced mass is required, received {model.name}"
-        )
+        raise InputError(f"{rig.path}: [added]", "a model with an unbalanced mass", model.name)
     if model.axis is not rig.axis:
         raise InputError(
             f"{rig.path}: model {model.name} requires kind = {model.axis.name!r}, received {rig.axis.name!r};"

@@ -76,8 +76,9 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
 def _require_in_plane(rig: Rig, table: str, phi: float) -> None:
     if math.cos(phi) < LEAST_IN_PLANE:
         raise InputError(
-            f"{rig.path}: [{table}] phi: gravity in the plane of motion is required, received none:"
-            ' case = "C1" in [known] is a level plane'
+            f"{rig.path}: [{table}] phi",
+            "gravity in the plane of motion",
+            'none: case = "C1" in [known] is a level plane',
         )
 
 

@@ -196,8 +196,12 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
             if c.role in positive and value <= 0.0:
                 load = f", and that of {LOAD}" if problem.rig.known.get(LOAD) else ""
                 raise InputError(
-                    f"{where}: {c.name} ({c.role} of the drive) above 0 is required, received {value:.3g}:"
-                    f" do the signs of {problem.drive.channels.motor.measured_by} and angle agree{load}?"
+                    where,
+                    f"{c.name} ({c.role} of the drive) above 0",
+                    (
+                        f"{value:.3g}: do the signs of {problem.drive.channels.motor.measured_by} and"
+                        f" angle agree{load}?"
+                    ),
                 )
     return found
 

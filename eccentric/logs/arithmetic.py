@@ -81,13 +81,13 @@ def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str
     def number_of(node: ast.AST, depth: int) -> Value:
         inner = value(node, depth + 1)
         if np.asarray(inner).dtype == bool:
-            raise InputError(f"{where}: a number is required, received the condition {ast.unparse(node)!r}")
+            raise InputError(where, "a number", f"the condition {ast.unparse(node)!r}")
         return inner
 
     def condition_of(node: ast.AST, depth: int) -> Value:
         inner = value(node, depth + 1)
         if np.asarray(inner).dtype != bool:
-            raise InputError(f"{where}: a condition is required, received the number {ast.unparse(node)!r}")
+            raise InputError(where, "a condition", f"the number {ast.unparse(node)!r}")
         return inner
 
     with np.errstate(all="ignore"):
@@ -100,10 +100,7 @@ def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str
 def _parse(text: str, where: str) -> tuple[ast.AST, dict[str, str]]:
     """Return the syntax tree, and for each placeholder the column name that was in backticks."""
     if len(text) > LONGEST_ARITHMETIC:
-        raise InputError(
-            f"{where}: arithmetic of at most {LONGEST_ARITHMETIC} characters is required,"
-            f" received {len(text)}"
-        )
+        raise InputError(where, f"arithmetic of at most {LONGEST_ARITHMETIC} characters", len(text))
     quoted: dict[str, str] = {}
 
     def placeholder(match: re.Match[str]) -> str:

@@ -236,8 +236,13 @@ def on_one_clock(
     if len(t) < 2 or (others and not any(_seconds_shared(c, lead) > 0.0 for c in others)):
         first, last = max(c.time[0] for c in filled), min(c.time[-1] for c in filled)
         raise InputError(
-            f"{path}: channels that share a time are required, received {lead.name} from"
-            f" {lead.time[0]:.6g} to {lead.time[-1]:.6g} s and others from {first:.6g} or to {last:.6g} s"
+            path,
+            "channels that share a time",
+            (
+                f"{lead.name} from {lead.time[0]:.6g} to {lead.time[-1]:.6g} s and others from {first:.6g}"
+                f" or to {last:.6g} s"
+            ),
+            plural=True,
         )
     columns: dict[str, Column] = {time: t - t[0]}
     units = {time: "s"}

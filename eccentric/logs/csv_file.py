@@ -212,7 +212,7 @@ def read_csv(path: Path) -> Read:
     text = io.StringIO(whole, newline="").readlines()
     skipped = next((k for k, line in enumerate(text) if _is_content(line)), len(text))
     if skipped == len(text):
-        raise InputError(f"{path}: a header row with column names is required, received an empty file")
+        raise InputError(path, "a header row with column names", "an empty file")
     with _csv_errors(path):
         read = of_topics(_read(path, text, skipped), path)
     return dataclasses.replace(read, notes=(*said, *read.notes))
@@ -231,7 +231,7 @@ def text_of(path: Path, encoding: str = "utf-8-sig") -> str:
     with _opened(path, encoding) as file:
         text = file.read(MOST_CHARACTERS + 1)
     if len(text) > MOST_CHARACTERS:
-        raise InputError(f"{path}: at most {MOST_CHARACTERS:,} characters are required, received more")
+        raise InputError(path, f"at most {MOST_CHARACTERS:,} characters", "more", plural=True)
     return text
 
 
@@ -280,7 +280,7 @@ def _start(path: Path) -> tuple[list[str], str, int]:
                 names, delimiter, is_row = _names(last, line)
                 return _header(names, path), delimiter, skipped + (not is_row)
             last = line
-    raise InputError(f"{path}: a header row with column names is required, received an empty file")
+    raise InputError(path, "a header row with column names", "an empty file")
 
 
 def _lines(path: Path) -> int:
@@ -363,7 +363,7 @@ def _rectangular(
     for line, row in found:
         if len(row) != width:
             hint = POINT if delimiter == "," and len(row) == 2 * width else ""
-            raise InputError(f"{path}: line {line}: {width} values are required, received {len(row)}{hint}")
+            raise InputError(f"{path}: line {line}", f"{width} values", f"{len(row)}{hint}", plural=True)
     return found
 
 
@@ -383,10 +383,8 @@ def _header(cells: list[str], path: Path) -> list[str]:
     # A table exported with its index has no name above the first column.
     names = [cell.strip() or f"column {number}" for number, cell in enumerate(cells, start=1)]
     if _only_numbers(names):
-        raise InputError(f"{path}: a header row with column names is required, received numbers")
+        raise InputError(path, "a header row with column names", "numbers")
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise InputError(
-            f"{path}: unique column names are required, received {twice!r} {names.count(twice)}x"
-        )
+        raise InputError(path, "unique column names", f"{twice!r} {names.count(twice)}x", plural=True)
     return names

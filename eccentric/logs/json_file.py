@@ -36,15 +36,11 @@ def read_json(path: Path) -> Read:
     if isinstance(content, list):
         content = {"": content}
     if not isinstance(content, dict):
-        raise InputError(
-            f"{path}: a JSON object with a list of entries is required, received {content!r:.40}"
-        )
+        raise InputError(path, "a JSON object with a list of entries", f"{content!r:.40}")
     read = assemble(content)
     if not read.columns:
         keys = ", ".join(map(repr, list(content)[:8]))
-        raise InputError(
-            f"{path}: a JSON log with a list of entries is required, received keys {keys or 'none'}"
-        )
+        raise InputError(path, "a JSON log with a list of entries", f"keys {keys or 'none'}")
     return read
 
 

@@ -93,8 +93,9 @@ class Log:
             if numbers[row] is None:
                 hint = POINT if number_of(entry.replace(",", ".")) is not None else ""
                 raise InputError(
-                    f"{self.path}: {self.place(row)}, column {name!r}: a number is required, "
-                    f"received {str(entry)[:40]!r}{hint}"
+                    f"{self.path}: {self.place(row)}, column {name!r}",
+                    "a number",
+                    f"{str(entry)[:40]!r}{hint}",
                 )
         return np.array(numbers, dtype=float)
 
@@ -197,9 +198,7 @@ def readable_log(path: Path) -> str:
     suffix = next((s for s in READERS if path.name.lower().endswith(s)), None)
     readable(path)
     if suffix is None:
-        raise InputError(
-            f"{path}: a log of {', '.join(READERS)} is required, received {path.suffix or 'no suffix'!r}"
-        )
+        raise InputError(path, f"a log of {', '.join(READERS)}", f"{path.suffix or 'no suffix'!r}")
     return suffix
 
 

@@ -105,8 +105,7 @@ def _by_name(table: Mapping[Any, Any], name: str) -> Read:
     for column, length in lengths.items():
         if length != lengths[first]:
             raise InputError(
-                f"{name}: column {column!r}: {lengths[first]} rows, as in {first!r}, are required, "
-                f"received {length}"
+                f"{name}: column {column!r}", f"{lengths[first]} rows, as in {first!r},", length, plural=True
             )
     full = {c: values if values.ndim else np.full(lengths[first], values) for c, values in found.items()}
     others = [column for column in read if column not in found]
@@ -117,7 +116,7 @@ def _by_name(table: Mapping[Any, Any], name: str) -> Read:
 def _values(values: object, column: object, name: str) -> Column | None:
     """One column (n,) as float64 or str, or a single value (); None for other types."""
     if not isinstance(column, str):
-        raise InputError(f"{name}: column names of type str are required, received {column!r}")
+        raise InputError(name, "column names of type str", f"{column!r}", plural=True)
     where = f"{name}: column {column!r}"
     try:
         array = np.ma.asarray(values) if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
@@ -125,7 +124,7 @@ def _values(values: object, column: object, name: str) -> Column | None:
         said = str(error).split(". ")[0]
         raise InputError(f"{where}: an array of numbers (n,) is required ({said})") from None
     if array.ndim > 1:
-        raise InputError(f"{where}: one dimension is required, received shape {array.shape}")
+        raise InputError(where, "one dimension", f"shape {array.shape}")
     kind = array.dtype.kind
     if kind in "biuf":
         return np.ma.filled(array.astype(float), np.nan)

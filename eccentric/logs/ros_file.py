@@ -173,8 +173,12 @@ def _require_closed(path: Path) -> None:
             # SQLite clears the start of a journal that it keeps and no longer needs.
             if file.read(8).strip(b"\0"):
                 raise InputError(
-                    f"{path}: a bag that was closed is required, received one with {journal.name} beside it:"
-                    " end its recording, or open and close it once with sqlite3"
+                    path,
+                    "a bag that was closed",
+                    (
+                        f"one with {journal.name} beside it: end its recording, or open and close it"
+                        " once with sqlite3"
+                    ),
                 )
 
 

@@ -150,12 +150,12 @@ def parse_value(text: str, required: str, where: str, counts_per_rev: float | No
         point = text.replace(",", ".", 1)
         raise InputError(f"{where}: a decimal point is required, as in {point!r}, received {text!r}")
     if match[3].startswith(":"):
-        raise InputError(f"{where}: a ratio with '/', as in '1/5', is required, received {text!r}")
+        raise InputError(where, "a ratio with '/', as in '1/5',", f"{text!r}")
     if required == "rad" and not match[3]:
         raise InputError(f"{where}: a unit is required (deg, rad), received {text!r}")
     divisor = float(match[2]) if match[2] else 1.0
     if divisor == 0.0:
-        raise InputError(f"{where}: a finite number is required, received {text!r}")
+        raise InputError(where, "a finite number", f"{text!r}")
     try:
         unit = require_unit(match[3] or "1", required, where, counts_per_rev)
     except InputError:
@@ -171,7 +171,7 @@ def require_unit(text: str, required: str, where: str, counts_per_rev: float | N
     unit = parse_unit(text, where, counts_per_rev, required)
     if unit.dimension != parse_unit(required, where).dimension:
         choices = ", ".join(_choices(required, where))
-        raise InputError(f"{where}: a unit like {choices} is required, received {text!r}")
+        raise InputError(where, f"a unit like {choices}", f"{text!r}")
     return unit
 
 
@@ -201,7 +201,7 @@ def _tokens(text: str, where: str) -> list[str]:
         tokens.append(match[0].strip())
         position = match.end()
     if not tokens:
-        raise InputError(f"{where}: a unit is required, received an empty text")
+        raise InputError(where, "a unit", "an empty text")
     return tokens
 
 

@@ -72,9 +72,7 @@ def load_model(name_or_path: str | os.PathLike[str]) -> Model:
         _loading.pop()
     model = getattr(module, "model", None)
     if not isinstance(model, Model):
-        raise InputError(
-            f"{path}: a module-level `model` of type Model is required, received {type(model).__name__}"
-        )
+        raise InputError(path, "a module-level `model` of type Model", type(model).__name__)
     _loaded[path] = model
     if bundled:
         derived.put(f"model {path.stem}", to_bytes((model, loads_behind(path))))
@@ -107,12 +105,12 @@ _SMALLEST, _LARGEST = 1e-12, 1e12
 def _require_valid(q: Quantity, value: float, where: str) -> None:
     """Raise InputError for a value outside the domain of a parameter, or of a size that the C cannot hold."""
     if (q.domain == "positive" and value <= 0) or (q.domain in {"nonnegative", "tilt"} and value < 0):
-        raise InputError(f"{where}: a {q.domain} number is required, received {value!r}")
+        raise InputError(where, f"a {q.domain} number", f"{value!r}")
     if q.domain == "tilt" and value > _RIGHT_ANGLE:
-        raise InputError(f"{where}: an angle from 0 to pi/2 is required, received {value!r}")
+        raise InputError(where, "an angle from 0 to pi/2", f"{value!r}")
     if abs(value) > _LARGEST or (q.domain == "positive" and value < _SMALLEST):
         sizes = f"of size {_SMALLEST:g} to" if q.domain == "positive" else "of size up to"
-        raise InputError(f"{where}: a number {sizes} {_LARGEST:g} is required, received {value!r}")
+        raise InputError(where, f"a number {sizes} {_LARGEST:g}", f"{value!r}")
 
 
 def in_general_letters(values: Mapping[str, T], axis: AxisKind, source: str) -> dict[str, T]:

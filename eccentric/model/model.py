@@ -197,8 +197,7 @@ class Model:
         found = {balance.name: balance for balance in self.balances}
         if name not in found:
             raise InputError(
-                f"model {self.name}: a {name} balance of one drive is required,"
-                f" received {', '.join(found) or 'none'}"
+                f"model {self.name}", f"a {name} balance of one drive", ", ".join(found) or "none"
             )
         return found[name]
 

@@ -62,16 +62,15 @@ def require_free(name: str, what: str = "quantity") -> None:
     """
     if not re.fullmatch(rf"[A-Za-z][A-Za-z0-9_]{{0,{LONGEST - 1}}}", name):
         raise InputError(
-            f"{what}: a name of at most {LONGEST} ASCII letters, digits and _ that begins with a letter is"
-            f" required, received {name!r}"
+            what,
+            (f"a name of at most {LONGEST} ASCII letters, digits and _ that begins with a letter"),
+            f"{name!r}",
         )
     taken = next((kind for kind, names in _TAKEN.items() if name in names), None)
     if taken is None and _PREFIXES.match(name):
         taken = "which begins as macros of C or of the emitted code"
     if taken is not None:
-        raise InputError(
-            f"{what}: a name that C, C++ and Python leave free is required, received {name!r}, {taken}"
-        )
+        raise InputError(what, "a name that C, C++ and Python leave free", f"{name!r}, {taken}")
 
 
 _ASSUMPTIONS = {

@@ -90,8 +90,10 @@ def _column(model: Model, group: list[Term]) -> Column:
     if len({(term.role, term.joint) for term in group}) > 1:
         received = ", ".join(f"{term.role} at joint {term.joint}" for term in group)
         raise InputError(
-            f"model {model.name}: terms {names}: no log distinguishes them: one role and one joint are"
-            f" required, received {received}"
+            f"model {model.name}: terms {names}: no log distinguishes them",
+            "one role and one joint",
+            received,
+            plural=True,
         )
     plainest = min(group, key=lambda term: sp.count_ops(term.basis))
     basis, parameter = plainest.basis, known[plainest.coefficient]

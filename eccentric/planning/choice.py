@@ -213,7 +213,7 @@ class Heavier:
 def require_link(rig: Rig, model: Model) -> None:
     """InputError if there is no link, or none whose mass and its distance are known, to add a mass to."""
     if rig.axis is not TURNING:
-        raise InputError(f"{rig.path}: --added: a drive that turns is required, received a carriage")
+        raise InputError(f"{rig.path}: --added", "a drive that turns", "a carriage")
     letters = [q.symbol.name for q in (v.M, v.L)]
     if missing := [name for name in letters if name not in rig.known]:
         verb = "are" if len(missing) > 1 else "is"
@@ -222,7 +222,7 @@ def require_link(rig: Rig, model: Model) -> None:
             f"{rig.path}: [known] {' and '.join(missing)} {verb} required to add a mass, received {received}"
         )
     if not set(letters) <= {q.name for q in model.parameters}:
-        raise InputError(f"--added: a model with an unbalanced mass is required, received {model.name}")
+        raise InputError("--added", "a model with an unbalanced mass", model.name)
 
 
 def with_more_mass(

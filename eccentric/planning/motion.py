@@ -139,7 +139,7 @@ def read_bounds(
 def _ends(value: object, key: str, where: str, units: Mapping[str, str]) -> tuple[float, float]:
     low, high = (_value(end, key, where, units) for end in read_pair(value, f"{where}: {key}"))
     if not low < high:
-        raise InputError(f"{where}: {key}: lower before upper is required, received [{low:g}, {high:g}]")
+        raise InputError(f"{where}: {key}", "lower before upper", f"[{low:g}, {high:g}]")
     return low, high
 
 

@@ -159,18 +159,19 @@ def question_from(
     # The folders of logs with one name are as they were typed, here and there.
     if [Path(name).name for name in names] != [Path(str(name)).name for name in said["logs"]]:
         raise InputError(
-            f"{where}: logs: the diagnosis of {few(names)} is required, received that of"
-            f" {few([str(name) for name in said['logs']])}"
+            f"{where}: logs",
+            f"the diagnosis of {few(names)}",
+            f"that of {few([str(name) for name in said['logs']])}",
         )
     if said.get("added_kg", {}) != rig.added_kg:
         raise InputError(
-            f"{where}: added_kg: the masses of the rig, {rig.added_kg or 'none'}, are required, received"
-            f" {said.get('added_kg', 'none')}"
+            f"{where}: added_kg",
+            f"the masses of the rig, {rig.added_kg or 'none'},",
+            said.get("added_kg", "none"),
+            plural=True,
         )
     if said["model"] != stage.plain.name:
-        raise InputError(
-            f"{where}: model: that of these logs, {stage.plain.name}, is required, received {said['model']}"
-        )
+        raise InputError(f"{where}: model", f"that of these logs, {stage.plain.name},", said["model"])
     adopted = tuple(said["extended_by"]) if said["verdict"] in {"not_identifiable", "named"} else ()
     tied, family = tuple(said["tied"]), {c["id"]: c["family"] for c in said["candidates"]}
     # Beside a name, what else it left open.
@@ -183,7 +184,7 @@ def question_from(
     asked = {*beside, *rivals} - {""}
     effects = tuple(e for e in stage.offered if e.id in asked or e.corrects is not None)
     if unknown := asked - {e.id for e in effects}:
-        raise InputError(f"{where}: effects that these logs can show are required, received {min(unknown)}")
+        raise InputError(where, "effects that these logs can show", min(unknown), plural=True)
     candidates = stage.candidates(effects)
     # What the other balance lacks changes nothing in the one that shows what is open.
     shown = {c.id: c.balance for c in candidates} | {"": "mechanical"}
@@ -220,28 +221,23 @@ def _fitted(screen: Screen, candidates: Sequence[Candidate]) -> tuple[Variant, .
         look = [screen.points[number] for _, number in screen.first_look(variants)]
         best = next((v for v in look if v.candidate.id == candidate.id), None)
         if best is None:
-            raise InputError(
-                f"diagnosis: effects that these logs determine are required, received {candidate.id}"
-            )
+            raise InputError("diagnosis", "effects that these logs determine", candidate.id, plural=True)
         variants.append(best)
     return screen.refine(screen.fit(variants)).variants
 
 
 def _require_known(said: Mapping[str, Any], where: str) -> None:
     if said.get("format") != FORMAT:
-        raise InputError(
-            f"{where}: a document of format {FORMAT} is required, received {said.get('format')!r}"
-        )
+        raise InputError(where, f"a document of format {FORMAT}", f"{said.get('format')!r}")
     needed = (
         "fits_the_rig logs model verdict tied extended_by candidates residual_depends_on next_measurement"
     )
     if missing := [key for key in needed.split() if key not in said]:
-        raise InputError(f"{where}: {', '.join(missing)} is required, received none: diagnose the logs again")
+        raise InputError(where, ", ".join(missing), "none: diagnose the logs again")
     given = [word for words in said.get("asked", {}).values() for word in words]
     if given:
         raise InputError(
-            f"{where}: a diagnosis without effects to begin with or to leave out is required,"
-            f" received one with {', '.join(given)}"
+            where, "a diagnosis without effects to begin with or to leave out", f"one with {', '.join(given)}"
         )
 
 

@@ -34,9 +34,7 @@ def require_mass(chain: Chain) -> None:
     """
     last = chain.links[-1]
     if last.moments.mass == 0 and not any(last.moments.second) and last.joint.J_m == 0:
-        raise InputError(
-            f"{last.joint.name}: a mass on the body of the last joint, or a rotor, is required, received none"
-        )
+        raise InputError(last.joint.name, "a mass on the body of the last joint, or a rotor,", "none")
 
 
 GRAVITY = FileQuantity("gravity", "m/s^2", "m_s2")
@@ -60,7 +58,7 @@ def arm_of(content: Mapping[str, Any], path: Path, where: str) -> Chain:
     refuse_unknown(content, KEYS_OF_ARMS, where)
     name = content.get("name", identifier(path.stem))
     if not isinstance(name, str):
-        raise InputError(f"{where}: name: a text is required, received {name!r}")
+        raise InputError(f"{where}: name", "a text", f"{name!r}")
     tables = content.get("joint", [])
     read = _on_urdf(content["urdf"], tables, path, where) if "urdf" in content else read_joints(tables, where)
     names = [one.joint.name for one in read]
@@ -87,7 +85,7 @@ def _on_urdf(value: object, tables: Any, path: Path, where: str) -> list[ReadJoi
     """Joints and bodies of the URDF that a file names, with the drives of the file."""
     urdf, tip = without_tip(path.parent / given_path(value, f"{where}: urdf"))
     if urdf.suffix.lower() != ".urdf":
-        raise InputError(f"{where}: urdf: a file .urdf is required, received {value!r}")
+        raise InputError(f"{where}: urdf", "a file .urdf", f"{value!r}")
     return with_drives(joints_of_urdf(urdf, shown(urdf), tip)[1], tables, where)
 
 
@@ -124,7 +122,11 @@ def read_arm(source: str | os.PathLike[str], tip: str | None = None) -> Chain:
     content = read_document(path, "an arm file, .urdf,")
     if str(content.get("format", "")).startswith("eccentric-"):
         raise InputError(
-            f"{where}: an arm file is required, received a result ({content['format']}): emit the model.py"
-            " beside a diagnosis.json, or a model with --parameters FIT.json"
+            where,
+            "an arm file",
+            (
+                f"a result ({content['format']}): emit the model.py beside a diagnosis.json, or"
+                " a model with --parameters FIT.json"
+            ),
         )
     return arm_of(content, path, where)

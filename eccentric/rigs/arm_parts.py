@@ -99,14 +99,14 @@ class FileQuantity:
             raise InputError(f"{where}: {self.key} is required only once, received {' and '.join(given)}")
         if not given:
             if default is None:
-                raise InputError(f"{where}: {self.key} is required, received none")
+                raise InputError(where, self.key, "none")
             return default
         return read(table[given[0]], given[0], f"{where}: {given[0]}")
 
     def _number(self, value: Any, key: str, where: str) -> Any:
         if isinstance(value, str):
             if key != self.key:
-                raise InputError(f"{where}: a number in {self.unit} is required, received {value!r}")
+                raise InputError(where, f"a number in {self.unit}", f"{value!r}")
             if self.unit == "m/rad" and not _PER_ANGLE.search(value):
                 raise InputError(f"{where}: a unit is required (m/rad, mm/rev), received {value!r}")
             number = parse_value(value, self.unit, where)
@@ -118,25 +118,23 @@ class FileQuantity:
             number = read_number(value, where)
             if self.unit == "rad" and abs(number) > LARGEST_ANGLE:
                 hint = f'did you mean "{value:g} deg" under {self.key}?'
-                raise InputError(
-                    f"{where}: an angle in rad, at most a turn, is required, received {value!r}; {hint}"
-                )
+                raise InputError(where, "an angle in rad, at most a turn,", f"{value!r}; {hint}")
         else:
             raise InputError(
                 f'{where}: a text with a unit is required, as in "0.1 {self.unit}", received {value!r}'
             )
         if not abs(number) <= LARGEST_OF_ARM:
-            raise InputError(f"{where}: a size of at most {LARGEST_OF_ARM:g} is required, received {value!r}")
+            raise InputError(where, f"a size of at most {LARGEST_OF_ARM:g}", f"{value!r}")
         return value if isinstance(value, str) and _RATIO.fullmatch(value) else number
 
     def _three(self, value: Any, key: str, where: str) -> Any:
         if not isinstance(value, list) or len(value) != 3:
-            raise InputError(f"{where}: a list of three, [x, y, z], is required, received {value!r}")
+            raise InputError(where, "a list of three, [x, y, z],", f"{value!r}")
         return [self._number(entry, key, where) for entry in value]
 
     def _rows(self, value: Any, key: str, where: str) -> Any:
         if not isinstance(value, list) or len(value) != 3:
-            raise InputError(f"{where}: three rows of three numbers are required, received {value!r}")
+            raise InputError(where, "three rows of three numbers", f"{value!r}", plural=True)
         return [self._three(row, key, where) for row in value]
 
     def _tensor(self, value: Any, key: str, where: str) -> Any:
@@ -188,7 +186,7 @@ def read_symbolic(value: object, names: Sequence[str], where: str) -> dict[str, 
     Raises InputError for what is not among these.
     """
     if not isinstance(value, Sequence) or isinstance(value, str):
-        raise InputError(f'{where}: a list such as ["payload"] is required, received {value!r}')
+        raise InputError(where, 'a list such as ["payload"]', f"{value!r}")
     bodies = ("payload", *names)
     known = {body: (body, PARTS) for body in bodies}
     known |= {f"{body}.{part}": (body, (part,)) for body in bodies for part in PARTS}
@@ -196,7 +194,7 @@ def read_symbolic(value: object, names: Sequence[str], where: str) -> dict[str, 
     for entry in value:
         if not isinstance(entry, str) or entry not in known:
             hint = meant(entry, known) or f"; known are {few(bodies)}, and of each .mass, .centre, .inertia"
-            raise InputError(f"{where}: a body of this arm is required, received {entry!r}{hint}")
+            raise InputError(where, "a body of this arm", f"{entry!r}{hint}")
         body, parts = known[entry]
         found.setdefault(body, set()).update(parts)
     return found
@@ -287,13 +285,13 @@ def read_placements(table: Mapping[str, Any], where: str) -> tuple[Placement, Pl
     if "dh" not in table:
         given = [entry.key for entry in (RPY, ROTATION) if set(entry.keys) & set(table)]
         if len(given) == 2:
-            raise InputError(f"{where}: only one of rpy and rotation is required, received both")
+            raise InputError(where, "only one of rpy and rotation", "both")
         position = POSITION.vector(table, where)
         if "rpy" in given:
             return Placement.turned(position, *RPY.vector(table, where), name=where), Placement()
         return Placement(position, ROTATION.rows(table, where, UNMOVED), where), Placement()
     if also := sorted(set(table) & {*PLACING, "axis"} - {"dh"}):
-        raise InputError(f"{where}: only one of dh and {also[0]} is required, received both")
+        raise InputError(where, f"only one of dh and {also[0]}", "both")
     inside = f"{where}: dh"
     entries = read_table(table["dh"], inside)
     refuse_unknown(entries, [key for entry in (A, D, ALPHA, THETA) for key in entry.keys], inside)
@@ -380,7 +378,7 @@ def with_drives(read: Sequence[ReadJoint], tables: Any, where: str) -> list[Read
     names = [one.joint.name for one in read]
     if unknown := next((name for name in given if name not in names), None):
         hint = meant(unknown, names) or f"; known are {few(names)}"
-        raise InputError(f"{where}: a joint of the arm in the URDF is required, received {unknown!r}{hint}")
+        raise InputError(where, "a joint of the arm in the URDF", f"{unknown!r}{hint}")
     found = []
     for one in read:
         joint = one.joint
@@ -404,9 +402,9 @@ def _named(tables: Any, where: str) -> Iterable[tuple[str, str, Mapping[str, Any
         table = read_table(entry, here)
         name = table.get("name")
         if not isinstance(name, str) or not name or not name.isprintable() or name == "payload":
-            raise InputError(f"{here}: a name on one line, not 'payload', is required, received {name!r}")
+            raise InputError(here, "a name on one line, not 'payload',", f"{name!r}")
         if name in seen:
-            raise InputError(f"{where}: joints of different names are required, received {name!r} twice")
+            raise InputError(where, "joints of different names", f"{name!r} twice", plural=True)
         seen.add(name)
         yield f"{where}: {name}", name, table
 

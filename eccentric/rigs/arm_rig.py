@@ -180,14 +180,14 @@ def _chain(given: object, where: str, folder: Path) -> Chain:
     if isinstance(given, Chain):
         return given
     if not isinstance(given, str) or not given.strip():
-        raise InputError(f"{where}: arm: the path of an arm, .toml or .urdf, is required, received {given!r}")
+        raise InputError(f"{where}: arm", "the path of an arm, .toml or .urdf,", f"{given!r}")
     with complaints_of(f"{where}: arm"):
         return read_arm(folder / given)
 
 
 def _first(value: object, where: str) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise InputError(f"{where}: a whole number of 0 or above is required, received {value!r}")
+        raise InputError(where, "a whole number of 0 or above", f"{value!r}")
     return value
 
 
@@ -196,9 +196,7 @@ def _known(value: object, where: str) -> frozenset[str]:
     if value in {"known", "open"} if isinstance(value, str) else False:
         return frozenset(INERTIAL if value == "known" else ())
     if isinstance(value, str):
-        raise InputError(
-            f'{at}: "known", "open" or a list of {", ".join(INERTIAL)} is required, received {value!r}'
-        )
+        raise InputError(at, f'"known", "open" or a list of {", ".join(INERTIAL)}', f"{value!r}")
     names = read_names(value, at)
     refuse_unknown(names, INERTIAL, at)
     known = frozenset(names)
@@ -215,14 +213,11 @@ def _require_patterns(columns: Mapping[str, Any], where: str) -> None:
         text = _text(columns.get(channel, NUMBER))
         if NUMBER not in text:
             raise InputError(
-                f"{where} {channel}: a pattern with {NUMBER}, the number of the joint, is required,"
-                f" received {text!r}"
+                f"{where} {channel}", f"a pattern with {NUMBER}, the number of the joint,", f"{text!r}"
             )
     for channel in ("time", "run"):
         if NUMBER in _text(columns.get(channel, "")):
-            raise InputError(
-                f"{where} {channel}: one column for all joints is required, received a pattern with {NUMBER}"
-            )
+            raise InputError(f"{where} {channel}", "one column for all joints", f"a pattern with {NUMBER}")
 
 
 def _require_motion_and_drive(columns: Mapping[str, Any], drive: object, where: str) -> None:
@@ -260,9 +255,7 @@ def _drives(value: object, count: int, where: str) -> list[dict[str, Any]]:
     """What is known of the drive of each joint: a value for all of them, or a list of one for each."""
     if isinstance(value, list):
         if len(value) != count:
-            raise InputError(
-                f"{where}: one table for each of {counted(count, 'joint')} is required, received {len(value)}"
-            )
+            raise InputError(where, f"one table for each of {counted(count, 'joint')}", len(value))
         return [_entries(read_table(own, where), where) for own in value]
     table = _entries(read_table(value, where), where)
     found: list[dict[str, Any]] = [{} for _ in range(count)]
@@ -270,8 +263,7 @@ def _drives(value: object, count: int, where: str) -> list[dict[str, Any]]:
         values = given if isinstance(given, list) else [given] * count
         if len(values) != count:
             raise InputError(
-                f"{where} {key}: one value, or one for each of {counted(count, 'joint')}, is required,"
-                f" received {len(values)}"
+                f"{where} {key}", f"one value, or one for each of {counted(count, 'joint')},", len(values)
             )
         for own, one in zip(found, values, strict=True):
             own[key] = one

@@ -15,19 +15,19 @@ from eccentric.core import InputError, read_number
 def read_pair(value: object, where: str) -> tuple[Any, Any]:
     """Return the two ends of a range, unchanged; InputError for anything but a list of two."""
     if not isinstance(value, list) or len(value) != 2:
-        raise InputError(f"{where}: a range of two values, [lower, upper], is required, received {value!r}")
+        raise InputError(where, "a range of two values, [lower, upper],", f"{value!r}")
     return value[0], value[1]
 
 
 def read_intervals(value: object, where: str) -> tuple[tuple[float, float], ...]:
     """Return a list of intervals (start, end), each start before its end; InputError for anything else."""
     if not isinstance(value, list):
-        raise InputError(f"{where}: a list of [start, end] is required, received {value!r}")
+        raise InputError(where, "a list of [start, end]", f"{value!r}")
     intervals: list[tuple[float, float]] = []
     for pair in value:
         start, end = (read_number(end, where) for end in read_pair(pair, where))
         if start >= end:
-            raise InputError(f"{where}: intervals with start before end are required, received {pair!r}")
+            raise InputError(where, "intervals with start before end", f"{pair!r}", plural=True)
         intervals.append((start, end))
     return tuple(intervals)
 
@@ -35,7 +35,7 @@ def read_intervals(value: object, where: str) -> tuple[tuple[float, float], ...]
 def read_names(value: object, where: str) -> tuple[str, ...]:
     """Return a list of names; InputError for anything else."""
     if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
-        raise InputError(f"{where}: a list of names is required, received {value!r}")
+        raise InputError(where, "a list of names", f"{value!r}")
     return tuple(value)
 
 
@@ -45,7 +45,7 @@ def plain_entries(value: object, where: str) -> Mapping[str, Any]:
     Raises InputError for anything that a file cannot contain.
     """
     if not isinstance(value, Mapping):
-        raise InputError(f"{where}: a path, a mapping or a Rig is required, received {type(value).__name__}")
+        raise InputError(where, "a path, a mapping or a Rig", type(value).__name__)
     try:
         return json.loads(json.dumps(dict(value), default=_plain))
     except (TypeError, ValueError, RecursionError) as error:

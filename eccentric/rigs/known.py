@@ -123,10 +123,10 @@ def read_value(value: object, known: Known, key: str, where: str) -> float:
             f'{where}: a text with a unit is required, as in {key} = "0.1 {known.unit}", received {value!r}'
         )
     if not known.allows(number):
-        raise InputError(f"{where}: a value {known.required} is required, received {value!r}")
+        raise InputError(where, f"a value {known.required}", f"{value!r}")
     if not known.has_size(number):
         sizes = f"{SMALLEST:g} to {LARGEST:g}{'' if known.unit == '1' else ' ' + known.unit}"
-        raise InputError(f"{where}: a value of size {sizes} is required, received {value!r}")
+        raise InputError(where, f"a value of size {sizes}", f"{value!r}")
     return number
 
 
@@ -145,7 +145,7 @@ def read_knowns(
     given = table.pop("case", None) if turns else "C1"
     case = given.upper() if isinstance(given, str) else given
     if case not in (None, "C1", "C2"):
-        raise InputError(f"{where}: [known] case: C1 or C2 is required, received {given!r}")
+        raise InputError(f"{where}: [known] case", "C1 or C2", f"{given!r}")
     known: dict[str, float] = {}
     for key, value in table.items():
         quantity = find_known(key, value, f"{where}: [known]", ["case"] if turns else [], axis)
@@ -158,11 +158,11 @@ def read_knowns(
         at = f"{where}: [unknown] {key}"
         lower, upper = (read_value(end, quantity, key, at) for end in read_pair(value, at))
         if lower >= upper:
-            raise InputError(f"{at}: a range with lower below upper is required, received {value!r}")
+            raise InputError(at, "a range with lower below upper", f"{value!r}")
         unknown[quantity.name] = lower, upper
     if not turns:
         if "pitch" in unknown:
-            raise InputError(f"{where}: [unknown] pitch: a value in [known] is required, received a range")
+            raise InputError(f"{where}: [unknown] pitch", "a value in [known]", "a range")
         # The gear is the screw; a load is there only if the rig says so.
         screw = {"mu": 2.0 * math.pi / known.get("pitch", USUAL_PITCH_M)}
         return {**screw, **({} if "T_load" in unknown else {"T_load": 0.0}), **known}, unknown, case
@@ -190,9 +190,7 @@ def _case(case: str | None, known: dict[str, float], unknown: Mapping[str, Any],
     tilt = {"C1": math.pi / 2.0, "C2": 0.0}
     if case is None:
         if "phi" not in known and "phi" not in unknown:
-            raise InputError(
-                f"{where}: [known] case (C1 or C2) or the tilt phi is required, received neither"
-            )
+            raise InputError(where, "[known] case (C1 or C2) or the tilt phi", "neither")
         return next((name for name, phi in tilt.items() if math.isclose(known.get("phi", -1.0), phi)), None)
     if "phi" in unknown or not math.isclose(known.get("phi", tilt[case]), tilt[case], abs_tol=1e-6):
         raise InputError(
@@ -241,5 +239,5 @@ def read_mass(value: object, where: str) -> float:
     """A mass [kg] from a text with a unit. InputError for anything else, and for none."""
     mass = read_value(value, _MASS, "mass", where)
     if mass == 0.0:
-        raise InputError(f"{where}: a mass above 0 kg is required, received {value!r}")
+        raise InputError(where, "a mass above 0 kg", f"{value!r}")
     return mass

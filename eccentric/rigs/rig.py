@@ -160,9 +160,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
             f"{where}: arm: the rig of a single drive is required here; fit and diagnose take that of an arm"
         )
     if {"joint", "urdf"} & set(content):
-        raise InputError(
-            f'{where}: a rig file is required, received an arm file; a rig names it with arm = "..."'
-        )
+        raise InputError(where, "a rig file", 'an arm file; a rig names it with arm = "..."')
     axis = _axis(content, where)
     keys = keys_of(axis)
     refuse_unknown(content, keys, where)
@@ -277,7 +275,7 @@ def _alignment(content: Mapping[str, Any], where: str) -> tuple[Alignment, froze
     values: dict[str, float] = {}
     for key, value in given.items():
         if isinstance(value, str) and value != "estimate":
-            raise InputError(f'{where}: {key}: a number or "estimate" is required, received {value!r}')
+            raise InputError(f"{where}: {key}", 'a number or "estimate"', f"{value!r}")
         lower = 0.0 if key == "input_delay_s" else -math.inf
         values[key] = 0.0 if key in estimate else read_number(value, f"{where}: {key}", lower)
     return Alignment(**values), estimate

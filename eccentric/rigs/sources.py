@@ -103,9 +103,9 @@ def read_columns(
         refuse_unknown(entry, ("column", "unit", *(["gain"] if required in _GAINS else [])), at)
         text, unit = entry.get("column"), entry.get("unit")
         if not isinstance(text, str) or not text.strip():
-            raise InputError(f"{at}: a column name or arithmetic is required, received {text!r}")
+            raise InputError(at, "a column name or arithmetic", f"{text!r}")
         if unit is not None and (not isinstance(unit, str) or not required):
-            raise InputError(f"{at}: no unit, or a unit as text, is required, received {unit!r}")
+            raise InputError(at, "no unit, or a unit as text,", f"{unit!r}")
         gain = None
         if "gain" in entry:
             parsed, gain = _gain(entry["gain"], unit, required, at)
@@ -114,7 +114,7 @@ def read_columns(
         columns[channel] = ColumnSource(text.strip(), parsed, gain)
     for left, right in (("theta_m", "theta_l"), ("omega_m", "omega_l"), ("torque", "torque_l")):
         if left in columns and right in columns:
-            raise InputError(f"{where}: only one of {left} and {right} is required, received both")
+            raise InputError(where, f"only one of {left} and {right}", "both")
     measured: dict[str, str] = {}
     for channel, source in columns.items():
         if channels[channel][1] and (other := measured.setdefault(source.text, channel)) != channel:
@@ -145,7 +145,7 @@ def _gain(gain: object, unit: str | None, required: str, where: str) -> tuple[Un
     per = units[1] if unit is not None and unit.endswith("A") else units[0]
     factor = parse_value(gain, per, f"{where} gain")
     if factor == 0.0:
-        raise InputError(f"{where}: a gain other than 0 is required, received {gain!r}")
+        raise InputError(where, "a gain other than 0", f"{gain!r}")
     column = require_unit(unit or per.removeprefix(f"{required}/"), per.removeprefix(f"{required}/"), where)
     dimension = require_unit(required, required, where).dimension
     converted = Unit(f"{column.text} times {gain}", column.factor * factor, dimension)

@@ -60,11 +60,11 @@ def links_and_joints(path: Path, where: str) -> bytes:
     except etree.XMLSyntaxError as error:
         raise InputError(f"{where}: not valid XML: {' '.join(error.msg.split())}") from None
     if root.tag != "robot":
-        raise InputError(f"{where}: <robot> is required, received <{root.tag}>")
+        raise InputError(where, "<robot>", f"<{root.tag}>")
     kept = etree.Element("robot", name=root.get("name") or Path(where).stem)
     for element in list(root):
         if str(element.tag).startswith("{") and "xacro" in str(element.tag):
-            raise InputError(f"{_at(where, element)}: a URDF is required, received xacro: expand it first")
+            raise InputError(_at(where, element), "a URDF", "xacro: expand it first")
         if element.tag in {"link", "joint"}:
             kept.append(_reduced(element, where))
     return etree.tostring(kept)
@@ -79,11 +79,9 @@ def _text(path: Path, where: str) -> str:
         raise InputError(f"{where}: UTF-8 text is required, byte {error.start} is not") from None
     declared = _ENCODING.match(text)
     if declared and declared[1].lower() not in {"utf-8", "utf8", "us-ascii", "ascii"}:
-        raise InputError(f"{where}: UTF-8 is required, received encoding {declared[1]!r}")
+        raise InputError(where, "UTF-8", f"encoding {declared[1]!r}")
     if found := re.search(r"<!(DOCTYPE|ENTITY)", _COMMENT.sub("", text), re.IGNORECASE):
-        raise InputError(
-            f"{where}: XML without a document type and entities is required, received <!{found[1]}"
-        )
+        raise InputError(where, "XML without a document type and entities", f"<!{found[1]}")
     return text
 
 
@@ -92,7 +90,7 @@ def _reduced(element: Any, where: str) -> Any:
     for name, value in _names(element):
         if not value or not value.isprintable():
             here = f"{_at(where, element)}: <{element.tag}>"
-            raise InputError(f"{here}: {name} is required, received {repr(value) if value else 'none'}")
+            raise InputError(here, name, repr(value) if value else "none")
     here = f"{_at(where, element)}: {element.tag} {element.get('name')!r}"
     if element.tag == "joint":
         _require_numbers(element, NUMBERS["joint"], here)
@@ -173,36 +171,37 @@ def tree_of(links: Sequence[Any], joints: Sequence[Any], where: str) -> Tree:
         if names and (most := names.most_common(1)[0])[1] > 1:
             raise InputError(f"{where}: each {what} is required only once, received {most[0]!r} twice")
     if not links:
-        raise InputError(f"{where}: links are required, received none")
+        raise InputError(where, "links", "none", plural=True)
     by_name, inner = {link.name: link for link in links}, {}
     outer: dict[str, list[Any]] = {name: [] for name in by_name}
     for joint in joints:
         if joint.type not in {*MOVING, "fixed"}:
             raise InputError(
-                f"{where}: joint {joint.name!r}: type revolute, continuous, prismatic or fixed is required,"
-                f" received {joint.type!r}"
+                f"{where}: joint {joint.name!r}",
+                "type revolute, continuous, prismatic or fixed",
+                f"{joint.type!r}",
             )
         for end in (joint.parent, joint.child):
             if end not in by_name:
                 raise InputError(
-                    f"{where}: joint {joint.name!r}: a link of this file is required, received"
-                    f" {end!r}{meant(end, by_name)}"
+                    f"{where}: joint {joint.name!r}", "a link of this file", f"{end!r}{meant(end, by_name)}"
                 )
         if joint.child in inner:
             raise InputError(
-                f"{where}: link {joint.child!r}: one joint that carries it is required, received"
-                f" {inner[joint.child].name!r} and {joint.name!r}: a loop"
+                f"{where}: link {joint.child!r}",
+                "one joint that carries it",
+                f"{inner[joint.child].name!r} and {joint.name!r}: a loop",
             )
         inner[joint.child] = joint
         outer[joint.parent].append(joint)
     roots = [name for name in by_name if name not in inner]
     if len(roots) != 1:
         received = f"{len(roots)}: {few(roots)}" if roots else "none: a loop"
-        raise InputError(f"{where}: one link that no joint carries is required, received {received}")
+        raise InputError(where, "one link that no joint carries", received)
     tree = Tree(where, roots[0], by_name, inner, outer)
     reached = {roots[0], *(joint.child for joint in _behind(tree, roots[0]))}
     if apart := [name for name in by_name if name not in reached]:
-        raise InputError(f"{where}: links behind {roots[0]!r} are required, received a loop at {apart[0]!r}")
+        raise InputError(where, f"links behind {roots[0]!r}", f"a loop at {apart[0]!r}", plural=True)
     return tree
 
 
@@ -224,8 +223,9 @@ def path_to(tree: Tree, tip: str | None) -> list[Any]:
         raise InputError(f"{tree.where}: a joint that moves is required{before}, received none")
     if follower := next((joint for joint in path if joint.mimic is not None), None):
         raise InputError(
-            f"{tree.where}: joint {follower.name!r}: a drive of its own is required, received a joint that"
-            f" follows {follower.mimic.joint!r} (mimic)"
+            f"{tree.where}: joint {follower.name!r}",
+            "a drive of its own",
+            f"a joint that follows {follower.mimic.joint!r} (mimic)",
         )
     return path
 
@@ -240,8 +240,10 @@ def _only_chain(tree: Tree) -> list[Any]:
             # Behind the last joint of an arm it is the fingers that branch: what carries them is the hand.
             hand = following[0].parent if path else "LINK"
             raise InputError(
-                f"{tree.where}: one chain of joints is required, received branches behind {behind}:"
-                f" {branches}; name the last link of the arm, as in {tree.where}#{hand}"
+                tree.where,
+                "one chain of joints",
+                f"branches behind {behind}: {branches}; name the last link of the arm,"
+                f" as in {tree.where}#{hand}",
             )
         path += following
         link = following[0].child

@@ -223,8 +223,10 @@ def _require_length(points: _Points, paths: Sequence[str]) -> None:
     longest = max(float(np.ptp(points.t[rows])) for rows in rows_of_each(points.segment))
     if longest <= 2.0 * HALF_SPAN_S:
         raise InputError(
-            f"{few(paths)}: more than {2.0 * HALF_SPAN_S:g} s without a gap in time are required, received"
-            f" {longest:.3g} s: is the unit of time right?"
+            few(paths),
+            f"more than {2.0 * HALF_SPAN_S:g} s without a gap in time",
+            f"{longest:.3g} s: is the unit of time right?",
+            plural=True,
         )
 
 
@@ -326,8 +328,12 @@ def _require_rows(channels: Channels, paths: Sequence[str], rig: Rig) -> None:
         theta = channels.motion.theta_logged
         if np.ptp(theta) == 0.0:
             raise InputError(
-                f"{where}: an angle that changes is required, received {theta[0]:.6g} rad at the motor "
-                "in all rows: the encoder is stuck, or a wrong column is mapped"
+                where,
+                "an angle that changes",
+                (
+                    f"{theta[0]:.6g} rad at the motor in all rows: the encoder is stuck, or a wrong"
+                    " column is mapped"
+                ),
             )
         raise InputError(
             f"{where}: moving rows (above {rows.moving_threshold_rad_s:.4g} rad/s at the motor, "
@@ -348,7 +354,4 @@ def _require_drive(channels: Channels, paths: Sequence[str]) -> None:
         (rows.score_rows, held, "hold out others"),
     ):
         if not np.any(channels.motor.measured[part] ** 2):
-            raise InputError(
-                f"{few(paths)}: a {by} that drives the motor is required, received 0 in all "
-                f"moving {what}: {then}"
-            )
+            raise InputError(few(paths), f"a {by} that drives the motor", f"0 in all moving {what}: {then}")

@@ -176,7 +176,7 @@ def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
         where = f"{rig.path}: [columns] {rig.axis.said(channel)}"
         raw = evaluate(source.text, log.numbers, where)
         if raw.dtype == bool:
-            raise InputError(f"{where}: a number is required, received {source.text!r}")
+            raise InputError(where, "a number", f"{source.text!r}")
     with np.errstate(over="ignore"):
         values = raw if source.unit is None else source.unit.to_si(raw)
     _require_size(log, rig, channel, source, np.where(np.isfinite(raw), values, 0.0))
@@ -190,13 +190,15 @@ def _require_size(log: Log, rig: Rig, channel: str, source: ColumnSource, values
     unit = channels_of(rig.axis)[channel][1]
     if size[largest] > LARGEST:
         raise InputError(
-            f"{log.path}: {log.place(largest)}, {where}: at most {LARGEST:g} {unit} is required, "
-            f"received {values[largest]:.6g} {unit}: are its units right?"
+            f"{log.path}: {log.place(largest)}, {where}",
+            f"at most {LARGEST:g} {unit}",
+            f"{values[largest]:.6g} {unit}: are its units right?",
         )
     if channel in _DRIVES and 0.0 < size[largest] < SMALLEST:
         raise InputError(
-            f"{log.path}: {where}: a value of at least {SMALLEST:g} {unit} is required, "
-            f"received at most {size[largest]:.6g} {unit}: are its units right?"
+            f"{log.path}: {where}",
+            f"a value of at least {SMALLEST:g} {unit}",
+            f"at most {size[largest]:.6g} {unit}: are its units right?",
         )
 
 

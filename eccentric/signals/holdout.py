@@ -123,7 +123,7 @@ def matching(patterns: Sequence[str], run_names: Sequence[str], where: str) -> l
     """
     for pattern in patterns:
         if not fnmatch.filter(run_names, pattern):
-            raise InputError(f"{where}: one of {few(run_names)} is required, received {pattern!r}")
+            raise InputError(where, f"one of {few(run_names)}", f"{pattern!r}")
     return [name for name in run_names if any(fnmatch.fnmatchcase(name, p) for p in patterns)]
 
 

@@ -192,8 +192,7 @@ def require_rows(rows: Rows, part: Literal["train", "score"], least: int, where:
         purpose = "to fit" if part == "train" else "to hold out"
         remedy = f": {rows.remedy}" if rows.remedy else ""
         raise InputError(
-            f"{where}: at least {least} moving {rows.description} {purpose} are required,"
-            f" received {count}{remedy}"
+            where, f"at least {least} moving {rows.description} {purpose}", f"{count}{remedy}", plural=True
         )
 
 

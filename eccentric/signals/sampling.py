@@ -117,8 +117,10 @@ def _require_windows(found: Rows, length: float, channels: Channels, rig: Rig, m
         else LONGER
     )
     raise InputError(
-        f"{rig.path}: at least {LEAST_WINDOWS} windows of {length:.3g} s in the training part are required,"
-        f" received {len(found)}: {remedy}"
+        rig.path,
+        f"at least {LEAST_WINDOWS} windows of {length:.3g} s in the training part",
+        f"{len(found)}: {remedy}",
+        plural=True,
     )
 
 

@@ -99,7 +99,7 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
     different channels.
     """
     if not logs:
-        raise InputError("a log is required, received none")
+        raise InputError("", "a log", "none")
     tables: list[Table] = []
     read = [read_log(log) for log in logs]
     own = named_apart([[log] for log in read], rig)
@@ -125,8 +125,9 @@ def _require_carriers(run_names: Sequence[str], rig: Rig) -> None:
         for name in matching([pattern], run_names, f"{rig.path}: [added]"):
             if name in carried:
                 raise InputError(
-                    f"{rig.path}: [added]: one mass for a run is required, received {carried[name]!r} and"
-                    f" {pattern!r} for {name!r}"
+                    f"{rig.path}: [added]",
+                    "one mass for a run",
+                    f"{carried[name]!r} and {pattern!r} for {name!r}",
                 )
             carried[name] = pattern
 
@@ -249,9 +250,7 @@ def _runs(
     again = next((k for k, name in enumerate(called) if name in called[:k]), None)
     if again is not None:
         place = log.place(int(rows[starts[again]]))
-        raise InputError(
-            f"{log.path}: {place}: contiguous runs are required, received {called[again]!r} again"
-        )
+        raise InputError(f"{log.path}: {place}", "contiguous runs", f"{called[again]!r} again", plural=True)
     begins = np.zeros(len(rows), dtype=bool)
     begins[starts] = True
     stuck = np.flatnonzero((np.diff(t) <= 0.0) & ~begins[1:])

@@ -35,7 +35,7 @@ def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float
     Raises InputError if a window holds fewer than 7 rows, or no window fits into the log.
     """
     if not window_s > 0.0:
-        raise InputError(f"windows: a length above 0 s is required, received {window_s:g}")
+        raise InputError("windows", "a length above 0 s", f"{window_s:g}")
     half = window_s / 2.0
     centres: list[Array] = []
     bounds: list[Integers] = []
@@ -51,11 +51,9 @@ def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float
     first, stop = np.concatenate(bounds, axis=1)
     sizes = stop - first
     if not len(middle):
-        raise InputError(f"windows: a stretch of {window_s:g} s without a gap is required, received none")
+        raise InputError("windows", f"a stretch of {window_s:g} s without a gap", "none")
     if sizes.min() < LEAST_WINDOW_ROWS:
-        raise InputError(
-            f"windows: {LEAST_WINDOW_ROWS} rows in {window_s:g} s are required, received {sizes.min()}"
-        )
+        raise InputError("windows", f"{LEAST_WINDOW_ROWS} rows in {window_s:g} s", sizes.min(), plural=True)
     pointer = np.concatenate([[0], np.cumsum(sizes)])
     columns = np.empty(pointer[-1], dtype=np.int64)
     values = np.empty((2, pointer[-1]))

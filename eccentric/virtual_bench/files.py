@@ -37,7 +37,7 @@ def new_paths(path: str | Path, endings: Sequence[str]) -> tuple[Path, ...]:
             pass
     for one in paths:
         if os.path.lexists(one):  # including a dangling link
-            raise InputError(f"{one}: a new file to write is required, received one that exists")
+            raise InputError(one, "a new file to write", "one that exists")
     return paths
 
 

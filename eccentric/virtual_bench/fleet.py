@@ -160,8 +160,7 @@ def _require(**given: float) -> None:
     for name, value in given.items():
         if not least[name] <= value <= most.get(name, given["joints"]):
             raise InputError(
-                f"{name}: a number from {least[name]:g} to {most.get(name, given['joints']):g} is required,"
-                f" received {value:g}"
+                name, f"a number from {least[name]:g} to {most.get(name, given['joints']):g}", f"{value:g}"
             )
     if given["degrading"] + given["bad_sensors"] > given["joints"]:
         raise InputError("degrading: no more joints than the fleet has are required to change")

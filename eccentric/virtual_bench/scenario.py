@@ -64,17 +64,15 @@ def random_scenario(
     """
     _check(case, mu, log_type, strength, noise, seconds, drive)
     if isinstance(effects, str) or not isinstance(effects, Sequence):
-        raise InputError(f"effects: a list of names or of (name, strength) is required, received {effects!r}")
+        raise InputError("effects", "a list of names or of (name, strength)", f"{effects!r}")
     requested = [(one, strength) if isinstance(one, str) else one for one in effects]
     for one in requested:
         if not isinstance(one, tuple | list) or len(one) != 2:
-            raise InputError(f"effects: names or (name, strength) are required, received {one!r}")
+            raise InputError("effects", "names or (name, strength)", f"{one!r}", plural=True)
         name, size = one
         known_effect(name)
         if not _within(size, 0.0, 1.0) or size == 0.0:
-            raise InputError(
-                f"effect {name}: a strength above 0 and at most 1 is required, received {size!r}"
-            )
+            raise InputError(f"effect {name}", "a strength above 0 and at most 1", f"{size!r}")
     plant = _plant(rng, case, mu)
     top_speed = float(rng.uniform(6.5, 8.5)) / mu if log_type == "runs" else float(rng.uniform(5.5, 7.0)) / mu
     course = (speed_runs if log_type == "runs" else sum_of_sines)(rng, seconds, top_speed)
@@ -93,9 +91,7 @@ def random_scenario(
     logged = temperature or any(effect.needs_temperature for effect in built)
     hiding = [effect.id for effect in built if effect.hides_temperature]
     if hiding and logged:
-        raise InputError(
-            f"effect {hiding[0]}: a log without a temperature column is required, received one with it"
-        )
+        raise InputError(f"effect {hiding[0]}", "a log without a temperature column", "one with it")
     if logged or hiding:
         plant = replace(plant, Rth=_thermal_resistance(setting))
     return Scenario(plant, controller, course, tuple(built), noise, logged, seed, theta)
@@ -113,9 +109,7 @@ def on_reference(scenario: Scenario, time: np.ndarray, speed: np.ndarray, start_
         InputError: fewer than two times, times that do not rise from 0, or values that are not numbers.
     """
     if time.ndim != 1 or time.shape != speed.shape or len(time) < 2:
-        raise InputError(
-            f"reference: as many speeds as times are required, received {speed.shape}, {time.shape}"
-        )
+        raise InputError("reference", "as many speeds as times", f"{speed.shape}, {time.shape}", plural=True)
     if time[0] != 0.0 or not np.all(np.diff(time) > 0.0) or not np.all(np.isfinite(speed)):
         raise InputError("reference: times that rise from 0, and finite speeds, are required")
     return replace(scenario, course=followed(time, speed), seed=scenario.seed + 1, start_angle=start_angle)
@@ -131,9 +125,7 @@ def known_effect(name: str) -> tuple[str, str | None]:
     if variant is not None and not variants:
         raise InputError(f"effect {family}: no variant is required, since it has none, received {variant}")
     if variant is not None and variant not in variants:
-        raise InputError(
-            f"effect {family}: a variant of {', '.join(variants)} is required, received {variant}"
-        )
+        raise InputError(f"effect {family}", f"a variant of {', '.join(variants)}", variant)
     return family, variant
 
 
@@ -150,7 +142,7 @@ def _check(
         ("drive", drive, DRIVES),
     ):
         if value not in allowed:
-            raise InputError(f"{quantity}: {' or '.join(allowed)} is required, received {value}")
+            raise InputError(quantity, " or ".join(allowed), value)
     for quantity, value, low, high in (
         ("gear ratio mu", mu, 1e-3, 2.0),
         ("strength", strength, 1e-6, 1.0),
@@ -158,7 +150,7 @@ def _check(
         ("seconds", seconds, _SHORTEST_S, _LONGEST_S),
     ):
         if not _within(value, low, high):
-            raise InputError(f"{quantity}: {low:g} to {high:g} is required, received {value!r}")
+            raise InputError(quantity, f"{low:g} to {high:g}", f"{value!r}")
 
 
 def _within(value: object, low: float, high: float) -> bool:

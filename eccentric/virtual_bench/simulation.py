@@ -77,8 +77,9 @@ def _moved(scenario: Scenario) -> _Raw:
         return raw
     given = " and ".join(f"{effect.id}={effect.strength:g}" for effect in scenario.effects) or "none"
     raise InputError(
-        f"effect {given}: friction at rest that the motor can overcome is required, received more: choose a"
-        " smaller strength, or another seed"
+        f"effect {given}",
+        "friction at rest that the motor can overcome",
+        "more: choose a smaller strength, or another seed",
     )
 
 

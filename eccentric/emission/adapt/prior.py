@@ -232,23 +232,19 @@ class Adaptation:
     def __post_init__(self) -> None:
         forgetting, asked = self.forgetting, self.false_alarms
         if not _is_number(forgetting) or not LEAST_FORGETTING <= forgetting <= 1 - 1e-6:
-            raise InputError(
-                f"forgetting: a number from {LEAST_FORGETTING} to 0.999999 is required,"
-                f" received {forgetting!r}"
-            )
+            raise InputError("forgetting", f"a number from {LEAST_FORGETTING} to 0.999999", f"{forgetting!r}")
         if not _is_number(asked) or not LEAST_FALSE_ALARMS <= asked <= MOST_FALSE_ALARMS:
             raise InputError(
-                f"false_alarms: a number of samples from {LEAST_FALSE_ALARMS:.0f} to {MOST_FALSE_ALARMS:.0e}"
-                f" is required, received {asked!r}"
+                "false_alarms",
+                f"a number of samples from {LEAST_FALSE_ALARMS:.0f} to {MOST_FALSE_ALARMS:.0e}",
+                f"{asked!r}",
             )
         if (
             isinstance(self.settle, bool)
             or not isinstance(self.settle, int)
             or not 0 <= self.settle <= MOST_SETTLE
         ):
-            raise InputError(
-                f"settle: a number of samples from 0 to {MOST_SETTLE} is required, received {self.settle!r}"
-            )
+            raise InputError("settle", f"a number of samples from 0 to {MOST_SETTLE}", f"{self.settle!r}")
 
 
 def _is_number(x: object) -> bool:

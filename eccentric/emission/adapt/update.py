@@ -189,8 +189,10 @@ def followed(model: Model, program: Program, columns: Sequence[Column], single: 
             )
             if not abs(linear - probed[s]) <= _CLOSE * max(abs(linear), abs(probed[s])):
                 raise InputError(
-                    f"model {model.name}: an estimator of its friction: coefficients linear in those of"
-                    f" friction are required, received {s.name}"
+                    f"model {model.name}: an estimator of its friction",
+                    "coefficients linear in those of friction",
+                    s.name,
+                    plural=True,
                 )
             found.append(
                 Followed(

@@ -177,8 +177,9 @@ def _repeated(names: Iterable[str]) -> set[str]:
 def _require_free(model: str, taken: set[str]) -> None:
     if taken:
         raise InputError(
-            f"model {model}: a quantity with a name that the emitted code does not use for a value of its"
-            f" own is required, received {min(taken)!r}: rename it"
+            f"model {model}",
+            ("a quantity with a name that the emitted code does not use for a value of its own"),
+            f"{min(taken)!r}: rename it",
         )
 
 
@@ -288,8 +289,9 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
     require_distinct(program)
     if choice.functions and not program.coefficients:
         raise InputError(
-            f"functions: one that depends on a parameter is required, received {', '.join(choice.functions)},"
-            f" which {program.name} gives the same value for all parameters"
+            "functions",
+            "one that depends on a parameter",
+            (f"{', '.join(choice.functions)}, which {program.name} gives the same value for all parameters"),
         )
     if absent := [q.name for q in model.parameters if q.default is None] if _lacks(program) else []:
         raise InputError(

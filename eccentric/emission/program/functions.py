@@ -360,7 +360,7 @@ def _require(model: Model) -> None:
         "a balance `electrical` with a term of kind `resistive`": "resistive" in kinds.get("electrical", ()),
     }
     if missing := [what for what, found in there.items() if not found]:
-        raise InputError(f"model {model.name}: {missing[0]} is required, received none")
+        raise InputError(f"model {model.name}", missing[0], "none")
 
 
 def normal_force(model: Model) -> sp.Symbol | None:

@@ -285,7 +285,7 @@ def _drive(channels: Mapping[str, Array], rig: Rig) -> tuple[str, Array]:
     name = drive_channel(channels, rig)
     if name is None:
         drives = rig.axis.said("current, torque or voltage")
-        raise InputError(f"{rig.path}: a log with {drives} is required, received none")
+        raise InputError(rig.path, f"a log with {drives}", "none")
     if name == "torque_l":
         return "torque", channels[name] * rig.value("mu")
     return name, channels[name]
@@ -360,8 +360,9 @@ def sums_of(path: Path, columns: Columns, rows: int = BATCH_ROWS) -> FileSums:
         stack[fresh] = found[fresh]
     if covered.repeats > STUCK_PART * covered.samples:
         raise InputError(
-            f"{path}: a drive that is measured is required, received one that repeats its value in"
-            f" {covered.repeats / covered.samples:.0%} of the moving rows"
+            path,
+            "a drive that is measured",
+            (f"one that repeats its value in {covered.repeats / covered.samples:.0%} of the moving rows"),
         )
     return FileSums(stack, counts, covered.result())
 

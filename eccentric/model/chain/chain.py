@@ -69,11 +69,10 @@ class Chain:
         self.gravity = vector(gravity, f"{name}: gravity")
         self.payload, self.parameters = payload, tuple(parameters)
         if not self.joints:
-            raise InputError(f"{name}: at least one joint is required, received none")
+            raise InputError(name, "at least one joint", "none")
         if len(self.joints) != len(self.bodies):
             raise InputError(
-                f"{name}: one body for each joint is required, received {len(self.joints)} joints and"
-                f" {len(self.bodies)} bodies"
+                name, "one body for each joint", f"{len(self.joints)} joints and {len(self.bodies)} bodies"
             )
         used = self.gravity.free_symbols.union(*(_symbols(link) for link in self.links))
         if unknown := sorted(map(str, used - {q.symbol for q in self.parameters})):
@@ -139,7 +138,7 @@ def with_numbers(chain: Chain) -> Chain:
     values = {}
     for q in chain.parameters:
         if q.default is None or not q.default.is_number:
-            raise InputError(f"{chain.name}: a number for {q.name} is required, received none")
+            raise InputError(chain.name, f"a number for {q.name}", "none")
         values[q.symbol] = q.default
     return Chain(
         chain.name,

@@ -27,14 +27,14 @@ def exact(value: Any, what: str) -> sp.Expr:
     """
     if isinstance(value, sp.Expr) and not value.is_Float:
         if value.is_number and not value.is_finite:
-            raise InputError(f"{what}: a finite number is required, received {value}")
+            raise InputError(what, "a finite number", value)
         return value
     try:
         number = Fraction(value) if isinstance(value, str) else float(value)
     except (TypeError, ValueError, ZeroDivisionError):
-        raise InputError(f"{what}: a number is required, received {value!r}") from None
+        raise InputError(what, "a number", f"{value!r}") from None
     if not math.isfinite(number):
-        raise InputError(f"{what}: a finite number is required, received {value!r}")
+        raise InputError(what, "a finite number", f"{value!r}")
     return sp.Rational(number if isinstance(number, Fraction) else repr(number))
 
 
@@ -48,7 +48,7 @@ def vector(values: Iterable[Any], what: str) -> sp.ImmutableMatrix:
     if entries is None and hasattr(values, "tolist"):
         entries = list(values)
     if entries is None or len(entries) != 3:
-        raise InputError(f"{what}: three numbers are required, received {values!r}")
+        raise InputError(what, "three numbers", f"{values!r}", plural=True)
     return sp.ImmutableMatrix([exact(value, what) for value in entries])
 
 
@@ -60,7 +60,7 @@ def matrix(values: Any, what: str) -> sp.ImmutableMatrix:
     """
     rows = values.tolist() if hasattr(values, "tolist") else values
     if not isinstance(rows, Sequence) or len(rows) != 3:
-        raise InputError(f"{what}: three rows of three numbers are required, received {values!r}")
+        raise InputError(what, "three rows of three numbers", f"{values!r}", plural=True)
     return sp.ImmutableMatrix([list(vector(row, what)) for row in rows])
 
 
@@ -160,9 +160,9 @@ class Joint:
         self.J_m = exact(J_m, f"{name}: J_m")
         self.bearing = exact(bearing, f"{name}: bearing")
         if self.mu.is_number and self.mu <= 0:
-            raise InputError(f"{name}: mu: a positive gear ratio is required, received {float(self.mu):g}")
+            raise InputError(f"{name}: mu", "a positive gear ratio", f"{float(self.mu):g}")
         if self.J_m.is_number and self.J_m < 0:
-            raise InputError(f"{name}: J_m: 0 or above is required, received {float(self.J_m):g} kg m^2")
+            raise InputError(f"{name}: J_m", "0 or above", f"{float(self.J_m):g} kg m^2")
 
     @property
     def turns(self) -> bool:
@@ -178,13 +178,11 @@ class Joint:
 
 def _unit(axis: sp.ImmutableMatrix, name: str) -> sp.ImmutableMatrix:
     if not all(entry.is_number for entry in axis):
-        raise InputError(f"{name}: axis: three numbers are required, received {tuple(axis)}")
+        raise InputError(f"{name}: axis", "three numbers", tuple(axis), plural=True)
     length = float(sp.sqrt(axis.dot(axis)).evalf())
     shown = ", ".join(f"{float(entry):g}" for entry in axis)
     if abs(length - 1) > _UNIT:
-        raise InputError(
-            f"{name}: axis: a vector of length 1 is required, received ({shown}) of length {length:g}"
-        )
+        raise InputError(f"{name}: axis", "a vector of length 1", f"({shown}) of length {length:g}")
     return axis if length == 1 else sp.ImmutableMatrix([exact(float(entry) / length, name) for entry in axis])
 
 
@@ -251,7 +249,7 @@ class Body:
         self.centre = vector(centre, f"{name}: centre of mass")
         self.inertia = matrix([[0] * 3] * 3 if inertia is None else inertia, f"{name}: inertia")
         if self.mass.is_number and self.mass < 0:
-            raise InputError(f"{name}: mass: 0 or above is required, received {float(self.mass):g} kg")
+            raise InputError(f"{name}: mass", "0 or above", f"{float(self.mass):g} kg")
         if self.inertia != self.inertia.T:
             raise InputError(f"{name}: inertia: a symmetric tensor is required")
         if all(entry.is_number for entry in self.inertia):
@@ -279,7 +277,7 @@ def _require_possible(name: str, inertia: sp.MatrixBase) -> None:
     slack = _SLACK * max(abs(principal[-1]), abs(principal[0]))
     if principal[0] < -slack:
         raise InputError(
-            f"{name}: inertia: principal moments of 0 or above are required, received {shown} kg m^2"
+            f"{name}: inertia", "principal moments of 0 or above", f"{shown} kg m^2", plural=True
         )
     if principal[2] > principal[0] + principal[1] + slack:
         raise InputError(

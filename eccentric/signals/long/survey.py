@@ -220,7 +220,7 @@ def survey(stream: LogStream, rig: Rig, name: str, alone: bool, tell: Callable[[
         reader.take(batch)
         tell(batch.rows)
     if found.rows == 0:
-        raise InputError(f"{stream.path}: a log with rows is required, received none")
+        raise InputError(stream.path, "a log with rows", "none")
     reader.finish()
     return found
 
@@ -293,8 +293,10 @@ class _Reader:
         for k, label in zip(begins.tolist(), labels[goes_on:], strict=True):
             if label in self._runs:
                 raise InputError(
-                    f"{batch.path}: {batch.place(int(rows[k]))}: contiguous runs are required,"
-                    f" received {label!r} again"
+                    f"{batch.path}: {batch.place(int(rows[k]))}",
+                    "contiguous runs",
+                    f"{label!r} again",
+                    plural=True,
                 )
             self._runs.add(label)
         before = np.concatenate([[self._last], t[:-1]])

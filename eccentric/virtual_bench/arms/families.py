@@ -177,12 +177,12 @@ def checked(
     """Return the effects that are asked for; raises InputError for any value that is not allowed."""
     for quantity, (value, allowed) in choices.items():
         if value not in allowed:
-            raise InputError(f"{quantity}: {' or '.join(map(str, allowed))} is required, received {value}")
+            raise InputError(quantity, " or ".join(map(str, allowed)), value)
     for quantity, (value, low, high) in ranges.items():
         if not _within(value, low, high):
-            raise InputError(f"{quantity}: {low:g} to {high:g} is required, received {value!r}")
+            raise InputError(quantity, f"{low:g} to {high:g}", f"{value!r}")
     if isinstance(effects, str) or not isinstance(effects, Sequence | Mapping):
-        raise InputError(f"effects: a list of names or of (name, strength) is required, received {effects!r}")
+        raise InputError("effects", "a list of names or of (name, strength)", f"{effects!r}")
     listed = list(effects.items()) if isinstance(effects, Mapping) else effects
     return [_effect(one, joints) for one in listed]
 
@@ -190,15 +190,13 @@ def checked(
 def _effect(one: str | tuple[str, float], joints: int) -> EffectRequest:
     pair = (one, STRENGTH) if isinstance(one, str) else one
     if not isinstance(pair, tuple | list) or len(pair) != 2:
-        raise InputError(f"effects: names or (name, strength) are required, received {one!r}")
+        raise InputError("effects", "names or (name, strength)", f"{one!r}", plural=True)
     name, strength = pair
     family, variant, joint = known_joint_effect(str(name))
     if joint is not None and not 1 <= joint <= joints:
-        raise InputError(f"effect {name}: a joint from 1 to {joints} is required, received {joint}")
+        raise InputError(f"effect {name}", f"a joint from 1 to {joints}", joint)
     if not _within(strength, 0.0, 1.0) or strength == 0.0:
-        raise InputError(
-            f"effect {name}: a strength above 0 and at most 1 is required, received {strength!r}"
-        )
+        raise InputError(f"effect {name}", "a strength above 0 and at most 1", f"{strength!r}")
     return EffectRequest(family, variant, None if joint is None else joint - 1, float(strength))
 
 
@@ -214,7 +212,7 @@ def known_joint_effect(name: str) -> tuple[str, str | None, int | None]:
     variants = ARM_VARIANTS.get(family, ())
     if variant is not None and variant not in variants:
         allowed = f"a variant of {', '.join(variants)}" if variants else "no variant"
-        raise InputError(f"effect {family}: {allowed} is required, received {variant}")
+        raise InputError(f"effect {family}", allowed, variant)
     return family, variant, None if joint is None else int(joint)
 
 

@@ -120,8 +120,9 @@ def _require_single(program: Program, values: Mapping[sp.Symbol, mpmath.mpf]) ->
     given = {q.name: values[q.symbol] for q in program.parameters if abs(values[q.symbol]) > 0}
     odd = max(given, key=lambda name: abs(mpmath.log(given[name])))
     raise InputError(
-        f"{program.name}: {far} within single precision is required, received {odd} = "
-        f"{mpmath.nstr(given[odd], 6)}, with which it is beyond"
+        program.name,
+        f"{far} within single precision",
+        f"{odd} = {mpmath.nstr(given[odd], 6)}, with which it is beyond",
     )
 
 
