@@ -166,14 +166,7 @@ def arm_rig_of(content: Mapping[str, Any], where: str, name: str, folder: Path) 
 
 def _of_joint(content: Mapping[str, Any], where: str) -> Rig:
     """The rig of one joint; messages name the file."""
-    import dataclasses
-
-    try:
-        found = read_rig(content)
-    except InputError as error:
-        said = str(error).replace("rig: [known]", "rig: [drives]")  # an arm's rig has no other constants
-        raise InputError(f"{where}{said.removeprefix('rig')}" if said.startswith("rig:") else said) from None
-    return dataclasses.replace(found, path=where)
+    return read_rig(content, where=where, constants="drives")
 
 
 def _chain(given: object, where: str, folder: Path) -> Chain:

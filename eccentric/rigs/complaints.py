@@ -51,7 +51,6 @@ def rig_complaints(
 
     def complain(error: InputError, place: Place = ("", "")) -> None:
         said = str(error)
-        said = f"{where}{said.removeprefix('rig')}" if said.startswith("rig:") else said
         if said not in (one.text for one in found):
             found.append(Complaint(said, *place))
 
@@ -63,7 +62,7 @@ def rig_complaints(
             found.append(Complaint(f"{where}: {table}{place[1]}: this key belongs {home}", *place))
             continue
         try:
-            read_rig(_alone(content, [place]))
+            read_rig(_alone(content, [place]), where=where)
         except InputError as error:
             complain(error, place)
         else:
@@ -73,13 +72,13 @@ def rig_complaints(
     for pair in itertools.combinations(good, 2):
         if {one[0] for one in pair} <= {*_TABLES} and set(pair) <= set(apart):
             try:
-                read_rig(_alone(content, pair))
+                read_rig(_alone(content, pair), where=where)
             except InputError as error:
                 complain(error, pair[1])
                 apart.remove(pair[1])
     rest = _only(content, apart)
     try:
-        read_rig(rest)
+        read_rig(rest, where=where)
     except InputError as error:
         complain(error)
         if "kind" not in rest:

@@ -131,26 +131,28 @@ def read_value(value: object, known: Known, key: str, where: str) -> float:
 
 
 def read_knowns(
-    content: Mapping[str, Any], where: str, axis: AxisKind = TURNING
+    content: Mapping[str, Any], where: str, axis: AxisKind = TURNING, named: str = "known"
 ) -> tuple[dict[str, float], dict[str, tuple[float, float]], str | None]:
     """Return known values and unknown ranges in SI, by letter, and the case: C1, C2, None for a tilted plane.
 
-    A carriage has no unbalanced mass, so that no gravity varies: it is a case C1 without gear.
+    A carriage has no unbalanced mass, so that no gravity varies: it is a case C1 without gear. Errors
+    call the table of known values by the name that a person sees.
 
     Raises InputError for an unknown key or unit, an impossible value, a quantity that is given twice, and a
     tilt that contradicts the case.
     """
-    table = dict(read_table(content.get("known", {}), f"{where}: [known]"))
+    place = f"{where}: [{named}]"
+    table = dict(read_table(content.get("known", {}), place))
     turns = axis is TURNING
     given = table.pop("case", None) if turns else "C1"
     case = given.upper() if isinstance(given, str) else given
     if case not in (None, "C1", "C2"):
-        raise InputError(f"{where}: [known] case", "C1 or C2", f"{given!r}")
+        raise InputError(f"{place} case", "C1 or C2", f"{given!r}")
     known: dict[str, float] = {}
     for key, value in table.items():
-        quantity = find_known(key, value, f"{where}: [known]", ["case"] if turns else [], axis)
+        quantity = find_known(key, value, place, ["case"] if turns else [], axis)
         _refuse_twice(quantity, known, where)
-        known[quantity.name] = read_value(value, quantity, key, f"{where}: [known] {key}")
+        known[quantity.name] = read_value(value, quantity, key, f"{place} {key}")
     unknown: dict[str, tuple[float, float]] = {}
     for key, value in read_table(content.get("unknown", {}), f"{where}: [unknown]").items():
         quantity = find_known(key, value, f"{where}: [unknown]", (), axis)

@@ -138,10 +138,12 @@ class Rig:
         return {"C1": "c1_perpendicular", "C2": "c2_parallel"}.get(self.case or "", "rotating_link")
 
 
-def read_rig(source: str | os.PathLike[str] | Mapping[str, Any] | Rig) -> Rig:
+def read_rig(
+    source: str | os.PathLike[str] | Mapping[str, Any] | Rig, *, where: str = "rig", constants: str = "known"
+) -> Rig:
     """Read a rig: a file `.toml` or `.json`, or a mapping with the keys of such a file.
 
-    A Rig is returned unchanged. Messages call a mapping "rig".
+    A Rig is returned unchanged. Errors call a mapping `where`, and the table of its known values `constants`.
 
     Raises InputError, one line with file, key, what is required and what was received: a missing or damaged
     file, an unknown key or unit, a value that is physically impossible, a contradiction.
@@ -151,10 +153,10 @@ def read_rig(source: str | os.PathLike[str] | Mapping[str, Any] | Rig) -> Rig:
     if isinstance(source, str | os.PathLike):
         path = given_path(source, "rig")
         return _rig(read_document(path, "a rig file"), shown(path), Path(shown(path)).stem)
-    return _rig(plain_entries(source, "rig"), "rig", "rig")
+    return _rig(plain_entries(source, where), where, "rig", constants)
 
 
-def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
+def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "known") -> Rig:
     if "arm" in content:
         raise InputError(
             f"{where}: arm: the rig of a single drive is required here; fit and diagnose take that of an arm"
@@ -165,7 +167,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
     keys = keys_of(axis)
     refuse_unknown(content, keys, where)
     content = {keys[key]: value for key, value in content.items()}
-    known, unknown, case = read_knowns(content, where, axis)
+    known, unknown, case = read_knowns(content, where, axis, constants)
     counts = _counts(content, where)
     columns, warnings = read_columns(content.get("columns"), f"{where}: [columns]", counts, axis)
     drive, drives = content.get("drive"), {axis.said(drive): drive for drive in DRIVES}
