@@ -18,7 +18,7 @@ from eccentric.api.inputs import (
     read_logs,
     sources_of,
 )
-from eccentric.api.result import Printed, ResultTable, new_axes, paragraphs
+from eccentric.api.result import Printed, ResultTable, new_axes
 from eccentric.core import InputError, given_path
 from eccentric.emission import Adaptation, document_of, read_parameters, with_fitted
 from eccentric.identification import Drive
@@ -152,8 +152,7 @@ class AdaptResult(Printed):
         return f"<AdaptResult: {len(self.course.names)} coefficients, {len(self.course.alarms)} alarms>"
 
     def _repr_html_(self) -> str:
-        warned = (f"Warning: {text}" for text in self.warnings)
-        return f"<div>{self.table()._repr_html_()}{paragraphs(*warned)}</div>"
+        return self._html(self.table())
 
 
 def asked_adaptation(

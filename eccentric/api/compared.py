@@ -17,7 +17,7 @@ from eccentric.api.inputs import (
     in_words_of,
     sources_of,
 )
-from eccentric.api.result import Printed, ResultTable, new_axes, paragraphs
+from eccentric.api.result import Printed, ResultTable, new_axes
 from eccentric.diagnosis import BASELINE, Contest, contest, contest_document, contest_lines
 from eccentric.model import Model
 from eccentric.rigs import read_rig
@@ -149,5 +149,4 @@ class CompareResult(Printed):
         )
 
     def _repr_html_(self) -> str:
-        warned = (f"Warning: {text}" for text in self.warnings)
-        return f"<div>{self.table()._repr_html_()}{paragraphs(*warned)}</div>"
+        return self._html(self.table())

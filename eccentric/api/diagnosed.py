@@ -18,7 +18,7 @@ from eccentric.api.inputs import (
     names_given,
     sources_of,
 )
-from eccentric.api.result import Correlation, Result, ResultTable, new_axes, paragraphs
+from eccentric.api.result import Correlation, Result, ResultTable, new_axes
 from eccentric.core import InputError, given_path, whole_file, whole_folder
 from eccentric.diagnosis import (
     BASE,
@@ -277,8 +277,7 @@ class DiagnosisResult(Result):
         return f"<DiagnosisResult: {self.verdict}{': ' if self.effects else ''}{', '.join(self.effects)}>"
 
     def _repr_html_(self) -> str:
-        warned = (f"Warning: {text}" for text in self.warnings)
-        return f"<div>{paragraphs(self.sentence)}{self.table()._repr_html_()}{paragraphs(*warned)}</div>"
+        return self._html(self.table(), before=self.sentence)
 
 
 def _row(p: Parameter) -> tuple[Any, ...]:

@@ -17,7 +17,7 @@ from eccentric.api.inputs import (
     origin_of,
     sources_of,
 )
-from eccentric.api.result import Correlation, Result, ResultTable, new_axes, paragraphs
+from eccentric.api.result import Correlation, Result, ResultTable, new_axes
 from eccentric.emission import read_parameters, with_fitted
 from eccentric.identification import Estimate
 from eccentric.identification import fit as fit_channels
@@ -155,9 +155,7 @@ class FitResult(Result):
         return f"<FitResult: {self.base.name}, held-out RMSE [{self.unit}] {errors}>"
 
     def _repr_html_(self) -> str:
-        warned = (f"Warning: {text}" for text in self.warnings)
-        table = self.table()._repr_html_()
-        return f"<div>{paragraphs(self.lines[0])}{table}{paragraphs(self.sentence, *warned)}</div>"
+        return self._html(self.table(), before=self.lines[0], after=self.sentence)
 
 
 def _row(name: str, e: Estimate) -> tuple[Any, ...]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from eccentric.api.diagnosed import DiagnosisResult, result_of
 from eccentric.api.inputs import LogSources, names_given, sources_of
-from eccentric.api.result import Printed, ResultTable, new_axes, paragraphs
+from eccentric.api.result import Printed, ResultTable, new_axes
 from eccentric.core import InputError, given_path, whole_folder
 from eccentric.diagnosis import SearchRequest
 from eccentric.emission import complete_arm, write
@@ -163,8 +163,7 @@ class ArmFitResult(Printed):
         return f"<ArmFitResult: {len(self.fit.joints)} joints of {self.fit.log.rig.chain.name}>"
 
     def _repr_html_(self) -> str:
-        warned = (f"Warning: {text}" for text in self.warnings)
-        return f"<div>{self.table()._repr_html_()}{paragraphs(self.lines[-1], *warned)}</div>"
+        return self._html(self.table(), after=self.lines[-1])
 
 
 def _errors(joint: JointFit) -> tuple[float, float]:
@@ -269,5 +268,4 @@ class ArmDiagnosisResult(Printed):
         return f"<ArmDiagnosisResult: {self.verdict}, {len(self.diagnosis.joints)} joints>"
 
     def _repr_html_(self) -> str:
-        warned = (f"Warning: {text}" for text in self.warnings)
-        return f"<div>{paragraphs(self.sentence)}{self.table()._repr_html_()}{paragraphs(*warned)}</div>"
+        return self._html(self.table(), before=self.sentence)

@@ -280,6 +280,11 @@ class Printed:
     def __str__(self) -> str:
         return self.summary()
 
+    def _html(self, table: ResultTable, *, before: str = "", after: str = "") -> str:
+        """The table between two paragraphs, and the warnings, for a notebook."""
+        texts = (after, *(f"Warning: {text}" for text in self.warnings))
+        return f"<div>{paragraphs(before)}{table._repr_html_()}{paragraphs(*texts)}</div>"
+
     def _write(
         self,
         out: str | os.PathLike[str],
@@ -377,5 +382,5 @@ def new_axes(rows: int, columns: int, size: tuple[float, float]) -> list[Axes]:
 
 
 def paragraphs(*texts: str) -> str:
-    """The texts as HTML paragraphs, escaped."""
-    return "".join(f"<p>{escape(text)}</p>" for text in texts)
+    """The texts as HTML paragraphs, escaped; an empty one is none."""
+    return "".join(f"<p>{escape(text)}</p>" for text in texts if text)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -76,11 +76,9 @@ def bench(
         InputError: a value is out of range, an effect is unknown or invisible in this case, or a file of that
             name exists.
     """
-    if not isinstance(seed, int | np.integer) or seed < 0:
-        raise InputError("seed", "an integer of 0 or more", f"{seed!r}")
-    path = None if out is None else given_path(out, "out")
+    path, rng = _asked(out, seed)
     scenario = random_scenario(
-        np.random.default_rng(seed),
+        rng,
         case=case,
         mu=mu,
         log_type=log_type,
@@ -99,8 +97,46 @@ def bench(
     return BenchResult(read_log(run.columns, name), read_rig(run.rig), run.truth, run)
 
 
-@dataclass(frozen=True, eq=False)
-class BenchResult:
+def _asked(out: str | os.PathLike[str] | None, seed: int) -> tuple[Path | None, np.random.Generator]:
+    if not isinstance(seed, int | np.integer) or seed < 0:
+        raise InputError("seed", "an integer of 0 or more", f"{seed!r}")
+    return None if out is None else given_path(out, "out"), np.random.default_rng(seed)
+
+
+class _Simulated:
+    """What a simulated log shows of itself."""
+
+    log: Log
+
+    def summary(self) -> str:
+        """What was simulated, in one line."""
+        raise NotImplementedError
+
+    def table(self) -> ResultTable:
+        """The columns of the log, each with its range."""
+        return ranges_of(self.log)
+
+    def _axes(self, axes: Sequence[Axes] | None, labels: Iterable[str]) -> Sequence[Axes]:
+        """Three axes over time, from top to bottom, with these labels."""
+        axes = new_axes(3, 1, (9.0, 6.0)) if axes is None else axes
+        for one, label in zip(axes, labels, strict=True):
+            one.set_ylabel(label)
+        axes[0].set_title(self.summary(), fontsize=9.0)
+        axes[-1].set_xlabel("time [s]")
+        return axes
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self.summary()}>"
+
+    def _repr_html_(self) -> str:
+        return f"<div>{paragraphs(self.summary())}{self.table()._repr_html_()}</div>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BenchResult(_Simulated):
     """A simulated log, what its rig declares, and the truth: `eccentric.fit(result.log, result.rig)`.
 
     Attributes:
@@ -128,10 +164,6 @@ class BenchResult:
         head = f"{self.log.rows} rows of {t[-1] - t[0]:.0f} s, case {self.rig.case}, mu {known['mu']:g}"
         return f"{head}: {', '.join(self.effects) or 'no effect'}"
 
-    def table(self) -> ResultTable:
-        """The columns of the log, each with its range."""
-        return ranges_of(self.log)
-
     def plot(self, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
         """Plot angle, velocity and current over time.
 
@@ -141,12 +173,9 @@ class BenchResult:
         Raises:
             InputError: matplotlib is not installed.
         """
-        axes = new_axes(len(_SIGNALS), 1, (9.0, 6.0)) if axes is None else axes
-        for one, (column, label) in zip(axes, _SIGNALS.items(), strict=True):
+        axes = self._axes(axes, _SIGNALS.values())
+        for one, column in zip(axes, _SIGNALS, strict=True):
             one.plot(self.log.numbers("time_s"), self.log.numbers(column), linewidth=0.6)
-            one.set_ylabel(label)
-        axes[0].set_title(self.summary(), fontsize=9.0)
-        axes[-1].set_xlabel("time [s]")
         return axes
 
     def write(self, out: str | os.PathLike[str]) -> tuple[Path, Path, Path]:
@@ -156,15 +185,6 @@ class BenchResult:
             InputError: the name does not end in .csv.gz, one of the files exists, or cannot be written.
         """
         return write(self.run, Path(out))
-
-    def __str__(self) -> str:
-        return self.summary()
-
-    def __repr__(self) -> str:
-        return f"<BenchResult: {self.summary()}>"
-
-    def _repr_html_(self) -> str:
-        return f"<div>{paragraphs(self.summary())}{self.table()._repr_html_()}</div>"
 
 
 # `eccentric.bench_arm`: a realistic log of a virtual arm, with effects that its rig does not declare.
@@ -209,13 +229,11 @@ def bench_arm(
         InputError: a value is out of range, an effect or a joint is unknown, a file of that name exists, or
             MuJoCo is not installed.
     """
-    if not isinstance(seed, int | np.integer) or seed < 0:
-        raise InputError("seed", "an integer of 0 or more", f"{seed!r}")
-    path = None if out is None else given_path(out, "out")
+    path, rng = _asked(out, seed)
     if path is not None:
         free_arm_paths(path)
     scenario = random_arm_scenario(
-        np.random.default_rng(seed),
+        rng,
         arm=arm,
         effects=effects,
         log_type=log_type,
@@ -232,8 +250,8 @@ def bench_arm(
     return ArmBenchResult(read_log(run.columns, name), run.rig, run.arm, run.truth, run)
 
 
-@dataclass(frozen=True, eq=False)
-class ArmBenchResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class ArmBenchResult(_Simulated):
     """A simulated log of an arm, what its rig and its arm file declare, and the truth.
 
     Attributes:
@@ -264,10 +282,6 @@ class ArmBenchResult:
         head = f"{self.log.rows} rows of {seconds:.0f} s in {self.truth['runs']} runs, {self.truth['arm']}"
         return f"{head}: {', '.join(self.effects) or 'no effect'}"
 
-    def table(self) -> ResultTable:
-        """The columns of the log, each with its range."""
-        return ranges_of(self.log)
-
     def plot(self, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
         """Plot angle, velocity and drive of every joint over time.
 
@@ -277,19 +291,15 @@ class ArmBenchResult:
         Raises:
             InputError: matplotlib is not installed.
         """
-        axes = new_axes(3, 1, (9.0, 6.0)) if axes is None else axes
         drive = "current [A]" if "i_A_1" in self.log.columns else "torque [N m]"
         names = ("q_rad", "w_rad_s", "i_A" if drive.startswith("current") else "tau_Nm")
-        labels = ("joint angle [rad]", "joint velocity [rad/s]", drive)
-        for one, name, label in zip(axes, names, labels, strict=True):
+        axes = self._axes(axes, ("joint angle [rad]", "joint velocity [rad/s]", drive))
+        for one, name in zip(axes, names, strict=True):
             for j in range(1, len(self.truth["joints"]) + 1):
                 one.plot(
                     self.log.numbers("t_s"), self.log.numbers(f"{name}_{j}"), linewidth=0.6, label=f"{j}"
                 )
-            one.set_ylabel(label)
         axes[0].legend(title="joint", fontsize=8.0, ncols=6)
-        axes[0].set_title(self.summary(), fontsize=9.0)
-        axes[-1].set_xlabel("time [s]")
         return axes
 
     def write(self, out: str | os.PathLike[str]) -> tuple[Path, Path, Path, Path]:
@@ -299,15 +309,6 @@ class ArmBenchResult:
             InputError: the name does not end in .csv.gz, one of the files exists, or cannot be written.
         """
         return write_arm(self.run, Path(out))
-
-    def __str__(self) -> str:
-        return self.summary()
-
-    def __repr__(self) -> str:
-        return f"<ArmBenchResult: {self.summary()}>"
-
-    def _repr_html_(self) -> str:
-        return f"<div>{paragraphs(self.summary())}{self.table()._repr_html_()}</div>"
 
 
 # `eccentric.bench_fleet`: a small fleet over some months, some of whose joints degrade.
