@@ -36,8 +36,8 @@ through their `__init__`:
 `virtual_bench` simulates a test bench with its own code.
 """
 
-import eccentric.import_time  # noqa: F401 - before anything else
+import eccentric.import_time
 from eccentric.lazy import lazy_names
-from eccentric.version import __version__  # noqa: F401 - in `__init__.pyi` with the rest
+from eccentric.version import __version__
 
 __getattr__, __dir__ = lazy_names(__name__, __file__)

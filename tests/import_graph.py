@@ -43,16 +43,16 @@ def graph_of(files: Mapping[str, Path]) -> dict[str, set[str]]:
 
 
 def exports_of(path: Path) -> set[str]:
-    """The names in the `__all__` of a package, empty where there is none."""
+    """The names that a door imports from its own files, which are what it exports; empty for other files."""
     if path.name != "__init__.py":
         return set()
-    body = ast.parse(path.read_text(encoding="utf-8")).body
-    values = (
-        node.value
-        for node in body
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
-    )
-    return {name for value in values for name in ast.literal_eval(value)}
+    inside = f"{module_of(path)}."
+    return {
+        alias.asname or alias.name
+        for node in ast.parse(path.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ImportFrom) and f"{node.module}.".startswith(inside)
+        for alias in node.names
+    }
 
 
 def _found(module: str, path: Path, files: Mapping[str, Path], exported: set[str]) -> Iterator[str]:

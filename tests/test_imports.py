@@ -9,6 +9,7 @@ from tests.import_graph import (
     ROOT,
     circle_in,
     drawn,
+    exports_of,
     files_of,
     graph_of,
     levels_of,
@@ -51,7 +52,7 @@ GRAPH = graph_of(FILES)
 PACKAGES = {module for module, path in FILES.items() if path.name == "__init__.py"} - {"eccentric"}
 ROOMS = {package for package in PACKAGES if package.count(".") == 1}
 # A folder inside a room has a door where its `__init__` says what it exports.
-DOORS = ROOMS | {p for p in PACKAGES if "__all__" in FILES[p].read_text(encoding="utf-8")}
+DOORS = ROOMS | {p for p in PACKAGES if exports_of(FILES[p])}
 
 
 def _parts(path: Path) -> set[str]:

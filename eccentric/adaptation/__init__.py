@@ -9,10 +9,3 @@ May import: `signals`, `model`, `emission`.
 """
 
 from eccentric.adaptation.replay import CURRENT, Replay, replayed, require_logged
-
-__all__ = [
-    "CURRENT",
-    "Replay",
-    "replayed",
-    "require_logged",
-]

@@ -34,8 +34,6 @@ from eccentric.core import (
 )
 from eccentric.version import __version__
 
-__all__ = ["COMMANDS", "main"]
-
 _DESCRIPTION = "Friction models of drives that swing an unbalanced mass: derived, emitted, fitted to logs."
 
 COMMANDS = (

@@ -5,10 +5,8 @@
     calls      arguments as NumPy accepts them -> the C
     view       a Program -> the variables of `templates/compiled/`: C that Python calls
 
-In: a `Model`, its name or path. Out: a module. It imports `eccentric.core`, `eccentric.core` and
+In: a `Model`, its name or path. Out: a module. It imports
 `eccentric.core`; and `eccentric.model` and `eccentric.emission` only if it has to derive.
 """
 
 from eccentric.compiled.module import compile  # noqa: A004 - called as eccentric.compile
-
-__all__ = ["compile"]

@@ -24,5 +24,3 @@ from eccentric.drafting.against import log_complaints
 from eccentric.drafting.draft import Draft, draft_of, toml_of
 from eccentric.drafting.of_arm import draft_of_arm
 from eccentric.drafting.proposal import Proposal, RigLine
-
-__all__ = ["Draft", "Proposal", "RigLine", "draft_of", "draft_of_arm", "log_complaints", "toml_of"]

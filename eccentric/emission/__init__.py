@@ -6,7 +6,7 @@
     adapt      Model, fit -> an estimator of the friction coefficients beside the C
     render     the emitted files of a model, name -> text; `write` writes them, `hot` loads the module
 
-In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model`, `eccentric.core` and
+In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model` and
 `eccentric.core`; it knows no data, and its templates know no physics.
 """
 
@@ -27,37 +27,3 @@ from eccentric.emission.program import (
 from eccentric.emission.render import render, render_arm, render_program
 from eccentric.emission.templates import TemplateCache, plain, template
 from eccentric.emission.write import complete, complete_arm, differences, write
-
-__all__ = [
-    "BACKENDS",
-    "DEFAULT",
-    "WHOLE",
-    "Adaptation",
-    "Arrays",
-    "Choice",
-    "FittedValues",
-    "Program",
-    "Routine",
-    "TemplateCache",
-    "build_arm_program",
-    "build_program",
-    "checked_name",
-    "complete",
-    "complete_arm",
-    "differences",
-    "document_of",
-    "executed",
-    "executed_beside",
-    "load_module",
-    "plain",
-    "prior_of",
-    "read_parameters",
-    "render",
-    "render_adapt",
-    "render_arm",
-    "render_check",
-    "render_program",
-    "template",
-    "with_fitted",
-    "write",
-]

@@ -40,32 +40,3 @@ from eccentric.fleet.sources import (
     in_order,
 )
 from eccentric.fleet.work import Sample, give_back
-
-__all__ = [
-    "FRICTION",
-    "NOT_GROUPED",
-    "NOT_TESTED",
-    "RATE",
-    "RESIDUAL",
-    "SCHEDULER",
-    "UNREAD",
-    "Assigned",
-    "Drifting",
-    "Examined",
-    "FleetFound",
-    "FleetProblem",
-    "FleetRequest",
-    "Sample",
-    "Suspect",
-    "as_csv",
-    "changes_csv",
-    "connected",
-    "document_of",
-    "find",
-    "gather",
-    "give_back",
-    "in_order",
-    "plan_of",
-    "run_fleet",
-    "write_coefficients",
-]

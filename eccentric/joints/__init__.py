@@ -22,23 +22,3 @@ from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, diagnose_ar
 from eccentric.joints.extended_arm import arm_name, extended_arm, why_not_emitted
 from eccentric.joints.fitted import ArmFit, JointFit, fit_arm, gain_of
 from eccentric.joints.predicting import ForeignRuns, Payload, payload_of, predicted
-
-__all__ = [
-    "ArmDiagnosis",
-    "ArmFit",
-    "ArmLog",
-    "ForeignRuns",
-    "IdentifiedBodies",
-    "JointDiagnosis",
-    "JointFit",
-    "Payload",
-    "arm_name",
-    "diagnose_arm",
-    "extended_arm",
-    "fit_arm",
-    "gain_of",
-    "misfit_sentence",
-    "payload_of",
-    "predicted",
-    "why_not_emitted",
-]

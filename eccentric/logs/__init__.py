@@ -12,21 +12,3 @@ from eccentric.logs.batches import LogStream, stream_log
 from eccentric.logs.log import Excerpt, Log, LogSource, log_names, log_stems, read_log
 from eccentric.logs.parquet_file import arrow_columns
 from eccentric.logs.units import Unit, parse_unit, parse_value, require_unit
-
-__all__ = [
-    "Excerpt",
-    "Log",
-    "LogSource",
-    "LogStream",
-    "Unit",
-    "arrow_columns",
-    "evaluate",
-    "log_names",
-    "log_stems",
-    "number_of",
-    "parse_unit",
-    "parse_value",
-    "read_log",
-    "require_unit",
-    "stream_log",
-]

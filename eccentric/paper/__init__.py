@@ -17,19 +17,3 @@ from eccentric.paper.figures import (
     sections,
     steady_curves,
 )
-
-__all__ = [
-    "PRINTED",
-    "Section",
-    "agrees",
-    "draw",
-    "figure_2",
-    "figure_4",
-    "figure_5",
-    "findings",
-    "friction_surface",
-    "polynomial",
-    "sections",
-    "steady_curves",
-    "table_1",
-]

@@ -16,19 +16,3 @@ from eccentric.planning.limits import FIRMWARE_HZ, RATE_HZ
 from eccentric.planning.motion import Bounds, Reference, read_bounds
 from eccentric.planning.outcome import MeasurementPlan, plan_document, plan_lines, planned
 from eccentric.planning.question import Question, question_from, question_of
-
-__all__ = [
-    "FIRMWARE_HZ",
-    "RATE_HZ",
-    "Bounds",
-    "MeasurementPlan",
-    "Question",
-    "Reference",
-    "plan_document",
-    "plan_lines",
-    "planned",
-    "question_from",
-    "question_of",
-    "read_bounds",
-    "require_link",
-]

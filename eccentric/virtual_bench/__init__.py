@@ -26,34 +26,3 @@ from eccentric.virtual_bench.files import free_paths, write
 from eccentric.virtual_bench.fleet import BAD_SENSORS, WAYS, FleetJoint, FleetPlan, fleet_plan, write_fleet
 from eccentric.virtual_bench.scenario import Scenario, known_effect, on_reference, random_scenario
 from eccentric.virtual_bench.simulation import BenchRun, simulate
-
-__all__ = [
-    "ARM_EFFECTS",
-    "ARM_VARIANTS",
-    "BAD_SENSORS",
-    "EFFECTS",
-    "VARIANTS",
-    "WAYS",
-    "ArmRun",
-    "ArmScenario",
-    "BenchRun",
-    "FleetJoint",
-    "FleetPlan",
-    "Law",
-    "PlantedEffect",
-    "Scenario",
-    "fleet_plan",
-    "free_arm_paths",
-    "free_paths",
-    "known_effect",
-    "known_joint_effect",
-    "on_reference",
-    "random_arm_scenario",
-    "random_scenario",
-    "simply",
-    "simulate",
-    "simulate_arm",
-    "write",
-    "write_arm",
-    "write_fleet",
-]

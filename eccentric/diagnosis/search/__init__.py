@@ -40,36 +40,3 @@ from eccentric.diagnosis.search.loads import LoadSearch, required_over, searched
 from eccentric.diagnosis.search.runs import runs_that_differ
 from eccentric.diagnosis.search.screen import Screen, fitted_variants
 from eccentric.diagnosis.search.verdict import Adopted, Attribution, Ranked, attribute, unconfirmed
-
-__all__ = [
-    "AT_FLOOR",
-    "CONFIRMED",
-    "IN_A_DRAW",
-    "LEAST_DEVIANCE",
-    "LEAST_SHARE",
-    "PARTS",
-    "STABLE",
-    "SURE",
-    "Adopted",
-    "Attribution",
-    "Candidate",
-    "LoadSearch",
-    "Ranked",
-    "Screen",
-    "Search",
-    "Variant",
-    "attribute",
-    "balances_of",
-    "bounded_solve",
-    "candidate_of",
-    "fitted_variants",
-    "instruments_of",
-    "offered",
-    "refined",
-    "required_over",
-    "runs_that_differ",
-    "searched_loads",
-    "setting_of",
-    "unconfirmed",
-    "variables_of",
-]

@@ -18,14 +18,3 @@ from eccentric.emission.adapt.prior import (
     threshold_of,
 )
 from eccentric.emission.adapt.view import render_adapt
-
-__all__ = [
-    "Adaptation",
-    "Alarm",
-    "Prior",
-    "alarm_of",
-    "prior_of",
-    "render_adapt",
-    "run_length",
-    "threshold_of",
-]

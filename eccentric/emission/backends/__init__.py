@@ -10,20 +10,8 @@ from collections.abc import Mapping
 
 from eccentric.emission.backends import c99, jax, numpy
 from eccentric.emission.backends.backend import Backend, with_plain_text
-from eccentric.emission.backends.c99.printer import code, decimal, prepared_values, wrapped
+from eccentric.emission.backends.c99 import code, decimal, prepared_values, wrapped
 from eccentric.emission.backends.expression import UnprintableError
-
-__all__ = [
-    "BACKENDS",
-    "DEFAULT",
-    "Backend",
-    "UnprintableError",
-    "code",
-    "decimal",
-    "prepared_values",
-    "with_plain_text",
-    "wrapped",
-]
 
 BACKENDS: Mapping[str, Backend] = {
     "numpy": numpy.BACKEND,

@@ -19,17 +19,3 @@ from eccentric.fleet.sums.columns import (
     solve,
 )
 from eccentric.fleet.sums.of_file import Coverage, FileSums, sums_of
-
-__all__ = [
-    "OFFSET",
-    "SCALE",
-    "Columns",
-    "Coverage",
-    "FileSums",
-    "Heading",
-    "dependent",
-    "merged",
-    "require_rig",
-    "solve",
-    "sums_of",
-]

@@ -33,28 +33,3 @@ from eccentric.identification.regression.uncertainty import (
     r_squared,
     rms,
 )
-
-__all__ = [
-    "TWO_SIDED",
-    "BalanceDesign",
-    "Coefficient",
-    "ColumnRole",
-    "Design",
-    "Estimate",
-    "Nonlinear",
-    "Profile",
-    "Solution",
-    "Spread",
-    "balance_design",
-    "bounded",
-    "correlation",
-    "improvement",
-    "improvement_over_runs",
-    "iterate",
-    "profile",
-    "r_squared",
-    "require_rank",
-    "rms",
-    "search",
-    "slopes_between",
-]

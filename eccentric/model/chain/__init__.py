@@ -18,28 +18,3 @@ from eccentric.model.chain.drive import JointDrive, arm, drives, friction_units
 from eccentric.model.chain.letters import letters_of, with_bodies, with_letters
 from eccentric.model.chain.links import Body, Joint, Moments, Placement
 from eccentric.model.chain.recursion import Bearing, Recursion, Wrench, at_rest, recursion
-
-__all__ = [
-    "Bearing",
-    "Body",
-    "Chain",
-    "Joint",
-    "JointDrive",
-    "Moments",
-    "Placement",
-    "Recursion",
-    "Wrench",
-    "arm",
-    "at_rest",
-    "drives",
-    "friction_units",
-    "identity_of",
-    "letters_of",
-    "momentum",
-    "motion",
-    "recursion",
-    "unlike",
-    "with_bodies",
-    "with_letters",
-    "with_numbers",
-]

@@ -39,19 +39,6 @@ if TYPE_CHECKING:
     from eccentric.joints import ArmDiagnosis
 
 
-__all__ = [
-    "Parameter",
-    "ReportData",
-    "arm_page",
-    "number",
-    "page",
-    "plot_report",
-    "rendered",
-    "report",
-    "report_data",
-]
-
-
 def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
     """The page of a diagnosis; `files` are (name, description) of everything written beside it."""
     return page(report_data(found, files))

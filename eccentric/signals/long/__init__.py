@@ -10,5 +10,3 @@ In: logs and a `Rig`. Out: `Log`s; one of windows has an `Excerpt`.
 
 from eccentric.signals.long.limits import FIT_POINTS, LONG_ROWS, SEARCH_POINTS
 from eccentric.signals.long.reading import read_long, read_long_joints
-
-__all__ = ["FIT_POINTS", "LONG_ROWS", "SEARCH_POINTS", "read_long", "read_long_joints"]

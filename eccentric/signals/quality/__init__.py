@@ -7,5 +7,3 @@ May import: `rigs`, `model`, and of `signals` the files below `channels.py`, whi
 from eccentric.signals.quality.against_rig import beside_the_rig, shared_cause
 from eccentric.signals.quality.findings import assess
 from eccentric.signals.quality.ratios import Ratio
-
-__all__ = ["Ratio", "assess", "beside_the_rig", "shared_cause"]

@@ -19,15 +19,3 @@ the toolkit and the bench share nothing.
 from eccentric.virtual_bench.arms.families import ARM_EFFECTS, ARM_VARIANTS, known_joint_effect
 from eccentric.virtual_bench.arms.log import ArmRun, free_arm_paths, simulate_arm, write_arm
 from eccentric.virtual_bench.arms.scenario import ArmScenario, random_arm_scenario
-
-__all__ = [
-    "ARM_EFFECTS",
-    "ARM_VARIANTS",
-    "ArmRun",
-    "ArmScenario",
-    "free_arm_paths",
-    "known_joint_effect",
-    "random_arm_scenario",
-    "simulate_arm",
-    "write_arm",
-]

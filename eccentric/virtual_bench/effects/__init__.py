@@ -37,15 +37,3 @@ VARIANTS = {
     "kinematic_error": ("motor,n=1", "motor,n=2", "link,n=1", "link,n=2"),
 }
 """Variants of a family, by its id; a family without an entry has none."""
-
-__all__ = [
-    "EFFECTS",
-    "PORTS",
-    "VARIANTS",
-    "Builder",
-    "Law",
-    "PlantSetting",
-    "PlantedEffect",
-    "Request",
-    "simply",
-]

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from eccentric.emission.backends.backend import Backend
 from eccentric.emission.backends.c99 import view
+from eccentric.emission.backends.c99.printer import code, decimal, prepared_values, wrapped
 
 
 def _banner(lines: Sequence[str]) -> str:

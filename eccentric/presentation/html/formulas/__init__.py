@@ -9,5 +9,3 @@ In: SymPy expressions, quantities with their letters, typed formulas. Out: MathM
 
 from eccentric.presentation.html.formulas.blocks import Line, aligned, block, equation, short_formula
 from eccentric.presentation.html.formulas.expression import Typesetter, letter, plain
-
-__all__ = ["Line", "Typesetter", "aligned", "block", "equation", "letter", "plain", "short_formula"]
