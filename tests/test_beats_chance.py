@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from eccentric.diagnosis.search import nulltest
+from eccentric.diagnosis.search import stability
 from eccentric.diagnosis.search.candidate import Candidate, Variant
 from eccentric.diagnosis.search.limits import EXTRAPOLATED, MOST_GROUPS
-from eccentric.diagnosis.search.nulltest import _Drawn, beats_chance
 from eccentric.diagnosis.search.screen import Fitted, Screen
+from eccentric.diagnosis.search.stability import _Drawn, beats_chance
 from eccentric.effects import Evidence
 from eccentric.identification import balance_design
 from eccentric.signals.rows import Rows
@@ -124,8 +124,8 @@ def test_the_level_of_chance_is_that_of_all_columns_at_once(monkeypatch: pytest.
     found = search({2: 3.0}, *(candidate(f"c{k}", {k: 1.0, k + 1: 0.3}) for k in range(2, 12)))
     levels = []
     for at_once in (1, 3, 256):
-        monkeypatch.setattr(nulltest, "COLUMNS_AT_ONCE", at_once)
-        levels.append(nulltest.null_quantile(found.screen, found.base))
+        monkeypatch.setattr(stability, "COLUMNS_AT_ONCE", at_once)
+        levels.append(stability.null_quantile(found.screen, found.base))
 
     assert levels[0] > 0.0
     assert levels == pytest.approx([levels[2]] * 3, rel=1e-9)

@@ -13,7 +13,7 @@ import pytest
 import sympy as sp
 
 from eccentric.model import fingerprint, load_model
-from eccentric.model.exact import from_bytes, to_bytes
+from eccentric.model.functions import from_bytes, to_bytes
 from eccentric.model.steps import OpaqueStep
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import find_peaks, lombscargle
 
-from eccentric.diagnosis import Diagnosis, diagnose, orders, orders_of
+from eccentric.diagnosis import Diagnosis, diagnose, orders_of, score
 from tests import screw
 from tests.screw import Array
 
@@ -97,7 +97,7 @@ def test_a_spectrum_over_the_angle_is_that_of_lomb_and_scargle(sign: float) -> N
     y = np.cos(3.0 * angle + 1.0) + rng.normal(size=800)
 
     np.testing.assert_allclose(
-        orders._spectrum(angle, y), lombscargle(angle, y, orders._GRID, normalize=True), atol=1e-12
+        score._spectrum(angle, y), lombscargle(angle, y, score._GRID, normalize=True), atol=1e-12
     )
 
 
@@ -107,15 +107,15 @@ def test_peaks_are_those_that_scipy_finds(seed: int) -> None:
     rng = np.random.default_rng(seed)
     power, least = rng.random(400), 0.5 * rng.random(400)
 
-    expected, _ = find_peaks(power, height=least, distance=orders.ALONE)
-    assert expected.tolist() == orders._peaks(power, least)
+    expected, _ = find_peaks(power, height=least, distance=score.ALONE)
+    assert expected.tolist() == score._peaks(power, least)
 
 
 @pytest.mark.parametrize("steps", [4, 8, 16])
 def test_a_spectrum_over_few_angles_a_turn_has_no_holes(steps: int) -> None:
     """Where sine and cosine of an order are one column, or nothing, its share is finite and in range."""
     rng = np.random.default_rng(2)
-    share = orders._spectrum(2.0 * np.pi / steps * np.arange(400), rng.normal(size=400))
+    share = score._spectrum(2.0 * np.pi / steps * np.arange(400), rng.normal(size=400))
 
     assert np.all(np.isfinite(share))
     assert -1e-9 <= np.min(share) <= np.max(share) <= 1.0 + 1e-9

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from eccentric.signals.plausible import speed_doubt, unwrapped
+from eccentric.signals.motion import speed_doubt, unwrapped
 
 Array = NDArray[np.float64]
 

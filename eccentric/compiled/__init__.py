@@ -1,8 +1,8 @@
 """The emitted C of a model, built by the local compiler and called from Python like the NumPy module.
 
-    module     a derivation or Model -> a Python module: from the cache, else derived, emitted and built
+    module     a derivation or Model -> a Python module: from the cache, else derived, emitted and built;
+               its functions take arguments as NumPy accepts them
     entry      what the cache stores for a model, found without executing its derivation; the compiler
-    calls      arguments as NumPy accepts them -> the C
     view       a Program -> the variables of `templates/compiled/`: C that Python calls
 
 In: a `Model`, its name or path. Out: a module. It imports

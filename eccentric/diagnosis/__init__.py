@@ -5,8 +5,8 @@
     stage         the request; what a log offers to a base model before the search
     models        the models after the search; the best effect or shipped model where none is adopted
     outcome       a Diagnosis: everything that the loop found
-    score         held-out errors before and after, run by run where there are enough
-    orders        what is left inside runs and periodic in the motor angle
+    score         held-out errors before and after, run by run where there are enough; what is left there
+                  that is periodic in the motor angle
     contest       models on the same rows, extended by effects or not
     model_script  the extended model as a derivation
     base_script   the base model as a derivation, where it was given as an object
@@ -22,9 +22,8 @@ from eccentric.diagnosis.limits import PROVABLE, ROUNDING
 from eccentric.diagnosis.loop import diagnose, diagnosed, staged_log
 from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name, script
 from eccentric.diagnosis.models import Closest
-from eccentric.diagnosis.orders import Order, orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
-from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out, only_below
+from eccentric.diagnosis.score import Order, OverRuns, Score, leave_runs_out, only_below, orders_of
 from eccentric.diagnosis.search import (
     IN_A_DRAW,
     LEAST_DEVIANCE,

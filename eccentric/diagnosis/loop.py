@@ -26,8 +26,8 @@ import numpy as np
 from eccentric.core import InputError
 from eccentric.diagnosis.limits import LEAST_ZERO_RAD
 from eccentric.diagnosis.models import better_sibling, closest_effect, fitted_models
-from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
+from eccentric.diagnosis.score import orders_of
 from eccentric.diagnosis.search import (
     AT_FLOOR,
     CONFIRMED,

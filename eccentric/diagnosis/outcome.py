@@ -8,8 +8,7 @@ from pathlib import Path
 
 from eccentric.diagnosis.base_script import BASE
 from eccentric.diagnosis.models import Closest, Models, Sibling
-from eccentric.diagnosis.orders import Order
-from eccentric.diagnosis.score import Score
+from eccentric.diagnosis.score import Order, Score
 from eccentric.diagnosis.search import Adopted, Attribution
 from eccentric.diagnosis.stage import SearchRequest
 from eccentric.effects import Effect, Setting

@@ -29,9 +29,8 @@ from eccentric.model.chain import (
     with_numbers,
 )
 from eccentric.model.equation import Equation, Identity
-from eccentric.model.exact import fingerprint
 from eccentric.model.extension import extended
-from eccentric.model.functions import NumericFunction, PartValues, function_of, printed
+from eccentric.model.functions import NumericFunction, PartValues, fingerprint, function_of, printed
 from eccentric.model.load import in_general_letters, load_model, model_names, with_values
 from eccentric.model.model import Change, Extension, Model, spoken
 from eccentric.model.quantity import C_KEYWORDS, Definition, Quantity, State, quantity, symbols

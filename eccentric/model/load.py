@@ -22,7 +22,7 @@ from eccentric.core import (
     run_script,
 )
 from eccentric.model.axis import LINEAR, AxisKind
-from eccentric.model.exact import from_bytes, to_bytes
+from eccentric.model.functions import from_bytes, to_bytes
 from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity
 

@@ -1,6 +1,6 @@
 """All that a person reads of a result: lines, tables, figures, documents, pages.
 
-    fit_text, fit_json, fit_figure    a Fit
+    fit_text, fit_json                a Fit: lines and figure, document
     diagnosis_text, diagnosis_json    a Diagnosis
     html                              a Diagnosis as one HTML page
     arm_text, arm_json                the fit and the diagnosis of an arm

@@ -20,7 +20,6 @@ from eccentric.core import InputError, few
 from eccentric.logs import read_log
 from eccentric.rigs import Alignment, Rig
 from eccentric.signals.filters import rows_of_each, stretches, suited
-from eccentric.signals.holdout import Holdout, hold_out
 from eccentric.signals.limits import (
     COARSE,
     END_S,
@@ -43,7 +42,7 @@ from eccentric.signals.motion import (
     uneven,
 )
 from eccentric.signals.quality import assess
-from eccentric.signals.table import Table, read_table
+from eccentric.signals.table import Holdout, Table, hold_out, read_table
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

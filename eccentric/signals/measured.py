@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 from eccentric.core import InputError
 from eccentric.rigs import Alignment
 from eccentric.signals.filters import LowPass, joined, low_pass_of
-from eccentric.signals.holdout import carriers
 from eccentric.signals.limits import NARROWER
 from eccentric.signals.motion import motion_of
+from eccentric.signals.table import carriers
 
 if TYPE_CHECKING:
     from eccentric.rigs import AddedMass, Rig
-    from eccentric.signals.holdout import Holdout
-    from eccentric.signals.table import Finding
+    from eccentric.signals.table import Finding, Holdout
 
 
 Array = NDArray[np.float64]

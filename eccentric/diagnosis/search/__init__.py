@@ -6,8 +6,7 @@
     instruments   signals without the noise of the target, for what a candidate gains by chance
     screen        candidates on one balance: scored, refined, cross-validated
     crossval      cross-validation by blocks of time, with bounds
-    stability     how often an effect is found on variants of the log
-    nulltest      what a candidate gains by chance
+    stability     how often an effect is found on variants of the log; what it gains by chance
     smooth        smooth terms in a variable, where no effect explains what is left
     attribution   the search on a balance: adopt, compare, try smooth terms on the rest
     two_balances  the search on both balances: what one of them shows is taken out of the other

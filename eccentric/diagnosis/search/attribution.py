@@ -20,9 +20,8 @@ from scipy.special import expit
 
 from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.candidate import Variant, instrument_of
-from eccentric.diagnosis.search.nulltest import beats_chance, null_quantile
 from eccentric.diagnosis.search.screen import Fitted, Screen
-from eccentric.diagnosis.search.stability import Stability, stability_of
+from eccentric.diagnosis.search.stability import Stability, beats_chance, null_quantile, stability_of
 
 Array = np.ndarray
 

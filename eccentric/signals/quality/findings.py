@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from eccentric.signals.filters import stretches
 from eccentric.signals.limits import LEAST_CORRELATION, MUCH_LOST
-from eccentric.signals.plausible import speed_doubt, speed_factor, unwrapped
+from eccentric.signals.motion import speed_doubt, speed_factor, unwrapped
 from eccentric.signals.quality.against_rig import rig_findings
 from eccentric.signals.quality.limits import (
     BEHIND,
