@@ -93,3 +93,18 @@ def test_the_true_model_leaves_nothing_of_the_circuit_below_the_low_pass(seed: i
     left = rms(found.smooth_residual("electrical")[held_out])
 
     assert left < 0.1 * rms(found.residuals["electrical"][held_out])
+
+
+def test_the_back_emf_in_a_torque_from_the_voltage_passes_the_low_pass_once() -> None:
+    """Below it: what is left of (k_i/R) u less friction, then k_i k_e/R omega and J alpha as they are."""
+    run = simulate(drawn_scenario(7, effects=EFFECTS[:1], case="C1", mu=1.0 / 30.0, seconds=40.0, noise=0.0))
+    channels = read_channels([read_log(run.columns)], read_rig(run.rig | {"drive": "voltage"}))
+    stage = stage_of(channels, load_model(channels.rig.model), None, "log")
+    found = refit(stage.base, (), stage.data)
+    R, k_i, k_e = (channels.rig.value(name) for name in ("R", "k_i", "k_e"))
+    motion = found.data.drive.channels.motion
+    moving = found.values["J_m"] + channels.rig.value("mu") ** 2 * found.values["J_l"]
+    filtered = moving * motion.alpha_m + k_i * k_e / R * motion.omega_m
+
+    expected = channels.smooth(found.residuals["mechanical"] + filtered) - filtered
+    assert found.smooth_residual() == pytest.approx(expected, abs=1e-9 * rms(filtered))

@@ -301,8 +301,7 @@ class Refit:
         residual = self.residuals[balance]
         if self.data.rows.operator is not None:
             return residual
-        filtered = self._moving if balance == "mechanical" else self._back_emf
-        return self.data.drive.channels.smooth_residual(residual, filtered)
+        return self.data.drive.channels.smooth_residual(residual, self._filtered(balance))
 
     @property
     def band(self) -> Band | None:
@@ -310,15 +309,26 @@ class Refit:
         rows, channels = self.data.rows, self.data.drive.channels
         if rows.operator is not None:
             return None
-        return band_of(self.residuals["mechanical"], self._moving, rows, channels, drive_noise(self.data))
+        return band_of(
+            self.residuals["mechanical"], self._filtered("mechanical"), rows, channels, drive_noise(self.data)
+        )
 
-    @property
-    def _moving(self) -> Array:
-        """What accelerates the drive (n,) [N m]: its inertia, and the other bodies of a chain."""
+    def _filtered(self, balance: str) -> Array:
+        """What of a residual (n,) [N m] follows the motion, which has passed the low pass already.
+
+        In the mechanical balance it is what accelerates the drive: its inertia, and the other bodies of a
+        chain; with the torque from the voltage, the back-EMF as well.
+        """
         drive = self.data.drive
+        if balance == "electrical":
+            return self._back_emf
         inertia = Machine(self.model).inertia_along(self.values, drive.channels.carried)
-        moving = inertia * drive.channels.motion.alpha_m
-        return moving if drive.along is None else moving + drive.along.torque
+        found = inertia * drive.channels.motion.alpha_m
+        if drive.along is not None:
+            found = found + drive.along.torque
+        if drive.by_voltage and not drive.back_emf_in_friction:
+            found = found + np.where(drive.off, 0.0, self._back_emf)
+        return found
 
     @property
     def unresolved_rows(self) -> NDArray[np.bool_]:
