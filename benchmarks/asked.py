@@ -125,6 +125,8 @@ DIAGNOSIS: dict[str, Asked] = {
     "first seconds": Asked("`diagnose`: first run in a new environment", "at most", 8, "s"),
     "fit seconds": Asked("`fit` of the bundled log: processor time", "at most", 1.5, "s"),
     "fit ratio": Asked("`fit`: processor time over that of an earlier commit", "at most", 0.45),
+    "mutants": Asked("small changes to the sources that the tests notice", "at least", 0.9),
+    "tests": Asked("`make test` on two idle cores", "at most", 4, "min"),
     "seconds": Asked("50,000 rows, whole library", "at most", 20, "s"),
     "memory": Asked("memory of the process, up to 50,000 rows", "at most", 1, "GB"),
     "long seconds": Asked("an hour at 1 kHz, 3.6 million rows, whole library", "at most", 180, "s"),

@@ -34,6 +34,7 @@ from benchmarks import (
     intervals,
     long,
     planned,
+    protection,
     speed,
     target,
 )
@@ -44,6 +45,7 @@ HERE = Path(__file__).resolve().parent
 PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "derivation": ("Derivation", derivation.measured),
     "commands": ("Commands", commands.measured),
+    "protection": ("Protection", protection.measured),
     "speed": ("NumPy and compiled C", speed.measured),
     "host": ("C on the host, arrays", host.measured),
     "calls": ("C on the host, single calls", calls.measured),

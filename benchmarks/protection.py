@@ -1,0 +1,47 @@
+"""How well the project is protected, and what that costs: mutants that the tests notice, and how long the tests take.
+
+The mutants are those of `make mutants`, which keeps its results in build/mutants: they take an hour, so this prints
+what is kept.  Those that no test can notice are argued in equivalent_mutants.toml; of those that are left open, it
+has the reason there.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import time
+from pathlib import Path
+
+from benchmarks.mutants import Result, equivalent, table
+from benchmarks.record import Measured, Part
+
+ROOT = Path(__file__).resolve().parent.parent
+KEPT = ROOT / "build" / "mutants"
+
+
+def measured(quick: bool = False) -> Part:
+    """The share of mutants that are killed, and the time of `make test`."""
+    figures: dict[str, Measured] = {}
+    details: list[str] = []
+    for path in sorted(KEPT.glob("seed-*.jsonl")):
+        results = [Result(**json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
+        argued = equivalent(ROOT)
+        counted = [r for r in results if r.argued not in argued or r.outcome == "killed"]
+        killed = sum(r.outcome == "killed" for r in counted)
+        figures["mutants"] = Measured(
+            killed / len(counted), f"{killed / len(counted):.2f} ({killed} of {len(counted)})"
+        )
+        details += [f"Mutants of {path.stem.replace('-', ' ', 1)}:", *table(results, argued), ""]
+    if not quick:
+        minutes, said = _tests()
+        figures["tests"] = Measured(minutes, f"{minutes:.1f} min, {said}")
+    return Part(figures, details)
+
+
+def _tests() -> tuple[float, str]:
+    """The minutes that `make test` takes, and the last line of pytest without the time."""
+    start = time.monotonic()
+    done = subprocess.run(["make", "test"], cwd=ROOT, capture_output=True, text=True, check=False)
+    (last,) = re.findall(r"(\d+ passed.*) in [\d.]+s", done.stdout)[-1:] or ["no summary"]
+    return (time.monotonic() - start) / 60.0, last
