@@ -215,7 +215,8 @@ def _diagnosed(
 def _in_an_arm(found: Diagnosis) -> Diagnosis:
     """The same without advice that only the rig of a single drive can follow."""
     attribution = found.attribution
-    if "J_m and J_l" not in attribution.next_measurement:
+    of_inertia = attribution.verdict == "unexplained" and attribution.depends_on[:1] == ("acceleration",)
+    if found.models.misfit or not of_inertia:
         return found
     advice = (
         "Accelerate and brake this joint at three rates with the others held, then move the others with this"

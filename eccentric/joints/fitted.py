@@ -265,11 +265,13 @@ def warnings_of(log: ArmLog, bodies: IdentifiedBodies | None) -> tuple[str, ...]
     """Warnings about the record: those of one joint with its number, those of all joints once."""
     each = [dict.fromkeys(channels.intake.warnings) for channels in log.channels]
     common = [text for text in each[0] if all(text in said for said in each)]
+    # The zero angle of a single link: gravity of an arm depends on all angles.
+    alone = {f.text for c in log.channels for f in c.intake.findings if f.kind == "zero_angle"}
     own = [
         f"joint {log.rig.number(j)}: {text}"
         for j, said in enumerate(each)
         for text in said
-        if text not in common and not text.startswith(_OF_A_PENDULUM)
+        if text not in common and text not in alone
     ]
     found = [*common, *own]
     if bodies is not None and not bodies.bodies.explain:
@@ -278,10 +280,6 @@ def warnings_of(log: ArmLog, bodies: IdentifiedBodies | None) -> tuple[str, ...]
             f" {bodies.bodies.misfit:.1f} standard errors; the loads are those of the nearest"
         )
     return tuple(found)
-
-
-_OF_A_PENDULUM = "gravity pulls towards"
-"""Beginning of a warning about the zero angle of a single link: gravity of an arm depends on all angles."""
 
 
 def _told(joint: JointFit) -> str:
