@@ -268,3 +268,13 @@ def test_friction_that_no_log_of_this_kind_shows_is_refused(family: str, receive
     """One line says which input the fit cannot provide."""
     with pytest.raises(InputError, match=f"fit requires .*, received some that depend on .*{received}"):
         eccentric.fit(LOG, RIG, with_effect(family))
+
+
+def test_an_alignment_that_the_rig_gives_is_not_estimated(result: FitResult) -> None:
+    """Delay, zero angle and offset of a rig that leaves none of them open are those of the rig, 0 here."""
+    given = {"value": 0.0, "estimated": False}
+
+    assert (
+        dict.fromkeys(("input_delay_s", "theta_zero_rad", "voltage_offset_V"), given)
+        == (result.document["alignment"])
+    )

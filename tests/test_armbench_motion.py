@@ -10,6 +10,7 @@ import pytest
 from eccentric.virtual_bench import ArmScenario, random_arm_scenario
 from eccentric.virtual_bench.arms.engine import RigidArm
 from eccentric.virtual_bench.arms.plant import FrictionLaw, JointFriction
+from eccentric.virtual_bench.arms.scenario import random_arm
 from eccentric.virtual_bench.arms.simulation import ArmTrace, trace
 from tests.armbench import drawn_arm_scenario, require_mujoco
 
@@ -133,3 +134,12 @@ def test_an_arm_moves_for_a_minute() -> None:
     course = random_arm_scenario(np.random.default_rng(1)).course
 
     assert (5, 12.0) == (course.runs, course.seconds)
+
+
+def test_a_drawn_arm_in_a_vertical_plane_hangs_at_zero() -> None:
+    """All angles 0, each link and its centre of mass are straight below the joint: gravity has no moment."""
+    arm = random_arm(np.random.default_rng(5), "2r")
+    for link in arm.links:
+        along = np.array(link.centre) / np.linalg.norm(link.centre)
+
+        np.testing.assert_allclose(arm.gravity, 9.81 * along, atol=1e-12)

@@ -278,3 +278,16 @@ def test_the_first_amplitude_grows_with_the_strength(family: str) -> None:
     assert (1.0 if free else 2.0) == pytest.approx(strong.amplitude / weak.amplitude)
     assert 0.0 < weak.amplitude <= weak.bound
     assert replace(weak, amplitude=strong.amplitude, strength=0.1, start=strong.start) == strong
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_friction_of_one_direction_is_not_there_at_rest(seed: int) -> None:
+    """The sign of w is 0 at rest: in neither direction is the level of the other one raised."""
+    effect, plant = planted("coulomb_asymmetry", seed)
+    s, (law,) = Motion(plant), effect.start().values()
+    found = []
+    for speed in (-1.0, 0.0, 1.0):
+        s.w_mid = effect.shape[0] * speed
+        found.append(law(s, 2.0))
+
+    assert [0.0, 0.0, 2.0] == found

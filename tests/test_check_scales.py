@@ -6,14 +6,17 @@ import copy
 import functools
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
+import numpy as np
 import pytest
 
 import eccentric
 from eccentric.logs import Log
 from eccentric.rigs import read_rig, rig_complaints
 from eccentric.signals import Finding, read_channels
+from eccentric.signals.quality.ratios import means_of
 
 KEYS = {"k_i": "k_i_Nm_per_A", "k_e": "k_e_Vs_per_rad", "R": "R_ohm"}
 INERTIA, MOTOR = ("J_m_kgm2", "J_l_kgm2"), ("R_ohm", "k_e_Vs_per_rad")
@@ -177,3 +180,23 @@ def test_a_value_without_quotes_is_shown_as_it_has_to_be_written(
     with pytest.raises(eccentric.InputError) as error:
         rig_complaints(path)
     assert f"{path}: {wanted}, received {line!r} in line 3" == str(error.value)
+
+
+def test_no_mean_of_rows_reaches_over_a_gap() -> None:
+    """Stretches of five rows at ten a second, by turns up to a row not used and to a new run: a mean each."""
+    stretch = np.repeat(np.arange(40), 6)
+    last = np.arange(240) % 6 == 5
+    kept = ~last | (stretch % 2 == 0)  # a row between two stretches, or none
+    stretch, used = stretch[kept].astype(float), ~last[kept]
+    omega, many = np.where(used, stretch, 1e3), len(stretch)
+    c = SimpleNamespace(
+        motion=SimpleNamespace(theta_m=omega, omega_m=omega, alpha_m=omega),
+        motor=SimpleNamespace(off=np.zeros(many, dtype=bool), current=omega, torque=None, voltage=None),
+        selection=SimpleNamespace(fit_rows=used),
+        time=SimpleNamespace(t=0.1 * np.arange(many), segment=(stretch + 1.0) // 2.0),
+        carried=(),
+    )
+    found = means_of(cast("Any", c), cast("Any", SimpleNamespace(known={})))
+
+    assert found is not None
+    assert list(range(40)) == found.omega.tolist()

@@ -15,8 +15,8 @@ from benchmarks.disguised import Column, disguised, judged
 from eccentric.api.simulated import BenchResult
 from eccentric.core import InputError
 from eccentric.drafting import draft_of, toml_of
+from eccentric.drafting.columns import Grid, nice_counts, step_of, wrap_of
 from eccentric.drafting.columns import LoggedColumn as Values
-from eccentric.drafting.columns import nice_counts, step_of, wrap_of
 from eccentric.drafting.words import Name, read_name
 from eccentric.logs import Log
 from eccentric.signals import beside_the_rig, read_channels
@@ -388,3 +388,12 @@ def test_a_check_says_what_a_diagnosis_requires_beyond_a_fit(arm: BenchResult, t
     assert any("diagnose also requires [known] R and k_e" in line for line in found.warnings)
     with pytest.raises(InputError, match="R and k_e are required"):
         eccentric.diagnose(arm.log, rig)
+
+
+def test_an_angle_that_restarts_is_put_together_again() -> None:
+    """Turns to and fro, logged within one turn, are the angle that was turned."""
+    angle = 40.0 * np.sin(np.linspace(0.0, 3.0, 2000))
+    logged = Values(read_name("angle", "rad"), np.mod(angle, 2.0 * np.pi))
+    found = Grid([], np.zeros(1999, dtype=bool)).unwrapped(logged)
+
+    assert angle == pytest.approx(found, abs=1e-9)

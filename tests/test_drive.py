@@ -15,6 +15,7 @@ from eccentric.signals import read_channels
 from tests.identified import FILTERED, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Run, Swing, log_of, write_rig, write_runs
 
+BENCH = Path(__file__).parents[1] / "examples" / "bench"
 ONE_RUN = 'holdout_runs = ["driven_2"]\n'
 
 
@@ -144,3 +145,15 @@ def test_a_voltage_gives_amperes_where_k_i_is_declared(
     drive = drive_of(channels, channels.rig, load_model("c2_parallel"))
 
     assert (True, expected) == (drive.by_voltage, drive.current_known)
+
+
+def test_a_current_alone_shows_neither_resistance_nor_back_emf() -> None:
+    """Its scale gives k_i; what it does not show is one ohm and no back-EMF, as where it is absent."""
+    channels = read_channels([BENCH / "bench.csv.gz"], read_rig(BENCH / "bench.json"))
+    model = load_model("c2_parallel")
+    drive = drive_of(channels, channels.rig, model)
+    known = {name: x for name, x in drive.known.items() if name not in {"R", "k_e"}}
+    found = fit_data_of(dataclasses.replace(drive, known=known, scale=8.0), channels.rig, model)
+
+    shown = {name: found.signals.known[name] for name in ("k_i", "R", "k_e")}
+    assert {"k_i": 1.0 / 8.0, "R": 1.0, "k_e": 0.0} == shown

@@ -288,3 +288,12 @@ def test_a_rig_that_leaves_values_open_is_refused() -> None:
         Columns(rig_of(joint, theta_zero_rad="estimate"))
     with pytest.raises(InputError, match="input_delay_s: 0 is required"):
         Columns(rig_of(joint, input_delay_s=0.01))
+
+
+def test_ten_columns_that_cancel_all_belong_to_their_dependency() -> None:
+    """The corners of a regular simplex add up to zero: each has a tenth of the square of that direction."""
+    corners = np.eye(10) - 0.1
+    rows = np.zeros((12, 12))
+    rows[:10, :10], rows[10, 10], rows[11, 11] = corners, 1.0, 1.0
+
+    assert list(range(10)) == dependent(merged(rows))

@@ -283,3 +283,10 @@ def test_it_runs_where_only_jax_is_installed(tmp_path: Path) -> None:
 
     assert "float32" == dtype
     np.testing.assert_array_max_ulp(np.array(ast.literal_eval(shown), np.float32), expected, 4)
+
+
+def test_a_divisor_of_zero_is_one_in_a_branch_that_is_not_taken() -> None:
+    """Only zeros are replaced, of JAX and of NumPy."""
+    given, expected = [0.0, -0.0, 3.0, -1e-300], [1.0, 1.0, 3.0, -1e-300]
+    for array in (jnp.asarray, np.array):
+        assert expected == jaxed("c2_parallel")._nonzero(array(given)).tolist()

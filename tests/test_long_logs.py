@@ -16,7 +16,7 @@ from eccentric.rigs import Rig, read_rig
 from eccentric.signals import read_long
 from eccentric.signals.long.choice import choose, solved
 from eccentric.signals.long.limits import COLUMNS
-from eccentric.signals.long.survey import LogSurvey, Window, survey
+from eccentric.signals.long.survey import Cells, LogSurvey, Window, state_name, states_of, survey
 from eccentric.signals.table import read_table
 from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain
 
@@ -350,3 +350,16 @@ def test_progress_is_told_while_a_long_log_is_read(long_log: Path) -> None:
     assert sorted(told) == told
     assert 1.0 == told[-1]
     assert len(told) > 3
+
+
+def test_cells_have_states_where_they_move() -> None:
+    """A cell at rest has none; another way is another state; each state is named by its kind."""
+    t = np.array([1.0, 1.0, -1.0, 1.0])
+    cells = Cells(0.04 * np.ones(4), 5.0 * t, t, t, None, None, np.ones(4, dtype=bool))
+    moving = np.array([True, True, True, False])
+    found = states_of(cells, moving, np.zeros(4, dtype=bool), (1.0, 1.0, 1.0))
+
+    assert [-1] * 4 == [state[3] for state in found]
+    assert [True] * 4 == [bool(state[0] == state[1] != state[2]) for state in found]
+    assert ["speed", "drive", "acceleration", "speed and drive"] == [state_name(s[0]) for s in found]
+    assert ["speed", "drive", "acceleration", "speed and drive"] == [state_name(s[2]) for s in found]

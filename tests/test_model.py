@@ -4,7 +4,8 @@ import pytest
 import sympy as sp
 
 from eccentric.core import InputError
-from eccentric.model import Balance, Definition, Model, Role, Term, quantity
+from eccentric.model import Balance, Change, Definition, Extension, Model, Role, Term, extended, quantity
+from eccentric.model import vocabulary as v
 
 speed = quantity("speed", "rad/s", "velocity")
 b = quantity("b", "N m s/rad", "viscous friction", domain="nonnegative")
@@ -64,3 +65,11 @@ def test_a_balance_sums_its_terms_with_the_sign_of_their_kind() -> None:
     assert sp.Symbol("tau") - b.symbol * speed.symbol == balance.residual()
     assert b.symbol * speed.symbol == balance.sum_of("friction")
     assert sp.Symbol("tau") + b.symbol * speed.symbol == balance.sum_of("friction", "drive")
+
+
+def test_further_inputs_come_in_their_usual_order_and_the_acceleration_last() -> None:
+    """Angle before time, then what the vocabulary does not have, then the motor's acceleration."""
+    change = Change(inputs=(v.alpha_m, v.t, v.theta_m))
+    found = extended(model(), Extension("more", change)).inputs
+
+    assert [v.theta_m, v.t, speed, v.alpha_m] == list(found)

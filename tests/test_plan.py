@@ -426,3 +426,14 @@ def test_a_limit_is_drawn_where_it_does_not_flatten_the_motion(
 
     assert lines == [np.asarray(line.get_ydata())[0] for line in speed.lines if line.get_linestyle() == "--"]
     assert title == speed.get_title(loc="right")
+
+
+def test_a_declared_value_stands_in_for_a_rivals_own_effect(contest: Separation) -> None:
+    """Each is a further explanation: what all rivals have, and it alone in place of what they differ in."""
+    first, *others = ([v.candidate.id for v in rival.variants] for rival in contest.rivals)
+    shared = [one for one in first if all(one in other for other in others)]
+
+    assert [] != contest.declared
+    assert [[*shared, c.id] for c in contest.declared] == [
+        [v.candidate.id for v in one.variants] for one in contest.besides
+    ]
