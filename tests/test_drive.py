@@ -147,13 +147,16 @@ def test_a_voltage_gives_amperes_where_k_i_is_declared(
     assert (True, expected) == (drive.by_voltage, drive.current_known)
 
 
-def test_a_current_alone_shows_neither_resistance_nor_back_emf() -> None:
-    """Its scale gives k_i; what it does not show is one ohm and no back-EMF, as where it is absent."""
+@pytest.mark.parametrize(
+    "declared", [{}, {"R": 3.0}, {"R": 3.0, "k_e": 0.02}], ids=["nothing", "R", "R and k_e"]
+)
+def test_a_current_alone_shows_neither_resistance_nor_back_emf(declared: dict[str, float]) -> None:
+    """Its scale gives k_i; what the rig does not declare is one ohm and no back-EMF."""
     channels = read_channels([BENCH / "bench.csv.gz"], read_rig(BENCH / "bench.json"))
     model = load_model("c2_parallel")
     drive = drive_of(channels, channels.rig, model)
-    known = {name: x for name, x in drive.known.items() if name not in {"R", "k_e"}}
+    known = {name: x for name, x in drive.known.items() if name not in {"R", "k_e"}} | declared
     found = fit_data_of(dataclasses.replace(drive, known=known, scale=8.0), channels.rig, model)
 
     shown = {name: found.signals.known[name] for name in ("k_i", "R", "k_e")}
-    assert {"k_i": 1.0 / 8.0, "R": 1.0, "k_e": 0.0} == shown
+    assert {"k_i": 1.0 / 8.0, "R": 1.0, "k_e": 0.0} | declared == shown

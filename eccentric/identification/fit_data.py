@@ -87,8 +87,8 @@ def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
         values["i"] = drive.machine.current_of_torque(known, channels.smooth(drive.torque()))
     if drive.scale is not None:
         machine = drive.machine
-        known = dict.fromkeys(machine.back_emf_letters, 0.0) | known
-        known |= dict.fromkeys(machine.resistance_letters, 1.0) | drive.scaled()
+        absent = dict.fromkeys(machine.back_emf_letters, 0.0) | dict.fromkeys(machine.resistance_letters, 1.0)
+        known = absent | known | drive.scaled()
     if drive.by_voltage:
         values["u"] = channels.smooth(drive.signal())
     starts = tuple(int(k) for k in np.flatnonzero(np.r_[True, np.diff(channels.time.segment) != 0]))
