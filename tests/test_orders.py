@@ -89,6 +89,18 @@ def test_a_fraction_of_the_turn_is_found_as_such(found: Diagnosis) -> None:
     assert order.amplitude == pytest.approx(0.2e-3, rel=0.05)
 
 
+def test_a_drift_over_a_stretch_is_no_part_of_a_ripple(found: Diagnosis) -> None:
+    """A torque that rises evenly with time leaves every order as it is."""
+    ripple = 0.2e-3 * np.cos(2.5 * found.channels.motion.theta_m) + noise(found, 2)
+    (still,) = orders_of(found.data, ripple)
+    (drifting,) = orders_of(found.data, ripple + 0.1e-3 * found.channels.time.t)
+
+    assert still.seen == drifting.seen
+    assert still.per_turn == pytest.approx(drifting.per_turn, rel=1e-6)
+    assert still.amplitude == pytest.approx(drifting.amplitude, rel=1e-4)
+    assert still.share == pytest.approx(drifting.share, rel=1e-4)
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_spectrum_over_the_angle_is_that_of_lomb_and_scargle(sign: float) -> None:
     """SciPy's normalised periodogram, on uneven angles in either direction."""
