@@ -118,11 +118,10 @@ def test_what_is_kept_of_a_suspect_is_made_of_its_own_result(monkeypatch: pytest
     monkeypatch.setattr(run, "spread", lambda *_: ((s, results[s.joint]) for s in (good, bad)))
     into: dict[str, Examined] = {}
 
-    problems = run._examined(
-        [good, bad],
-        *(None, lambda _: (), lambda suspect, result: Examined(report=f"{suspect.joint}: {result}")),
-        *(into, lambda *_: None),
-    )
+    def keep(suspect: Suspect, result: str) -> Examined:
+        return Examined(report=f"{suspect.joint}: {result}")
+
+    problems = run._examined([good, bad], None, lambda _: (), keep, into, lambda *_: None)
 
     assert {"J": Examined(report="J: a result"), "K": Examined(said="no luck")} == into
     assert [("K", "no luck")] == [(problem.joint, problem.text) for problem in problems]

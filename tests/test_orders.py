@@ -7,6 +7,7 @@ import pytest
 from scipy.signal import find_peaks, lombscargle
 
 from eccentric.diagnosis import Diagnosis, diagnose, orders_of, score
+from eccentric.presentation import diagnosis_document
 from tests import screw
 from tests.screw import Array
 
@@ -62,6 +63,14 @@ def test_orders_of_a_log_are_those_of_its_ripple(found: Diagnosis) -> None:
         assert order.seen == order.stretches == len(screw.SPEEDS)
         variance = screw.NOISE**2 + sum(a**2 / 2.0 for a in RIPPLE.values())
         assert order.share == pytest.approx(RIPPLE[whole] ** 2 / 2.0 / variance, rel=0.1)
+
+
+def test_means_of_whole_runs_have_no_error_below_a_low_pass(found: Diagnosis) -> None:
+    """One mean a run is no signal in time: the document has the key, without a value."""
+    document = diagnosis_document(found)
+
+    assert "error_band" in document
+    assert document["error_band"] is None
 
 
 def noise(found: Diagnosis, seed: int) -> Array:
