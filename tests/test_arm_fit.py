@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from eccentric.api.of_arms import ArmFitResult
 from eccentric.core import InputError
 from eccentric.joints import ArmFit, fit_arm
 from eccentric.joints.base_parameters import (
@@ -48,6 +49,15 @@ def test_the_load_is_found_in_the_right_joint(known: ArmFit, opened: ArmFit) -> 
     for found in (known, opened):
         assert [(Load.NORMAL,), ()] == [joint.loads.followed for joint in found.joints]
         assert found.joints[0].interval[0] > 80.0
+
+
+def test_the_table_has_a_row_for_each_joint(known: ArmFit) -> None:
+    """By the names of its columns: the shoulder follows F_N, the elbow nothing."""
+    table = ArmFitResult(fit=known, lines=(), warnings=(), document={}).table()
+
+    assert [1, 2] == table["joint"]
+    assert [Load.NORMAL.value, ""] == table["follows"]
+    assert [joint.interval[0] for joint in known.joints] == table["lower"]
 
 
 def test_coefficients_are_those_planted(known: ArmFit) -> None:

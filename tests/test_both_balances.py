@@ -174,6 +174,16 @@ def test_the_torque_names_an_effect_on_the_flux_unless_its_voltage_is_missing(
     assert ("named", [expected]) == verdict_of({5: 6.0}, {}, on_the_flux(6.0 / predicted), FRICTION)
 
 
+def test_the_least_of_all_rivals_counts() -> None:
+    """A rival without a torque is far behind; one with the same torque is as good, and settles nothing."""
+    twin = replace(on_the_flux(2.0, name="twin"), columns=lambda _: mixed({2: 1.0, 3: 1e-3})[:, None])
+    other = candidate("other", {2: 1.0, 3: -1e-3}, balance="electrical")
+
+    verdict, names = verdict_of({5: 6.0}, {2: 3.0}, on_the_flux(2.0), twin, other)
+
+    assert ("not_identifiable", True) == (verdict, {"flux", "twin"} <= set(names))
+
+
 def test_what_the_circuit_shows_besides_is_fitted_beside_the_voltage_of_the_torque() -> None:
     """Fitted without it, the other effect has taken a part of its voltage, which would then count twice."""
     other = candidate("other", {2: 1.0, 3: 0.5}, balance="electrical")

@@ -10,6 +10,11 @@ import numpy as np
 import pytest
 
 from eccentric.api import check_rig, draft_rig, fit
+from eccentric.drafting.against import log_complaints
+from eccentric.drafting.draft import Draft
+from eccentric.drafting.proposal import Proposal, RigLine
+from eccentric.logs import Log
+from eccentric.rigs import read_rig
 from eccentric.virtual_bench import random_scenario, simulate
 
 MU = 0.2
@@ -93,3 +98,18 @@ def test_a_rig_of_one_side_is_not_contradicted_by_the_other(mapped: tuple[str, s
     rig["known"] = {"case": "C1", "mu": 1, "M": "0.5 kg", "L": "0.3 m", "k_i": "0.3 N m/A"}
 
     assert not [line for line in check_rig(columns, rig).complaints if "mu" in line]
+
+
+@pytest.mark.parametrize("mapped", [False, True])
+def test_a_gear_between_two_columns_judges_a_rig_that_has_both(mapped: bool) -> None:
+    """The arm's angle against the motor's speed shows 1/5; a rig without that speed may have mu = 1."""
+    units = {"time": "s", "theta_l": "rad", "omega_m": "rad/s", "torque": "N m"}
+    proposals = tuple(Proposal(name, name, unit, (), 0.9) for name, unit in units.items())
+    draft = Draft("log.csv", proposals, (RigLine("known", "mu", '"1/5"', "the slope"),), {}, ())
+    log = Log("log.csv", {name: np.arange(5.0) for name in units}, 5)
+    columns = {name: {"column": name, "unit": units[name]} for name in units if mapped or name != "omega_m"}
+    rig = read_rig({"columns": columns, "known": {"case": "C1", "mu": 1.0}})
+
+    complaints = [one for one in log_complaints(rig, log, draft) if one.key == "mu"]
+
+    assert mapped == bool(complaints)

@@ -17,6 +17,7 @@ from eccentric.core import InputError
 from eccentric.drafting import draft_of, toml_of
 from eccentric.drafting.columns import Grid, nice_counts, step_of, wrap_of
 from eccentric.drafting.columns import LoggedColumn as Values
+from eccentric.drafting.units import find_runs
 from eccentric.drafting.words import Name, read_name
 from eccentric.logs import Log
 from eccentric.signals import beside_the_rig, read_channels
@@ -69,6 +70,25 @@ def test_a_confidence_is_a_probability(arm: BenchResult) -> None:
 
     assert {"voltage"} == {one.channel for one in found if one.source == "c"}
     assert [] == [one for one in found if not 0.0 < one.confidence <= 1.0]
+
+
+def test_of_two_columns_in_blocks_the_one_that_is_called_run_names_the_runs() -> None:
+    """A mode that changes twice is as much in blocks, and comes first."""
+    texts = {"mode": np.repeat(["a", "b", "c"], 20), "run": np.repeat(["first", "second"], 30)}
+
+    proposal, changes = find_runs({}, texts, 60)
+
+    assert proposal is not None
+    assert ("run", "run") == (proposal.channel, proposal.column)
+    assert [29] == np.flatnonzero(changes).tolist()
+
+
+def test_voltage_and_current_that_tell_each_other_apart_are_equally_sure(arm: BenchResult) -> None:
+    """One relation of the circuit speaks for both; the size of a column without a name makes it no surer."""
+    names = {"time_s": "time_s", "theta_m_rad": "theta_m_rad", "current_A": "current_A", "voltage_V": "c"}
+    sure = {p.channel: p.confidence for p in draft_of(renamed(arm.log, names, {})).proposals}
+
+    assert sure["current"] == sure["voltage"]
 
 
 def test_units_without_names_follow_from_physics(arm: BenchResult) -> None:

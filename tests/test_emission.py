@@ -30,7 +30,7 @@ from eccentric.emission import (
     render_program,
     write,
 )
-from eccentric.emission.program import Assignment, Input, Program, Routine, differentiate, needed
+from eccentric.emission.program import Assignment, Input, Program, Routine, differentiate, needed, prepare
 from eccentric.model import load_model, model_names, quantity
 from generated import c2_parallel
 from tests.compiled import FLAGS
@@ -358,3 +358,10 @@ def test_bad_derivation_is_one_line(
     assert 2 == status
     assert 1 == error.count("\n")
     assert said in error
+
+
+def test_a_difference_of_letters_is_called_minus() -> None:
+    """A coefficient has the name of its formula."""
+    k_e, k_i = sp.symbols("k_e k_i", positive=True)
+
+    assert "k_e_minus_k_i" == prepare._name(k_e - k_i, "driving")

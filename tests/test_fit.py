@@ -12,6 +12,7 @@ import pytest
 from eccentric.core import InputError
 from eccentric.emission import load_module
 from eccentric.identification import Fit, fit
+from eccentric.identification.problem import pose
 from eccentric.model import load_model
 from eccentric.presentation import emitted_parameters, fit_document, fit_lines, fit_sentence
 from eccentric.rigs import read_rig
@@ -19,6 +20,7 @@ from eccentric.signals import read_channels
 from tests.planted import (
     FRICTION,
     INERTIA,
+    J_L,
     K_E,
     K_I,
     KNOWN,
@@ -84,6 +86,18 @@ def test_inertia_and_torque_constant_are_identified_along(tmp_path: Path) -> Non
     assert expected == pytest.approx(actual, rel=2e-3)
     assert found.coefficients["1/k_i"].value == pytest.approx(1.0 / K_I, rel=1e-3)
     assert found.problem.unit == "A"
+
+
+def test_a_known_part_of_an_open_inertia_is_not_in_what_is_fitted(tmp_path: Path) -> None:
+    """With J_l in the rig or without, the coefficient of the whole inertia explains the same torque."""
+    drive = {"torque_Nm": torque("C2", FRICTION)}
+    known = 'case = "C2"\n' + KNOWN + TORQUE
+    targets = []
+    for given in ("", f"J_l_kgm2 = {J_L}\n"):
+        channels, rig = written(tmp_path, known + given, drive)
+        targets.append(pose(channels, rig, load_model(rig.model)).design({}).target)
+
+    np.testing.assert_allclose(targets[0], targets[1], atol=1e-12)
 
 
 def test_back_emf_and_motor_damping_share_a_column(tmp_path: Path) -> None:

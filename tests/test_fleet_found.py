@@ -12,9 +12,9 @@ import pytest
 
 from eccentric.api import fleet as api
 from eccentric.core import InputError
-from eccentric.fleet import NOT_GROUPED, FleetProblem, Suspect
+from eccentric.fleet import NOT_GROUPED, FleetProblem, Suspect, run
 from eccentric.fleet.drift import Changed, FleetChange, Series
-from eccentric.fleet.found import FleetFound, drifting_of
+from eccentric.fleet.found import Examined, FleetFound, drifting_of
 from eccentric.fleet.periods import History
 from eccentric.presentation import fleet_sentence
 from eccentric.rigs import Rig
@@ -107,6 +107,24 @@ def test_the_gain_of_old_effects_is_not_that_of_a_new_one(
     assert said.names == ()
     assert (said.before, said.after) == (suspect.changed.before, suspect.changed.after)
     assert said.what.endswith("new beside stribeck: cogging[d=1], whose own gain is not known")
+
+
+def test_what_is_kept_of_a_suspect_is_made_of_its_own_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of two joints one is diagnosed and the other fails: each has its word, and the failure is told."""
+    _, joint = one_joint()
+    good = _suspect(rig_of(joint))
+    bad = replace(good, joint="K")
+    results = {"J": "a result", "K": run.Failed("no luck")}
+    monkeypatch.setattr(run, "spread", lambda *_: ((s, results[s.joint]) for s in (good, bad)))
+    into: dict[str, Examined] = {}
+
+    def keep(suspect: Suspect, result: str) -> Examined:
+        return Examined(report=f"{suspect.joint}: {result}")
+
+    problems = run._examined([good, bad], None, lambda _: (), keep, into, lambda *_: None)
+
+    assert {"J": Examined(report="J: a result"), "K": Examined(said="no luck")} == into
+    assert [("K", "no luck")] == [(problem.joint, problem.text) for problem in problems]
 
 
 def test_a_new_effect_with_a_gain_of_its_own_is_named(

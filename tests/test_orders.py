@@ -7,6 +7,7 @@ import pytest
 from scipy.signal import find_peaks, lombscargle
 
 from eccentric.diagnosis import Diagnosis, diagnose, orders_of, score
+from eccentric.presentation import diagnosis_document
 from tests import screw
 from tests.screw import Array
 
@@ -64,6 +65,14 @@ def test_orders_of_a_log_are_those_of_its_ripple(found: Diagnosis) -> None:
         assert order.share == pytest.approx(RIPPLE[whole] ** 2 / 2.0 / variance, rel=0.1)
 
 
+def test_means_of_whole_runs_have_no_error_below_a_low_pass(found: Diagnosis) -> None:
+    """One mean a run is no signal in time: the document has the key, without a value."""
+    document = diagnosis_document(found)
+
+    assert "error_band" in document
+    assert document["error_band"] is None
+
+
 def noise(found: Diagnosis, seed: int) -> Array:
     """White noise on the samples."""
     return screw.NOISE * np.random.default_rng(seed).standard_normal(len(found.channels.time.t))
@@ -87,6 +96,18 @@ def test_a_fraction_of_the_turn_is_found_as_such(found: Diagnosis) -> None:
     (order,) = orders_of(found.data, 0.2e-3 * np.cos(2.5 * found.channels.motion.theta_m) + noise(found, 2))
     assert order.per_turn == pytest.approx(2.5, abs=0.02)
     assert order.amplitude == pytest.approx(0.2e-3, rel=0.05)
+
+
+def test_a_drift_over_a_stretch_is_no_part_of_a_ripple(found: Diagnosis) -> None:
+    """A torque that rises evenly with time leaves every order as it is."""
+    ripple = 0.2e-3 * np.cos(2.5 * found.channels.motion.theta_m) + noise(found, 2)
+    (still,) = orders_of(found.data, ripple)
+    (drifting,) = orders_of(found.data, ripple + 0.1e-3 * found.channels.time.t)
+
+    assert still.seen == drifting.seen
+    assert still.per_turn == pytest.approx(drifting.per_turn, rel=1e-6)
+    assert still.amplitude == pytest.approx(drifting.amplitude, rel=1e-4)
+    assert still.share == pytest.approx(drifting.share, rel=1e-4)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

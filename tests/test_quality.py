@@ -18,6 +18,8 @@ from eccentric.core import InputError
 from eccentric.rigs import read_rig
 from eccentric.signals import Finding, read_channels
 from eccentric.signals.quality import assess
+from eccentric.signals.quality.findings import Record, _steady
+from eccentric.signals.quality.limits import FROZEN_ROWS
 from eccentric.signals.table import read_table
 from eccentric.virtual_bench import BenchRun, random_scenario, simulate
 
@@ -304,3 +306,16 @@ def test_time_in_ms_is_told_where_it_is_not_refused(tmp_path: Path) -> None:
     columns = scaled("time_s", 1e3)(NO_SPEED(run.columns))
     found = findings(*written(tmp_path, columns, rig | {"moving_threshold_rad_s": 0.0}))
     assert ("wrong_unit", "time") in {(f.kind, f.channel) for f in found}
+
+
+@pytest.mark.parametrize(("change", "steady"), [(0.005, True), (0.015, False)])
+def test_a_speed_is_steady_within_a_hundredth_of_the_top_one(change: float, steady: bool) -> None:
+    """A ramp that rises by less over a frozen stretch is, one that rises by more is not."""
+    n = 10 * FROZEN_ROWS
+    # The ramp, then as many rows at the top speed of 10 rad/s.
+    speed = np.append(5.0 + 10.0 * change * np.arange(n) / FROZEN_ROWS, np.full(n, 10.0))
+    none = np.zeros(2 * n, dtype=np.int64)
+    record = Record(0.01 * np.arange(2.0 * n), none, none, none == 0, speed, 0.01 * np.cumsum(speed), None)
+
+    assert steady == np.all(_steady(record)[: n - FROZEN_ROWS])
+    assert steady == np.any(_steady(record)[: n - FROZEN_ROWS])

@@ -110,6 +110,14 @@ def test_rows_that_name_their_channel(read: Callable[[str], Log]) -> None:
     assert log.numbers("mode").tolist() == [float(one > 1.104 - 1e-9) for one in t]
 
 
+def test_two_channels_in_turn_need_few_rows(read: Callable[[str], Log]) -> None:
+    """A name that differs from that of the row before counts, not one that differs from the first."""
+    rows = [f"{k / 100.0};{'ab'[k % 2]};{k}\n" for k in range(16)]
+    log = read("t;signal;value\n" + "".join(rows))
+
+    assert {"t", "a", "b"} == set(log.columns)
+
+
 def test_a_log_that_lost_values_is_not_several_topics(read: Callable[[str], Log]) -> None:
     """Columns that are filled together in some rows belong to one table, gaps and all."""
     lines = (f"{t},{'' if k % 3 == 0 else 1},{'' if k % 3 == 1 else 2}\n" for k, t in enumerate(T))

@@ -92,6 +92,13 @@ def test_the_page_is_written_without_importing_bokeh(monkeypatch: pytest.MonkeyP
     assert "bokeh" not in sys.modules
 
 
+def test_a_tenth_of_a_millinewton_metre_is_labelled_as_a_decimal(plain: str) -> None:
+    """The axis writes powers of ten only for what is smaller."""
+    (exponent,) = re.findall(r"power_limit_low = ([-+]?\d+);", plain)
+
+    assert 10.0 ** int(exponent) < 1e-4
+
+
 def test_the_figures_carry_what_was_planted(plain: str) -> None:
     """0.03 sin(2 theta_l) over the link angle, which comes first, with labels and units."""
     first = json.loads(figures_of(plain))[0]

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import pytest
 import sympy as sp
 
 from eccentric.effects import Setting, library
@@ -51,3 +52,27 @@ def test_a_letter_of_the_users_own_is_escaped() -> None:
 
     assert "<b>" not in friction.mathml
     assert "&lt;b&gt;bold" in friction.mathml
+
+
+@pytest.mark.parametrize(
+    ("effect_id", "left", "minus"),
+    [
+        ("cable_spring", "torque of the drive", False),
+        ("kt_ripple[n=2]", "torque of the drive", True),
+        ("kt_ripple[n=2]", "voltage", False),
+    ],
+)
+def test_what_an_effect_adds_has_the_sign_that_the_drive_needs(
+    effect_id: str, left: str, minus: bool
+) -> None:
+    """A cable needs more torque, a larger flux less torque and more voltage."""
+    base = load_model("c2_parallel")
+    setting = Setting(base, 0.2, {"k_i": 0.06}, 0.5, 40.0, 10.0, 60.0, 5.0)
+    effect = next(e for e in library(setting) if e.id == effect_id)
+    (added,) = (
+        one.mathml
+        for one in friction_equations(effect.extend(base), [effect])
+        if one.note.startswith(left) and "in addition" in one.note
+    )
+
+    assert minus == ("<mo>−</mo>" in added)

@@ -12,6 +12,7 @@ from scipy import signal
 from scipy.integrate import quad
 
 from eccentric.core import InputError
+from eccentric.diagnosis.search import balances
 from eccentric.signals import Rows, hann_windows, low_pass_of, white_noise
 from eccentric.signals.filters import is_even
 from eccentric.signals.limits import BLOCK_S
@@ -169,6 +170,16 @@ def test_a_low_pass_before_the_mean_reduces_white_noise_further() -> None:
         filtered = dataclasses.replace(rows, smooth=low_pass)
 
         np.testing.assert_allclose(filtered.mean(noise).std(), filtered.noise_gain()[0], rtol=0.02)
+
+
+def test_the_noise_of_a_row_is_that_of_averaged_samples() -> None:
+    """White noise, and its opposite, remain in a mean with the RMS of the means."""
+    noise = np.random.default_rng(7).standard_normal(40_000)
+    rows = hann(0.004 * np.arange(len(noise)), 0.064)
+    expected = rows.mean(noise).std()
+
+    assert expected == pytest.approx(balances._row_noise(noise, rows), rel=0.05)
+    assert expected == pytest.approx(balances._row_noise(-noise, rows), rel=0.05)
 
 
 def test_the_noise_of_a_sensor_is_found_under_a_smooth_signal() -> None:
