@@ -61,9 +61,9 @@ class Result:
         return self.file, self.line, self.before, self.after
 
     @property
-    def argued(self) -> tuple[str, str, str]:
-        """What an argument for its equivalence names: the line may move."""
-        return self.file, self.before, self.after
+    def argued(self) -> tuple[str, str]:
+        """What an argument for its equivalence names: the line may move, and its file may be merged."""
+        return self.before, self.after
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -253,16 +253,16 @@ def chosen(
     return [batch for batch in (found[:count], found[count:]) if batch], bool(late)
 
 
-def equivalent(root: Path) -> dict[tuple[str, str, str], str]:
+def equivalent(root: Path) -> dict[tuple[str, str], str]:
     """Mutants that no test can notice, and why."""
     path = root / "benchmarks" / "equivalent_mutants.toml"
     if not path.is_file():
         return {}
     entries = tomllib.loads(path.read_text(encoding="utf-8"))["mutant"]
-    return {(e["file"], e["before"], e["after"]): e["why"] for e in entries}
+    return {(e["before"], e["after"]): e["why"] for e in entries}
 
 
-def table(results: list[Result], argued: Mapping[tuple[str, str, str], str]) -> list[str]:
+def table(results: list[Result], argued: Mapping[tuple[str, str], str]) -> list[str]:
     """One row per room, and the survivors."""
     lines = [
         "",
