@@ -67,7 +67,7 @@ def test_the_acceleration_of_a_sine_is_that_of_its_quintic_spline(part: float) -
     t = np.arange(4000) / rate
     angle, _, acceleration, passed = motion(t, np.sin(2.0 * np.pi * part * np.arange(4000)), 25.0)
     aliases = 2.0 * np.pi * (part + np.arange(-50, 51))
-    factor = -(rate**2) * np.sum(aliases**-4) / np.sum(aliases**-6)
+    factor = -(rate**2) * float(np.sum(aliases**-4) / np.sum(aliases**-6))
     middle = slice(1500, -1500)
 
     assert passed
