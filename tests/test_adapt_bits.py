@@ -104,3 +104,37 @@ def test_the_models_own_files_stay(folder_of: Callable[[str], Path], name: str) 
     folder = folder_of(name)
 
     assert plain == {file: (folder / file).read_text(encoding="utf-8") for file in plain}
+
+
+def least(k: Any) -> tuple[Any, Any]:
+    """A speed, and the least variance of the viscous friction with which a row there is of the least size."""
+    for speed in map(k.real, range(5, 50)):
+        f = speed * k.SCALE_2
+        d = k.LEAST_ZETA / (f * f) * k.real(1.0 - 4.0 * np.finfo(k.real).eps)
+        while f * (d * f) < k.LEAST_ZETA:
+            d = np.nextafter(d, k.ONE)
+        if f * (d * f) == k.LEAST_ZETA:
+            return speed, k.real(d)
+    raise AssertionError("no such row")
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_a_row_counts_from_the_same_size_on(folder_of: Callable[[str], Path], dtype: Any) -> None:
+    """One of exactly the least size is learned from in C and in Python; the next smaller one in neither."""
+    folder = folder_of("c2_parallel")
+    python, c = module(folder, "c2_parallel"), Estimator(folder, "c2_parallel", dtype)
+    k = python.init(dtype).constants
+    speed, variance = least(k)
+    learned = []
+    for d in (k.real(np.nextafter(variance, k.ZERO)), variance):
+        state = python.init(dtype)
+        c["adapt_init"](c.state)
+        for one in (state, c.state):
+            one.settled, one.forward, one.d = 20, 1, [k.ZERO, k.ZERO, d, k.ZERO]
+        row = [np.array([x], dtype) for x in (0.3, speed, 0.0, 2.0)]
+        flags = python.replay(*row, state)["flags"].tolist()
+        assert flags == c.learn(row)
+        assert python_bits(state) == c.bits()
+        learned.append(bool(flags[0] & python.UPDATED))
+
+    assert [False, True] == learned

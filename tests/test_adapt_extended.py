@@ -9,9 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.special import ellipe
 
 from eccentric.core import InputError
 from eccentric.emission.adapt import prior_of
+from eccentric.emission.adapt.prior import _seen
 from eccentric.model import Model, load_model, with_values
 from tests.adapted import DRIVE, Estimator, emitted, module, motion, python_bits
 from tests.extended import effects
@@ -91,3 +93,18 @@ def test_stribeck_friction_may_move_by_a_share_of_its_size() -> None:
 
     deviations = dict(zip((c.name for c in prior.columns), prior.deviations, strict=True))
     assert deviations[coefficient.name] == pytest.approx(0.3 * 0.05, rel=1e-6)
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.01])
+def test_a_column_is_as_large_as_its_mean_over_a_turn_of_the_link(mu: float) -> None:
+    """F_N, the length of M L w^2 + (M + M_l) g, has a complete elliptic integral as its mean."""
+    known = {"M": 0.6, "M_l": 0.3, "L": 0.4, "g": 9.81, "mu": mu}
+    model = with_values(load_model("c2_parallel"), DRIVE | known, "c2_parallel")
+    _, sizes, _ = _seen(model, 40.0, 0.01)
+    weight = (0.6 + 0.3) * 9.81
+    pulls = [0.6 * 0.4 * (mu * speed) ** 2 for speed in (20.0, 40.0)]
+    means = [
+        2.0 / math.pi * (pull + weight) * ellipe(4.0 * pull * weight / (pull + weight) ** 2) for pull in pulls
+    ]
+
+    assert mu * sum(means) / 2.0 == pytest.approx(sizes[1], rel=1e-5)

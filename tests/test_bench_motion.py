@@ -186,6 +186,19 @@ def test_warmth_changes_the_friction_of_other_effects(warm: str, other: str, rea
     assert (falls * added if reached else 0.0) == pytest.approx(more, rel=1e-6, abs=1e-15)
 
 
+def test_warm_dry_friction_slows_a_coasting_drive_by_what_is_left_of_it() -> None:
+    """Where warmth takes half of it, the speed falls by half of c dt/J in a step with nothing else."""
+    scenario = drawn_scenario(effects=["coulomb_temperature"])
+    dry = {"M": 0.0, "k_i": 0.0, "k_e": 0.0, "B_m": 0.0, "B_lN": 0.0}
+    plant, effect, dt = replace(scenario.plant, **dry), scenario.effects[0], 1e-3
+    motion = Motion(plant, w=40.0, effects=1)
+    motion.temperature = plant.Tamb + 0.5 / effect.amplitude
+    mover(plant, motion, dt, laws([effect]))(0.0)
+    level = plant.C_m + plant.mu * plant.C_lN * plant.M_l * plant.g
+
+    assert 0.5 * level * dt / plant.inertia == pytest.approx(40.0 - motion.w, rel=1e-9)
+
+
 def test_an_effect_acts_on_the_rig_that_moves() -> None:
     """Drawn on one rig and carried to one of twice the mass, a tilt A leaves M g cos A of its gravity."""
     scenario = drawn_scenario(effects=[("gravity_tilt", 0.1)])

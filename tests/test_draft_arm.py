@@ -13,6 +13,8 @@ import eccentric
 from eccentric import cli
 from eccentric.core import InputError
 from eccentric.drafting import draft_of_arm
+from eccentric.drafting.of_arm import _agreed
+from eccentric.drafting.proposal import Proposal
 from eccentric.logs import Log
 from eccentric.rigs import read_arm, read_arm_rig
 from eccentric.signals import read_joints
@@ -120,3 +122,12 @@ def test_the_command_writes_the_path_of_the_arm_from_the_rig(arm: Path, tmp_path
     assert "../planar.toml" == tomllib.loads(text)["arm"]
     assert f"#? k_i = {json.dumps(['0.1 N m/A'] * 2)}" in text
     assert 2 == len(read_arm_rig(out).joints) == len(read_arm(arm).joints)
+
+
+def test_a_column_that_all_joints_agree_on_is_no_doubt() -> None:
+    """A doubt is where a joint that moves says otherwise, or nothing; the confidence is shared out."""
+    angle = Proposal("theta_l", "q_1", "rad", ("its range",), 0.9)
+    found = [_agreed("q_{j}", [angle] * votes, 3) for votes in (3, 2)]
+
+    assert ["", "so in 2 of 3 joints that move"] == [p.doubt for p in found]
+    assert pytest.approx([0.9, 0.6]) == [p.confidence for p in found]

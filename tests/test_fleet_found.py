@@ -15,8 +15,10 @@ from eccentric.core import InputError
 from eccentric.fleet import NOT_GROUPED, FleetProblem, Suspect, run
 from eccentric.fleet.drift import Changed, FleetChange, Series
 from eccentric.fleet.found import Examined, FleetFound, drifting_of
-from eccentric.fleet.periods import History
+from eccentric.fleet.periods import History, Period
+from eccentric.fleet.sums import Coverage
 from eccentric.presentation import fleet_sentence
+from eccentric.presentation.fleet_html import _levels
 from eccentric.rigs import Rig
 from tests.fleets import one_joint, rig_of
 
@@ -70,6 +72,31 @@ def _as_found(
     errors = {"mechanical": {"paper": before, "extended": after}}
     document = {"effects": effects, "tied": list(tied), "improvement": {"balance": "mechanical"}}
     return _Diagnosed(document, errors)
+
+
+@pytest.mark.parametrize(
+    ("beside", "expected"),
+    [
+        ({}, True),
+        ({"balance": "electrical"}, True),
+        ({"corrects": "J"}, True),
+        (None, False),
+    ],
+    ids=["another of friction", "one of the motor", "a wrong declaration", "the motor's alone"],
+)
+def test_one_effect_of_the_friction_is_enough(
+    beside: dict[str, Any] | None, expected: bool, tmp_path: Path
+) -> None:
+    """What else a diagnosis finds, in the motor or in what was declared, does not make it less."""
+    _, joint = one_joint()
+    found = _as_found(["cogging"], 0.1, 0.05)
+    (effect,) = found.document["effects"]
+    found.document["effects"] = (
+        [{**effect, "balance": "electrical"}] if beside is None else [effect, {**effect, **beside}]
+    )
+    word = api._kept(tmp_path, _suspect(rig_of(joint)), (found, (), ""))
+
+    assert expected == word.friction
 
 
 def _drifting(joint: Suspect) -> Suspect:
@@ -214,6 +241,26 @@ def test_a_fleet_without_a_judged_joint_is_not_called_unchanged() -> None:
         rate=0.01,
     )
     assert "No joint could be tested" in fleet_sentence(empty)
+
+
+def _friction(period: str, level: float) -> Period:
+    """A period of which only the mean friction is known."""
+    none, coverage = np.zeros(0), Coverage(1, 1.0, 0.5, 0.1, 5.0, 20.0, 19.0, 21.0)
+    return Period(period, none, none, 1, none, 1, (level, 1e-3), (0.1, 1e-3), none, coverage)
+
+
+@pytest.mark.parametrize("count", [2, 3, 6])
+def test_the_lines_of_all_joints_span_the_figure_from_the_first_period_to_the_last(count: int) -> None:
+    """Each period has its place at equal distances; a joint without a log in one goes past it."""
+    periods = [f"2025-{k + 1:02d}" for k in range(count)]
+    levels = [_friction(period, 1.0 + 0.1 * k) for k, period in enumerate(periods)]
+    histories = (History("J", (), tuple(levels)), History("K", (), (levels[0], levels[-1])))
+    found = _levels(FleetFound(histories, (), (), (), 2 * count, 0, (), (), 0.01), periods)
+    every, ends = ([float(at.split(",")[0]) for at in line.split()] for _, _, line in found["lines"])
+
+    assert float(found["right"]) == every[-1]
+    assert np.linspace(every[0], every[-1], count) == pytest.approx(every, abs=0.06)
+    assert [every[0], every[-1]] == ends
 
 
 def test_logs_without_a_joint_are_one_warning() -> None:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 
+from eccentric.fleet.cluster import connected
 from eccentric.fleet.limits import LAST_BYTES, TASK_BYTES, TASK_FILES
 from eccentric.fleet.sources import LogFile
 from eccentric.fleet.work import Job, tasks_of
@@ -39,3 +43,25 @@ def test_a_file_larger_than_a_task_is_one_and_small_files_are_not_too_many() -> 
 def test_nothing_to_do_is_no_task() -> None:
     """An empty list."""
     assert [] == list(tasks_of([], 2))
+
+
+@pytest.mark.parametrize("workers", [1, 3])
+def test_a_worker_of_this_machine_does_one_task_at_a_time(
+    workers: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A process each, with a thread each: the memory of a worker is that of its task alone."""
+    asked: dict[str, Any] = {}
+
+    def cluster(**given: Any) -> Any:
+        asked.update(given)
+        return nullcontext(given)
+
+    collector = SimpleNamespace(disable_gc_diagnosis=lambda *, force: None)
+    distributed = SimpleNamespace(LocalCluster=cluster, Client=nullcontext, gc=collector)
+    dask = SimpleNamespace(config=SimpleNamespace(set=nullcontext))
+    monkeypatch.setitem(sys.modules, "distributed", cast("Any", distributed))
+    monkeypatch.setitem(sys.modules, "dask", cast("Any", dask))
+    with connected(None, workers) as client:
+        assert asked == client
+
+    assert (workers, 1, True) == (asked["n_workers"], asked["threads_per_worker"], asked["processes"])

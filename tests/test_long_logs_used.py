@@ -16,6 +16,7 @@ from eccentric.logs import Excerpt, Log, read_log
 from eccentric.rigs import Rig, read_rig
 from eccentric.signals import read_channels
 from eccentric.signals.channels import thinned
+from eccentric.signals.joints import _of_rows
 from eccentric.signals.table import read_table
 from tests.long_logs import RIG, columns, parquet, plain, stribeck
 
@@ -204,3 +205,24 @@ def test_stretches_of_one_length_are_filtered_as_alone() -> None:
 
     np.testing.assert_allclose(passed(x), expected, rtol=0.0, atol=1e-13)
     np.testing.assert_array_equal(passed(x)[:, 1], passed(x[:, 1]))
+
+
+@pytest.mark.parametrize(
+    ("lost", "expected"),
+    [
+        ([], [3, 6]),
+        ([6, 7], [3]),
+        ([3, 4, 5], [3]),
+        ([0, 1, 2], [3]),
+        ([0, 3, 7], [2, 4]),
+        ([*range(3, 8)], []),
+    ],
+    ids=["none", "the last window", "one within", "the first", "single rows", "all but the first"],
+)
+def test_a_window_that_loses_all_its_rows_is_gone(lost: list[int], expected: list[int]) -> None:
+    """Of three windows in eight rows; those that are left begin where their first rows are now."""
+    good = np.ones(8, dtype=bool)
+    good[lost] = False
+    left = _of_rows(Excerpt(100, 0, np.array([3, 6]), "some windows"), good)
+
+    assert expected == left.begins.tolist()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from eccentric.signals.filters import low_pass
+from eccentric.signals.filters import low_pass, motion
 
 
 @pytest.mark.parametrize("cut", [2.0, 25.0, 90.0])
@@ -58,3 +58,17 @@ def test_a_constant_passes_whatever_its_size(rate: float, cut: float) -> None:
 
     assert passed is not None
     np.testing.assert_array_equal(passed, 1e4)
+
+
+@pytest.mark.parametrize("part", [0.04, 0.1])
+def test_the_acceleration_of_a_sine_is_that_of_its_quintic_spline(part: float) -> None:
+    """Sampled at the phase x per step, its second derivative is -sum (x + 2 pi k)^-4/sum (x + 2 pi k)^-6."""
+    rate = 250.0
+    t = np.arange(4000) / rate
+    angle, _, acceleration, passed = motion(t, np.sin(2.0 * np.pi * part * np.arange(4000)), 25.0)
+    aliases = 2.0 * np.pi * (part + np.arange(-50, 51))
+    factor = -(rate**2) * float(np.sum(aliases**-4) / np.sum(aliases**-6))
+    middle = slice(1500, -1500)
+
+    assert passed
+    np.testing.assert_allclose(acceleration[middle], factor * angle[middle], atol=1e-8 * abs(factor))

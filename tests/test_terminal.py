@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import platform
 import sys
 
 import pytest
@@ -123,3 +124,18 @@ def test_each_warning_is_a_line_on_stderr(capsys: pytest.CaptureFixture[str]) ->
     arguments.print_warnings(["no gravity", "no current"])
 
     assert ("", "eccentric: warning: no gravity\neccentric: warning: no current\n") == capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (f"'{sys.executable}' -Wall", f"Python {platform.python_version()}"),
+        ("no-such-compiler -O2", "none (no-such-compiler in CC is not installed)"),
+    ],
+    ids=["installed", "missing"],
+)
+def test_the_doctor_asks_the_compiler_in_cc(given: str, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first line of what it says of its version, here Python's; the flags beside it do not count."""
+    monkeypatch.setenv("CC", given)
+
+    assert said == doctor._compiler()

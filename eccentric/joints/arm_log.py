@@ -127,10 +127,6 @@ class ArmLog:
         """The rows that the friction of joint j is fitted on."""
         return fit_rows(self.channels[j], self.channels[j].rig)
 
-    def torque(self, j: int) -> Array:
-        """The measured torque of motor j (n,), in the unit of `drive`."""
-        return self.drive(j).torque()
-
     def drive(self, j: int) -> Drive:
         """The drive of joint j without what it meets."""
         return _drive(self, j)
