@@ -94,7 +94,7 @@ def learned(folder: Path, count: int, colour: float, size: float, step: float = 
 
 @pytest.mark.parametrize(
     ("colour", "size"),
-    [*(pytest.param(*x, marks=pytest.mark.slow) for x in ((0.0, 1.0), (0.8, 1.0))), (0.5, 2.0)],
+    [*(pytest.param(*x, marks=pytest.mark.slow) for x in ((0.0, 1.0), (0.8, 1.0), (0.5, 2.0)))],
 )
 def test_false_alarms_are_as_rare_as_asked(folder: Path, colour: float, size: float) -> None:
     """In the whole estimator, with noise of other colour and size: within 3 standard errors."""

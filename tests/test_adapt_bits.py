@@ -40,7 +40,7 @@ def folder_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]
     return cache(lambda name: emitted(tmp_path_factory.mktemp(name), name))
 
 
-FEW = {("c1_perpendicular", np.float64), ("c2_parallel", np.float32), ("c2_asymmetric", np.float64)}
+FEW = {("c1_perpendicular", np.float64), ("c2_parallel", np.float32)}
 """What `make test` has."""
 
 

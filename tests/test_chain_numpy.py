@@ -95,12 +95,13 @@ def test_one_joint_with_letters_is_the_rotating_link() -> None:
     assert np.allclose(G + (0.002 + 0.25**2 * 0.05) * a[:, 0], torque, rtol=1e-12, atol=1e-13)
 
 
-def test_a_random_chain_is_its_recursion() -> None:
-    """All functions of five joints with gears, rotors and slides agree with the definitions, one by one."""
+@pytest.mark.parametrize("n", [3, pytest.param(5, marks=pytest.mark.slow)])
+def test_a_random_chain_is_its_recursion(n: int) -> None:
+    """All functions of joints with gears, rotors and slides agree with the definitions, one by one."""
     rng = np.random.default_rng(3)
-    chain = random_chain(rng, 5, geared=True, rotors=True)
+    chain = random_chain(rng, n, geared=True, rotors=True)
     found, module = recursion(chain), emitted(chain)
-    q, w, a = motions(rng, 5, 3)
+    q, w, a = motions(rng, n, 3)
     torques, wrenches = module.inverse_dynamics(q, w, a), module.joint_wrenches(q, w, a)
     for k in range(3):
         given = {}

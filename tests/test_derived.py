@@ -89,6 +89,7 @@ def test_the_next_process_has_the_same_model(tmp_path: Path) -> None:
     assert before == stored(tmp_path)[0].stat().st_mtime_ns
 
 
+@pytest.mark.slow
 def test_a_damaged_file_is_made_again(tmp_path: Path) -> None:
     """One with other content than was written: nothing of it is used."""
     first = run(tmp_path)
@@ -100,6 +101,7 @@ def test_a_damaged_file_is_made_again(tmp_path: Path) -> None:
     assert len(whole) == len(file.read_bytes())
 
 
+@pytest.mark.slow
 def test_without_a_cache_everything_is_derived(tmp_path: Path) -> None:
     """A file in the place of the folder is no error, and stays."""
     (tmp_path / "eccentric").write_text("mine", encoding="utf-8")

@@ -156,6 +156,7 @@ def test_the_step_of_the_angle_contradicts_other_counts(counts: int, contradicte
     assert all("encoder_counts_per_rev = 4096: the log shows 2000" in line for line in found)
 
 
+@pytest.mark.slow
 def test_another_column_of_the_angle_has_counts_of_its_own() -> None:
     """The draft takes one of two; the step of that one says nothing of the other."""
     log = swing("q_rad", 1.0)

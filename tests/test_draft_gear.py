@@ -75,6 +75,7 @@ def test_a_gear_by_a_guessed_unit_is_a_guess() -> None:
     assert not [line for line in check_rig(columns, rig).complaints if "[known] mu" in line]
 
 
+@pytest.mark.slow
 def test_the_draft_fits_as_the_rig_does() -> None:
     """Friction and inertia of a mixed log, with the gear of its draft, are those of the plain one."""
     plain = log_of("C1", ("theta_m_rad", 1.0), ("omega_m_rad_s", 1.0))

@@ -103,10 +103,7 @@ def differ_by_order(name: str, pairs: Iterable[Pair]) -> list[tuple[str, str]]:
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=() if name in ("c1_perpendicular", "c2_parallel") else pytest.mark.slow)
-        for name in MODELS
-    ],
+    [pytest.param(name, marks=() if name == "c1_perpendicular" else pytest.mark.slow) for name in MODELS],
 )
 def test_the_order_of_two_effects_changes_nothing(name: str) -> None:
     """A pair of the library gives one model in both orders, or one refusal in one line; a third of them."""

@@ -114,6 +114,7 @@ def test_an_elastic_joint_is_named_with_its_compliance() -> None:
     assert found.document["effects"][0]["parameters"]["compliance"]["value"] == pytest.approx(kappa, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_rigid_joint_is_not_called_elastic() -> None:
     """The same motion and noise without the spring."""
     assert "nothing_missing" == eccentric.diagnose(*log_of(0.0, 3)).document["verdict"]

@@ -42,7 +42,7 @@ def test_it_is_the_paper(tmp_path: Path, real: str, state: tuple[float, float]) 
     assert [float(x) for x in exact] == pytest.approx(list(out), rel=1000 * eps)
 
 
-@both_reals
+@pytest.mark.parametrize("real", ["float", pytest.param("double", marks=pytest.mark.slow)])
 def test_its_calls_are_counted(tmp_path: Path, real: str) -> None:
     """Both functions are counted, the one with the slopes takes more, and more than the emitted one does."""
     if absent := missing(["valgrind"]):
