@@ -22,13 +22,13 @@ from eccentric.core import InputError
 from eccentric.diagnosis import Diagnosis, diagnose
 from eccentric.diagnosis.search import PARTS, STABLE, SURE, Variant
 from eccentric.model import TURNING
-from eccentric.planning import Bounds, plan_lines, planned, question_from, question_of, read_bounds
+from eccentric.planning import Bounds, planned, question_from, question_of, read_bounds
 from eccentric.planning.choice import Heavier, decided
 from eccentric.planning.limits import MARGIN, UNDECIDED
 from eccentric.planning.motion import Reference, joined, pieces
 from eccentric.planning.question import Rival
 from eccentric.planning.separation import Ground, Separation
-from eccentric.presentation import diagnosis_document
+from eccentric.presentation import diagnosis_document, plan_lines
 from eccentric.rigs import read_rig
 from eccentric.virtual_bench import random_scenario, simulate
 

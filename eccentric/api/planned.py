@@ -20,14 +20,13 @@ from eccentric.planning import (
     RATE_HZ,
     Bounds,
     MeasurementPlan,
-    plan_document,
-    plan_lines,
     planned,
     question_from,
     question_of,
     read_bounds,
     require_link,
 )
+from eccentric.presentation import plan_document, plan_lines
 from eccentric.rigs import read_mass, read_rig
 from eccentric.signals import read_long
 

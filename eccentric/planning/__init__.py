@@ -4,7 +4,7 @@
     question    all that a plan starts from: rivals, log, noise; from a diagnosis or its document
     separation  how far apart two rivals are on a motion, each fitted anew to log and motion
     choice      the sequence of pieces that separates the closest two; its chance; with added mass
-    outcome     the plan: motion, rivals, probability, words
+    outcome     the plan: motion, rivals, probability
     limits      every threshold, with its reason
 
 In: a `Diagnosis`, or logs and its document, and `Bounds`.  Out: a `MeasurementPlan`.
@@ -12,7 +12,7 @@ May import: `diagnosis` and all rooms below it.
 """
 
 from eccentric.planning.choice import require_link
-from eccentric.planning.limits import FIRMWARE_HZ, RATE_HZ
+from eccentric.planning.limits import DECIDES, FIRMWARE_HZ, HARDLY, RATE_HZ, WORTH_A_RUN
 from eccentric.planning.motion import Bounds, Reference, read_bounds
-from eccentric.planning.outcome import MeasurementPlan, plan_document, plan_lines, planned
+from eccentric.planning.outcome import MeasurementPlan, planned
 from eccentric.planning.question import Question, question_from, question_of

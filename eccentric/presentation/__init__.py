@@ -4,6 +4,7 @@
     diagnosis_text, diagnosis_json    a Diagnosis
     html                              a Diagnosis as one HTML page
     arm_text, arm_json                the fit and the diagnosis of an arm
+    plan_text                         a MeasurementPlan
     adaptation                        a Replay
     fleet_html                        what changed in a fleet
 

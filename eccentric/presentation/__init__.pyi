@@ -32,3 +32,5 @@ from eccentric.presentation.html import plot_report as plot_report
 from eccentric.presentation.html import rendered as rendered
 from eccentric.presentation.html import report as report
 from eccentric.presentation.html import report_data as report_data
+from eccentric.presentation.plan_text import plan_document as plan_document
+from eccentric.presentation.plan_text import plan_lines as plan_lines

@@ -1,0 +1,123 @@
+"""A plan in words and as plan.json."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from eccentric.planning import DECIDES, HARDLY, RATE_HZ, WORTH_A_RUN, MeasurementPlan
+
+
+def plan_lines(plan: MeasurementPlan) -> list[str]:
+    """What a person reads."""
+    first, *others = plan.rivals
+    if others:
+        said = ["Open after the log, with probabilities:"]
+        said += [f"  {r.family}: {r.headline} ({100 * r.chance:.0f} %)" for r in plan.rivals]
+    else:
+        said = [f"Nothing is left to decide; this motion narrows the intervals of {first.headline}"]
+    if plan.elsewhere:
+        balance = "mechanical" if first.balance == "electrical" else "electrical"
+        said.append(f"Not part of this: {', '.join(plan.elsewhere)}, which the {balance} balance shows.")
+    if plan.follows:
+        said.append(f"Something depends on {', '.join(plan.follows)} that no effect explains.")
+        said += [f"What would show it: {plan.otherwise}"] if plan.otherwise else []
+    if plan.probability is not None:
+        closest = min(plan.apart, key=lambda pair: plan.apart[pair])
+        said.append(
+            f"This motion decides with a probability of {100 * plan.probability:.0f} %;"
+            f" hardest to tell apart: {closest[0]} from {closest[1]} (deviance {plan.apart[closest]:.3g})."
+        )
+        if plan.probability < WORTH_A_RUN:
+            said.append("No motion within the limits is likely to decide; this is the best of them.")
+        said += [
+            f"{one} and {other} predict the same torque on log and motion, whichever is true:"
+            " for a drive within these limits, a model with either will do."
+            for one, other in plan.same
+        ]
+        if (more := plan.heavier) is not None:
+            kg = f"{more.added_kg:.2g} kg more on the link"
+            said.append(
+                f"With {kg}, this motion would decide with a probability of {100 * more.probability:.0f} %:"
+                f' plan it with --added "{more.added_kg:.2g} kg".'
+                if more.probability > plan.probability
+                else f"{kg} would not decide either."
+            )
+        if plan.probability < DECIDES and plan.otherwise:
+            said.append(f"What would decide: {plan.otherwise}")
+    else:
+        said += [
+            f"  {name}: standard error falls to {100 * part:.0f} % of what the log gives"
+            if part < HARDLY
+            else f"  {name}: standard error hardly changes"
+            for name, part in plan.narrower.items()
+        ]
+        if min(plan.narrower.values(), default=0.0) > HARDLY:
+            said.append("Within these limits hardly any motion adds to what the log shows: widen them.")
+    moved, bounds = plan.motion, plan.bounds
+    if plan.added:
+        said.append(
+            f"All of this is with {plan.added:g} kg more on the link: name the run under [added] in the rig"
+            f' file (RUN = "{plan.added:g} kg"), and diagnose both logs.'
+        )
+    said.append(f"Motion of {moved.seconds:.1f} s at {RATE_HZ:g} Hz, from rest at {moved.theta[0]:.4g} rad:")
+    said += [f"  {len(tuple(same))} x {words}" for words, same in groupby(plan.parts)]
+    said.append("Largest values, beside the limits (motor side):")
+    for word, values, limit, unit in (
+        ("speed", moved.omega, bounds.speed, "rad/s"),
+        ("acceleration", moved.alpha, bounds.acceleration, "rad/s^2"),
+        ("force" if bounds.by_force else "current", plan.current, bounds.current, plan.strength[1]),
+    ):
+        said.append(f"  {word} {np.max(np.abs(values)):.4g} of {limit:.4g} {unit}")
+    if bounds.angle is not None:
+        low, high = np.min(moved.theta), np.max(moved.theta)
+        said.append(f"  angle {low:.4g} to {high:.4g} of {bounds.angle[0]:.4g} to {bounds.angle[1]:.4g} rad")
+    return [plan.axis.said(line) for line in said]
+
+
+def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
+    """The content of plan.json, format eccentric-plan/1."""
+    moved, bounds, current = plan.motion, plan.bounds, "_".join(plan.strength)
+    document = {
+        "format": "eccentric-plan/1",
+        "rivals": [
+            {
+                "family": r.family,
+                "id": r.variants[-1].candidate.id if r.variants else "",
+                "balance": r.balance,
+                "probability": r.chance,
+            }
+            for r in plan.rivals
+        ],
+        "probability": plan.probability,
+        "deviance": [
+            {"true": truth, "other": other, "expected": value} for (truth, other), value in plan.apart.items()
+        ],
+        "same_torque": [list(pair) for pair in plan.same],
+        "relative_std_error": plan.narrower,
+        "added_kg": plan.added,
+        "heavier": None if plan.heavier is None else vars(plan.heavier),
+        "otherwise": plan.otherwise,
+        "residual_depends_on": list(plan.follows),
+        "elsewhere": list(plan.elsewhere),
+        "parts": list(plan.parts),
+        "seconds": moved.seconds,
+        "rate_Hz": RATE_HZ,
+        "limits": {
+            "speed_rad_s": bounds.speed,
+            "acceleration_rad_s2": bounds.acceleration,
+            current: bounds.current,
+            "time_s": bounds.time,
+            "angle_rad": None if bounds.angle is None else list(bounds.angle),
+            "speed_loop_Hz": bounds.loop_hz,
+        },
+        "largest": {
+            "speed_rad_s": float(np.max(np.abs(moved.omega))),
+            "acceleration_rad_s2": float(np.max(np.abs(moved.alpha))),
+            current: float(np.max(np.abs(plan.current))),
+            "angle_rad": [float(np.min(moved.theta)), float(np.max(moved.theta))],
+        },
+    }
+    return plan.axis.told(document)
