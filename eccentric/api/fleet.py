@@ -38,13 +38,17 @@ from eccentric.fleet import (
     Sample,
     Suspect,
     as_csv,
-    changes_csv,
-    document_of,
     give_back,
     run_fleet,
+)
+from eccentric.presentation import (
+    changes_csv,
+    fleet_document,
+    fleet_page,
+    fleet_sentence,
+    joints_without_logs,
     write_coefficients,
 )
-from eccentric.presentation import fleet_page, fleet_sentence, joints_without_logs
 from eccentric.version import __version__
 
 _COMMAND = "fleet"
@@ -104,7 +108,7 @@ def diagnose_fleet(
         lambda suspect: _known(target, suspect),
         progress or (lambda part, what: None),
     )
-    document = document_of(found)
+    document = fleet_document(found)
     with whole_folder(out, _COMMAND) as folder:
         write_coefficients(found, folder)
         (folder / "changes.csv").write_text(

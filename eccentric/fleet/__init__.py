@@ -7,7 +7,7 @@
     gathered   the sums of all files, and which rig is whose
     periods    sums -> coefficients with intervals, by joint and period; temperatures from the fleet
     drift      a test for each coefficient, at a false discovery rate; joints that cannot be judged
-    found      what changed in words, and as files
+    found      what changed
     run        the whole run
     limits     every threshold, with its reason
 
@@ -16,18 +16,16 @@ May import: `identification` and all rooms below it. No log is ever written to.
 """
 
 from eccentric.fleet.cluster import connected
-from eccentric.fleet.drift import FRICTION, RESIDUAL
+from eccentric.fleet.drift import FRICTION, RESIDUAL, FleetChange
 from eccentric.fleet.found import (
     Drifting,
     Examined,
     FleetFound,
     Suspect,
-    changes_csv,
-    document_of,
-    write_coefficients,
 )
 from eccentric.fleet.gathered import Assigned, gather, plan_of
 from eccentric.fleet.limits import RATE
+from eccentric.fleet.periods import History, Period
 from eccentric.fleet.run import FleetRequest, run_fleet
 from eccentric.fleet.sources import (
     NOT_GROUPED,
@@ -39,4 +37,4 @@ from eccentric.fleet.sources import (
     find,
     in_order,
 )
-from eccentric.fleet.work import Sample, give_back
+from eccentric.fleet.work import Sample, arrow_of, give_back

@@ -6,7 +6,7 @@
     arm_text, arm_json                the fit and the diagnosis of an arm
     plan_text                         a MeasurementPlan
     adaptation                        a Replay
-    fleet_html                        what changed in a fleet
+    fleet_html, fleet_files           what changed in a fleet
 
 In: results.  Out: text, documents, figures.  A file is imported when one of its names is first used;
 `__init__.pyi` lists them.

@@ -20,6 +20,9 @@ from eccentric.presentation.fit_text import compare as compare
 from eccentric.presentation.fit_text import fit_lines as fit_lines
 from eccentric.presentation.fit_text import fit_sentence as fit_sentence
 from eccentric.presentation.fit_text import plot_fit as plot_fit
+from eccentric.presentation.fleet_files import changes_csv as changes_csv
+from eccentric.presentation.fleet_files import fleet_document as fleet_document
+from eccentric.presentation.fleet_files import write_coefficients as write_coefficients
 from eccentric.presentation.fleet_html import fleet_page as fleet_page
 from eccentric.presentation.fleet_html import fleet_sentence as fleet_sentence
 from eccentric.presentation.fleet_html import joints_without_logs as joints_without_logs
