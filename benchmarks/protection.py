@@ -11,6 +11,7 @@ import json
 import re
 import subprocess
 import time
+import tomllib
 from pathlib import Path
 
 from benchmarks.mutants import Result, equivalent, table
@@ -32,11 +33,27 @@ def measured(quick: bool = False) -> Part:
         figures["mutants"] = Measured(
             killed / len(counted), f"{killed / len(counted):.2f} ({killed} of {len(counted)})"
         )
-        details += [f"Mutants of {path.stem.replace('-', ' ', 1)}:", *table(results, argued), ""]
+        seed, _, commit = path.stem.removeprefix("seed-").partition("-")
+        details += [f"Mutants of seed {seed}{f', at {commit}' if commit else ''}:", *table(results, argued)]
+        details += [*_since(results), ""]
     if not quick:
         minutes, said = _tests()
         figures["tests"] = Measured(minutes, f"{minutes:.1f} min, {said}")
     return Part(figures, details)
+
+
+def _since(results: list[Result]) -> list[str]:
+    """What became of the mutants that a draw left."""
+    entries = tomllib.loads((ROOT / "benchmarks" / "noticed_since.toml").read_text(encoding="utf-8"))[
+        "mutant"
+    ]
+    since = {(e["before"], e["after"]): e["since"] for e in entries}
+    left = [(r, since[r.argued]) for r in results if r.outcome != "killed" and r.argued in since]
+    return [
+        "",
+        f"Of those that survived, {len(left)} have been dealt with since; a new draw measures that, this one does not.",
+        *(f"- {r.file}:{r.line}: {what}" for r, what in left),
+    ]
 
 
 def _tests() -> tuple[float, str]:
