@@ -64,7 +64,9 @@ def processor_s(command: Sequence[str | Path], **own: str) -> float:
     Raises:
         RuntimeError: it fails.
     """
-    given = {name: x for name, x in os.environ.items() if not name.startswith("OPENBLAS_")}
+    # Warm: what Python compiled is kept, as it is for a user, whatever the environment of this process says.
+    left_out = ("OPENBLAS_", "PYTHONDONTWRITEBYTECODE")
+    given = {name: x for name, x in os.environ.items() if not name.startswith(left_out)}
     given |= {"OMP_NUM_THREADS": "1", "ECCENTRIC_PROGRESS": "off"} | own
     cwd = own.get("PYTHONPATH", ROOT)
     with tempfile.TemporaryFile() as errors:
