@@ -9,7 +9,7 @@ STRICT := -std=c99 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wer
 # What the generated files follow from. Sources are listed, never outputs:
 # a wildcard over generated/ would see a new model one run late.
 DERIVATIONS := $(wildcard derivations/*.py)
-TOOLKIT := $(wildcard eccentric/*.py) $(shell find eccentric/model eccentric/effects eccentric/emission -name "*.py")
+TOOLKIT := $(wildcard eccentric/*.py) $(shell find eccentric/core eccentric/model eccentric/effects eccentric/emission -name "*.py")
 TEMPLATES := $(wildcard templates/*/*.jinja)
 
 # One stamp per set of extras. They live in the environment, so deleting it forgets them too.

@@ -1,6 +1,6 @@
 """How many small changes to the sources the tests notice.
 
-    python benchmarks/mutants.py [--number 200] [--seed 1] [--rooms search,fitting] [--jobs N] [--seconds 150]
+    python benchmarks/mutants.py [--number 200] [--seed 1] [--rooms diagnosis,identification] [--jobs N] [--seconds 150]
 
 Draws changes (benchmarks/mutations.py), and for each runs the tests that execute its line (benchmarks/coverage_map.py),
 the closest first, until one fails.  A change is killed if a test fails, hangs or cannot be collected.  Everything is kept

@@ -16,7 +16,7 @@ if str(ROOT) not in sys.path:
 
 from tests.import_graph import Graph, circle_in, files_of, graph_of, levels_of  # noqa: E402 - found by the line above
 
-STAGES = {"logs", "signals", "identification", "search", "diagnosis"}
+STAGES = {"logs", "signals", "identification", "diagnosis"}
 """The rooms that a row of a log passes on its way to the verdict."""
 
 _RUN = """
@@ -81,6 +81,8 @@ def main() -> int:
     graph = graph_of(files)
     folders = {room(module) for module, path in files.items() if path.name == "__init__.py"} - {""}
     between = rooms(graph, folders)
+    circle = circle_in(between)
+    levels = [] if circle else levels_of(between)
     own = [*files.values()]
     total = lines(own)
     rows = [
@@ -88,8 +90,8 @@ def main() -> int:
         ("files", f"{len(own)}"),
         ("lines of a file, median", f"{sorted(lines([p]) for p in own)[len(own) // 2]}"),
         ("rooms", f"{len(folders)}"),
-        ("floors over all rooms", f"{len(levels_of(between))}"),
-        ("circles", f"{int(bool(circle_in(between)))}"),
+        ("floors over all rooms", f"{len(levels) or 'none: a circle'}"),
+        ("circle", " -> ".join(circle) or "none"),
         ("files of the stages that run during diagnose", f"{len(executed())}"),
         ("templates", f"{len([*(ROOT / 'templates').rglob('*.jinja')])}"),
         ("lines of tests", f"{lines(sorted((ROOT / 'tests').glob('*.py'))):,}"),
@@ -97,7 +99,7 @@ def main() -> int:
     ]
     print("| measure | value |\n|---|---|")
     print("\n".join(f"| {name} | {value} |" for name, value in rows))
-    for level, names in reversed([*enumerate(levels_of(between), 1)]):
+    for level, names in reversed([*enumerate(levels, 1)]):
         print(f"{level:2}  {', '.join(names)}")
     return 0
 

@@ -28,14 +28,16 @@ through their `__init__`:
     diagnose  residual + effects       -> verdict, extended Model       (diagnosis, joints)
     plan      verdict + limits         -> the next motion               (planning)
     follow    channels + fit           -> coefficients over time        (adaptation)
-    show      results                  -> text, JSON, HTML              (presentation)
     watch     logs of a fleet          -> what changed, joint by joint  (fleet)
     run       Model -> its C           -> a Python module               (compiled)
+    check     the paper's claims       -> findings, figures             (paper)
+    show      results                  -> text, JSON, HTML              (presentation)
     use       all of it                from Python and from a shell     (api, cli)
 
 `virtual_bench` simulates a test bench with its own code.
 """
 
+# Before anything else: sources that are changed from now on are not those of this process.
 import eccentric.import_time
 from eccentric.lazy import lazy_names
 from eccentric.version import __version__

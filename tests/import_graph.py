@@ -43,13 +43,16 @@ def graph_of(files: Mapping[str, Path]) -> dict[str, set[str]]:
 
 
 def exports_of(path: Path) -> set[str]:
-    """The names that a door imports from its own files, which are what it exports; empty for other files."""
+    """What a door exports: its `__all__`, else the names that it imports from its own files; else nothing."""
     if path.name != "__init__.py":
         return set()
-    inside = f"{module_of(path)}."
+    inside, body = f"{module_of(path)}.", ast.parse(path.read_text(encoding="utf-8")).body
+    for node in body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+            return set(ast.literal_eval(node.value))
     return {
         alias.asname or alias.name
-        for node in ast.parse(path.read_text(encoding="utf-8")).body
+        for node in body
         if isinstance(node, ast.ImportFrom) and f"{node.module}.".startswith(inside)
         for alias in node.names
     }

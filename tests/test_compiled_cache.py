@@ -143,6 +143,7 @@ def test_a_process_does_not_pass_off_what_it_loaded_as_what_lies_there_now(tmp_p
         "import os; C_m = float(os.environ['C_m'])",
         "from time import time; C_m = time()",
         "from eccentric import fit",
+        "from eccentric.core import read_document",
         "from .beside import C_m",
         "C_m = eval('1 + 1')",
         "def late():\n    import random",

@@ -89,6 +89,15 @@ def site(built: tuple[Path, Path], tmp_path_factory: pytest.TempPathFactory) -> 
     return target
 
 
+def test_each_package_is_listed_once() -> None:
+    """The list of packages in pyproject.toml repeats none."""
+    packages = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"][
+        "packages"
+    ]
+
+    assert len(set(packages)) == len(packages)
+
+
 def test_the_wheel_holds_one_import_package(built: tuple[Path, Path]) -> None:
     """Beside its metadata the wheel installs `eccentric` and no other name."""
     with zipfile.ZipFile(built[1]) as wheel:

@@ -251,6 +251,9 @@ def _cell(value: object) -> str:
     return str(value)
 
 
+# What results have in common.
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Printed:
     """What is said of a fit, a comparison or a diagnosis: it prints as its summary and is a JSON document.

@@ -1,4 +1,4 @@
-"""`eccentric.bench`: a realistic log of a virtual test bench, with effects that its rig does not declare."""
+"""`eccentric.bench`, `bench_arm`, `bench_fleet`: realistic logs with effects that no rig file declares."""
 
 from __future__ import annotations
 

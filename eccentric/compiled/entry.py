@@ -229,7 +229,9 @@ def _finish(process: subprocess.Popen[str]) -> str:
 
 _ROOMS = ("core", "model", "effects", "emission", "compiled")
 _LIBRARIES = ("sympy", "mpmath", "jinja2")
-_OURS = ("eccentric.model", "eccentric.effects", "eccentric.core", "eccentric.output")
+_OURS = ("eccentric.model", "eccentric.effects", "eccentric.output")
+_OF_CORE = {"InputError", "show"}
+"""Names of `eccentric.core` that read nothing."""
 _COMPUTES = (
     *("__future__", "abc", "cmath", "collections", "dataclasses", "decimal", "enum", "fractions"),
     *("functools", "itertools", "math", "mpmath", "numbers", "operator", "pathlib", "re", "string"),
@@ -308,6 +310,8 @@ def _decides(text: bytes) -> bool:
                 known = all(_is_known(alias.name) for alias in names)
             case ast.ImportFrom(module="eccentric", names=names, level=0):
                 known = {alias.name for alias in names} <= {"load_model"}
+            case ast.ImportFrom(module="eccentric.core", names=names, level=0):
+                known = {alias.name for alias in names} <= _OF_CORE
             case ast.ImportFrom(module=str(module), level=0):
                 known = _is_known(module)
             case ast.ImportFrom():

@@ -1,7 +1,5 @@
 """A derivation or Model as a Python module whose functions are those of the emitted C."""
 
-# ruff: noqa: SLF001 - the module that is called is emission's own
-
 from __future__ import annotations
 
 import ctypes
@@ -79,13 +77,13 @@ def _prepare(entry: CacheEntry, source: ModuleType) -> Callable[[Any, Any], tupl
     @lru_cache(maxsize=64)
     def prepared(parameters: Any, real: Any) -> tuple[np.ndarray, bool]:
         """The coefficients as stored in C, and whether there are inertias for an acceleration."""
-        numbers = source._model.prepared(parameters, real).numbers
-        given = source._model.default if parameters is None else parameters
+        numbers = source._model.prepared(parameters, real).numbers  # noqa: SLF001 - emission's own
+        given = source._model.default if parameters is None else parameters  # noqa: SLF001 - emission's own
         complete = all(getattr(given, name) is not None for name in inertias)
         return np.array([getattr(numbers, name) for name in held[real]] or [0.0], real), complete
 
     def prepare(parameters: Any, real: Any) -> tuple[np.ndarray, bool]:
-        source._model.check(parameters)
+        source._model.check(parameters)  # noqa: SLF001 - emission's own
         return prepared(parameters, real)
 
     return prepare
@@ -100,9 +98,9 @@ def _general(
         bound = signature.bind(*given, **named)
         bound.apply_defaults()
         *inputs, parameters, out = bound.arguments.values()
-        source._model.check(parameters)
+        source._model.check(parameters)  # noqa: SLF001 - emission's own
         if called.requires:
-            source._model.require(called.requires, inputs[-1], parameters)
+            source._model.require(called.requires, inputs[-1], parameters)  # noqa: SLF001 - emission's own
         arrays, real = source.runtime.arrays(inputs, called.inputs) if inputs else ([], np.float64)
         shape, ends = _samples(called, arrays)
         if out is not None:

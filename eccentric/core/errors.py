@@ -11,16 +11,25 @@ class InputError(ValueError):
     written.
 
     Attributes:
-        place: what is wrong, from the outside in: "rig.toml: [known] k_i"; "" if it is not said apart.
+        place: what is wrong, from the outside in, such as file, table and key, row and column:
+            "rig.toml: [known] k_i"; "" if it is not said apart.
         expected, got: what is required there, and what was received.
     """
 
     def __init__(self, place: object, expected: str = "", got: object = "", *, plural: bool = False) -> None:
         """One that is not about a value has its whole line for a place; plural: several are expected."""
         self.place, self.expected, self.got = (str(place) if expected else ""), expected, str(got)
+        self.plural = plural
         before = f"{self.place}: " if self.place else ""
         verb = "are" if plural else "is"
         super().__init__(f"{before}{expected} {verb} required, received {got}" if expected else str(place))
+
+    def within(self, place: object) -> "InputError":
+        """The same error, with the place that its own is in before it."""
+        if not self.expected:
+            return InputError(f"{place}: {self}")
+        inner = f"{place}: {self.place}" if self.place else place
+        return InputError(inner, self.expected, self.got, plural=self.plural)
 
 
 class MissingValueError(InputError):

@@ -1,4 +1,4 @@
-"""Advisory locks of files: they end with the process that holds them, however that ends."""
+"""Locks of files that end with their process, and signals that end a run."""
 
 from __future__ import annotations
 
@@ -100,6 +100,9 @@ try:
     import fcntl
 except ImportError:  # Windows
     fcntl = None
+
+
+# Locks.
 
 
 class NoLocksError(OSError):

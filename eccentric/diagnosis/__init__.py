@@ -17,13 +17,12 @@ May import: `identification` and all rooms below it.
 """
 
 from eccentric.diagnosis.base_script import BASE, base_source
-from eccentric.diagnosis.contest import BASELINE, Contest, Entry, contest, contest_document, contest_lines
+from eccentric.diagnosis.contest import BASELINE, Contest, contest, contest_document, contest_lines
 from eccentric.diagnosis.limits import PROVABLE, ROUNDING
 from eccentric.diagnosis.loop import diagnose, diagnosed, staged_log
 from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name, script
-from eccentric.diagnosis.models import Closest
 from eccentric.diagnosis.outcome import Asked, Diagnosis
-from eccentric.diagnosis.score import Order, OverRuns, Score, leave_runs_out, only_below, orders_of
+from eccentric.diagnosis.score import OverRuns, leave_runs_out, only_below, orders_of
 from eccentric.diagnosis.search import (
     IN_A_DRAW,
     LEAST_DEVIANCE,
@@ -41,4 +40,4 @@ from eccentric.diagnosis.search import (
     required_over,
     searched_loads,
 )
-from eccentric.diagnosis.stage import SearchRequest, Stage, staged
+from eccentric.diagnosis.stage import SearchRequest, staged

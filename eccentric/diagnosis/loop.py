@@ -9,9 +9,9 @@ The stages, each with its result:
     extend      Model', its coefficients fitted on its own emitted module        (`models.fitted_models`)
     score       held-out RMSE before and after; the held-out part is opened there and nowhere else
                 (the zero-phase low pass carries some 20 ms across its borders)
-    closest     the best effect whose fit settles, where none is adopted         (`closest.closest_effect`)
-    sibling     a shipped model that predicts better as it stands                (`siblings.better_sibling`)
-    orders      what is left inside runs and periodic in the angle               (`orders.orders_of`)
+    closest     the best effect whose fit settles, where none is adopted         (`models.closest_effect`)
+    sibling     a shipped model that predicts better as it stands                (`models.better_sibling`)
+    orders      what is left inside runs and periodic in the angle               (`score.orders_of`)
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def diagnose(
         try:
             stage = stage_of(channels, given, effects, ", ".join(names))
         except InputError as error:
-            raise InputError(f"including {', '.join(request.including)}: {error}") from None
+            raise error.within(f"including {', '.join(request.including)}") from None
     return diagnosed(stage, Asked(names, Path(channels.rig.path).name, given, effects, request), tell)
 
 

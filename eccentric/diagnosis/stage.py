@@ -120,6 +120,9 @@ def _require_known(word: str, name: str, offered: Sequence[Effect]) -> None:
 Array = np.ndarray
 
 
+# A log, ready for a search.
+
+
 @dataclass(frozen=True)
 class Stage:
     """A log with a base model, ready for a search or a fit.

@@ -180,6 +180,9 @@ def how_often(n: int) -> str:
     return {1: "once", 2: "twice"}.get(n, f"{n} times")
 
 
+# An effect: a record of its physics, and the words that go with it.
+
+
 @dataclass(frozen=True)
 class Shape:
     """A parameter that enters nonlinearly: searched over a grid, then refined.

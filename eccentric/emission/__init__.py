@@ -4,6 +4,7 @@
     backends   Program -> text: a folder for each target
     check      emitted C -> a self-test and a driver for its proof
     adapt      Model, fit -> an estimator of the friction coefficients beside the C
+    defaults   names and fitted values of the parameters;  templates  the environment of Jinja
     render     the emitted files of a model, name -> text; `write` writes them, `hot` loads the module
 
 In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model` and

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import dataclasses
 import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -77,11 +76,7 @@ class Assigned:
         if content is None:
             return _of_one_mass(read_rig(self._path))
         where = f"{self._path} (joint {joint})"
-        try:
-            rig = dataclasses.replace(read_rig(content), path=where)
-        except InputError as error:
-            raise InputError(f"{where}: {str(error).removeprefix('rig: ')}") from None
-        return _of_one_mass(rig)
+        return _of_one_mass(read_rig(content, where=where))
 
     def content(self, joint: str) -> Mapping[str, Any] | None:
         """The rig file of a joint with its own values; None where one file holds for all. Raises as `rig`."""

@@ -211,6 +211,9 @@ def arrow_of() -> tuple[Any, Any]:
         raise InputError('fleet: pyarrow is required: pip install "eccentric[fleet]"') from None
 
 
+# The work on one log.
+
+
 @dataclass(frozen=True)
 class Job:
     """A log file, its joint's rig, and the digest of the two's sums."""

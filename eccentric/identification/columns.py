@@ -15,13 +15,12 @@ from eccentric.identification.drive import LOAD, Drive, in_drive_unit
 from eccentric.identification.regression import Coefficient
 from eccentric.model import Column, Model, Role, meaning, regressor
 from eccentric.model import vocabulary as v
-from eccentric.rigs import KNOWNS
+from eccentric.rigs import KNOWNS, Rig
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from eccentric.identification.machine import Machine
-    from eccentric.rigs import Rig
 
 
 R, k_i, k_e, J, u_0 = sp.symbols("R k_i k_e J u_0")

@@ -34,12 +34,11 @@ from eccentric.identification.regression import (
     rms,
     search,
 )
-from eccentric.signals import LEAST_HELD_OUT, Band, band_of, require_rows, white_noise, with_doubts
+from eccentric.signals import LEAST_HELD_OUT, Band, Channels, band_of, require_rows, white_noise, with_doubts
 
 if TYPE_CHECKING:
     from eccentric.model import Model
     from eccentric.rigs import Rig
-    from eccentric.signals import Channels
 
 
 # Which letters of the paper a log identifies, and which it shows only in combination.
@@ -99,6 +98,9 @@ def combinations(
         elif not c.meaning.is_Symbol:
             found[c.name] = error.estimate(values[k], slope, c.unit, (c.lower, c.upper), int(active[k]))
     return found
+
+
+# The fit of a model and of Coulomb + viscous friction, on the same rows.
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,6 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
@@ -47,13 +46,8 @@ from eccentric.identification.machine import Machine
 from eccentric.identification.regression import ColumnRole, Design, Nonlinear, Solution
 from eccentric.identification.residuals import Emitted, Residuals
 from eccentric.model import Column, Load, Model, Role, regressor
-from eccentric.rigs import KNOWNS
-from eccentric.signals import Rows, fit_rows, rows_of
-
-if TYPE_CHECKING:
-    from eccentric.rigs import Rig
-    from eccentric.signals import Channels
-
+from eccentric.rigs import KNOWNS, Rig
+from eccentric.signals import Channels, Rows, fit_rows, rows_of
 
 # The nonlinear values of a fit: their ranges, where their search starts, and typical steps.
 

@@ -1,4 +1,4 @@
-"""Fit a model, extended or not, on its own emitted module: what is scored is what is shipped."""
+"""The fit of a model, extended or not: its estimates, shares and residuals."""
 
 from __future__ import annotations
 
@@ -254,6 +254,9 @@ def shares(fit: Extended, step: Step, base: Model) -> dict[str, float]:
         without = fit.residuals(point, model, kept).rows(balance, values)
         found[effect.id] = rms((without - whole.rows(balance, point.values))[rows]) / friction
     return found
+
+
+# The fit itself: solved, and what is asked of it afterwards.
 
 
 @dataclass(frozen=True)

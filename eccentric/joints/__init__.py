@@ -1,8 +1,7 @@
 """The joints of an arm from its logs: each is the log of one drive, loaded by the motion of all others.
 
 In: logs and the rig of an arm.  Out: `fit_arm` -> `ArmFit` (which load the friction of each joint follows,
-and where Coulomb and viscous friction is enough), `diagnose_arm` -> `ArmDiagnosis` (what each joint lacks);
-both as documents and lines.
+and where Coulomb and viscous friction is enough), `diagnose_arm` -> `ArmDiagnosis` (what each joint lacks).
 
     base_parameters  inertial parameters as numbers, and the sums of them that torques depend on
     joint_model  one joint as a model whose inputs are what it meets
@@ -21,4 +20,4 @@ from eccentric.joints.bodies import IdentifiedBodies
 from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, diagnose_arm, misfit_sentence
 from eccentric.joints.extended_arm import arm_name, extended_arm, why_not_emitted
 from eccentric.joints.fitted import ArmFit, JointFit, fit_arm, gain_of
-from eccentric.joints.predicting import ForeignRuns, Payload, payload_of, predicted
+from eccentric.joints.predicting import payload_of, predicted

@@ -6,20 +6,16 @@ Formats that hold variables of any shape instead of one table share the latter.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError, few
 from eccentric.logs.limits import DEEPEST_STRUCTURE, MOST_PARTS, SHORTEST_VECTOR, SIMILAR_RATE, SIMILAR_TIME
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-
 
 Column = NDArray[Any]
 

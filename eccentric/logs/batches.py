@@ -15,21 +15,16 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from eccentric.core import InputError, given_path, shown
-from eccentric.logs.assemble import InParts, Part, overlaps
+from eccentric.logs.assemble import Column, InParts, Part, overlaps
 from eccentric.logs.csv_file import csv_source
 from eccentric.logs.limits import BATCH_ROWS
 from eccentric.logs.log import Log, LogSource, read_log, readable_log, reader_errors
 from eccentric.logs.mat_file import mat_source
 from eccentric.logs.parquet_file import parquet_source
-
-if TYPE_CHECKING:
-    from eccentric.logs.assemble import Column
-
 
 _SOURCES: dict[str, Callable[[Path], InParts | None]] = {
     ".csv": csv_source,

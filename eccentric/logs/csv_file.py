@@ -198,6 +198,9 @@ _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
 POINT = "; a decimal point is required, as in 1.5"
 
 
+# The file.
+
+
 def read_csv(path: Path) -> Read:
     """Read a CSV file with one header row; the delimiter is a comma, a semicolon or a tab.
 

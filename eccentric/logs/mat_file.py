@@ -180,6 +180,9 @@ _OBJECT = LeftOut(
 )
 
 
+# The file, once it is known to be sound.
+
+
 def read_mat(path: Path) -> Read:
     """Read the vectors of a MAT file, at the top, in structures, or as columns of a matrix."""
     if _is_7_3(path):

@@ -1,4 +1,4 @@
-"""Messages of a robot's recording as channels: the numbers in each message, named by topic and field."""
+"""Recordings of ROS 2, bags `.db3` and MCAP: the numbers of each message, by topic and field."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 In: the scripts of `derivations/`, by `load_model`.  Out: `Model`, `regressor` (what of its friction a log can
 show), `extended` (a model with further terms), `meaning` (an expression without the stable steps).
-May import: no room but `output`, whose cache keeps models; it knows no data and no templates.
+May import: no room but `core`, whose cache keeps models; it knows no data and no templates.
 """
 
 from eccentric.model import steps, vocabulary

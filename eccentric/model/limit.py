@@ -1,4 +1,4 @@
-"""Limits of a model: substitute parameters, replace definitions, drop vanishing parts. Such are C1 and C2."""
+"""Limits of a model: substitute parameters, replace definitions, drop vanishing parts; and dimensions."""
 
 from __future__ import annotations
 
@@ -134,7 +134,6 @@ def directed(
 
 
 # Dimensions: the SI exponents of a unit and of an expression, so that equations can be held to units.
-
 
 # kg, m, s, A, K; radians and revolutions are pure numbers.
 _BASE = {

@@ -81,6 +81,9 @@ _ASSUMPTIONS = {
 }
 
 
+# A letter of the vocabulary.
+
+
 @dataclass(frozen=True)
 class Quantity:
     """One letter of the vocabulary.

@@ -1,4 +1,4 @@
-"""Findings on Table 1, case C1 and the gear ratio."""
+"""Table 1 beside the derivation, and findings on C1, C2 and the gear ratio."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from eccentric.model import Quantity, load_model
 from eccentric.model import vocabulary as v
 
 # Table 1: its printed coefficients next to those of the derivation, and its values.
-
 
 # Printed in Table 1, digit by digit: compared with the derivation; nothing is computed from it.
 PRINTED = {

@@ -17,7 +17,7 @@ INFORMATIVE_HZ = 50.0
 TRAINED = 0.8
 """Part of a log that the search sees: the rest is held out."""
 MARGIN = 0.03
-"""Part of speed and angle that no piece is offered with: the reserve of what is simulated in `followed`."""
+"""Part of speed and angle that no piece is offered with: the reserve of what is simulated in `separation`."""
 ACCELERATION_PART = 0.9
 """Part of the acceleration that ramps use: a smoothstep on a grid of samples exceeds its own by little."""
 OFF = 0.1

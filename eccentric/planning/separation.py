@@ -162,6 +162,9 @@ def _size(motion: Reference, friction: Floats) -> Floats:
 Array = np.ndarray
 
 
+# How far apart two rivals are.
+
+
 class Sums(NamedTuple):
     """Of a design X (rows, k) and a target y: X'X, X'y, y'y and the lower bounds of the coefficients."""
 

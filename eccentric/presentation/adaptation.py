@@ -1,4 +1,4 @@
-"""The course of the coefficients as text and as a document."""
+"""The course of the coefficients as text, as a document and as a figure."""
 
 from __future__ import annotations
 
@@ -94,7 +94,6 @@ def _rounded(x: np.ndarray) -> list[float]:
 
 
 # The figure of a course: each coefficient over time with its band, grey where it was not excited.
-
 
 # The colours of Okabe and Ito, as in the report of a diagnosis.
 _LINE, _START, _ALARM, _UNSEEN = "#0072b2", "#8a8a8a", "#d55e00", "#b5b5b5"

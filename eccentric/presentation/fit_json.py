@@ -36,14 +36,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eccentric.identification import NO_BACK_EMF, correlation, following_letters, k_e, own_letters
+from eccentric.identification import (
+    NO_BACK_EMF,
+    Estimate,
+    Fit,
+    correlation,
+    following_letters,
+    k_e,
+    own_letters,
+)
 from eccentric.model import TURNING
 from eccentric.rigs import ALIGNMENT, alignment_of, knowns_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from eccentric.identification import Estimate, Fit
 
 
 FORMAT = "eccentric-fit/1"

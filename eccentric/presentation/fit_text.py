@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import few
-from eccentric.identification import DRIVE_UNITS, LEAST_GAIN_PERCENT, MOST_POINTS
+from eccentric.identification import DRIVE_UNITS, LEAST_GAIN_PERCENT, MOST_POINTS, Estimate, Fit
 from eccentric.model import model_names
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from eccentric.identification import Estimate, Fit
-
 
 _DRIVES = {unit: drive for drive, unit in DRIVE_UNITS.items()}
 

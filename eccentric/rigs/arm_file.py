@@ -23,8 +23,6 @@ from eccentric.rigs.arm_parts import (
 )
 from eccentric.rigs.urdf import joints_of_urdf, without_tip
 
-# A joint that moves nothing has no dynamics: it is refused.
-
 
 def require_mass(chain: Chain) -> None:
     """Raise InputError unless every joint moves a mass or a rotor.

@@ -1,4 +1,4 @@
-"""Quantities of an arm file: a text with a unit, or a number under a key that ends in the SI unit."""
+"""The parts of an arm file: quantities, bodies, frames and joints."""
 
 from __future__ import annotations
 
@@ -28,16 +28,13 @@ def identifier(name: str) -> str:
     return plain
 
 
-# Joints and chains name themselves in what they refuse; the file is added here.
-
-
 @contextmanager
 def complaints_of(where: str) -> Iterator[None]:
-    """Put the file before the message of an InputError."""
+    """Put the file before the place of an InputError: joints and chains only name themselves."""
     try:
         yield
     except InputError as error:
-        raise InputError(f"{where}: {error}") from None
+        raise error.within(where) from None
 
 
 INERTIA = ("xx", "xy", "xz", "yy", "yz", "zz")

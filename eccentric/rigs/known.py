@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy as sp
 
@@ -14,9 +14,6 @@ from eccentric.logs import parse_value
 from eccentric.model import LINEAR, TURNING, AxisKind, vocabulary
 from eccentric.rigs.entries import read_pair
 from eccentric.rigs.limits import LARGEST, SMALLEST, USUAL_PITCH_M
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The source of each channel of a log: its columns, by standard names or as mapped in [columns]."""
+"""What a rig says of its log: the source of each channel, rows, held-out part, alignment."""
 
 from __future__ import annotations
 

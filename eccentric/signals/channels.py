@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 from eccentric.core import InputError, few
-from eccentric.logs import read_log
+from eccentric.logs import LogSource, read_log
 from eccentric.rigs import Alignment, Rig
 from eccentric.signals.filters import rows_of_each, stretches, suited
 from eccentric.signals.limits import (
@@ -46,8 +46,6 @@ from eccentric.signals.table import Holdout, Table, hold_out, read_table
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-
-    from eccentric.logs import LogSource
 
 
 # A coarse log between its rows: the integrands of a window of twelve steps, on a finer grid.

@@ -71,7 +71,7 @@ def _of_joint(logs: Sequence[Log], rig: ArmRig, j: int, one: Rig) -> Channels:
     try:
         return read_channels(logs, one)
     except InputError as error:
-        raise InputError(f"joint {rig.number(j)}: {error}") from None
+        raise error.within(f"joint {rig.number(j)}") from None
 
 
 def _complete(log: Log, rig: ArmRig) -> Log:

@@ -4,22 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError
-from eccentric.rigs import Alignment
+from eccentric.rigs import AddedMass, Alignment, Rig
 from eccentric.signals.filters import LowPass, joined, low_pass_of
 from eccentric.signals.limits import NARROWER
 from eccentric.signals.motion import motion_of
-from eccentric.signals.table import carriers
-
-if TYPE_CHECKING:
-    from eccentric.rigs import AddedMass, Rig
-    from eccentric.signals.table import Finding, Holdout
-
+from eccentric.signals.table import Finding, Holdout, carriers
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -101,7 +95,7 @@ class Motor:
 class Selection:
     """Which rows serve for what, each (n,).
 
-    `moving` is `moving.moving_rows`, faster than the threshold; `usable` is moving, away from the ends, and
+    `moving` is `motion.moving_rows`, faster than the threshold; `usable` is moving, away from the ends, and
     wanted by the rig's `use`.
     """
 

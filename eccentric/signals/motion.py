@@ -177,6 +177,9 @@ def _cause(factor: float, mu: float | None) -> str:
     return min(found, default=(0, 0.0, ""))[2]
 
 
+# The motion on the motor side.
+
+
 def motor_side(table: Table, rig: Rig, motor: str, link: str) -> Array | None:
     """Convert a channel to the motor side: angles and speeds are divided by mu, torques multiplied."""
     if motor in table.channels:

@@ -2,10 +2,10 @@
 
     samples        of the log, if it is sampled finely and the rig requires nothing else: a fit passes both
                    sides through the low pass of the angle, a held-out error is that of the drive as logged
-    windows        integrated by parts, if the log is too coarse to be differentiated (`by_parts`)
-    averages       over the time that the rig names (`average_over`), or twelve steps of a coarse log (`hann`)
+    windows        integrated by parts, if the log is too coarse to be differentiated (`windows_by_parts`)
+    averages       over the time that the rig names (`average_over`), or twelve steps of a coarse log
     means of runs  for benches that log constant speeds (`average_over = "run"`)
-    windows        of the search: short ones, over training rows only (`hann`)
+    windows        of the search: short ones, over training rows only (`hann_windows`)
 
 A fit minimises over `fit_rows`; models are compared on `rows_of`; effects are searched on `search_rows`.
 """

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import fnmatch
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from textwrap import shorten
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,10 +24,6 @@ from eccentric.signals.limits import (
     MOST_REJECTED,
     MUCH_LOST,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
 
 # The held-out part of a log: named by the rig, or by a rule that is recorded.
 
@@ -189,6 +185,9 @@ def with_doubts(findings: Sequence[Finding]) -> Iterator[None]:
         if type(error) is not InputError or not doubts:
             raise
         raise InputError(f"{error}; {doubts[0]}") from None
+
+
+# The rows of all logs as one table, and what is unusual about them.
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,6 @@ from eccentric.virtual_bench.arms import (
 )
 from eccentric.virtual_bench.effects import EFFECTS, VARIANTS, Law, PlantedEffect, simply
 from eccentric.virtual_bench.files import free_paths, write
-from eccentric.virtual_bench.fleet import BAD_SENSORS, WAYS, FleetJoint, FleetPlan, fleet_plan, write_fleet
+from eccentric.virtual_bench.fleet import FleetJoint, FleetPlan, fleet_plan, write_fleet
 from eccentric.virtual_bench.scenario import Scenario, known_effect, on_reference, random_scenario
 from eccentric.virtual_bench.simulation import BenchRun, simulate

@@ -68,6 +68,9 @@ _FORMATS = {
 _BESIDE = (".json", ".truth.json")
 
 
+# Log, rig and truth.
+
+
 def write(run: BenchRun, path: str | Path) -> tuple[Path, Path, Path]:
     """Write the log to `path`, NAME.csv.gz, beside it NAME.json and NAME.truth.json; return the three paths.
 

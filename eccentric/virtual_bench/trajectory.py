@@ -1,4 +1,4 @@
-"""The reference speed of the drive, constant speeds or a sum of sines, and the held-out part of the log."""
+"""The reference speed of the drive, the held-out part of the log, and the loop that follows it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

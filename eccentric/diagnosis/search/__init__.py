@@ -19,7 +19,6 @@ In: `FitData`, a `Model`, a `Rig`. Out: an `Attribution`.
 May import: `identification`, `signals`, `rigs`, `effects`, `model`.
 """
 
-from eccentric.diagnosis.search.attribution import Search
 from eccentric.diagnosis.search.balances import balances_of, setting_of, variables_of
 from eccentric.diagnosis.search.candidate import Candidate, Variant, refined
 from eccentric.diagnosis.search.crossval import bounded_solve
@@ -35,7 +34,7 @@ from eccentric.diagnosis.search.limits import (
     STABLE,
     SURE,
 )
-from eccentric.diagnosis.search.loads import LoadSearch, required_over, searched_loads
+from eccentric.diagnosis.search.loads import required_over, searched_loads
 from eccentric.diagnosis.search.runs import runs_that_differ
 from eccentric.diagnosis.search.screen import Screen, fitted_variants
-from eccentric.diagnosis.search.verdict import Adopted, Attribution, Ranked, attribute, unconfirmed
+from eccentric.diagnosis.search.verdict import Adopted, Attribution, attribute, unconfirmed

@@ -163,6 +163,9 @@ def _peaks(orders: Array, power: Array, turns: float, where: Array) -> list[floa
     return found
 
 
+# Both balances as linear designs, and the setting of the library.
+
+
 def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesign], dict[str, float]]:
     """The balances of the training part, and the white noise that remains in a row of each [N m]."""
     drive, signals, channels = data.drive, data.signals, data.drive.channels

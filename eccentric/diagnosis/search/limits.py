@@ -11,7 +11,7 @@ from __future__ import annotations
 LEAST_DEVIANCE = 24.0
 """Twice the log-likelihood that an addition must gain: less may be chance.
 
-Controls of the bench stay below 22; `nulltest.null_quantile` gives the level of each log as well.
+Controls of the bench stay below 22; `stability.null_quantile` gives the level of each log as well.
 """
 LEAST_SHARE = 0.0015
 """RMS that an addition must remove from the residual, as a fraction of the balance's scale: filters and the

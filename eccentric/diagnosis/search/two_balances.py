@@ -6,7 +6,7 @@ else the mechanical balance shows. An angle that is read wrongly shows in both: 
 back-EMF varies over a turn as with a ripple of the flux. In the electrical balance both have the same
 columns, so the mechanical balance decides; the search then begins again without what the misread angle adds.
 It decides too where the circuit cannot tell an effect that has a torque from one that has another, or none.
-Effects on the flux may show in the torque alone (`flux`).
+Effects on the flux may show in the torque alone.
 """
 
 from __future__ import annotations
@@ -202,6 +202,9 @@ def _likely(mechanical: Search, place: int, family: str) -> set[str]:
 
 def _families(fitted: Fitted) -> set[str]:
     return {variant.candidate.family for variant in fitted.variants}
+
+
+# The search on both balances.
 
 
 def search_all(

@@ -86,6 +86,9 @@ def measurement_of(variable: str) -> str:
     return _MEASUREMENTS.get(variable, own)
 
 
+# The verdict.
+
+
 @dataclass(frozen=True)
 class Adopted:
     """An adopted variant with its balance.

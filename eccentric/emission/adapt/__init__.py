@@ -10,8 +10,6 @@ only read here.
 
 from eccentric.emission.adapt.prior import (
     Adaptation,
-    Alarm,
-    Prior,
     alarm_of,
     prior_of,
     run_length,

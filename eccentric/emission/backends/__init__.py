@@ -3,7 +3,8 @@
 In: a `Program`. Out: the view that the templates of a target are filled with, all in strings. The folders
 have the same names of files: `view` is what the templates see, `printer` the target as a language of
 expressions. They share `expression` (an expression in a language), `python` (what modules in Python have in
-common) and `text` (spellings). A back end imports `eccentric.emission.program` and these, and no other.
+common) and `backend` (the record of one, and spellings). A back end imports `eccentric.emission.program` and
+these, and no other.
 """
 
 from collections.abc import Mapping

@@ -35,7 +35,6 @@ from eccentric.model import vocabulary as v
 # Integers and half-integers times a part of few digits are exact, in every precision. Double precision uses
 # three parts, single precision five; the last one has all digits.
 
-
 BITS = {"single": 24, "double": 53}
 # Bits that `Leading` keeps, and those that remain for a number of half turns. In single precision these are
 # 14 bits: within 1e4 rad of the motor, a link that turns five times as far does not need more.

@@ -1,7 +1,4 @@
-"""Lowering: each stable step becomes assignments in a fixed order, the same for every back end.
-
-`eccentric.emission.program.lower` lowers the half-turn steps.
-"""
+"""Lowering: each stable step becomes assignments in a fixed order, the same for every back end."""
 
 from __future__ import annotations
 
@@ -104,7 +101,7 @@ def last_parts(name: str, left: sp.Symbol, prepare: Prepare) -> list[sp.Symbol]:
 # parts, five in single precision, three in double; k + 1/2 times each but the last is exact, and so is the
 # remainder of theta_m near the top. The last part makes the angle correct to its last place, wherever the top
 # is: its rounding is 2^-64 of the period, in double 2^-119, and up to 1e4 rad no number is close enough to a
-# top for this to matter. If the angle is shifted by a parameter, so is the top; `shift` stores the shift in
+# top for this to matter. If the angle is shifted by a parameter, so is the top; the shift is stored in
 # parts as well.
 
 

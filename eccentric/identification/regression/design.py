@@ -118,6 +118,9 @@ mechanical balance, or something of the bench that the rig leaves open: `bodies`
 chain."""
 
 
+# The design of a fit: coefficients with bounds and roles, its target and its solution.
+
+
 @dataclass(frozen=True)
 class Coefficient:
     """A linear unknown: the coefficient of a column, its unit and bounds."""

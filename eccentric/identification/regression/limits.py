@@ -1,4 +1,4 @@
-"""The thresholds of the decisions of this room, each with its reason."""
+"""The thresholds of the regression, each with its reason."""
 
 LEAST_PART = 1e-4
 """A combination of unit columns smaller than this counts as zero: no sensor is that precise."""

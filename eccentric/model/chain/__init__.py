@@ -17,4 +17,4 @@ from eccentric.model.chain.chain import Chain, identity_of, unlike, with_numbers
 from eccentric.model.chain.drive import JointDrive, arm, drives, friction_units
 from eccentric.model.chain.letters import letters_of, with_bodies, with_letters
 from eccentric.model.chain.links import Body, Joint, Moments, Placement
-from eccentric.model.chain.recursion import Bearing, Recursion, Wrench, at_rest, recursion
+from eccentric.model.chain.recursion import Recursion, at_rest, recursion

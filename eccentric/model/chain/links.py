@@ -1,4 +1,4 @@
-"""Joints: how a body moves in its parent, and the drive between them."""
+"""Joints, bodies and placements of a chain, with exact numbers."""
 
 from __future__ import annotations
 

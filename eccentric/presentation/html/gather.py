@@ -1,6 +1,6 @@
 """A Diagnosis as the records of the report.
 
-Apart from `balance` and `facts`, which this file calls, no other file of the report knows about fits.
+No other file of the report knows about fits.
 """
 
 from __future__ import annotations
@@ -209,6 +209,9 @@ def facts_of(found: Diagnosis) -> list[Fact]:
 
 _WORSE = {"paper": "Coulomb and viscous friction", "extended": "the paper's"}
 _ORIGINS = ("effect", "friction", "bench", "rig", "model", "unseen")
+
+
+# The records of a report.
 
 
 def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> ReportData:

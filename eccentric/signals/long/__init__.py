@@ -8,5 +8,5 @@
 In: logs and a `Rig`. Out: `Log`s; one of windows has an `Excerpt`.
 """
 
-from eccentric.signals.long.limits import FIT_POINTS, LONG_ROWS, SEARCH_POINTS
+from eccentric.signals.long.limits import FIT_POINTS, SEARCH_POINTS
 from eccentric.signals.long.reading import read_long, read_long_joints

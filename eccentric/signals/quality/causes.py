@@ -5,18 +5,15 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from eccentric.model import TURNING, AxisKind
-from eccentric.rigs import channels_of, knowns_of
+from eccentric.rigs import ForceGain, Rig, channels_of, knowns_of
 from eccentric.signals.quality.limits import DIRECT, LEVEL_PLANE, NEAR, REDUCED
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
-
-    from eccentric.rigs import ForceGain, Rig
     from eccentric.signals.quality.ratios import Ratio
 
 

@@ -1,8 +1,8 @@
 """The quality of a log under its rig, reported before anything is fitted.
 
-    table, channels, rig -> each signal alone (`quality_record`)
-                         -> angle against speed (`plausible`)
-                         -> drive against motion, motion against rig (`quality_rig`)
+    table, channels, rig -> each signal alone (here)
+                         -> angle against speed (`motion`)
+                         -> drive against motion, motion against rig (`against_rig`)
 
 A finding is a likely explanation of numbers that cannot all be right; it changes nothing in the log.
 """
@@ -37,14 +37,13 @@ from eccentric.signals.quality.limits import (
     STEADY,
     TOP_SPEED,
 )
-from eccentric.signals.table import Finding
+from eccentric.signals.table import Finding, Table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from eccentric.rigs import Rig
     from eccentric.signals.measured import Channels
-    from eccentric.signals.table import Table
 
 
 # Findings on single signals: gaps, missing rows, clipped and frozen channels, speeds.

@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from eccentric.model import load_model
+from eccentric.model import Model, load_model
 from eccentric.model import vocabulary as v
 from eccentric.signals.quality.limits import (
     AGREES,
@@ -36,7 +36,6 @@ from eccentric.signals.quality.limits import (
 )
 
 if TYPE_CHECKING:
-    from eccentric.model import Model
     from eccentric.rigs import Rig
     from eccentric.signals.measured import Channels
 

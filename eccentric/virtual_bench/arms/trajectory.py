@@ -1,4 +1,4 @@
-"""The reference motion of an arm: several runs, each from rest, all joints at once."""
+"""The reference motion of an arm, run by run from rest, and the servo drives that follow it."""
 
 from __future__ import annotations
 

@@ -7,7 +7,6 @@ simulation then measures and corrects.
 
 from eccentric.virtual_bench.effects import circuit, geometry, history, loads, speed, warmth
 from eccentric.virtual_bench.effects.record import (
-    PORTS,
     Builder,
     Law,
     PlantedEffect,
