@@ -38,7 +38,7 @@ from eccentric.fleet.work import (
     write,
 )
 from eccentric.model import AXES, TURNING, AxisKind
-from eccentric.rigs import Rig, knowns_of, read_rig
+from eccentric.rigs import Rig, knowns_of, read_rig, rig_of
 
 # RIGS -> the rig of each joint: one rig file for all, or a table that maps joints to files and own values.
 #
@@ -76,7 +76,7 @@ class Assigned:
         if content is None:
             return _of_one_mass(read_rig(self._path))
         where = f"{self._path} (joint {joint})"
-        return _of_one_mass(read_rig(content, where=where))
+        return _of_one_mass(rig_of(content, where))
 
     def content(self, joint: str) -> Mapping[str, Any] | None:
         """The rig file of a joint with its own values; None where one file holds for all. Raises as `rig`."""

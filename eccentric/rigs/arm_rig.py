@@ -26,7 +26,7 @@ from eccentric.rigs.arm_file import read_arm
 from eccentric.rigs.arm_parts import complaints_of
 from eccentric.rigs.entries import plain_entries, read_names
 from eccentric.rigs.known import KNOWNS
-from eccentric.rigs.rig import KEYS, Rig, read_rig
+from eccentric.rigs.rig import KEYS, Rig, rig_of
 
 NUMBER = "{j}"
 """What stands for the number of a joint in a pattern."""
@@ -166,7 +166,7 @@ def arm_rig_of(content: Mapping[str, Any], where: str, name: str, folder: Path) 
 
 def _of_joint(content: Mapping[str, Any], where: str) -> Rig:
     """The rig of one joint; messages name the file."""
-    return read_rig(content, where=where, constants="drives")
+    return rig_of(content, where, "drives")
 
 
 def _chain(given: object, where: str, folder: Path) -> Chain:

@@ -15,7 +15,7 @@ from eccentric.core import InputError, given_path, read_document, shown
 from eccentric.model import AXES, TURNING, AxisKind
 from eccentric.rigs.entries import plain_entries
 from eccentric.rigs.known import knowns_of
-from eccentric.rigs.rig import keys_of, read_rig
+from eccentric.rigs.rig import keys_of, read_rig, rig_of
 from eccentric.rigs.sources import channels_of
 
 Place = tuple[str, str]
@@ -62,7 +62,7 @@ def rig_complaints(
             found.append(Complaint(f"{where}: {table}{place[1]}: this key belongs {home}", *place))
             continue
         try:
-            read_rig(_alone(content, [place]), where=where)
+            rig_of(_alone(content, [place]), where)
         except InputError as error:
             complain(error, place)
         else:
@@ -72,13 +72,13 @@ def rig_complaints(
     for pair in itertools.combinations(good, 2):
         if {one[0] for one in pair} <= {*_TABLES} and set(pair) <= set(apart):
             try:
-                read_rig(_alone(content, pair), where=where)
+                rig_of(_alone(content, pair), where)
             except InputError as error:
                 complain(error, pair[1])
                 apart.remove(pair[1])
     rest = _only(content, apart)
     try:
-        read_rig(rest, where=where)
+        rig_of(rest, where)
     except InputError as error:
         complain(error)
         if "kind" not in rest:

@@ -138,12 +138,10 @@ class Rig:
         return {"C1": "c1_perpendicular", "C2": "c2_parallel"}.get(self.case or "", "rotating_link")
 
 
-def read_rig(
-    source: str | os.PathLike[str] | Mapping[str, Any] | Rig, *, where: str = "rig", constants: str = "known"
-) -> Rig:
+def read_rig(source: str | os.PathLike[str] | Mapping[str, Any] | Rig) -> Rig:
     """Read a rig: a file `.toml` or `.json`, or a mapping with the keys of such a file.
 
-    A Rig is returned unchanged. Errors call a mapping `where`, and the table of its known values `constants`.
+    A Rig is returned unchanged. Errors call a mapping "rig".
 
     Raises InputError, one line with file, key, what is required and what was received: a missing or damaged
     file, an unknown key or unit, a value that is physically impossible, a contradiction.
@@ -153,7 +151,12 @@ def read_rig(
     if isinstance(source, str | os.PathLike):
         path = given_path(source, "rig")
         return _rig(read_document(path, "a rig file"), shown(path), Path(shown(path)).stem)
-    return _rig(plain_entries(source, where), where, "rig", constants)
+    return rig_of(source, "rig")
+
+
+def rig_of(content: Mapping[str, Any], where: str, constants: str = "known") -> Rig:
+    """The rig with the content of a file; errors call it `where`, its table of known values `constants`."""
+    return _rig(plain_entries(content, where), where, "rig", constants)
 
 
 def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "known") -> Rig:
