@@ -89,7 +89,7 @@ def main(arguments: list[str] | None = None) -> int:
     rooms = set(args.rooms.split(",")) if args.rooms else None
     mutants = drawn(root, args.number, args.seed, rooms)
     tasks, read = taken(root, out / "map")
-    with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
+    with tempfile.TemporaryDirectory(prefix="copies-") as folder:
         copies = [copied(root, Path(folder).resolve() / f"copy-{k}") for k in range(max(args.jobs, 1))]
         if tasks:
             print(f"coverage map: {len(tasks)} files of tests", flush=True)
