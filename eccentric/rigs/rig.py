@@ -176,8 +176,9 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
     drive, drives = content.get("drive"), {axis.said(drive): drive for drive in DRIVES}
     if drive is not None and drive not in drives:
         raise InputError(
-            f"{where}: drive: one of {', '.join(drives)} is required, received {drive!r}"
-            + (meant(drive, drives) if isinstance(drive, str) else "")
+            f"{where}: drive",
+            f"one of {', '.join(drives)}",
+            f"{drive!r}{meant(drive, drives) if isinstance(drive, str) else ''}",
         )
     alignment, estimate = _alignment(content, where)
     intervals = read_intervals(content.get("holdout_intervals_s", []), f"{where}: holdout_intervals_s")
@@ -238,8 +239,9 @@ def _axis(content: Mapping[str, Any], where: str) -> AxisKind:
         raise InputError(f'{where}: {own}: kind = "linear" is required with it, received no kind')
     if not isinstance(kind, str) or kind not in AXES:
         raise InputError(
-            f"{where}: kind: one of {', '.join(AXES)} is required, received {kind!r}"
-            + (meant(kind, AXES) if isinstance(kind, str) else "")
+            f"{where}: kind",
+            f"one of {', '.join(AXES)}",
+            f"{kind!r}{meant(kind, AXES) if isinstance(kind, str) else ''}",
         )
     return AXES[kind]
 

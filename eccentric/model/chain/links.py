@@ -150,9 +150,7 @@ class Joint:
         name: str = UNNAMED,
     ) -> None:
         if kind not in KINDS:
-            raise InputError(
-                f"{name}: kind: one of {', '.join(KINDS)} is required, received {kind!r}" + meant(kind, KINDS)
-            )
+            raise InputError(f"{name}: kind", f"one of {', '.join(KINDS)}", f"{kind!r}{meant(kind, KINDS)}")
         self.kind, self.name = kind, name
         self.axis = _unit(vector(axis, f"{name}: axis"), name)
         self.placement = placement or Placement()
