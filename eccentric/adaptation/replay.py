@@ -41,8 +41,7 @@ def inputs_of(channels: Channels, axis: AxisKind, names: Sequence[str], log: str
     }
     if unknown := [name for name in names if name not in known]:
         raise InputError(
-            f"{log}: a model without hidden states is required to follow friction along a log, received"
-            f" {unknown[0]}"
+            log, "a model without hidden states", unknown[0], why="to follow friction along a log"
         )
     given = [np.array(known[name], float) for name in names]
     unusable = ~channels.selection.usable | motor.off
@@ -68,8 +67,10 @@ def require_logged(channels: Channels, names: Iterable[str], log: str) -> None:
         there += ["torque"] if by_torque else []
         wanted = "current or torque" if lacking[0] == CURRENT else _CHANNELS[lacking[0]]
         raise InputError(
-            f"{log}: a column for {wanted} is required to follow friction; map it in [columns] of"
-            f" {channels.rig.path}, received {' and '.join(there)} only"
+            log,
+            f"a column for {wanted}",
+            f"{' and '.join(there)} only",
+            why=f"to follow friction; map it in [columns] of {channels.rig.path}",
         )
 
 

@@ -96,7 +96,7 @@ def _with_current(drive: Drive, values: Mapping[str, float]) -> Channels:
     if motor.measured_by != "torque":
         return channels
     if missing := sorted(drive.machine.torque_letters - set(values)):
-        raise InputError(f"parameters.{missing[0]}: a value is required to follow a torque, received none")
+        raise InputError(f"parameters.{missing[0]}", "a value", "none", why="to follow a torque")
     current = drive.machine.current_of_torque(values, motor.measured)
     return replace(channels, motor=replace(motor, current=current))
 

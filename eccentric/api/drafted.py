@@ -159,7 +159,7 @@ def _same_columns(logs: Sequence[Log]) -> Log:
         if set(log.columns) != set(logs[0].columns):
             differ = few(sorted(set(log.columns) ^ set(logs[0].columns)))
             raise InputError(
-                f"{log.path}: the same columns are required in every log, received in some only: {differ}"
+                log.path, "the same columns", f"in some only: {differ}", why="in every log", plural=True
             )
     return _longest(logs)
 

@@ -57,7 +57,7 @@ def sources_of(logs: LogSources) -> list[Any]:
     for k, source in enumerate(sources):
         if places[k] in places[:k]:
             what = source if isinstance(source, str | os.PathLike) else f"table {k + 1}"
-            raise InputError(f"{what}: each log is required only once, received it twice")
+            raise InputError(what, "each log", "it twice", why="only once")
     return sources
 
 

@@ -129,7 +129,7 @@ def _of_a_fleet(args: argparse.Namespace) -> int:
     _chosen(args, {}, {**_OF_A_DRIVE, **_OF_AN_ARM, "arm": None}, "no --fleet", "it")
     if args.effect or args.out is None:
         what = "no --effect" if args.effect else "the path of a folder as --out"
-        raise InputError(f"--fleet: {what} is required with it, received {'one' if args.effect else 'none'}")
+        raise InputError("--fleet", what, "one" if args.effect else "none", why="with it")
     own = {name: value for name in _OF_A_FLEET if (value := getattr(args, name)) is not None}
     with options(_OPTIONS):
         changed = eccentric.bench_fleet(args.out, seed=args.seed, **own, progress=bar())
@@ -160,7 +160,7 @@ def _chosen(
     """The arguments of one kind of bench; InputError if one of the other kind is given."""
     for name in others.keys() - own.keys():
         if getattr(args, name) is not None:
-            raise InputError(f"--{name}: {required} is required with it, received {received}")
+            raise InputError(f"--{name}", required, received, why="with it")
     return {
         name: value if getattr(args, name) is None else getattr(args, name) for name, value in own.items()
     }

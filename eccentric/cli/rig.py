@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     if args.check is not None:
         for option, given in (("--out", args.out), ("--arm", args.arm)):
             if given is not None:
-                raise InputError(f"--check: no {option} is required with it, received one")
+                raise InputError("--check", f"no {option}", "one", why="with it")
         found = eccentric.check_rig(args.logs, args.check)
         print_warnings((*found.doubts, *found.warnings))
         if found.complaints:

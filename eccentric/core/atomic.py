@@ -45,10 +45,7 @@ def own_folder(path: str | os.PathLike[str]) -> Path:
     target = folder_to_write(path)
     if Path.cwd().is_relative_to(target):
         what = "the working directory" if Path.cwd() == target else "one with the working directory in it"
-        raise InputError(
-            f"{Path(path)}: a folder of its own for the output is required, such as build/out,"
-            f" received {what}"
-        )
+        raise InputError(Path(path), "a folder of its own for the output", what, why=", such as build/out")
     # Leftovers of a killed run are harmless.
     there = target.is_dir() and any(not f.name.startswith(f"{MARKER}-") for f in target.iterdir())
     if there and not (target / MARKER).is_file():

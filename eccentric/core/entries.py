@@ -74,7 +74,7 @@ def _no_repeats(pairs: list[tuple[str, Any]], path: Path) -> dict[str, Any]:
     keys = [key for key, _ in pairs]
     twice = next((key for key in keys if keys.count(key) > 1), None)
     if twice is not None:
-        raise InputError(f"{path}: each key is required only once, received {twice!r} twice")
+        raise InputError(path, "each key", f"{twice!r} twice", why="only once")
     return dict(pairs)
 
 

@@ -16,27 +16,42 @@ class InputError(ValueError):
         expected, got: what is required there, and what was received.
     """
 
-    def __init__(self, place: object, expected: str = "", got: object = "", *, plural: bool = False) -> None:
-        """One that is not about a value has its whole line for a place; plural: several are expected."""
+    def __init__(
+        self, place: object, expected: str = "", got: object = "", *, why: str = "", plural: bool = False
+    ) -> None:
+        """One that is not about a value has its whole line for a place.
+
+        why: after what is expected, why it is or how it is given: "to draft a rig", ", as in 1 kg"; plural:
+            several things are expected.
+        """
         self.place, self.expected, self.got = (str(place) if expected else ""), expected, str(got)
-        self.plural = plural
+        self.why, self.plural = why, plural
         before = f"{self.place}: " if self.place else ""
-        verb = "are" if plural else "is"
-        super().__init__(f"{before}{expected} {verb} required, received {got}" if expected else str(place))
+        required = f"{'are' if plural else 'is'} required{'' if why[:1] in ('', ',') else ' '}{why}"
+        super().__init__(f"{before}{expected} {required}, received {got}" if expected else str(place))
 
     def within(self, place: object) -> "InputError":
         """The same error, with the place that its own is in before it."""
         if not self.expected:
             return InputError(f"{place}: {self}")
         inner = f"{place}: {self.place}" if self.place else place
-        return InputError(inner, self.expected, self.got, plural=self.plural)
+        return InputError(inner, self.expected, self.got, why=self.why, plural=self.plural)
 
 
 class MissingValueError(InputError):
     """A value that the rig does not give and that is required; `letter` is the paper's."""
 
-    def __init__(self, message: str, letter: str = "") -> None:
-        super().__init__(message)
+    def __init__(
+        self,
+        place: object,
+        expected: str = "",
+        got: object = "",
+        *,
+        why: str = "",
+        plural: bool = False,
+        letter: str = "",
+    ) -> None:
+        super().__init__(place, expected, got, why=why, plural=plural)
         self.letter = letter
 
 

@@ -101,7 +101,7 @@ def contest(
     if not names:
         raise InputError("models", "at least one model", "none")
     if twice := [name for k, name in enumerate(names) if name in names[:k]]:
-        raise InputError(f"models: each model is required only once, received {twice[0]} twice")
+        raise InputError("models", "each model", f"{twice[0]} twice", why="only once")
     given = _Field(logs, rig, effects)
     channels = read_channels(logs, rig)
     own = given.stage(load_model(channels.rig.model))

@@ -176,7 +176,7 @@ class Stage:
             InputError: a name is unknown, given twice, or nothing in the log determines it.
         """
         if twice := [name for k, name in enumerate(names) if name in names[:k]]:
-            raise InputError(f"{word}: each effect is required only once, received {twice[0]} twice")
+            raise InputError(word, "each effect", f"{twice[0]} twice", why="only once")
         pools = [members(word, name, self.offered) for name in names]
         found = fitted_variants(self.balances, [self.candidates(pool) for pool in pools], self.noise)
         chosen = []

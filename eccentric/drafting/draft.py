@@ -88,7 +88,7 @@ def draft_of(log: Log) -> Draft:
     rows = slice(0, min(log.rows, limits.MOST_ROWS))
     if log.rows < limits.FEWEST_ROWS:
         raise InputError(
-            f"{log.path}: at least {limits.FEWEST_ROWS} rows are required to draft a rig, received {log.rows}"
+            log.path, f"at least {limits.FEWEST_ROWS} rows", log.rows, why="to draft a rig", plural=True
         )
     columns, texts = columns_of(log, rows)
     run, ends = find_runs(columns, texts, rows.stop)

@@ -106,7 +106,7 @@ def _clock(log: Log, common: Sequence[str]) -> tuple[Proposal, Proposal | None]:
     stop = min(log.rows, limits.MOST_ROWS)
     if log.rows < limits.FEWEST_ROWS:
         raise InputError(
-            f"{log.path}: at least {limits.FEWEST_ROWS} rows are required to draft a rig, received {log.rows}"
+            log.path, f"at least {limits.FEWEST_ROWS} rows", log.rows, why="to draft a rig", plural=True
         )
     columns, texts = columns_of(_part(log, common), slice(0, stop))
     run, ends = find_runs(columns, texts, stop)

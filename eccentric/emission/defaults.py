@@ -93,8 +93,10 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
         raise InputError(f"{where}: {required}, received a diagnosis: {instead}")
     if unscaled := content.get("joints_without_scale"):
         raise InputError(
-            f"{where}: friction in N m is required of every joint, received that of"
-            f" {', '.join(map(str, unscaled))} without a scale: give k_i in the [drives] of the rig"
+            where,
+            "friction in N m",
+            (f"that of {', '.join(map(str, unscaled))} without a scale: give k_i in the [drives] of the rig"),
+            why="of every joint",
         )
     axis = AXES.get(str(content.get("kind", TURNING.name)), TURNING)
     values = content.get("parameters")

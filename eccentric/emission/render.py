@@ -96,12 +96,10 @@ def render_arm(
     """
     backends = tuple(backends)
     if others := [name for name in backends if name not in DEFAULT]:
-        raise InputError(f"backend: {' or '.join(DEFAULT)} is required for an arm, received {others[0]!r}")
+        raise InputError("backend", " or ".join(DEFAULT), f"{others[0]!r}", why="for an arm")
     program = build_arm_program(found, model or arm(found.chain, title, found=found), choice)
     if "c99" in backends and not program.coefficients:
-        raise InputError(
-            f"{program.name}: a function of an angle or a parameter is required for C, received none"
-        )
+        raise InputError(program.name, "a function of an angle or a parameter", "none", why="for C")
     return render_program(program, origin, command, backends, single_file=single_file)
 
 

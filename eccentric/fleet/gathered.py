@@ -122,7 +122,7 @@ def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
         if not {"joint", "rig"} <= set(names):
             raise InputError(path, "columns joint and rig", few(names) or "none", plural=True)
         if again := next((name for name in names if names.count(name) > 1), None):
-            raise InputError(f"{path}: each column is required only once, received {again!r} twice")
+            raise InputError(path, "each column", f"{again!r} twice", why="only once")
         for line, row in enumerate(reader, start=2):
             where = f"{path}: line {line}"
             if None in row or None in row.values():
@@ -157,7 +157,7 @@ def _of_toml(joints: object, path: Path) -> dict[str, tuple[str, Mapping[str, An
 
 def _require_new(joint: str, found: Mapping[str, object], where: str) -> None:
     if joint in found:
-        raise InputError(f"{where}: each joint is required only once, received {joint!r} twice")
+        raise InputError(where, "each joint", f"{joint!r} twice", why="only once")
 
 
 Told = Callable[[float, str], None]

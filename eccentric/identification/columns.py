@@ -70,9 +70,13 @@ def scale_of(drive: str, rig: Rig, machine: Machine) -> sp.Expr | None:
     missing = motor - known
     if lacking := sorted((own - known) | (missing if own & motor else set())):
         raise InputError(
-            f"{rig.path}: a value of {' and '.join(lacking)} is required to convert the {drive} to torque,"
-            f" since {' and '.join(sorted(own))} {'is' if len(own) == 1 else 'are'} the model's own,"
-            " received none"
+            rig.path,
+            f"a value of {' and '.join(lacking)}",
+            "none",
+            why=(
+                f"to convert the {drive} to torque, since {' and '.join(sorted(own))}"
+                f" {'is' if len(own) == 1 else 'are'} the model's own"
+            ),
         )
     if drive == "voltage":
         return R / k_i if missing else None
@@ -80,9 +84,11 @@ def scale_of(drive: str, rig: Rig, machine: Machine) -> sp.Expr | None:
         if "k_i" in rig.unknown:
             return 1 / k_i
         raise MissingValueError(
-            f"{rig.path}: [known] k_i is required to convert the current to torque "
-            "(or its range in [unknown], to estimate it jointly), received neither",
-            "k_i",
+            rig.path,
+            "[known] k_i",
+            "neither",
+            why=("to convert the current to torque (or its range in [unknown], to estimate it jointly)"),
+            letter="k_i",
         )
     return None
 
@@ -97,9 +103,14 @@ def combinations_of(drive: Drive, rig: Rig, model: Model, scale: sp.Expr | None)
         shared = back_emf_columns(model)
         if not shared:
             raise MissingValueError(
-                f"{rig.path}: [known] k_e is required by {model.name}, which has no viscous friction in"
-                " proportion to the motor velocity that would include the back-EMF, received none",
-                "k_e",
+                rig.path,
+                "[known] k_e",
+                "none",
+                why=(
+                    f"by {model.name}, which has no viscous friction in proportion to the motor"
+                    " velocity that would include the back-EMF"
+                ),
+                letter="k_e",
             )
     damping = s * _plain(machine.back_emf_damping)
     found = [

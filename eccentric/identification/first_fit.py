@@ -106,12 +106,15 @@ def _needed(channels: Channels, rig: Rig, base: Model, machine: Machine) -> dict
     if channels.motor.measured_by == "current" and channels.motor.voltage is not None:
         given -= motor
         if missing := sorted(motor - set(rig.known)):
-            verb, what = ("are", "them") if len(missing) > 1 else ("is", "it")
+            what = "them" if len(missing) > 1 else "it"
             received = "a range" if set(missing) & set(rig.unknown) else "none"
             raise MissingValueError(
-                f"{rig.path}: [known] {' and '.join(missing)} {verb} required, since current and voltage"
-                f" are mapped, received {received}: add {what}, or remove the voltage from [columns]",
-                missing[0],
+                rig.path,
+                f"[known] {' and '.join(missing)}",
+                f"{received}: add {what}, or remove the voltage from [columns]",
+                why=", since current and voltage are mapped",
+                plural=len(missing) > 1,
+                letter=missing[0],
             )
     known = {name: rig.value(name) for name in sorted(needed - given)}
     known |= {name: rig.known[name] for name in sorted(needed & given) if name in rig.known}

@@ -211,10 +211,12 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     if lacking := sorted(load_letters(model) - set(rig.known) - set(rig.unknown)):
         several = len(lacking) > 1
         raise MissingValueError(
-            f"{rig.path}: [known] {few(lacking)} {'are' if several else 'is'} required by {model.name}, or"
-            f" {'their ranges' if several else 'its range'} in [unknown], received"
-            f" {'none of them' if several else 'neither'}",
-            lacking[0],
+            rig.path,
+            f"[known] {few(lacking)}",
+            "none of them" if several else "neither",
+            why=f"by {model.name}, or {'their ranges' if several else 'its range'} in [unknown]",
+            plural=several,
+            letter=lacking[0],
         )
     emitted = Emitted(model)
     used = {*emitted.inputs_of("regressor"), *emitted.inputs_of("gravity_torque")}

@@ -263,8 +263,10 @@ def _drive(log: ArmLog, j: int) -> Drive:
         return Drive(machine, channels, {**known, "k_i": 1.0}, None, "A")
     if missing := [name for name in ("k_i", "R", "k_e") if name not in known]:
         raise InputError(
-            f"{where} {missing[0]}: a value is required to convert the voltage of joint"
-            f" {log.rig.number(j)} to torque, received none"
+            f"{where} {missing[0]}",
+            "a value",
+            "none",
+            why=f"to convert the voltage of joint {log.rig.number(j)} to torque",
         )
     return Drive(machine, channels, known, known["R"] / known["k_i"], "N m")
 

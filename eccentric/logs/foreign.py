@@ -116,9 +116,11 @@ def _require(path: Path, need: int, rows: int, values: int) -> None:
     free = free_memory()
     if need > free:
         raise InputError(
-            f"{path}: at most {rows * free // need:,} rows of this kind are required, for which the"
-            f" {free / 1e9:.3g} GB of free memory suffice, received {rows:,} rows with {values:,} values, for"
-            f" about {need / 1e9:.3g} GB"
+            path,
+            f"at most {rows * free // need:,} rows of this kind",
+            f"{rows:,} rows with {values:,} values, for about {need / 1000000000.0:.3g} GB",
+            why=f", for which the {free / 1000000000.0:.3g} GB of free memory suffice",
+            plural=True,
         )
 
 

@@ -67,8 +67,7 @@ def read_memory(table: object, name: str) -> Read:
     if isinstance(table, list | tuple) and table:
         kind += f" of {type(table[0]).__name__}"
     raise InputError(
-        f"{name}: a path or a table is required (a dict of arrays, or a table of pandas, polars or pyarrow), "
-        f"received {kind}"
+        name, "a path or a table", kind, why="(a dict of arrays, or a table of pandas, polars or pyarrow)"
     )
 
 
@@ -100,7 +99,7 @@ def _by_name(table: Mapping[Any, Any], name: str) -> Read:
     found = {column: values for column, values in read.items() if values is not None}
     lengths = {column: len(values) for column, values in found.items() if values.ndim}
     if found and not lengths:
-        raise InputError(f"{name}: columns are required, each an array of numbers, received single values")
+        raise InputError(name, "columns", "single values", why=", each an array of numbers", plural=True)
     first = next(iter(lengths), "")
     for column, length in lengths.items():
         if length != lengths[first]:

@@ -143,16 +143,15 @@ def parse_value(text: str, required: str, where: str, counts_per_rev: float | No
     match = _VALUE.fullmatch(text)
     if match is None:
         raise InputError(
-            f"{where}: a number with a unit is required ({', '.join(_choices(required, where))}), "
-            f"received {text!r}"
+            where, "a number with a unit", f"{text!r}", why=f"({', '.join(_choices(required, where))})"
         )
     if re.match(r",\s*\d", match[3]):
         point = text.replace(",", ".", 1)
-        raise InputError(f"{where}: a decimal point is required, as in {point!r}, received {text!r}")
+        raise InputError(where, "a decimal point", f"{text!r}", why=f", as in {point!r}")
     if match[3].startswith(":"):
         raise InputError(where, "a ratio with '/', as in '1/5',", f"{text!r}")
     if required == "rad" and not match[3]:
-        raise InputError(f"{where}: a unit is required (deg, rad), received {text!r}")
+        raise InputError(where, "a unit", f"{text!r}", why="(deg, rad)")
     divisor = float(match[2]) if match[2] else 1.0
     if divisor == 0.0:
         raise InputError(where, "a finite number", f"{text!r}")
@@ -162,7 +161,7 @@ def parse_value(text: str, required: str, where: str, counts_per_rev: float | No
         if match[3]:
             raise
         choices = ", ".join(_choices(required, where))
-        raise InputError(f"{where}: a unit is required ({choices}), received {text!r}") from None
+        raise InputError(where, "a unit", f"{text!r}", why=f"({choices})") from None
     return unit.to_si(float(match[1]) / divisor)
 
 

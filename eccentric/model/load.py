@@ -121,7 +121,7 @@ def in_general_letters(values: Mapping[str, T], axis: AxisKind, source: str) -> 
     """
     general = [axis.general(letter) for letter in values]
     if twice := [letter for letter in values if general.count(axis.general(letter)) > 1]:
-        raise InputError(f"{source}: parameters: each is required only once, received {' and '.join(twice)}")
+        raise InputError(f"{source}: parameters", "each", " and ".join(twice), why="only once")
     return dict(zip(general, values.values(), strict=True))
 
 

@@ -84,8 +84,10 @@ def _column(model: Model, group: list[Term]) -> Column:
     for term in group:
         if term.coefficient not in known:
             raise InputError(
-                f"model {model.name}: term {term.name}: a parameter is required as coefficient of friction,"
-                f" received {term.coefficient}"
+                f"model {model.name}: term {term.name}",
+                "a parameter",
+                term.coefficient,
+                why="as coefficient of friction",
             )
     if len({(term.role, term.joint) for term in group}) > 1:
         received = ", ".join(f"{term.role} at joint {term.joint}" for term in group)

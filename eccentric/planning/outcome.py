@@ -87,7 +87,7 @@ def planned(
     if not axis.wraps and by_force != bounds.by_force:
         needed, given = (FORCE, "current_A") if by_force else ("current_A", FORCE)
         has = "a force" if by_force else "no force"
-        raise InputError(f"limits: {needed} is required, since the log has {has}, received {given}")
+        raise InputError("limits", needed, given, why=f", since the log has {has}")
     _require_amperes(question, bounds)
     if added:
         require_link(question.data.drive.channels.rig, question.model)

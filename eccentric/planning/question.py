@@ -243,6 +243,8 @@ def _require_known(said: Mapping[str, Any], where: str) -> None:
 
 def _unfit(path: str, how: str) -> InputError:
     return InputError(
-        f"{path}: a log that fits the rig is required to plan from, received one{how}:"
-        " correct the rig file or the log first"
+        path,
+        "a log that fits the rig",
+        f"one{how}: correct the rig file or the log first",
+        why="to plan from",
     )

@@ -116,7 +116,7 @@ def read_arm(source: str | os.PathLike[str], tip: str | None = None) -> Chain:
             require_mass(chain)
         return chain
     if tip is not None:
-        raise InputError(f"{where}: a .urdf is required for a tip, received {tip!r}")
+        raise InputError(where, "a .urdf", f"{tip!r}", why="for a tip")
     content = read_document(path, "an arm file, .urdf,")
     if str(content.get("format", "")).startswith("eccentric-"):
         raise InputError(

@@ -93,7 +93,7 @@ class FileQuantity:
     ) -> Any:
         given = [key for key in self.keys if key in table]
         if len(given) == 2:
-            raise InputError(f"{where}: {self.key} is required only once, received {' and '.join(given)}")
+            raise InputError(where, self.key, " and ".join(given), why="only once")
         if not given:
             if default is None:
                 raise InputError(where, self.key, "none")
@@ -105,7 +105,7 @@ class FileQuantity:
             if key != self.key:
                 raise InputError(where, f"a number in {self.unit}", f"{value!r}")
             if self.unit == "m/rad" and not _PER_ANGLE.search(value):
-                raise InputError(f"{where}: a unit is required (m/rad, mm/rev), received {value!r}")
+                raise InputError(where, "a unit", f"{value!r}", why="(m/rad, mm/rev)")
             number = parse_value(value, self.unit, where)
             if (
                 self.unit != "rad"
@@ -117,9 +117,7 @@ class FileQuantity:
                 hint = f'did you mean "{value:g} deg" under {self.key}?'
                 raise InputError(where, "an angle in rad, at most a turn,", f"{value!r}; {hint}")
         else:
-            raise InputError(
-                f'{where}: a text with a unit is required, as in "0.1 {self.unit}", received {value!r}'
-            )
+            raise InputError(where, "a text with a unit", f"{value!r}", why=f', as in "0.1 {self.unit}"')
         if not abs(number) <= LARGEST_OF_ARM:
             raise InputError(where, f"a size of at most {LARGEST_OF_ARM:g}", f"{value!r}")
         return value if isinstance(value, str) and _RATIO.fullmatch(value) else number
@@ -353,7 +351,7 @@ def read_joints(tables: Any, where: str) -> list[ReadJoint]:
         gear = GEAR[kind]
         refuse_unknown(table, dict.fromkeys((*KEYS_OF_JOINTS, *gear.keys)), here)
         if "body" not in table:
-            raise InputError(f'{here}: a body is required, such as body = {{ mass = "2 kg" }}, received none')
+            raise InputError(here, "a body", "none", why=', such as body = { mass = "2 kg" }')
         place, frame = read_placements(table, here)
         axis = AXIS.vector(table, here, (0, 0, 1))
         before = found[-1].frame if found else Placement()
@@ -362,7 +360,7 @@ def read_joints(tables: Any, where: str) -> list[ReadJoint]:
             joint = Joint(kind, axis, after(before, place), *drive, name)
         found.append(ReadJoint(joint, read_body(table["body"], here), frame))
     if not found:
-        raise InputError(f"{where}: joints are required, each as [[joint]], received none")
+        raise InputError(where, "joints", "none", why=", each as [[joint]]", plural=True)
     return found
 
 
@@ -392,7 +390,7 @@ def with_drives(read: Sequence[ReadJoint], tables: Any, where: str) -> list[Read
 def _named(tables: Any, where: str) -> Iterable[tuple[str, str, Mapping[str, Any]]]:
     """The place for messages, the name and the table of each joint; names are different."""
     if not isinstance(tables, list):
-        raise InputError(f"{where}: joints are required, each as [[joint]], received {tables!r}")
+        raise InputError(where, "joints", f"{tables!r}", why=", each as [[joint]]", plural=True)
     seen = set[str]()
     for number, entry in enumerate(tables, 1):
         here = f"{where}: joint {number}"

@@ -132,7 +132,7 @@ def arm_rig_of(content: Mapping[str, Any], where: str, name: str, folder: Path) 
     if also := [key for key in ("known", "unknown") if key in content]:
         required = "bodies and gear ratios in the arm file, k_i, R and k_e in [drives]"
         raise InputError(
-            f"{where}: [{also[0]}]: {required} are required in the rig of an arm, received a table"
+            f"{where}: [{also[0]}]", required, "a table", why="in the rig of an arm", plural=True
         )
     refuse_unknown(content, _KEYS, where)
     declared = _chain(content["arm"], where, folder)
@@ -216,15 +216,15 @@ def _require_patterns(columns: Mapping[str, Any], where: str) -> None:
 def _require_motion_and_drive(columns: Mapping[str, Any], drive: object, where: str) -> None:
     """The loads of a joint depend on all angles; what measures its drive is compared with them."""
     if not {"theta_m", "theta_l"} & set(columns):
-        raise InputError(
-            f'{where}: the angle of every joint is required, as in theta_l = "q_rad_{NUMBER}", received none'
-        )
+        raise InputError(where, "the angle of every joint", "none", why=f', as in theta_l = "q_rad_{NUMBER}"')
     of = {"torque": ("torque", "torque_l")}.get(str(drive), (drive,) if drive in _DRIVE else _DRIVE)
     if not set(of) & set(columns):
         name = of[-1] if drive in _DRIVE else "current"
         raise InputError(
-            f"{where}: what measures the drive of every joint is required, such as"
-            f' {name} = "{name}_{NUMBER}", received none'
+            where,
+            "what measures the drive of every joint",
+            "none",
+            why=f', such as {name} = "{name}_{NUMBER}"',
         )
 
 

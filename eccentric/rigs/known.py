@@ -116,9 +116,7 @@ def read_value(value: object, known: Known, key: str, where: str) -> float:
     elif key == known.key:
         number = read_number(value, where)
     else:
-        raise InputError(
-            f'{where}: a text with a unit is required, as in {key} = "0.1 {known.unit}", received {value!r}'
-        )
+        raise InputError(where, "a text with a unit", f"{value!r}", why=f', as in {key} = "0.1 {known.unit}"')
     if not known.allows(number):
         raise InputError(where, f"a value {known.required}", f"{value!r}")
     if not known.has_size(number):
@@ -181,7 +179,7 @@ def mass_alone(known: Mapping[str, float]) -> float:
 
 def _refuse_twice(known: Known, given: Mapping[str, Any], where: str) -> None:
     if known.name in given:
-        raise InputError(f"{where}: {known.letter or known.name} is required only once, received twice")
+        raise InputError(where, known.letter or known.name, "twice", why="only once")
 
 
 def _case(case: str | None, known: dict[str, float], unknown: Mapping[str, Any], where: str) -> str | None:

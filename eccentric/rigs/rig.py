@@ -109,8 +109,8 @@ class Rig:
     def value(self, name: str) -> float:
         """Return a known quantity by the paper's letter; InputError, naming the rig, if it is unknown."""
         if name not in self.known:
-            said = f"{self.path}: [known] {self.axis.said(name)} is required here, received none"
-            raise MissingValueError(said, name)
+            letter = f"[known] {self.axis.said(name)}"
+            raise MissingValueError(self.path, letter, "none", why="here", letter=name)
         return self.known[name]
 
     @property
@@ -236,7 +236,7 @@ def _axis(content: Mapping[str, Any], where: str) -> AxisKind:
     """Return the kind of axis that the rig names, by default one that turns."""
     kind = content.get("kind", TURNING.name)
     if "kind" not in content and (own := _of_a_carriage_alone(content)):
-        raise InputError(f'{where}: {own}: kind = "linear" is required with it, received no kind')
+        raise InputError(f"{where}: {own}", 'kind = "linear"', "no kind", why="with it")
     if not isinstance(kind, str) or kind not in AXES:
         raise InputError(
             f"{where}: kind",

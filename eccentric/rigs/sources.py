@@ -119,8 +119,10 @@ def read_columns(
     for channel, source in columns.items():
         if channels[channel][1] and (other := measured.setdefault(source.text, channel)) != channel:
             raise InputError(
-                f"{where}: a column of its own is required for {axis.said(other)} and {axis.said(channel)},"
-                f" received {source.text!r} for both"
+                where,
+                "a column of its own",
+                f"{source.text!r} for both",
+                why=f"for {axis.said(other)} and {axis.said(channel)}",
             )
     return columns, []
 
@@ -139,9 +141,7 @@ def _gain(gain: object, unit: str | None, required: str, where: str) -> tuple[Un
     """The unit of a column that a gain converts: the unit of the column, V or A, times the gain; and that."""
     units = _GAINS[required]
     if not isinstance(gain, str):
-        raise InputError(
-            f'{where}: a gain with its unit is required, as in "35 {units[0]}", received {gain!r}'
-        )
+        raise InputError(where, "a gain with its unit", f"{gain!r}", why=f', as in "35 {units[0]}"')
     per = units[1] if unit is not None and unit.endswith("A") else units[0]
     factor = parse_value(gain, per, f"{where} gain")
     if factor == 0.0:

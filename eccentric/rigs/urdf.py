@@ -169,7 +169,7 @@ def tree_of(links: Sequence[Any], joints: Sequence[Any], where: str) -> Tree:
     for what, given in (("link", links), ("joint", joints)):
         names = Counter(one.name for one in given)
         if names and (most := names.most_common(1)[0])[1] > 1:
-            raise InputError(f"{where}: each {what} is required only once, received {most[0]!r} twice")
+            raise InputError(where, f"each {what}", f"{most[0]!r} twice", why="only once")
     if not links:
         raise InputError(where, "links", "none", plural=True)
     by_name, inner = {link.name: link for link in links}, {}
@@ -216,7 +216,7 @@ def path_to(tree: Tree, tip: str | None) -> list[Any]:
     else:
         if tip not in tree.links:
             hint = meant(tip, tree.links)
-            raise InputError(f"{tree.where}: a link of this file is required as tip, received {tip!r}{hint}")
+            raise InputError(tree.where, "a link of this file", f"{tip!r}{hint}", why="as tip")
         path = [joint for joint in _up(tree, tip) if joint.type in MOVING][::-1]
     if not path:
         before = f" before link {tip!r}" if tip else ""

@@ -305,8 +305,10 @@ def _drive(channels: Mapping[str, Array], rig: Rig) -> str:
         return there[0]
     if rig.log.drive not in there:
         raise InputError(
-            f"{rig.path}: drive: a channel with a column in the log is required ({', '.join(there)}), "
-            f"received {rig.log.drive!r}"
+            f"{rig.path}: drive",
+            "a channel with a column in the log",
+            f"{rig.log.drive!r}",
+            why=f"({', '.join(there)})",
         )
     return rig.log.drive
 
@@ -333,10 +335,14 @@ def _require_rows(channels: Channels, paths: Sequence[str], rig: Rig) -> None:
                 ),
             )
         raise InputError(
-            f"{where}: moving rows (above {rows.moving_threshold_rad_s:.4g} rad/s at the motor, "
-            f"{END_S:g} s from the ends) are required to fit and to hold out "
-            f"({rows.holdout.brief}), received {fitted} and {scored} under {rig.path}: are the units of "
-            "time and angle right?"
+            where,
+            (
+                f"moving rows (above {rows.moving_threshold_rad_s:.4g} rad/s at the motor, {END_S:g}"
+                " s from the ends)"
+            ),
+            f"{fitted} and {scored} under {rig.path}: are the units of time and angle right?",
+            why=f"to fit and to hold out ({rows.holdout.brief})",
+            plural=True,
         )
 
 

@@ -74,8 +74,7 @@ def rows_of(channels: Channels, rig: Rig) -> Rows:
     for name, words in (("train", "to fit"), ("score", "to hold out")):
         if not len(found[name]):
             raise InputError(
-                f"{rig.path}: average_over: at least one of the {what} is required {words}, received none:"
-                f" {remedy}"
+                f"{rig.path}: average_over", f"at least one of the {what}", f"none: {remedy}", why=words
             )
     return dataclasses.replace(
         in_order(list(found.values())), description=what, smooth=_smoothing(channels, rig), remedy=remedy

@@ -232,7 +232,7 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
         if set(table.channels) != names:
             differ = few(sorted(names ^ set(table.channels)))
             raise InputError(
-                f"{log.path}: the same channels are required in every log, received in some only: {differ}"
+                log.path, "the same channels", f"in some only: {differ}", why="in every log", plural=True
             )
     joined = tables[0] if len(tables) == 1 else _joined(tables)
     chosen = _chosen(joined, rig) if rig.log.runs else joined

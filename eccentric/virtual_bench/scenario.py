@@ -123,7 +123,7 @@ def known_effect(name: str) -> tuple[str, str | None]:
     family, variant = match[1], match[2]
     variants = VARIANTS.get(family, ())
     if variant is not None and not variants:
-        raise InputError(f"effect {family}: no variant is required, since it has none, received {variant}")
+        raise InputError(f"effect {family}", "no variant", variant, why=", since it has none")
     if variant is not None and variant not in variants:
         raise InputError(f"effect {family}", f"a variant of {', '.join(variants)}", variant)
     return family, variant

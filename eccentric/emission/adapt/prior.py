@@ -88,8 +88,10 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
     values, bases, friction = _seen(model, _speed(fit, axis), moving)
     if not friction > 0.0:
         raise InputError(
-            f"model {model.name}: a friction coefficient above 0 is required for an estimator to start from,"
-            " received none: check the sign of the current and the rig"
+            f"model {model.name}",
+            "a friction coefficient above 0",
+            "none: check the sign of the current and the rig",
+            why="for an estimator to start from",
         )
     size = np.maximum(np.abs(values), _LEAST_SHARE * friction / bases)
     for j in _not_yet(model, bases):

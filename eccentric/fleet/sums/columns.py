@@ -141,11 +141,11 @@ def require_rig(rig: Rig) -> Model:
         )
     if rig.alignment.input_delay_s:
         raise InputError(
-            f"{rig.path}: input_delay_s: 0 is required by a fleet, received {rig.alignment.input_delay_s:g}"
+            f"{rig.path}: input_delay_s", "0", f"{rig.alignment.input_delay_s:g}", why="by a fleet"
         )
     if missing := sorted(load_letters(model) - set(rig.known) - {"M_l"}):
         letters = rig.axis.said(few(missing))
-        raise InputError(f"{rig.path}: [known] {letters} is required by {model.name}, received none")
+        raise InputError(rig.path, f"[known] {letters}", "none", why=f"by {model.name}")
     # Without [columns] the header of each log decides what measures the drive.
     if drive := drive_channel(rig.log.columns or (), rig):
         _require_motor(rig, Machine(model), with_own(rig, model).known, drive)

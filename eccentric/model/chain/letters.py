@@ -159,4 +159,4 @@ def _require_possible(j: int, found: Moments) -> None:
     whole = np.array(found.second.row_join(found.first).col_join(last).tolist(), dtype=float)
     scale = np.sqrt(np.maximum(np.diag(whole), np.finfo(float).tiny))
     if whole[3, 3] < 0 or np.linalg.eigvalsh(whole / np.outer(scale, scale))[0] < -_ROUNDED:
-        raise InputError(f"bodies: moments that a mass can have are required of body {j}, received others")
+        raise InputError("bodies", "moments that a mass can have", "others", why=f"of body {j}", plural=True)

@@ -279,6 +279,9 @@ def _require_possible(name: str, inertia: sp.MatrixBase) -> None:
         )
     if principal[2] > principal[0] + principal[1] + slack:
         raise InputError(
-            f"{name}: inertia: principal moments are required of which none exceeds the sum of the others,"
-            f" received {shown} kg m^2"
+            f"{name}: inertia",
+            "principal moments",
+            f"{shown} kg m^2",
+            why="of which none exceeds the sum of the others",
+            plural=True,
         )

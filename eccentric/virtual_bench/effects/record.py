@@ -83,9 +83,7 @@ class Request:
     def require_case(self, case: str, effect: str, why: str) -> None:
         """Raise InputError unless the plant is of that case."""
         if self.plant.case != case:
-            raise InputError(
-                f"effect {effect}: case {case} is required, since {why}, received {self.plant.case}"
-            )
+            raise InputError(f"effect {effect}", f"case {case}", self.plant.case, why=f", since {why}")
 
 
 @dataclass(frozen=True)
