@@ -87,7 +87,7 @@ def scale_of(drive: str, rig: Rig, machine: Machine) -> sp.Expr | None:
             rig.path,
             "[known] k_i",
             "neither",
-            why=("to convert the current to torque (or its range in [unknown], to estimate it jointly)"),
+            why="to convert the current to torque (or its range in [unknown], to estimate it jointly)",
             letter="k_i",
         )
     return None
