@@ -29,7 +29,7 @@ from eccentric.identification.machine import Machine
 from eccentric.identification.regression import Coefficient, ColumnRole
 from eccentric.model import Model, Term
 from eccentric.rigs import Rig
-from eccentric.signals import Channels
+from eccentric.signals import Channels, Filtered
 
 # What a joint meets along a log from outside its own motor: the loads of its bearing, and the other joints.
 #
@@ -262,6 +262,24 @@ class Drive:
         constants = {name: self.known.get(name, 1.0) for name in self.machine.torque_letters}
         resistance = scale * float(self.machine.torque(constants, 1.0))
         return constants | dict.fromkeys(self.machine.resistance_letters, resistance)
+
+    def filtered(self, balance: str, machine: Machine, values: Mapping[str, float]) -> list[Filtered]:
+        """What of a balance follows the angle, and so has passed its low pass.
+
+        In the mechanical balance it is what accelerates the drive, its inertia by a model and the other
+        bodies of a chain; in the electrical one the back-EMF.
+        """
+        motion = self.channels.motion
+        if balance == "electrical":
+            return [Filtered(self.machine.damping(values), motion.omega_m)]
+        inertia = machine.inertia_along(values, self.channels.carried)
+        bodies = [] if self.along is None else [Filtered(1.0, self.along.torque)]
+        return [*bodies, Filtered(inertia, motion.alpha_m, motion.theta_logged)]
+
+    def back_emf(self, values: Mapping[str, float]) -> list[Filtered]:
+        """The same of a torque: that from the voltage alone has the back-EMF in it."""
+        turning = np.where(self.off, 0.0, self.channels.motion.omega_m)
+        return [Filtered(self.machine.damping(values), turning)] if self.by_voltage else []
 
     def torque(self, known: Mapping[str, float] | None = None, scale: float | None = None) -> Array:
         """The drive torque (n,) [N m], optionally for different values of k_e and scale."""

@@ -323,15 +323,10 @@ class Refit:
         chain; with the torque from the voltage, the back-EMF as well.
         """
         drive = self.data.drive
-        if balance == "electrical":
-            return self._back_emf
-        inertia = Machine(self.model).inertia_along(self.values, drive.channels.carried)
-        found = inertia * drive.channels.motion.alpha_m
-        if drive.along is not None:
-            found = found + drive.along.torque
-        if drive.by_voltage and not drive.back_emf_in_friction:
-            found = found + np.where(drive.off, 0.0, self._back_emf)
-        return found
+        parts = drive.filtered(balance, Machine(self.model), self.values)
+        if balance == "mechanical" and not drive.back_emf_in_friction:
+            parts += drive.back_emf(self.values)
+        return np.sum([part.value for part in parts], axis=0)
 
     @property
     def unresolved_rows(self) -> NDArray[np.bool_]:
@@ -341,12 +336,6 @@ class Refit:
         if not fast:
             return np.zeros(len(rows), dtype=bool)
         return rows.plain_mean(fast[0][1].astype(float)) > 0.0
-
-    @property
-    def _back_emf(self) -> Array:
-        """The torque of the current that the back-EMF takes (n,) [N m]."""
-        drive = self.data.drive
-        return drive.machine.damping(self.values) * drive.channels.motion.omega_m
 
     def residual_like(self, other: Refit, balance: str = "mechanical", *, smooth: bool = False) -> Array:
         """The residual (rows,) at the scale of another fit; with `smooth`, below the low pass.

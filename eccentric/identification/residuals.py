@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import inspect
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -93,15 +92,8 @@ class Residuals:
 
     def rows(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The residual of a balance on the rows [N m], optionally with a different current."""
-        found = self._rows.mean(self.samples(balance, values, current))
-        if balance == "electrical":
-            return found - self._drive.machine.damping(values) * self._speed_again
-        if (along := self._drive.along) is not None:
-            found = found - self._rows.second_pass(along.torque)
-        if self._once is None:
-            return found
-        inertia = self._machine.inertia_along(values, self._drive.channels.carried)
-        return found + self._rows.of_each_run(inertia) * self._once
+        filtered = self._drive.filtered(balance, self._machine, values)
+        return self._rows.once(self.samples(balance, values, current), filtered)
 
     def samples(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The same on the samples.
@@ -129,20 +121,3 @@ class Residuals:
             armature = self._emitted("electrical_residual", inputs, parameters)
             found = found + np.where(self._drive.off, 0.0, armature)
         return found
-
-    @cached_property
-    def _once(self) -> Array | None:
-        """What the mean of the acceleration (m,) has too much, None for nothing.
-
-        The acceleration comes from the low-passed angle and must not be filtered twice; that of windows
-        integrated by parts comes from the angle itself.
-        """
-        if self._rows.smooth is None and self._rows.rate_operator is None:
-            return None
-        channels = self._drive.channels
-        return self._rows.mean(channels.motion.alpha_m) - self._rows.acceleration(channels)
-
-    @cached_property
-    def _speed_again(self) -> Array | float:
-        """What the mean of the speed (m,) lacks: the back-EMF in the voltage has passed the low pass once."""
-        return self._rows.second_pass(self._drive.channels.motion.omega_m)

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,22 @@ from eccentric.signals.measured import Channels
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+
+
+class Filtered(NamedTuple):
+    """A part of a balance that comes from the angle below the low pass: a factor on a signal (n,).
+
+    factor: a number, or one for each run (n,); angle: as logged (n,), of which the signal is the second rate.
+    """
+
+    factor: Array | float
+    signal: Array
+    angle: Array | None = None
+
+    @property
+    def value(self) -> Array:
+        """The part itself (n,)."""
+        return self.factor * self.signal
 
 
 @dataclass(frozen=True)
@@ -58,6 +74,7 @@ class Rows:
     as_logged: Mask | None = None
     independent: bool = False
     remedy: str = ""
+    _passed: dict[int, tuple[Array, Array | float]] = field(default_factory=dict, init=False, repr=False)
 
     def __len__(self) -> int:
         """The number of rows m."""
@@ -84,22 +101,25 @@ class Rows:
         """The same without `smooth`, for signals that have passed that low pass, such as the acceleration."""
         return np.asarray(x, float) if self.operator is None else self.operator @ x
 
-    def second_pass(self, x: Array) -> Array | float:
-        """What `smooth` takes from a signal (n,) that has passed it already, as a mean (m,); 0 without it.
+    def once(self, x: Array, filtered: Sequence[Filtered]) -> Array:
+        """The mean of x (n,) less parts that have passed `smooth` already: they do not pass it again."""
+        found = self.mean(x)
+        for part in filtered:
+            factor = part.factor if np.ndim(part.factor) == 0 else self.plain_mean(np.asarray(part.factor))
+            found = found - factor * self._second_pass(part)
+        return found
 
-        A balance that is filtered as a whole filters such a signal twice: this is to be given back.
-        """
-        return 0.0 if self.smooth is None else self.plain_mean(x) - self.mean(x)
-
-    def of_each_run(self, x: Array | float) -> Array | float:
-        """The same of what is one number in each run (n,), or in all of them."""
-        return x if np.ndim(x) == 0 else self.plain_mean(np.asarray(x))
-
-    def acceleration(self, channels: Channels) -> Array:
-        """Motor acceleration [rad/s^2] (m,): integrated by parts from the logged angle, or its mean."""
-        if self.rate_operator is not None:
-            return self.rate_operator @ channels.motion.theta_logged
-        return self.plain_mean(channels.motion.alpha_m)
+    def _second_pass(self, part: Filtered) -> Array | float:
+        """What a second pass takes from a part (m,); kept, since fits repeat."""
+        key = id(part.signal)
+        if key not in self._passed:
+            lost: Array | float = 0.0
+            if self.rate_operator is not None and part.angle is not None:
+                lost = self.rate_operator @ part.angle - self.mean(part.signal)
+            elif self.smooth is not None:
+                lost = self.plain_mean(part.signal) - self.mean(part.signal)
+            self._passed[key] = part.signal, lost
+        return self._passed[key][1]
 
     def inside(self, samples: Mask) -> Mask:
         """Rows (m,) all of whose samples are in the mask (n,)."""

@@ -32,7 +32,6 @@ from eccentric.diagnosis.search.smooth import Variables
 from eccentric.effects import CURRENT_DELAYS_S, HIGHEST_ORDER, Setting
 from eccentric.identification import (
     BalanceDesign,
-    ColumnRole,
     FitData,
     Signals,
     balance_design,
@@ -172,20 +171,11 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
     known, torque = signals.known, drive.torque()
     target = torque - load_torque(model, signals)
     coefficients, columns = base_coefficients(model, signals), base_columns(model, signals)
-    rows = search_rows(channels, rig)
-    mechanical = balance_design("mechanical", rows, coefficients, target, columns, target)
+    rows, emf = search_rows(channels, rig), drive.back_emf({"k_e": 0.0, **known, **drive.scaled()})
+    filtered = [*drive.filtered("mechanical", drive.machine, known), *emf]
+    mechanical = balance_design("mechanical", rows, coefficients, target, columns, target, filtered)
     # What the rig leaves open is as good as known, whatever its sign.
-    mechanical = mechanical.without_bounds(but=("friction",))
-    inertia = drive.machine.inertia_along(known, channels.carried)
-    mechanical = _once_filtered(
-        mechanical, channels.motion.alpha_m, mechanical.rows.of_each_run(inertia), "inertia"
-    )
-    mechanical = _with_bodies(mechanical, data)
-    if drive.by_voltage:
-        turning = np.where(drive.off, 0.0, channels.motion.omega_m)
-        damping = drive.machine.damping({"k_e": 0.0, **known, **drive.scaled()})
-        mechanical = _once_filtered(mechanical, turning, damping, "back_emf")
-    balances = [mechanical]
+    balances = [mechanical.without_bounds(but=("friction",))]
     unseen = np.where(channels.selection.held_out, np.nan, 1.0)
     noise = {"mechanical": _row_noise(unseen * torque, rows)}
     if drive.measured_twice and channels.motor.voltage is not None:
@@ -193,9 +183,8 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
         by_voltage = drive.machine.current(known, channels.motor.voltage, channels.motion.omega_m)
         residual = drive.machine.torque(known, by_voltage) - torque
         empty = np.empty((len(torque), 0))
-        electrical = balance_design("electrical", every, (), residual, empty, target)
-        damping = drive.machine.damping(known)
-        balances.append(_once_filtered(electrical, channels.motion.omega_m, damping))
+        filtered = drive.filtered("electrical", drive.machine, known)
+        balances.append(balance_design("electrical", every, (), residual, empty, target, filtered))
         # Real torque as fast as noise is in the target, but cancels in the residual, at the current's lag.
         known_torque, target_seen = residual + torque, unseen * torque
         shifted = (unseen * known_torque - _ahead(target_seen, channels, lag) for lag in _lags(channels))
@@ -222,34 +211,6 @@ def _ahead(signal: Array, channels: Channels, lag: int) -> Array:
 def _row_noise(signal: Array, rows: Rows) -> float:
     """RMS of the white noise of a signal (samples,) that remains in a row; the first row represents all."""
     return white_noise(signal) * float(rows.noise_gain()[0])
-
-
-def _once_filtered(
-    balance: BalanceDesign, signal: Array, factor: Array | float, role: ColumnRole | None = None
-) -> BalanceDesign:
-    """The balance with a signal (samples,) that has passed the low pass already, and is not to pass it twice.
-
-    The target holds minus `factor`, a number or one for each row, times the signal; the column of this role
-    is the signal itself.
-    """
-    rows = balance.rows
-    if rows.smooth is None:
-        return balance
-    columns = balance.columns.copy()
-    columns[:, [c.role == role for c in balance.coefficients]] = rows.plain_mean(signal)[:, None]
-    return replace(balance, target=balance.target - factor * rows.second_pass(signal), columns=columns)
-
-
-def _with_bodies(balance: BalanceDesign, data: FitData) -> BalanceDesign:
-    """The balance of a joint of a chain: what moves the bodies comes from filtered angles."""
-    along, rows = data.drive.along, balance.rows
-    if along is None or rows.smooth is None:
-        return balance
-    columns = balance.columns.copy()
-    for k, c in enumerate(balance.coefficients):
-        if c.role == "bodies":
-            columns[:, k] = rows.plain_mean(data.signals.open[c])
-    return replace(balance, target=balance.target - rows.second_pass(along.torque), columns=columns)
 
 
 def setting_of(data: FitData, model: Model, friction: Array) -> Setting:

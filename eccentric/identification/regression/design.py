@@ -26,7 +26,7 @@ from eccentric.identification.regression.limits import (
     ROUNDING,
 )
 from eccentric.identification.regression.uncertainty import Spread, rms, spread
-from eccentric.signals import Rows
+from eccentric.signals import Filtered, Rows
 
 # Weighted linear least squares with bounds, and the rank of its design.
 
@@ -116,6 +116,8 @@ ColumnRole = Literal[
 """What a column is: friction of the base model, an effect in its own balance, one of the armature in the
 mechanical balance, or something of the bench that the rig leaves open: `bodies` are base parameters of a
 chain."""
+FOLLOWING: frozenset[ColumnRole] = frozenset({"inertia", "back_emf", "bodies"})
+"""Roles of columns that follow the angle, and so have passed its low pass."""
 
 
 # The design of a fit: coefficients with bounds and roles, its target and its solution.
@@ -285,13 +287,25 @@ class BalanceDesign(Design):
 
 
 def balance_design(
-    name: str, rows: Rows, coefficients: Sequence[Coefficient], target: Array, base: Array, share_of: Array
+    name: str,
+    rows: Rows,
+    coefficients: Sequence[Coefficient],
+    target: Array,
+    base: Array,
+    share_of: Array,
+    filtered: Sequence[Filtered] = (),
 ) -> BalanceDesign:
-    """Return the design of a target (n,) and base (n, p) of samples; shares are of `share_of`'s RMS."""
+    """Return the design of a target (n,) and base (n, p) of samples; shares are of `share_of`'s RMS.
+
+    The target lacks what is `filtered`, and has passed the low pass already, as have the columns of the roles
+    `FOLLOWING`.
+    """
+    columns, follow = np.array(rows.mean(base)), np.array([c.role in FOLLOWING for c in coefficients], bool)
+    columns[:, follow] = rows.plain_mean(base[:, follow])
     return BalanceDesign(
         tuple(coefficients),
-        rows.mean(target),
-        rows.mean(base),
+        rows.once(target, filtered),
+        columns,
         rows.train,
         rows.weights,
         name=name,
