@@ -17,4 +17,4 @@ from eccentric.signals.quality import Ratio, beside_the_rig, shared_cause
 from eccentric.signals.rows import Band, Filtered, Rows, band_of, blocks_of, require_rows
 from eccentric.signals.sampling import fit_rows, rows_of, search_rows
 from eccentric.signals.table import Finding, Table, read_table, with_doubts
-from eccentric.signals.windows import hann_windows
+from eccentric.signals.windows import hann_windows, weights_by_parts

@@ -11,6 +11,9 @@ and a balance becomes one row per window, in its own unit, with the angle as it 
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
@@ -61,7 +64,7 @@ def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float
         same = np.flatnonzero(sizes == size)
         entries = pointer[same, None] + np.arange(size)
         columns[entries] = first[same, None] + np.arange(size)
-        values[:, entries] = _weights(t[columns[entries]] - middle[same, None], half)
+        values[:, entries] = weights_by_parts(t[columns[entries]] - middle[same, None], half)
     shape = (len(middle), len(t))
     mean, second = (csr_array((row, columns, pointer), shape=shape) for row in values)
     every = np.ones(len(middle), dtype=bool)
@@ -78,25 +81,33 @@ def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float
     )
 
 
-def _weights(t: Array, half: float) -> Array:
-    """Return weights (2, m, n) of psi and psi'' at times t (m, n) from the centres of the windows."""
+def weights_by_parts(t: Array, half: float, rates: Sequence[int] = (0, 2), degree: int = 2) -> Array:
+    """Return weights (rates, m, n) that make means over windows, and mean rates, of samples at times t.
+
+    t (m, n) counts from the centres and may be uneven, half is half of the length. The mean is by psi, the
+    first and the second rate by -psi' and psi''. They are exact for polynomials up to a degree: the sum over
+    few samples is not the integral.
+    """
     s = t / half
     bump = np.clip(1.0 - s * s, 0.0, None)
     p = _POWER
-    curves = np.stack(
-        [
-            bump**p,
-            2.0 * p * bump ** (p - 2) * ((2.0 * p - 1.0) * s * s - 1.0) / half**2,
-        ]
+    every = (
+        bump**p,
+        2.0 * p * s * bump ** (p - 1) / half,
+        2.0 * p * bump ** (p - 2) * ((2.0 * p - 1.0) * s * s - 1.0) / half**2,
     )
+    curves = np.stack([every[rate] for rate in rates])
     area = np.gradient(t, axis=-1)
     curves *= area / np.sum(bump**p * area, axis=-1, keepdims=True)
     # Uncorrected, the quadrature error of psi'' would multiply the large constant part of an angle.
-    powers = np.stack([np.ones_like(s), s, s * s / 2.0])
+    powers = np.stack([s**k / math.factorial(k) for k in range(degree + 1)])
     moments = np.einsum("cmn,pmn->mcp", curves, powers)
     exact = np.zeros_like(moments)
-    exact[:, (0, 1), (0, 2)] = 1.0, 1.0 / half**2
-    exact[:, 0, 2] = moments[:, 0, 2]
+    for place, rate in enumerate(rates):
+        # A rate of s^k/k! is s^(k - rate)/(k - rate)!, of which the weight itself makes a mean.
+        exact[:, place, rate] = 1.0 / half**rate
+        if rate + 2 <= degree:
+            exact[:, place, rate + 2] = moments[:, 0, 2] / half**rate
     gram = np.einsum("pmn,qmn,mn->mpq", powers, powers, bump**p)
     change = np.linalg.solve(gram, np.swapaxes(exact - moments, 1, 2))
     return curves + np.einsum("mpc,pmn,mn->cmn", change, powers, bump**p)

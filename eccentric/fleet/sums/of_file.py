@@ -35,22 +35,18 @@ from eccentric.signals import (
     rows_of_each,
     stream_columns,
     stretches,
+    weights_by_parts,
 )
 
 # Even samples -> means over smooth windows, with the mean first and second rate of the angle.
 #
-# A window carries the weight psi(s) ~ (1 - s^2)^4, s from -1 to 1, of integral one. By parts,
-#
-# mean of x' = - integral of psi' x dt,    mean of x'' = integral of psi'' x dt
-#
-# so that a balance J x'' + ... = tau is averaged as a whole, and the angle is differentiated inside its own
-# low pass. Windows are spaced by a quarter of their length, so that each sample is multiplied 4 times by a
-# kernel: the samples are cut into quarters, one matrix product takes them all, and four shifted sums make
-# the windows.
+# Rates are integrated by parts (`weights_by_parts`), so that a balance J x'' + ... = tau is averaged as a
+# whole, and the angle is differentiated inside its own low pass. Windows are spaced by a quarter of their
+# length, so that each sample is multiplied 4 times by a kernel: the samples are cut into quarters, one matrix
+# product takes them all, and four shifted sums make the windows.
 
 
 Array = NDArray[np.float64]
-_POWER = 4
 
 
 def share_of(low_pass_hz: float, step_s: float) -> int:
@@ -88,34 +84,10 @@ def _windows(x: Array, share: int, kernels: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def _kernels(share: int) -> Array:
-    """Weights (SHARES * share, 3) of the mean, the first and the second rate, for samples 1 s apart.
-
-    Corrected so that they are exact for polynomials up to the cubic: the sum over few samples is not the
-    integral.
-    """
-    count = SHARES * share
-    half = count / 2.0
-    s = (np.arange(count) + 0.5 - half) / half
-    bump = 1.0 - s * s
-    p = _POWER
-    curves = np.stack(
-        [
-            bump**p,
-            2.0 * p * s * bump ** (p - 1) / half,
-            2.0 * p * bump ** (p - 2) * ((2.0 * p - 1.0) * s * s - 1.0) / half**2,
-        ]
-    )
-    curves /= np.sum(bump**p)
-    powers = np.stack([np.ones_like(s), s, s**2, s**3])
-    moments = curves @ powers.T
-    exact = np.zeros((3, 4))
-    # Of 1 the mean is 1, of s the rate is 1/half, of s^2 the second rate is 2/half^2; the weight itself makes
-    # a mean of s^2, and the first rate of s^3 that goes with it.
-    exact[0, 0], exact[0, 2] = 1.0, moments[0, 2]
-    exact[1, 1], exact[1, 3] = 1.0 / half, 3.0 * moments[0, 2] / half
-    exact[2, 2] = 2.0 / half**2
-    gram = (powers * bump**p) @ powers.T
-    return (curves + np.linalg.solve(gram, (exact - moments).T).T @ powers * bump**p).T
+    """Weights (SHARES * share, 3) of the mean, the first and the second rate, for samples 1 s apart."""
+    half = 0.5 * SHARES * share
+    place = np.arange(SHARES * share) + 0.5 - half
+    return weights_by_parts(place[None], half, (0, 1, 2), degree=3)[:, 0].T
 
 
 # The threshold of motion of a file, from the speeds of all of its windows, in memory that does not grow.
