@@ -19,7 +19,7 @@ from eccentric.api.inputs import model_of
 from eccentric.core import InputError
 from eccentric.fleet.gathered import Assigned
 from eccentric.identification import base_columns, drive_of, fit_data_of, load_torque
-from eccentric.identification.residuals import Residuals
+from eccentric.identification.fit_data import Residuals
 from eccentric.model import vocabulary as v
 from eccentric.rigs import arm_rig_complaints, read_arm_rig, read_rig, rig_complaints
 from eccentric.signals import read_channels

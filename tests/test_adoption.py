@@ -14,9 +14,8 @@ import pytest
 
 from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.attribution import Search
-from eccentric.diagnosis.search.candidate import Candidate, grid
+from eccentric.diagnosis.search.candidate import Candidate, Variables, grid
 from eccentric.diagnosis.search.screen import Screen
-from eccentric.diagnosis.search.smooth import Variables
 from eccentric.diagnosis.search.stability import beats_chance
 from eccentric.diagnosis.search.two_balances import search_all
 from eccentric.effects import Shape

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.diagnosis.search import Attribution, attribute
-from eccentric.diagnosis.search.candidate import Candidate
-from eccentric.diagnosis.search.smooth import Variables
+from eccentric.diagnosis.search.candidate import Candidate, Variables
 from eccentric.effects import Evidence, Shape
 from eccentric.identification import Coefficient, balance_design
 from eccentric.model import quantity

@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 
 from eccentric.diagnosis import base_source
-from eccentric.diagnosis.base_script import _imports
+from eccentric.diagnosis.model_script import _imports
 from eccentric.model import Definition, Model, load_model, model_names, quantity
 from tests.extended import BASE, CASES, effects
 

@@ -9,9 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from eccentric.diagnosis.search.candidate import Candidate
+from eccentric.diagnosis.search.candidate import Candidate, Variables
 from eccentric.diagnosis.search.limits import HINTED
-from eccentric.diagnosis.search.smooth import Variables
 from eccentric.diagnosis.search.two_balances import search_all
 from eccentric.diagnosis.search.verdict import decided
 from eccentric.effects import Shape

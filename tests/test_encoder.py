@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from eccentric.diagnosis import diagnose
-from eccentric.diagnosis.search.smooth import Variables
+from eccentric.diagnosis.search.candidate import Variables
 from eccentric.diagnosis.search.two_balances import search_all
 from eccentric.effects import library
 from eccentric.virtual_bench import simulate, write

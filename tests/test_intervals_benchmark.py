@@ -8,7 +8,7 @@ import pytest
 from benchmarks import intervals
 from benchmarks.intervals import Result, counted, effect_of, run
 from eccentric.identification import FitData, drive_of, fit_data_of, refit
-from eccentric.identification.residuals import Emitted
+from eccentric.identification.fit_data import Emitted
 from eccentric.logs import read_log
 from eccentric.model import load_model
 from eccentric.rigs import read_rig

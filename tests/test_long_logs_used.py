@@ -97,7 +97,7 @@ def test_a_point_with_the_motor_switched_inside_is_not_wanted() -> None:
 
 def test_what_warms_up_goes_on_between_windows() -> None:
     """A first-order lag under a constant push, seen in two windows: 1 - exp(-t/tau) in both."""
-    from eccentric.identification.states import States
+    from eccentric.identification.expressions import States
 
     tau, dt = 20.0, 0.01
     t = np.concatenate([np.arange(0.0, 10.0, dt), np.arange(45.0, 55.0, dt)])

@@ -17,7 +17,7 @@ from eccentric.signals import Rows, hann_windows, low_pass_of, white_noise
 from eccentric.signals.filters import is_even
 from eccentric.signals.limits import BLOCK_S
 from eccentric.signals.rows import in_order
-from eccentric.signals.windows import windows_by_parts
+from eccentric.signals.sampling import windows_by_parts
 
 RNG = np.random.default_rng(3)
 EVEN = np.arange(0.0, 4.0, 0.004)

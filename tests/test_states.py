@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from eccentric.identification import Signals
-from eccentric.identification.states import state_series
+from eccentric.identification.expressions import state_series
 from eccentric.model import load_model
 from tests.extended import KNOWN, W_MAX, effects
 

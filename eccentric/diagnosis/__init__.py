@@ -1,27 +1,29 @@
 """The loop: fit, search, extend, refit, score; and the result as a script.
 
-    loop          logs, rig -> Diagnosis: every stage in order
+    loop          logs, rig -> Diagnosis, everything that was found: every stage in order
     search        what a model lacks: candidates, null level, verdict
-    stage         the request; what a log offers to a base model before the search
+    stage         the request; what a log offers to a base model before the search; runs that differ
     models        the models after the search; the best effect or shipped model where none is adopted
-    outcome       a Diagnosis: everything that the loop found
     score         held-out errors before and after, run by run where there are enough; what is left there
                   that is periodic in the motor angle
     contest       models on the same rows, extended by effects or not
-    model_script  the extended model as a derivation
-    base_script   the base model as a derivation, where it was given as an object
+    model_script  the extended model as a derivation, and the base model where it was given as an object
     limits        every threshold, with its reason
 
 In: logs and a rig. Out: a `Diagnosis`.
 May import: `identification` and all rooms below it.
 """
 
-from eccentric.diagnosis.base_script import BASE, base_source
 from eccentric.diagnosis.contest import BASELINE, Contest, contest, contest_document, contest_lines
 from eccentric.diagnosis.limits import PROVABLE, ROUNDING
-from eccentric.diagnosis.loop import diagnose, diagnosed, staged_log
-from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name, script
-from eccentric.diagnosis.outcome import Asked, Diagnosis
+from eccentric.diagnosis.loop import BASE, Asked, Diagnosis, diagnose, diagnosed, staged_log
+from eccentric.diagnosis.model_script import (
+    base_source,
+    extended_model,
+    is_result_name,
+    result_name,
+    script,
+)
 from eccentric.diagnosis.score import OverRuns, leave_runs_out, only_below, orders_of
 from eccentric.diagnosis.search import (
     IN_A_DRAW,

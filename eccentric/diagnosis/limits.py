@@ -13,6 +13,14 @@ MOST_APART = 100.0
 PROVABLE = 3.0
 """A residual above this multiple of the sensors' noise has a cause, found or not."""
 
+LEAST_DIFFERENCE = 0.1
+"""Least difference of a run's friction or gain from the nearest other run: two runs of one rig often differ
+by some percent."""
+LEAST_OTHERS = 3
+"""Fewest other runs: two do not show how much runs of one rig differ."""
+LEAST_SHARE_OF_LOAD = 0.05
+"""Least standard deviation of inertia and gravity torque, over that of the drive: less gives no gain."""
+
 # Periodic residuals within runs.
 
 LEAST_TURNS = 2.0

@@ -4,18 +4,17 @@ In: `Channels`, a `Rig`, a `Model`, for an extended model its effects.  Out: `fi
 Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`, `FitData`, `refit` -> `Refit`
 (any model on its own emitted module, as `eccentric diagnose` needs it).
 
-    expressions  smooth signals, compiled expressions, and the columns of a base with their coefficients
+    expressions  smooth signals, compiled expressions, hidden states along a log, and the columns of a base
+                 with their coefficients
     machine      motor, armature and inertia as numbers
     drive        the drive torque of a log, the columns that its rig leaves open, external loads on a joint
     columns      the coefficients of a fit: names, roles, units, bounds; which parameters the rig gives
     problem      drive, rig and model as a linear problem for given nonlinear values
-    identify     its solution for `eccentric fit`
-    first_fit    its solution as the drive of a log, for `eccentric diagnose`
-    fit_data     the log with this drive, prepared for any model
+    identify     its solution for `eccentric fit`, and as the drive of a log for `eccentric diagnose`
+    fit_data     the log with this drive, prepared for any model; the residuals of an emitted module on it,
+                 and their columns: the design of every fit
     extended     a model with effects as a linear problem at a point
     refitting    its solution, and the estimates
-    residuals    the residuals of an emitted module on a log, and their columns: the design of every fit
-    states       hidden states along a log
     regression   a design -> estimates with intervals: least squares, iterations around it
     limits       every threshold, with its reason
 
@@ -43,14 +42,14 @@ from eccentric.identification.drive import (
 )
 from eccentric.identification.expressions import (
     Signals,
+    States,
     base_coefficients,
     base_columns,
     compiled,
     load_torque,
 )
-from eccentric.identification.first_fit import drive_of
-from eccentric.identification.fit_data import FitData, drive_noise, fit_data_of, with_model_current
-from eccentric.identification.identify import Fit, fit
+from eccentric.identification.fit_data import Emitted, FitData, drive_noise, fit_data_of, with_model_current
+from eccentric.identification.identify import Fit, drive_of, fit
 from eccentric.identification.limits import LEAST_GAIN_PERCENT, LEAST_R_SQUARED, MOST_POINTS
 from eccentric.identification.machine import Machine
 from eccentric.identification.refitting import Refit, refit, residual_samples
@@ -73,5 +72,3 @@ from eccentric.identification.regression import (
     search,
     slopes_between,
 )
-from eccentric.identification.residuals import Emitted
-from eccentric.identification.states import States

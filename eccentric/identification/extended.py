@@ -19,10 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.effects import Effect
-from eccentric.identification.fit_data import FitData, Values
+from eccentric.identification.fit_data import FitData, Residuals, Values
 from eccentric.identification.limits import LAST_STEP, MOST_STEPS, USABLE_PART
 from eccentric.identification.regression import Coefficient, ColumnRole, Design, Solution, iterate
-from eccentric.identification.residuals import Residuals
 from eccentric.model import Model
 
 Array = NDArray[np.float64]

@@ -34,6 +34,7 @@ from eccentric.identification.columns import (
 )
 from eccentric.identification.drive import DRIVE_UNITS, LOAD, Drive, inputs_of, load_gain
 from eccentric.identification.expressions import alike, seen_columns
+from eccentric.identification.fit_data import Emitted, Residuals
 from eccentric.identification.limits import (
     ANGLE_STEP,
     DELAYS,
@@ -44,7 +45,6 @@ from eccentric.identification.limits import (
 )
 from eccentric.identification.machine import Machine
 from eccentric.identification.regression import ColumnRole, Design, Nonlinear, Solution
-from eccentric.identification.residuals import Emitted, Residuals
 from eccentric.model import Column, Load, Model, Role, regressor
 from eccentric.rigs import KNOWNS, Rig
 from eccentric.signals import Channels, Rows, fit_rows, rows_of

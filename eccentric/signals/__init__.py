@@ -15,6 +15,5 @@ from eccentric.signals.measured import Channels
 from eccentric.signals.motion import motion_of, of_the_motor, white_noise
 from eccentric.signals.quality import Ratio, beside_the_rig, shared_cause
 from eccentric.signals.rows import Band, Filtered, Rows, band_of, blocks_of, require_rows
-from eccentric.signals.sampling import fit_rows, rows_of, search_rows
+from eccentric.signals.sampling import fit_rows, hann_windows, rows_of, search_rows, weights_by_parts
 from eccentric.signals.table import Finding, Table, read_table, with_doubts
-from eccentric.signals.windows import hann_windows, weights_by_parts

@@ -14,7 +14,14 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import lsq_linear, nnls
 
-from eccentric.diagnosis.search.limits import ALIASED, MOST_GROUPS
+from eccentric.diagnosis.search.limits import (
+    ALIASED,
+    CLEARLY,
+    KEPT_BY_INSTRUMENTS,
+    MOST_GROUPS,
+    MOST_LAGS,
+    ROWS_FOR_ONE,
+)
 
 Array = np.ndarray
 
@@ -173,3 +180,73 @@ def inverses(matrices: Array, ridge: Array | float = 0.0) -> Array:
     """Inverses (b, p, p) of several matrices of normal equations, with the ridge of `bounded_solve`."""
     scaled, scale = _scaled(matrices, ridge)
     return np.linalg.inv(scaled) / (scale[:, :, None] * scale[:, None, :])
+
+
+# Are the columns of a candidate free of the target's noise? Least squares against instrumental variables.
+#
+# The measured current stands on one side of a balance and inside candidates on the other. Least squares
+# then takes the noise of the target for the effect; instruments do not. Where the columns are free of that
+# noise, as a ripple over the angle is, both estimate the same (the idea of the Durbin-Wu-Hausman test).
+# Such a fit may lie below the sensors' noise floor: a ripple faster than the sampling looked like noise to
+# the floor.
+#
+# Reference: J. A. Hausman, "Specification tests in econometrics", Econometrica 46(6), 1978.
+
+
+def exogenous(target: Array, base: Array, own: Array, instruments: Array) -> bool:
+    """Whether instruments find what least squares finds.
+
+    Args:
+        target: (rows,) [N m].
+        base: (rows, p), what is fitted beside the candidate.
+        own: (rows, k), the candidate's columns, with the noise of their signals.
+        instruments: (rows, k), the same without it.
+
+    Of the torque that least squares gives the candidate, the instruments must find most, and more than three
+    standard errors of it. False where the instruments do not determine the coefficients.
+    """
+    y, x, z = (_without(base, a) for a in (target[:, None], own, instruments))
+    try:
+        squares, found = np.linalg.lstsq(x, y, rcond=None)[0], np.linalg.solve(z.T @ x, z.T @ y)
+        inverse = np.linalg.inv(z.T @ x)
+    except np.linalg.LinAlgError:
+        return False
+    rest = y - x @ found
+    variance = ROWS_FOR_ONE * float(rest[:, 0] @ rest[:, 0]) / len(rest)
+    along = x.T @ (x @ squares)  # the estimate that is to be found again, weighted by the torque it makes
+    whole = float((squares.T @ along).item())
+    if whole <= 0.0:
+        return False
+    error = float(np.sqrt(variance * (along.T @ inverse @ (z.T @ z) @ inverse.T @ along).item()))
+    again = float((found.T @ along).item())
+    return again > KEPT_BY_INSTRUMENTS * whole and again > CLEARLY * error
+
+
+def _without(base: Array, columns: Array) -> Array:
+    """The columns without what the base explains of them."""
+    return columns - base @ np.linalg.lstsq(base, columns, rcond=None)[0] if base.shape[1] else columns
+
+
+# How many rows a residual counts as: rows that follow each other repeat a part of what they say.
+
+
+def inflation(residual: Array, block: Array) -> float:
+    """Variance inflation 1 + 2 sum of autocorrelation (Bartlett weights), at least 1.
+
+    Pairs of rows more than one block apart are not counted.
+    """
+    r = residual - residual.mean()
+    variance = float(np.mean(r**2))
+    if variance <= 0.0:
+        return 1.0
+    total = 1.0
+    for lag in range(1, min(MOST_LAGS, len(r) - 1) + 1):
+        near = block[lag:] - block[:-lag] <= 1
+        rho = float(np.sum(r[lag:] * r[:-lag] * near)) / (len(r) * variance)
+        total += 2.0 * (1.0 - lag / (MOST_LAGS + 1)) * rho
+    return max(1.0, total)
+
+
+def correlated(residual: Array, block: Array, independent: bool) -> float:
+    """How many rows count as one: at least two, since windows overlap by half; one if each row is a run."""
+    return 1.0 if independent else max(ROWS_FOR_ONE, inflation(residual, block))

@@ -140,14 +140,6 @@ MOST_TURNS = 20_000.0
 
 # Recordings that differ.
 
-LEAST_DIFFERENCE = 0.1
-"""Least difference of a run's friction or gain from the nearest other run: two runs of one rig often differ
-by some percent."""
-LEAST_OTHERS = 3
-"""Fewest other runs: two do not show how much runs of one rig differ."""
-LEAST_SHARE_OF_LOAD = 0.05
-"""Least standard deviation of inertia and gravity torque, over that of the drive: less gives no gain."""
-
 # The level that chance reaches.
 
 LEVEL = 0.99

@@ -8,8 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from eccentric.diagnosis.search.candidate import Candidate, Variant, bounds_of, grid, instrument_of, refined
-from eccentric.diagnosis.search.crossval import Gram, bounded_solve, bounded_solve_each, cross_validate
-from eccentric.diagnosis.search.instruments import correlated, exogenous
+from eccentric.diagnosis.search.crossval import (
+    Gram,
+    bounded_solve,
+    bounded_solve_each,
+    correlated,
+    cross_validate,
+    exogenous,
+)
 from eccentric.diagnosis.search.limits import (
     BELOW_NOISE,
     CONFIRMED,

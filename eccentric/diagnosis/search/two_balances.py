@@ -17,7 +17,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from eccentric.diagnosis.search.attribution import Search
-from eccentric.diagnosis.search.candidate import Candidate, Variant, bounds_of, refined
+from eccentric.diagnosis.search.candidate import (
+    Candidate,
+    Variables,
+    Variant,
+    bounds_of,
+    refined,
+    smooth_terms,
+)
 from eccentric.diagnosis.search.crossval import bounded_solve
 from eccentric.diagnosis.search.limits import (
     CONFIRMED,
@@ -29,7 +36,6 @@ from eccentric.diagnosis.search.limits import (
     TINY_COLUMN,
 )
 from eccentric.diagnosis.search.screen import Fitted, Screen
-from eccentric.diagnosis.search.smooth import Variables, smooth_terms
 from eccentric.identification import BalanceDesign, Coefficient
 
 # An effect that both balances show, estimated from both: one may leave open what the other determines.

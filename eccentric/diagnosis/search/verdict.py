@@ -18,9 +18,8 @@ import numpy as np
 
 from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.attribution import Search
-from eccentric.diagnosis.search.candidate import Candidate, Variant
+from eccentric.diagnosis.search.candidate import Candidate, Variables, Variant
 from eccentric.diagnosis.search.screen import Fitted
-from eccentric.diagnosis.search.smooth import Variables
 from eccentric.diagnosis.search.two_balances import search_all
 from eccentric.effects import Words, measurement_between
 from eccentric.identification import BalanceDesign
