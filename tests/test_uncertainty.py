@@ -10,8 +10,8 @@ import pytest
 from scipy.stats import binom
 
 from eccentric.identification import bounded
-from eccentric.identification.regression.limits import FRACTION
-from eccentric.identification.regression.uncertainty import (
+from eccentric.identification.limits import FRACTION
+from eccentric.identification.uncertainty import (
     TWO_SIDED,
     covariance,
     improvement,

@@ -15,7 +15,9 @@ Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`,
                  and their columns: the design of every fit
     extended     a model with effects as a linear problem at a point
     refitting    its solution, and the estimates
-    regression   a design -> estimates with intervals: least squares, iterations around it
+    regression   the regression of a balance: target, columns, named coefficients with bounds and roles; least
+                 squares, iterations around it, and the search over nonlinear values
+    uncertainty  intervals of the estimates; the gain of one model over another
     limits       every threshold, with its reason
 
 May import: `signals`, `rigs`, `model`, `effects`, `emission`.
@@ -58,17 +60,19 @@ from eccentric.identification.regression import (
     Coefficient,
     ColumnRole,
     Design,
-    Estimate,
     Nonlinear,
     balance_design,
     bounded,
+    iterate,
+    profile,
+    search,
+    slopes_between,
+)
+from eccentric.identification.uncertainty import (
+    Estimate,
     correlation,
     improvement,
     improvement_over_runs,
-    iterate,
-    profile,
     r_squared,
     rms,
-    search,
-    slopes_between,
 )

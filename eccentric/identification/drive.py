@@ -23,9 +23,8 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.effects import constant_load, with_constant_load
-from eccentric.identification.expressions import evaluated
 from eccentric.identification.limits import LEAST_RESOLVED
-from eccentric.identification.machine import Machine
+from eccentric.identification.machine import Machine, evaluated
 from eccentric.identification.regression import Coefficient, ColumnRole
 from eccentric.model import Model, Term
 from eccentric.rigs import Rig

@@ -18,6 +18,7 @@ import sympy as sp
 from scipy.linalg.lapack import dtbtrs
 
 from eccentric.identification.limits import AT_ONCE, KEPT_STEPS, MOST_KEPT
+from eccentric.identification.machine import evaluated
 from eccentric.identification.regression import Coefficient
 from eccentric.model import (
     Column,
@@ -203,15 +204,6 @@ def lambdified(
         return function.call(*values)
 
     return evaluate
-
-
-def evaluated(expression: sp.Expr, given: Mapping[str, Any]) -> Any:
-    """An expression at values or arrays (n,) of its inputs and parameters, by name.
-
-    Raises KeyError if one is missing.
-    """
-    function, arguments = function_of(meaning(expression))
-    return function(*(given[name] for name in arguments))
 
 
 def seen_columns(model: Model, known: Mapping[str, float]) -> tuple[int, ...]:

@@ -20,24 +20,19 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, MissingValueError
 from eccentric.identification.columns import as_text, following_letters, require_case, with_own
 from eccentric.identification.drive import LOAD, Drive
-from eccentric.identification.expressions import evaluated
 from eccentric.identification.limits import LEAST_IN_PLANE, LEAST_R_SQUARED
-from eccentric.identification.machine import Machine
+from eccentric.identification.machine import Machine, evaluated
 from eccentric.identification.problem import Problem, pose
 from eccentric.identification.regression import (
     Coefficient,
     ColumnRole,
-    Estimate,
     Profile,
     Solution,
-    Spread,
-    improvement,
     profile,
-    r_squared,
     require_rank,
-    rms,
     search,
 )
+from eccentric.identification.uncertainty import Estimate, Spread, improvement, r_squared, rms
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.rigs import ALIGNMENT, Rig, mass_alone

@@ -10,8 +10,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from eccentric.identification.expressions import evaluated
-from eccentric.model import Model
+from eccentric.model import Model, function_of, meaning
 from eccentric.model import vocabulary as v
 from eccentric.rigs import AddedMass
 
@@ -19,6 +18,15 @@ Array = NDArray[np.float64]
 Values = Mapping[str, float]
 Carried = Sequence[tuple[NDArray[np.bool_], AddedMass]]
 """Masses that some runs carry, each with its rows (n,)."""
+
+
+def evaluated(expression: sp.Expr, given: Mapping[str, Any]) -> Any:
+    """An expression at values or arrays (n,) of its inputs and parameters, by name.
+
+    Raises KeyError if one is missing.
+    """
+    function, arguments = function_of(meaning(expression))
+    return function(*(given[name] for name in arguments))
 
 
 class Machine:

@@ -16,14 +16,8 @@ from eccentric.identification.extended import Adopted, Extended, Step
 from eccentric.identification.fit_data import FitData, Values, drive_noise
 from eccentric.identification.limits import AT_END, CONVERGED, FIRST_PART, HALVINGS, LEAST_TILT, SHAPE_STEP
 from eccentric.identification.machine import Machine
-from eccentric.identification.regression import (
-    TWO_SIDED,
-    Coefficient,
-    Estimate,
-    Nonlinear,
-    rms,
-    slopes_between,
-)
+from eccentric.identification.regression import Coefficient, Nonlinear, slopes_between
+from eccentric.identification.uncertainty import TWO_SIDED, Estimate, rms
 from eccentric.model import Model
 from eccentric.signals import Band, band_of
 

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtri, ndtri_exp, stdtrit
 
-from eccentric.identification.regression.limits import (
+from eccentric.identification.limits import (
     BLOCKS,
     DEPENDENT,
     DRAWS,
