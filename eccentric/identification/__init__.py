@@ -61,6 +61,7 @@ from eccentric.identification.regression import (
     ColumnRole,
     Design,
     Nonlinear,
+    Solution,
     balance_design,
     bounded,
     iterate,

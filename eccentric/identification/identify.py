@@ -223,11 +223,7 @@ def _estimates(
     problem: Problem, paper: Solution, error: Spread
 ) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
     """Return estimates of the coefficients and of the searched values, by name."""
-    unit = np.eye(len(error.alone))
-    coefficients = {
-        c.name: error.estimate(paper.values[k], unit[k], c.unit, (c.lower, c.upper), int(paper.active[k]))
-        for k, c in enumerate(problem.coefficients)
-    }
+    coefficients, unit = paper.estimates(error), np.eye(len(error.alone))
     searched: dict[str, Estimate] = {}
     for k, s in enumerate(problem.nonlinear, start=len(coefficients)):
         value, ends = paper.at[s.name], (s.lower, s.upper)

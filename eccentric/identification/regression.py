@@ -33,7 +33,7 @@ from eccentric.identification.limits import (
     SLOPE_STEP,
     VALUE_CHANGE,
 )
-from eccentric.identification.uncertainty import Spread, rms, spread
+from eccentric.identification.uncertainty import Estimate, Spread, rms, spread
 from eccentric.signals import Filtered, Rows
 
 # Weighted linear least squares with bounds, and the rank of its design.
@@ -233,6 +233,15 @@ class Solution:
     def by_name(self) -> dict[str, float]:
         """The values by the names of their coefficients."""
         return {c.name: float(x) for c, x in zip(self.design.coefficients, self.values, strict=True)}
+
+    def estimates(self, error: Spread | None = None) -> dict[str, Estimate]:
+        """An estimate of each coefficient, by name; `error` is their spread, the first of its values."""
+        error, design = error or self.spread(), self.design
+        every = zip(design.coefficients, self.values, np.eye(len(error.alone)), self.active, strict=False)
+        return {
+            c.name: error.estimate(x, unit, c.unit, (c.lower, c.upper), int(active))
+            for c, x, unit, active in every
+        }
 
     def spread(
         self, nonlinear: Sequence[Nonlinear] = (), filtered: tuple[Design, Design] | None = None

@@ -6,13 +6,22 @@ what a fit of each alone leaves, so that a strong drive does not drown the wrist
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
-from eccentric.identification import Coefficient, Design, Estimate, base_coefficients, base_columns
+from eccentric.identification import (
+    Coefficient,
+    Design,
+    Estimate,
+    Solution,
+    base_coefficients,
+    base_columns,
+    rms,
+)
 from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.base_parameters import (
     COUNT,
@@ -137,46 +146,54 @@ def identified_bodies(log: ArmLog) -> IdentifiedBodies | None:
     """
     if not log.rig.open or any(log.drive(j).unit != "N m" for j in range(len(log))):
         return None
-    blocks = [_block(log, j) for j in range(len(log))]
-    base = base_of(np.vstack([block.bodies * block.weight for block in blocks]))
-    bodies = [
-        Coefficient(name, "bodies", letters_of(0)[place % 10].unit)
-        for place, name in ((p, names_of(len(log))[p]) for p in base.chosen)
-    ]
-    friction = [c for block in blocks for c in block.coefficients]
-    rows = sum(len(block.target) for block in blocks)
-    columns = np.zeros((rows, len(bodies) + len(friction)))
-    target, weights, at, own = np.empty(rows), np.empty(rows), 0, len(bodies)
-    for block in blocks:
-        here, there = slice(at, at + len(block.target)), slice(own, own + len(block.coefficients))
-        columns[here, : len(bodies)] = block.bodies[:, base.chosen]
-        columns[here, there] = block.friction
-        target[here], weights[here] = block.target, block.weight**2
-        at, own = here.stop, there.stop
-    design = Design((*bodies, *friction), target, columns, np.ones(rows, dtype=bool), weights)
-    solution = design.solve()
-    error, unit = solution.spread(), np.eye(columns.shape[1])
-    estimates = {
-        c.name: error.estimate(float(solution.values[k]), unit[k], c.unit) for k, c in enumerate(bodies)
-    }
-    found = solution.values[: len(bodies)]
+    base, solution = pooled([_block(log, j) for j in range(len(log))], names_of(len(log)))
+    estimates = dict([*solution.estimates().items()][: len(base.chosen)])
+    found = solution.values[: len(base.chosen)]
     errors = np.array([e.std_error for e in estimates.values()])
     possible = possible_bodies(log.values, base, found, errors, log.rig.known)
     return IdentifiedBodies(base, estimates, tuple(base.words(names_of(len(log)))), possible)
 
 
 @dataclass(frozen=True)
-class _Block:
-    """The training rows of one joint; the torque without the rotors' share, in N m."""
+class Block:
+    """Rows of a joint: torque without the rotors' share, columns of inertial parameters and of friction.
 
-    coefficients: tuple[Coefficient, ...]
+    `weight` is one over what a fit of the joint alone leaves, in the unit of its torque.
+    """
+
     target: Array
     bodies: Array
-    friction: Array
     weight: float
+    friction: Array
+    coefficients: tuple[Coefficient, ...] = ()
 
 
-def _block(log: ArmLog, j: int) -> _Block:
+def pooled(
+    blocks: Sequence[Block], names: Sequence[str], lower: float = -np.inf
+) -> tuple[BaseParameters, Solution]:
+    """All joints at once: base parameters of the bodies, then the friction of each joint.
+
+    `names` are those of the inertial parameters, `lower` is the bound of a mass.
+    """
+    base = base_of(np.vstack([block.bodies * block.weight for block in blocks]))
+    bodies = [
+        Coefficient(names[k], "bodies", letters_of(0)[k % COUNT].unit, -np.inf if k % COUNT else lower)
+        for k in base.chosen
+    ]
+    columns = np.hstack(
+        [
+            np.vstack([block.bodies[:, base.chosen] for block in blocks]),
+            block_diag(*(block.friction for block in blocks)),
+        ]
+    )
+    target = np.concatenate([block.target for block in blocks])
+    weights = np.concatenate([np.full(len(block.target), block.weight**2) for block in blocks])
+    every = (*bodies, *(c for block in blocks for c in block.coefficients))
+    return base, Design(every, target, columns, np.ones(len(target), dtype=bool), weights).solve()
+
+
+def _block(log: ArmLog, j: int) -> Block:
+    """The training rows of a joint."""
     rows, drive = log.rows(j), log.drive(j)
     train = rows.train
     loads = log.present(j)
@@ -194,4 +211,4 @@ def _block(log: ArmLog, j: int) -> _Block:
     base = base_of(regressor)
     whole = np.column_stack([regressor[:, base.chosen], friction])
     left = target - whole @ np.linalg.lstsq(whole, target, rcond=None)[0]
-    return _Block(named, target, regressor, friction, 1.0 / float(np.sqrt(np.mean(left**2))))
+    return Block(target, regressor, 1.0 / rms(left), friction, named)

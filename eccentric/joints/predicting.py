@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.identification import Coefficient, Design, Estimate, improvement, rms
+from eccentric.identification import Estimate, improvement, rms
 from eccentric.joints.arm_log import ArmLog, arm_log
-from eccentric.joints.base_parameters import COUNT, base_of, names_of
+from eccentric.joints.base_parameters import COUNT, names_of
+from eccentric.joints.bodies import Block, pooled
 from eccentric.joints.fitted import ArmFit
 from eccentric.logs import LogSource
-from eccentric.model import letters_of
 from eccentric.rigs import ArmRig, NamedHoldout
 from eccentric.signals import Rows, read_joints
 
@@ -93,33 +93,18 @@ def payload_of(found: ForeignRuns) -> Payload:
     last = len(found.log) - 1
     places = range(last * COUNT, (last + 1) * COUNT)
     whole = found.log.module.regressor(found.log.motion(), places)
-    blocks, targets, weights = [], [], []
-    for j, (rows, used) in enumerate(found.rows):
-        own = found.log.scales[j] * rows.plain_mean(whole[:, j])[used]
-        blocks.append(own)
-        targets.append(found.residuals[j])
-        left = targets[-1] - own @ np.linalg.lstsq(own, targets[-1], rcond=None)[0]
-        weights.append(np.full(len(own), 1.0 / max(rms(left), 1e-300) ** 2))
-    columns, weight = np.vstack(blocks), np.concatenate(weights)
-    base = base_of(columns * np.sqrt(weight)[:, None])
+    blocks = []
+    for target, (rows, used), scale, own in zip(
+        found.residuals, found.rows, found.log.scales, np.moveaxis(whole, 1, 0), strict=True
+    ):
+        bodies = scale * rows.plain_mean(own)[used]
+        left = target - bodies @ np.linalg.lstsq(bodies, target, rcond=None)[0]
+        blocks.append(Block(target, bodies, 1.0 / max(rms(left), 1e-300), np.empty((len(target), 0))))
     names = [name.replace(f"_{last}", "_payload") for name in names_of(last + 1)[last * COUNT :]]
-    lower = np.where(np.arange(COUNT) == 0, 0.0, -np.inf)  # no payload is lighter than nothing
-    coefficients = tuple(
-        Coefficient(names[k], "bodies", letters_of(0)[k].unit, float(lower[k])) for k in base.chosen
-    )
-    every = np.ones(len(columns), dtype=bool)
-    solution = Design(coefficients, np.concatenate(targets), columns[:, base.chosen], every, weight).solve()
-    error, unit = solution.spread(), np.eye(len(coefficients))
-    estimates = {
-        c.name: error.estimate(
-            float(solution.values[k]), unit[k], c.unit, (c.lower, c.upper), int(solution.active[k])
-        )
-        for k, c in enumerate(coefficients)
-    }
-    ends = np.cumsum([len(block) for block in blocks])[:-1]
-    after = np.split(solution.residual, ends)
-    gains = tuple(improvement(before, left) for before, left in zip(targets, after, strict=True))
-    return Payload(estimates, tuple(rms(x) for x in after), gains)
+    _, solution = pooled(blocks, names, lower=0.0)  # no payload is lighter than nothing
+    after = np.split(solution.residual, np.cumsum([len(block.target) for block in blocks])[:-1])
+    gains = tuple(improvement(before, left) for before, left in zip(found.residuals, after, strict=True))
+    return Payload(solution.estimates(), tuple(rms(x) for x in after), gains)
 
 
 def _of_runs(found: ArmFit, runs: Sequence[str]) -> ArmRig:
