@@ -41,8 +41,8 @@ LEAST_SECONDS = 5.0
 """A period with less motion, s, is not excited: a few moves say nothing about a month."""
 LEAST_BLOCKS = 4.0
 """Blocks in motion per coefficient: with fewer, the variance between them is that of a few numbers."""
-LEAST_PART = 1e-4
-"""Columns of unit length with a smaller singular value than this part of the largest are one column."""
+NO_COLUMN = 1e-10
+"""A column of which the size is no more than this part of the largest is none."""
 MEMBER_PART = 0.3
 """A column belongs to a dependency with this part of its direction: that of ten equal columns is 0.32."""
 LEAST_DIRECTION = 0.02

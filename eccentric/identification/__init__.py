@@ -64,6 +64,7 @@ from eccentric.identification.regression import (
     Solution,
     balance_design,
     bounded,
+    inseparable,
     iterate,
     profile,
     search,

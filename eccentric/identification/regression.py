@@ -87,22 +87,32 @@ def require_rank(design: Array, names: Sequence[str], where: str) -> None:
 
     `where` opens the message: the log.
     """
-    zero = [name for name, column in zip(names, design.T, strict=True) if not np.any(column)]
+    zero, members = ([names[k] for k in places] for places in inseparable(design))
     if zero:
         raise InputError(
             f"{where}: {', '.join(zero)} cannot be identified: nothing in the log depends on it"
             " (no unbalance, or no rows in one direction)"
         )
-    sizes = np.linalg.svd(design / np.linalg.norm(design, axis=0), full_matrices=False)
-    weak = sizes.Vh[sizes.S < LEAST_PART * sizes.S[0]]
-    if len(weak):
-        members = [
-            n for n, part in zip(names, np.max(np.abs(weak), axis=0), strict=True) if part > MEMBER_PART
-        ]
+    if members:
         raise InputError(
             f"{where}: {', '.join(members)} cannot be separated on this log: more different speeds"
             " (or angles, in both directions) are required"
         )
+
+
+def inseparable(
+    design: Array, member: float = MEMBER_PART, nothing: float = 0.0
+) -> tuple[list[int], list[int]]:
+    """Places of the columns of a design or its triangle that are zero, else of those that the rest makes up.
+
+    `member`: least part of such a column in a dependency; `nothing`: of the largest column, a size that is 0.
+    """
+    size = np.linalg.norm(design, axis=0)
+    if len(zero := np.flatnonzero(size <= nothing * np.max(size, initial=0.0))):
+        return zero.tolist(), []
+    found = np.linalg.svd(design / size, full_matrices=False)
+    weak = np.abs(found.Vh[found.S < LEAST_PART * found.S[0]])
+    return [], np.flatnonzero(np.max(weak, axis=0, initial=0.0) > member).tolist()
 
 
 Integers = NDArray[np.int64]

@@ -20,8 +20,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError, few
-from eccentric.fleet.limits import LEAST_PART, MEMBER_PART
-from eccentric.identification import LOAD, Emitted, Machine, load_gain, load_letters, require_case, with_own
+from eccentric.fleet.limits import MEMBER_PART, NO_COLUMN
+from eccentric.identification import (
+    LOAD,
+    Emitted,
+    Machine,
+    inseparable,
+    load_gain,
+    load_letters,
+    require_case,
+    with_own,
+)
 from eccentric.model import Load, Model, Role, load_model, regressor, spoken
 from eccentric.rigs import Rig
 
@@ -190,15 +199,8 @@ def _upright(triangle: Array) -> Array:
 
 def dependent(triangle: Array) -> list[int]:
     """Columns of X that the rest makes up, or that are zero; empty if all can be told apart."""
-    x = triangle[:, :-1]
-    size = np.linalg.norm(x, axis=0)
-    if len(zero := np.flatnonzero(size <= LEAST_PART * np.max(size, initial=0.0) * 1e-6)):
-        return zero.tolist()
-    found = np.linalg.svd(x / size, full_matrices=False)
-    weak = found.Vh[found.S < LEAST_PART * found.S[0]]
-    if not len(weak):
-        return []
-    return np.flatnonzero(np.max(np.abs(weak), axis=0) > MEMBER_PART).tolist()
+    zero, together = inseparable(triangle[:, :-1], MEMBER_PART, NO_COLUMN)
+    return zero or together
 
 
 @dataclass(frozen=True)
