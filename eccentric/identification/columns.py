@@ -7,22 +7,26 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from eccentric.core import InputError, MissingValueError
 from eccentric.effects import constant_load
 from eccentric.identification.drive import LOAD, Drive, in_drive_unit
 from eccentric.identification.regression import Coefficient
+from eccentric.identification.uncertainty import Estimate, Spread
 from eccentric.model import Column, Model, Role, meaning, regressor
 from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS, Rig
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from eccentric.identification.machine import Machine
 
 
+Array = NDArray[np.float64]
 R, k_i, k_e, J, u_0 = sp.symbols("R k_i k_e J u_0")
 omega_m, _speed = v.omega_m.symbol, sp.Symbol("speed", positive=True)
 _OF_RIGS = {known.name for known in KNOWNS}
@@ -288,3 +292,57 @@ def load_letters(model: Model) -> set[str]:
     found = {symbol.name for e in expressions for symbol in model.expand(e).free_symbols}
     loads = {quantity.name for quantity in constant_load.coefficients}
     return found & {quantity.name for quantity in model.parameters} - loads
+
+
+# Which letters of the paper a log identifies, and which it shows only in combination.
+#
+# Every column of the problem has a coefficient that is an expression in the letters.  A letter is
+# identifiable if its direction is in the row space of the Jacobian of those expressions: then no change of
+# the other letters compensates for a change of it.
+
+
+def identified_letters(
+    coefficients: Sequence[Combination], fixed: Collection[str]
+) -> tuple[list[str], list[str]]:
+    """Return the letters, but for the fixed ones, that are identified, and those that are not."""
+    expressions = [c.meaning for c in coefficients if c.role != "offset"]
+    plain = [e.xreplace({x: sp.Symbol(x.name, positive=True) for x in e.free_symbols}) for e in expressions]
+    letters = sorted({x for e in plain for x in e.free_symbols if x.name not in fixed}, key=str)
+    # Distinct primes are a generic point: no accidental cancellation in these few products.
+    everything = sorted({x for e in plain for x in e.free_symbols}, key=str)
+    point = {x: sp.prime(k + 5) for k, x in enumerate(everything)}
+    jacobian = sp.Matrix([[e.diff(x).subs(point) for x in letters] for e in plain])
+    rank = jacobian.rank()
+    told: list[str] = []
+    for k, letter in enumerate(letters):
+        own = sp.zeros(1, len(letters))
+        own[k] = 1
+        if jacobian.col_join(own).rank() == rank:
+            told.append(letter.name)
+    return told, [x.name for x in letters if x.name not in told]
+
+
+def combinations(
+    coefficients: Sequence[Combination], values: Array, active: NDArray[np.int64], error: Spread
+) -> dict[str, Estimate]:
+    """Return combinations by name: coefficients of columns that are not a single letter.
+
+    In newton metres if the scale is identified.
+    `values` (k,) and `active` (k,) belong to the coefficients, the spread to them and all that follow.
+    """
+    found: dict[str, Estimate] = {}
+    where = next((k for k, c in enumerate(coefficients) if c.role == "scale"), None)
+    for k, c in enumerate(coefficients):
+        if c.role == "offset":
+            continue
+        slope = np.zeros(len(error.alone))
+        slope[k] = 1.0
+        if where is not None and k != where:
+            s = values[where]
+            slope[k], slope[where] = 1.0 / s, -values[k] / s**2
+            name = as_text(sp.expand(c.expression / coefficients[where].expression))
+            bounds = (0.0 if c.lower == 0.0 else -np.inf, np.inf)
+            found[name] = error.estimate(values[k] / s, slope, c.mechanical_unit, bounds, int(active[k]))
+        elif not c.meaning.is_Symbol:
+            found[c.name] = error.estimate(values[k], slope, c.unit, (c.lower, c.upper), int(active[k]))
+    return found

@@ -26,7 +26,6 @@ from eccentric.model import Model
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-Adopted = Sequence[tuple[Effect, Values]]
 _IN_THE_MODEL: set[ColumnRole] = {"inertia", "load"}
 """What the rig leaves open of parameters of the model; the rest is outside its module."""
 
@@ -63,19 +62,15 @@ class Step:
 class Extended:
     """A base model with effects on a log, ready to be fitted.
 
-    friction: the fitted friction coefficients, `every` with those that stay zero in the linear model;
-    `bounds` whether they are held within theirs; train (rows,): what is fitted; joined: names of further
-    coefficients that are the same number, by that which is fitted.
+    groups: the friction coefficients, those of a group are one number; bounds: whether they are held within
+    theirs.
     """
 
     model: Model
     effects: tuple[tuple[Effect, Values], ...]
     data: FitData
-    friction: tuple[Coefficient, ...]
-    every: tuple[Coefficient, ...]
+    groups: tuple[tuple[Coefficient, ...], ...]
     bounds: bool
-    train: Mask
-    joined: Mapping[str, tuple[str, ...]]
 
     @property
     def shapes(self) -> Values:
@@ -116,7 +111,7 @@ class Extended:
         roles = np.array([c.role in {"friction", "effect"} for c in solution.design.coefficients])
         target = found["mechanical"] + solution.design.columns[:, roles] @ solution.values[roles]
         if drive.measured_twice:
-            lowest = {c.name: c.lower for c in self.every}
+            lowest = {c.name: c.lower for group in self.groups for c in group}
             allowed = {n: max(x, lowest.get(n, x)) for n, x in point.values.items()}
             found["electrical"] = residuals.rows("electrical", allowed)
         return Step(point, solutions, found, target), max(abs(change), moved)
@@ -141,11 +136,11 @@ class Extended:
 
     def _mechanical(self, residuals: Residuals, point: Point) -> Design:
         drive = self.data.drive
-        found = [*self.friction, *self._own("mechanical", "effect")]
+        found = [*(group[0] for group in self.groups), *self._own("mechanical", "effect")]
         if drive.by_voltage:
             found += self._own("electrical", "armature")
         found += [c for c in drive.open if c.role in _IN_THE_MODEL]
-        return self._design(residuals, "mechanical", found, point, self.train)
+        return self._design(residuals, "mechanical", found, point, self.data.rows.train)
 
     def _own(self, balance: str, role: ColumnRole) -> list[Coefficient]:
         """The coefficients of the effects that a balance shows."""
@@ -245,8 +240,9 @@ class Extended:
         return residuals.inputs["i"] - self.data.drive.machine.current_of_torque(point.values, rest)
 
     def _all(self, name: str, value: float) -> Values:
-        """The value of a coefficient, and of those that are joined with it."""
-        return dict.fromkeys((name, *self.joined.get(name, ())), value)
+        """The value of a coefficient, and of those of its group."""
+        own = next((group for group in self.groups if group[0].name == name), ())
+        return {name: value, **dict.fromkeys((c.name for c in own), value)}
 
     def _of_effects(self) -> list[str]:
         return [q.name for effect, _ in self.effects for q in effect.coefficients]

@@ -152,10 +152,9 @@ class Problem:
         """The same problem below a lower cut-off; None where no low pass is used."""
         if self.rows.smooth is None or self.drive.channels.time.points_per_row > 1:
             return None
-        channels = self.drive.channels.narrowed(self.rig)
-        drive = dataclasses.replace(self.drive, channels=channels)
-        rows = fit_rows(channels, channels.rig)
-        return dataclasses.replace(self, drive=drive, rig=channels.rig, rows=rows)
+        drive = self.drive.narrowed()
+        channels, rig = drive.channels, drive.channels.rig
+        return dataclasses.replace(self, drive=drive, rig=rig, rows=fit_rows(channels, rig))
 
     def held_out(self, solution: Solution) -> tuple[Array, Array]:
         """Residual and drive signal on the held-out rows that every command compares models on."""

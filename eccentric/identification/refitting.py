@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from eccentric.effects import Effect, Shape
 from eccentric.identification.drive import in_drive_unit
 from eccentric.identification.expressions import alike, base_coefficients
-from eccentric.identification.extended import Adopted, Extended, Step
+from eccentric.identification.extended import Extended, Step
 from eccentric.identification.fit_data import FitData, Values, drive_noise
 from eccentric.identification.limits import AT_END, CONVERGED, FIRST_PART, HALVINGS, LEAST_TILT, SHAPE_STEP
 from eccentric.identification.machine import Machine
@@ -359,7 +359,16 @@ def refit(
         linear: Coulomb and viscous friction only.
         without: number of a run to leave out; then all other runs are fitted on, held out or not.
     """
-    fitted = _extended(base, effects, data, bounds, linear, without)
+    model, rows = base, data.rows
+    for effect, own in effects:
+        model = effect.extend(model, own)
+    if without is not None:
+        rows = rows.trained_on((rows.train | rows.score) & (rows.run != without))
+    columns = data.signals.columns(base)
+    friction = base_coefficients(base, data.signals)[: len(columns)]
+    groups = alike(columns) if linear else [(k,) for k in range(len(columns))]
+    groups = tuple(tuple(friction[k] for k in group) for group in groups)
+    fitted = Extended(model, effects, replace(data, rows=rows), groups, bounds)
     step, change = fitted.fitted(base)
     found, covariance = ({}, np.empty((0, 0))) if without is not None else estimates(fitted, step)
     values = step.point.values
@@ -375,30 +384,6 @@ def refit(
         step.target,
         data,
         change,
-    )
-
-
-def _extended(
-    base: Model, effects: Adopted, data: FitData, bounds: bool, linear: bool, without: int | None
-) -> Extended:
-    """Extend a model by effects; arguments as in `refit`."""
-    model = base
-    for effect, own in effects:
-        model = effect.extend(model, own)
-    columns, rows = data.signals.columns(base), data.rows
-    if without is not None:
-        rows = rows.trained_on((rows.train | rows.score) & (rows.run != without))
-    friction = tuple(c for c in base_coefficients(base, data.signals) if c.role == "friction")
-    groups = alike(columns) if linear else [(k,) for k in range(len(columns))]
-    return Extended(
-        model,
-        tuple(effects),
-        replace(data, rows=rows),
-        tuple(friction[first] for first, *_ in groups),
-        friction,
-        bounds,
-        rows.train,
-        {friction[first].name: tuple(friction[k].name for k in others) for first, *others in groups},
     )
 
 
