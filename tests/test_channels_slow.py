@@ -29,10 +29,10 @@ def slow(tmp_path: Path, rig: str = RIG) -> Channels:
 
 
 def test_slow_sampling_is_refined_by_a_spline_and_said(tmp_path: Path) -> None:
-    """At 40 Hz there is no 25 Hz low pass: two points a row, on the sine and its derivatives; it is said."""
+    """At 40 Hz there is no 25 Hz low pass: four points a row, on the sine and its derivatives; it is said."""
     c = slow(tmp_path)
-    assert (c.time.points_per_row, c.time.logged_step_s) == (2, pytest.approx(0.025))
-    np.testing.assert_allclose(c.time.t, np.arange(2 * len(SLOW_T) - 1) * 0.0125, atol=1e-12)
+    assert (c.time.points_per_row, c.time.logged_step_s) == (4, pytest.approx(0.025))
+    np.testing.assert_allclose(c.time.t, np.arange(4 * len(SLOW_T) - 3) * 0.00625, atol=1e-12)
     middle = (c.time.t > 0.5) & (c.time.t < 19.0)
     sine, cosine = 8.0 * np.sin(SWING * c.time.t[middle]), 8.0 * np.cos(SWING * c.time.t[middle])
     np.testing.assert_allclose(c.motion.theta_m[middle], sine, atol=1e-7)
@@ -41,12 +41,19 @@ def test_slow_sampling_is_refined_by_a_spline_and_said(tmp_path: Path) -> None:
     assert any("too coarse for the low pass" in warning for warning in c.intake.warnings)
 
 
-def test_slow_voltage_is_held_and_rows_are_counted_as_logged(tmp_path: Path) -> None:
-    """Between two rows a commanded voltage is that of the first; counts are of the log, not of its points."""
+def test_slow_voltage_is_held_if_the_rig_says_so(tmp_path: Path) -> None:
+    """Between two rows a command is that of the first, and at a row it goes halfway to the next."""
+    c = slow(tmp_path, RIG.replace("[known]", '[kinds]\nvoltage = "held"\n[known]'))
+    assert c.motor.voltage is not None
+    np.testing.assert_allclose(c.motor.voltage[10:-10:4], 3.0 * SLOW_T[2:-3])
+    np.testing.assert_allclose(c.motor.voltage[8:-8:4], 3.0 * (SLOW_T[2:-2] - 0.0125))
+
+
+def test_slow_samples_are_joined_by_lines_and_rows_are_counted_as_logged(tmp_path: Path) -> None:
+    """A ramp of the voltage stays one; counts are of the log, not of its points."""
     c = slow(tmp_path, "holdout_intervals_s = [[4.0, 8.0]]\n" + RIG)
     assert c.motor.voltage is not None
-    np.testing.assert_array_equal(c.motor.voltage[::2], 3.0 * SLOW_T)
-    np.testing.assert_array_equal(c.motor.voltage[1::2], 3.0 * SLOW_T[:-1])
+    np.testing.assert_allclose(c.motor.voltage, 3.0 * c.time.t, atol=1e-12)
     assert c.counts["read"] == len(SLOW_T)
     # 19 s are clear of the ends; of each second with its reversal, 60 ms and some rows are lost either side.
     assert 19 * 40 * (1.0 - 2.0 * 0.1) < c.counts["used"] < 19 * 40 * (1.0 - 2.0 * 0.05)
@@ -68,11 +75,11 @@ def test_real_rig_is_read_as_its_readme_says() -> None:
     counts = np.loadtxt(path, delimiter=",", skiprows=1, usecols=3)
     c = read_channels([path], rig)
     assert c.counts["read"] == 24500
-    assert (c.time.points_per_row, c.time.logged_step_s) == (2, pytest.approx(0.025))
+    assert (c.time.points_per_row, c.time.logged_step_s) == (4, pytest.approx(0.025))
     assert c.time.run_names == ("2024",)
     assert c.motion.quantum_rad == pytest.approx(math.pi / 1000.0)
     assert c.motor.measured_by == "voltage"
     assert float(np.max(np.abs(c.motion.omega_m))) == pytest.approx(19.0, abs=0.5)
-    # Every other point is a row of the log.
-    np.testing.assert_allclose(c.motion.theta_logged[::2], counts * math.pi / 1000.0, atol=1e-9)
+    # Every fourth point is a row of the log.
+    np.testing.assert_allclose(c.motion.theta_logged[::4], counts * math.pi / 1000.0, atol=1e-9)
     assert rig.estimate == {"input_delay_s", "theta_zero_rad", "voltage_offset_V"}

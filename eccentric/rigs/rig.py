@@ -35,6 +35,7 @@ from eccentric.rigs.sources import (
     Sampling,
     channels_of,
     read_columns,
+    read_kinds,
 )
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ DRIVES = ("current", "voltage", "torque")
 KEYS = (
     *("format", "name", "log_type", "kind", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
     *("sample_rate_hz", "low_pass_hz", "moving_threshold_rad_s", "holdout_intervals_s", "holdout_runs"),
-    *("runs", "average_over", "added"),
+    *("runs", "average_over", "added", "kinds"),
     *ALIGNMENT,
 )
 """Keys at the top level of a rig file."""
@@ -194,6 +195,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
             counts_per_rev=counts,
             sample_rate_hz=_optional(content, "sample_rate_hz", where),
             runs=read_names(content.get("runs", []), f"{where}: runs"),
+            kinds=read_kinds(content.get("kinds", {}), f"{where}: [kinds]", axis),
         ),
         sampling=Sampling(
             low_pass_hz=read_number(

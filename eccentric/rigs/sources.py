@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 from eccentric.core import InputError, meant, read_table, refuse_unknown
 from eccentric.logs import Unit, parse_value, require_unit
@@ -152,6 +152,22 @@ def _gain(gain: object, unit: str | None, required: str, where: str) -> tuple[Un
     return converted, ForceGain(factor, per, unit)
 
 
+KINDS = ("sample", "mean", "held")
+"""What a row's value can be: a sample at its time, the mean until the next row's time, held until then."""
+_OF_KINDS = ("voltage", "current", "torque", "torque_l")
+
+
+def read_kinds(value: object, where: str, axis: AxisKind = TURNING) -> dict[str, str]:
+    """The kinds of the channels of a drive; InputError for another channel or kind."""
+    table = read_table(value, where)
+    by_name = {axis.said(channel): channel for channel in _OF_KINDS if channel in channels_of(axis)}
+    refuse_unknown(table, by_name, where)
+    for name, kind in table.items():
+        if kind not in KINDS:
+            raise InputError(f"{where} {name}", f"one of {', '.join(KINDS)}", f"{kind!r}")
+    return {by_name[name]: str(kind) for name, kind in table.items()}
+
+
 # The parts of a rig: what the log holds, how it becomes rows, what is held out, how it is aligned.
 
 
@@ -165,6 +181,7 @@ class LogMap:
         counts_per_rev: of the encoder of the angle; None where it is not declared.
         sample_rate_hz: as declared; None where it is not.
         runs: names or patterns of the runs that count, empty for all.
+        kinds: what the value of a row stands for, of `KINDS`, by channel; one that is not in it is a sample.
     """
 
     columns: Mapping[str, ColumnSource] | None
@@ -172,6 +189,7 @@ class LogMap:
     counts_per_rev: float | None
     sample_rate_hz: float | None
     runs: tuple[str, ...]
+    kinds: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

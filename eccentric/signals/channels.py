@@ -14,21 +14,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from eccentric.core import InputError, few
 from eccentric.logs import LogSource, read_log
 from eccentric.rigs import Alignment, Rig
 from eccentric.signals.filters import rows_of_each, stretches, suited
+from eccentric.signals.kinds import at_times, evidence, refined
 from eccentric.signals.limits import (
     COARSE,
+    COARSE_ROW_S,
     END_S,
     HALF_SPAN_S,
+    HOLD_WINDOW_S,
     LEAST_RATE_HZ,
+    LEAST_WINDOWS,
+    MOVING_PART,
     POINTS_PER_ROW,
+    PROVED,
     RATE_HIGH,
     RATE_LOW,
     RATE_PER_CUT,
+    ROUNDED_RATE,
+    STEPS,
 )
 from eccentric.signals.measured import Channels, Intake, MeasuredMotion, Motor, Selection, TimeBase
 from eccentric.signals.motion import (
@@ -43,18 +50,10 @@ from eccentric.signals.motion import (
 )
 from eccentric.signals.quality import assess
 from eccentric.signals.table import Holdout, Table, hold_out, read_table
+from eccentric.signals.windows import windows_by_parts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-
-
-# A coarse log between its rows: the integrands of a window of twelve steps, on a finer grid.
-#
-# At 40 rows per second a reversal falls between two rows, and the sign of the velocity, summed over rows, is
-# off by a fraction of a step; so is a load that follows the angle.  The angle between the rows is that of a
-# quintic spline, as in `filters.motion`; a commanded voltage is held from row to row; other signals are
-# interpolated linearly.  Nothing is added to the log: windows cover the same time as before, and rows are
-# counted as logged.
 
 
 Array = NDArray[np.float64]
@@ -72,35 +71,51 @@ def is_coarse(table: Table, rig: Rig) -> bool:
     return rig.sampling.low_pass_hz * logged_step(table) > COARSE and not rig.sampling.average_over
 
 
-def refined(table: Table) -> Table:
-    """The table, angle unwrapped on the motor side, with more points a row; a stretch ends as it did."""
-    t = table.channels["time"]
-    parts: list[dict[str, Array]] = []
-    source: list[NDArray[np.int64]] = []
-    for rows in rows_of_each(stretches(t, table.run)):
-        where = np.arange((len(rows) - 1) * POINTS_PER_ROW + 1) / POINTS_PER_ROW
-        fine = np.interp(where, np.arange(len(rows)), t[rows])
-        before = rows[np.minimum(where.astype(int), len(rows) - 1)]
-        source.append(before)
-        part = {"time": fine}
-        for name, x in table.channels.items():
-            if name == "theta_m" and len(rows) > 5:
-                part[name] = np.asarray(make_interp_spline(t[rows], x[rows], k=5)(fine))
-            elif name == "voltage":
-                part[name] = x[before]
-            elif name != "time":
-                part[name] = np.interp(fine, t[rows], x[rows])
-        parts.append(part)
-    rows = np.concatenate(source)
-    return dataclasses.replace(
-        table,
-        channels={name: np.concatenate([part[name] for part in parts]) for name in table.channels},
-        run=table.run[rows],
-        use=table.use[rows],
-        motor_off=table.motor_off[rows],
-        after_dropped=table.after_dropped[rows],
-        after_skipped=table.after_skipped[rows],
+def _kinds(points: _Points, rig: Rig, step: float) -> tuple[Mapping[str, str], list[str]]:
+    """What a row's value stands for, by channel: by the rig, or as a coarse log proves; and a warning."""
+    kinds, by = rig.log.kinds, _drive(points.table.channels, rig)
+    by = "torque_l" if by not in points.table.channels else by
+    if by in kinds or step < COARSE_ROW_S * (1.0 - ROUNDED_RATE) or math.isinf(rig.sampling.average_over):
+        return kinds, []
+    more = _evidence_of_hold(points, rig, by, step)
+    if more < PROVED:
+        return kinds, []
+    name = rig.axis.said(by)
+    said = (
+        f"the {name} is held from row to row, {step:.3g} s each: that explains the motion better than samples"
+        f' do, by {more:.2g} standard errors ([kinds] {name} = "sample" of the rig overrides this)'
     )
+    return {**kinds, by: "held"}, [said]
+
+
+def _evidence_of_hold(points: _Points, rig: Rig, by: str, step: float) -> float:
+    """By how many standard errors a held drive explains the motion better than a sampled one."""
+    tables = [refined(points.table, {**rig.log.kinds, by: kind}) for kind in ("held", "sample")]
+    fine = _points(tables[0], rig, points.quantum, POINTS_PER_ROW)
+    clear = (
+        clear_of_ends(fine.t, fine.segment)
+        & fine.table.use
+        & ~near_switching(fine.t, fine.segment, fine.table.motor_off)
+    )
+    allowed = clear & ~fine.holdout.rows & ~fine.table.motor_off
+    try:
+        windows = windows_by_parts(
+            fine.t, fine.segment, fine.table.run, max(STEPS * step, HOLD_WINDOW_S, rig.sampling.average_over)
+        )
+    except InputError:
+        return 0.0
+    kept = windows.inside(allowed) & (windows.mean((fine.moving & allowed).astype(float)) >= MOVING_PART)
+    windows = windows.chosen(kept)
+    if len(windows) < LEAST_WINDOWS:
+        return 0.0
+    omega = motion_of(fine.t, fine.theta, fine.segment, math.inf)[0][1]
+    columns = [np.ones_like(omega), omega, np.sign(omega)]
+    if rig.case != "C1" and "mu" in rig.known:
+        link = rig.known["mu"] * fine.theta
+        columns += [np.sin(link), np.cos(link)]
+    beside = windows.mean(np.column_stack(columns))
+    held, sampled = (np.column_stack([windows.mean(x.channels[by]), beside]) for x in tables)
+    return evidence(windows, windows.rate_operator @ fine.theta, held, sampled)
 
 
 # The windows of a long log at the rate that its low pass needs: means of a few rows each.
@@ -193,12 +208,16 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     warnings += said
     cut, doubts = rig.sampling.low_pass_hz, uneven(logged)
     step = logged_step(logged)
+    kinds, said = _kinds(points, rig, step)
+    warnings += said
     together = rows_a_point(step, rig) if logged.is_excerpt else 1
     if together > 1:
-        points = _points(thinned(table, together), rig, quantum, 1)
+        points = _points(thinned(at_times(table, kinds), together), rig, quantum, 1)
     elif is_coarse(logged, rig):
         # The unwrapped angle is interpolated, since the wrapped one jumps; a spline needs no even steps.
-        points, cut, doubts = _points(refined(table), rig, quantum, POINTS_PER_ROW), math.inf, []
+        points, cut, doubts = _points(refined(table, kinds), rig, quantum, POINTS_PER_ROW), math.inf, []
+    elif kinds:
+        points = dataclasses.replace(points, table=at_times(table, kinds))
     motion, said = motion_of(points.t, points.theta, points.segment, cut)
     doubts = [*said, *doubts, *_rate_doubt(step, rig)]
     channels = _channels(points, motion, rig, step * together)

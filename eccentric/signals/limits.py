@@ -77,8 +77,8 @@ RATE_PER_CUT = 10.0
 """Least rate of the points of a thinned log, in its low pass: its derivatives are right to 0.02 % there."""
 LEAST_RATE_HZ = 200.0
 """Least rate of them: which rows move is decided over 20 ms to either side."""
-POINTS_PER_ROW = 2
-"""Of a log that is too coarse: a reversal is then known to 4 % of a window."""
+POINTS_PER_ROW = 4
+"""Of a log that is too coarse: a reversal is then known to 2 % of a window."""
 MAP_RUNS = 8
 """Least number of constant-speed runs for a map of friction over speed."""
 MAP_PARTS = 8
@@ -87,6 +87,14 @@ MAP_STEADY = 0.3
 """Largest standard deviation of the speed within a run over its mean, for the median run."""
 MAP_RANGE = 0.5
 """Least range of the runs' speeds, over the largest: runs at one speed are not a map."""
+COARSE_ROW_S = 0.01
+"""Rows this long may show that a drive is held over them: half of a shorter one changes the inertia of a
+drive with a time constant of 0.3 s by less than 2 %, and what looks like it may be a delay."""
+PROVED = 3.0
+"""Standard errors of the evidence for a hold: one log in 700 of sampled drives would show as much."""
+HOLD_WINDOW_S = 0.3
+"""Shortest windows that the evidence is taken from: in shorter ones, the noise of an encoder of 2,000 counts
+is most of the acceleration."""
 
 # Whether angle and speed belong together.
 
@@ -134,12 +142,19 @@ WINDOW_GAP = 1.5
 STEPS = 12
 """Steps in a window of a coarse log: 0.3 s at 40 rows per second, where a second difference is mostly
 rounding."""
+LONGER_STEPS = (18, 24, 36, 48)
+"""The same for an angle that is noisy as well ..."""
+QUIET_RATE = 0.03
+"""... until its noise is this part of the acceleration: the inertia is then 0.1 % too small."""
 LEAST_STEPS = 8
 """Steps in the shortest window that is advised: that of a low pass at a fifth of the rate."""
 LEAST_WINDOW_ROWS = 7
 """Least rows of a window integrated by parts: with fewer, its weights are those of a difference."""
 MOVING_PART = 0.5
 """Least fraction of a window's weight on moving rows, in a log too coarse for windows of moving rows only."""
+TURNING_PART = 0.8
+"""The same above the threshold of the speed, reversals included, where enough windows have it: at standstill
+friction is less than its law says, and J would take that."""
 PER_COEFFICIENT, PER_COEFFICIENT_OF_RUNS = 10, 3
 """Least rows per coefficient of a fit: means over a time overlap and share slow disturbances, means of whole
 runs do not."""

@@ -28,16 +28,19 @@ from eccentric.signals.limits import (
     LEAST_STEPS,
     LEAST_WINDOW_ROWS,
     LEAST_WINDOWS,
+    LONGER_STEPS,
     MANY_RUNS,
     MOST_WINDOWS,
     MOVING_PART,
+    QUIET_RATE,
     STEPS,
+    TURNING_PART,
     UNEVEN_STEP,
     WINDOW_GAP,
     WINDOW_PERIODS,
 )
 from eccentric.signals.measured import Channels
-from eccentric.signals.motion import clear_of_ends
+from eccentric.signals.motion import clear_of_ends, white_noise
 from eccentric.signals.rows import Rows, blocks_of, in_order
 
 # Means as windowed integrals, for logs too coarse to differentiate: integrate by parts instead.
@@ -321,16 +324,52 @@ def _durations(t: Array, segment: Integers, step: float) -> Array:
 
 
 def _by_parts(channels: Channels) -> Rows:
-    """Windows of twelve steps with most of their weight on moving rows, integrated by parts.
+    """Windows with most of their weight on moving rows, integrated by parts; longer ones for a noisy angle.
 
     An integral may contain a reversal, a row may not; only at standstill is friction undetermined.
     """
+    found = _windows(channels, STEPS)
+    for steps in LONGER_STEPS:
+        if not _enough(found) or _noise_of_rate(channels, found) <= QUIET_RATE:
+            break
+        try:
+            longer = _windows(channels, steps)
+        except InputError:  # no stretch is as long
+            break
+        if not _enough(longer):
+            break
+        found = longer
+    return found
+
+
+def _windows(channels: Channels, steps: float) -> Rows:
     time, rows = channels.time, channels.selection
-    found = windows_by_parts(time.t, time.segment, time.run, STEPS * time.logged_step_s)
+    found = windows_by_parts(time.t, time.segment, time.run, steps * time.logged_step_s)
     kept = found.mean(rows.usable.astype(float)) >= MOVING_PART
     kept &= found.inside(rows.usable | ~rows.moving)
     train, score = (kept & found.inside(part) for part in (~rows.held_out, rows.held_out))
-    return dataclasses.replace(found, train=train, score=score)
+    every = dataclasses.replace(found, train=train, score=score)
+    turns = (
+        found.mean((np.abs(channels.motion.omega_m) > rows.moving_threshold_rad_s).astype(float))
+        >= TURNING_PART
+    )
+    turning = dataclasses.replace(found, train=train & turns, score=score & turns)
+    return turning if _enough(turning) else every
+
+
+def _enough(found: Rows) -> bool:
+    return int(np.count_nonzero(found.train)) >= LEAST_WINDOWS and bool(np.any(found.score))
+
+
+def _noise_of_rate(channels: Channels, found: Rows) -> float:
+    """The noise in the acceleration of the windows over the acceleration: its square is what J loses."""
+    every = channels.time.points_per_row
+    theta, segment = channels.motion.theta_logged[::every], channels.time.segment[::every]
+    noise = white_noise(theta, segment) * math.sqrt(every)
+    rate = found.rate_operator[found.train]
+    weights = np.sqrt(np.asarray(rate.multiply(rate).sum(axis=1)).ravel())
+    size = rate @ channels.motion.theta_logged
+    return noise * float(np.sqrt(np.mean(weights**2) / np.mean(size**2)))
 
 
 def _averages(channels: Channels, rig: Rig, part: Mask) -> Rows:

@@ -152,6 +152,8 @@ def require_rig(rig: Rig) -> Model:
         raise InputError(
             f"{rig.path}: input_delay_s", "0", f"{rig.alignment.input_delay_s:g}", why="by a fleet"
         )
+    if rig.log.kinds:
+        raise InputError(f"{rig.path}: [kinds]", "none", few(rig.log.kinds), why="by a fleet")
     if missing := sorted(load_letters(model) - set(rig.known) - {"M_l"}):
         letters = rig.axis.said(few(missing))
         raise InputError(rig.path, f"[known] {letters}", "none", why=f"by {model.name}")

@@ -1,0 +1,110 @@
+"""What a row's value stands for: closed forms of a sine, and fits to an exact motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric.core import InputError
+from eccentric.logs import Log
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
+from eccentric.signals.kinds import at_the_times
+from tests.first_order_drive import RIG, A, log
+
+DECLARED = RIG | {"kinds": {"voltage": "held"}}
+
+
+@pytest.mark.parametrize("wave", [0.05, 0.2, 0.5])
+@pytest.mark.parametrize("kind", ["held", "mean"])
+def test_a_row_that_lasts_is_read_in_its_middle(kind: str, wave: float) -> None:
+    """A sine of this wave number per row, held or averaged over the rows, has its own phase again.
+
+    Held for a row, exp(iwk) has the component sin(w/2)/(w/2) exp(-iw/2) at its own frequency; the mean over a
+    row has the same factor with the opposite phase.
+    """
+    k = np.arange(400.0)
+    size = np.sinc(wave / (2.0 * np.pi))
+    values, expected = np.cos(wave * k), size * np.cos(wave * (k - 0.5))
+    if kind == "mean":
+        values, expected = size * np.cos(wave * (k + 0.5)), np.cos(wave * k)
+    found = at_the_times(values, kind, 0.02 * k, np.zeros(400, int))
+    assert found[3:-3] == pytest.approx(expected[3:-3], abs=0.15 * wave**4)
+
+
+def test_uneven_rows_are_weighted_by_how_long_they_last() -> None:
+    """A row of three times the length takes part in the mean at its ends with three times the weight."""
+    t, x = np.array([0.0, 1.0, 4.0, 5.0]), np.array([0.0, 8.0, 0.0, 0.0])
+    found = at_the_times(x, "held", t, np.zeros(4, int))
+    curvature = np.array([8.0, -8.0, -8.0, 8.0]) / 24.0
+    assert found + curvature == pytest.approx([0.0, 6.0, 6.0, 0.0])
+
+
+def test_no_row_reaches_across_a_gap() -> None:
+    """The value before a gap does not act after it."""
+    x = np.array([5.0, 5.0, 5.0, -5.0, -5.0, -5.0])
+    found = at_the_times(x, "held", np.array([0.0, 1, 2, 10, 11, 12]), np.array([0, 0, 0, 1, 1, 1]))
+    assert x.tolist() == found.tolist()
+
+
+@pytest.mark.parametrize("rate_hz", [25.0, 50.0, 100.0])
+@pytest.mark.parametrize("held", [True, False])
+def test_the_inertia_is_right_at_coarse_rates(rate_hz: float, held: bool) -> None:
+    """A voltage that is held, and one that ramps, without a word in the rig: J R/k_i to 0.3 %."""
+    found = [eccentric.fit(log(rate_hz, held, seed), RIG).estimates["J*R/k_i"].value for seed in (1, 2)]
+    assert pytest.approx(A, rel=3e-3) == np.mean(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rate_hz", [25.0, 50.0, 100.0, 250.0, 1000.0])
+def test_intervals_cover_the_inertia(rate_hz: float) -> None:
+    """Twenty logs each, held and ramping: a bias below a fifth of the intervals' width, which cover it."""
+    for held in (True, False):
+        rig = DECLARED if held and rate_hz > 100.0 else RIG
+        fits = [eccentric.fit(log(rate_hz, held, seed), rig).estimates["J*R/k_i"] for seed in range(20)]
+        value = np.array([e.value for e in fits])
+        low, high = np.array([e.interval for e in fits]).T
+        assert abs(value.mean() - A) < 0.2 * np.mean(high - low), (held, value.mean())
+        assert np.count_nonzero((low <= A) & (high >= A)) >= 17, held
+
+
+def test_a_hold_is_reported_and_can_be_denied() -> None:
+    """A coarse log that shows it says so; with the kind in the rig nothing is guessed."""
+    held = log(25.0, held=True, seed=3)
+    said = [w for w in read_channels([table(held)], read_rig(RIG)).intake.warnings if "held" in w]
+    assert len(said) == 1
+    assert "the voltage is held from row to row, 0.04 s each" in said[0]
+    for kind in ("held", "sample", "mean"):
+        rig = read_rig(RIG | {"kinds": {"voltage": kind}})
+        assert not [w for w in read_channels([table(held)], rig).intake.warnings if "held" in w]
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("noise_rad", [1e-4, 5e-3])
+def test_a_ramp_is_not_taken_for_a_hold(noise_rad: float, seed: int) -> None:
+    """Samples of a continuous voltage: no hold is found, however noisy the angle."""
+    ramp = log(25.0, held=False, seed=seed, noise_rad=noise_rad)
+    assert not [w for w in read_channels([table(ramp)], read_rig(RIG)).intake.warnings if "held" in w]
+
+
+@pytest.mark.parametrize(
+    ("kinds", "message"),
+    [
+        (
+            {"voltage": "latched"},
+            "rig: [kinds] voltage: one of sample, mean, held is required, received 'latched'",
+        ),
+        ({"theta_m": "held"}, "rig: [kinds]: unknown key 'theta_m'"),
+    ],
+)
+def test_other_kinds_are_refused(kinds: dict[str, str], message: str) -> None:
+    """A kind that is none, and a channel that has none."""
+    with pytest.raises(InputError) as error:
+        read_rig(RIG | {"kinds": kinds})
+    assert message in str(error.value)
+
+
+def table(columns: dict[str, np.ndarray]) -> Log:
+    """A log in memory."""
+    return Log("log", columns, len(columns["time_s"]))
