@@ -61,3 +61,70 @@ def test_a_voltage_in_millivolts_is_no_resistance(factor: float, fits: bool) -> 
     if not fits:
         assert () == found.effects
         assert "the voltage is" in diagnosis_document(found)["sentence"]
+
+
+BARE = {"case": "C1", "mu": 1, "M": "0 kg", "L": "0 m"}
+
+
+def bare_motor(order: int, amplitude: float) -> dict[str, np.ndarray]:
+    """A motor without load, turned slowly to and fro: cogging beside 2.4 mN m of Coulomb friction."""
+    t = np.arange(0.0, 40.0, 1e-3)
+    w = 1.6 * np.sin(0.1 * np.pi * t) + 0.5 * np.sin(0.46 * np.pi * t)
+    angle = -16.0 / np.pi * np.cos(0.1 * np.pi * t) - 0.5 / (0.46 * np.pi) * np.cos(0.46 * np.pi * t)
+    alpha = 0.16 * np.pi * np.cos(0.1 * np.pi * t) + 0.23 * np.pi * np.cos(0.46 * np.pi * t)
+    friction = 2.4e-3 * np.sign(w) + 1e-5 * w + amplitude * np.sin(order * angle + 0.3)
+    noise = 0.004 * np.random.default_rng(1).standard_normal(len(t))
+    step = 2.0 * np.pi / 16384
+    return {
+        "time_s": t,
+        "theta_m_rad": np.round(angle / step) * step,
+        "current_A": (5e-6 * alpha + friction) / 0.025 + noise,
+    }
+
+
+BARE_RIG = {
+    "drive": "current",
+    "known": {**BARE, "k_i": "0.025 N m/A", "J_m": "5e-6 kg m^2", "J_l": "0 kg m^2"},
+}
+
+
+@pytest.mark.parametrize("amplitude", [1.2e-3, 4e-3])
+def test_cogging_larger_than_friction_is_named(amplitude: float) -> None:
+    """Most of the drive is ripple, so that R^2 of the paper's model says little: it is no wrong unit."""
+    log = read_log(bare_motor(12, amplitude))
+    found = diagnose([log], BARE_RIG)
+    assert [effect.id for effect, _ in found.effects] == ["cogging[n=12]"]
+    (_, values), *_ = found.effects
+    assert np.hypot(values["cogging_c12"], values["cogging_s12"]) == pytest.approx(amplitude, rel=0.03)
+    rig = read_rig(BARE_RIG)
+    fitted = fit(read_channels([log], rig), rig, load_model(rig.model))
+    assert fitted.fits_the_rig
+    assert (fitted.r_squared["paper"] < 0.5) == any("waves of the angle" in text for text in fitted.warnings)
+
+
+@pytest.mark.parametrize("factor", [1e3, 1e-3, -1.0])
+def test_ripple_does_not_excuse_a_wrong_sign_or_unit(factor: float) -> None:
+    """Gravity in another unit, or turned over, is a wave of the angle too: the log does not fit the rig."""
+    run = simulate(drawn_scenario(3, case="C2", mu=0.2, seconds=20.0))
+    log = read_log({**run.columns, "current_A": factor * run.columns["current_A"]})
+    rig = read_rig(run.rig)
+    fitted = fit(read_channels([log], rig), rig, load_model(rig.model))
+    assert not fitted.fits_the_rig
+
+
+def test_a_current_without_a_sign_is_named() -> None:
+    """A supply's current, positive whichever way the motor turns: one line says so, in both commands."""
+    rng, rows = np.random.default_rng(1), np.arange(250)
+    runs = [(1.0 if k % 2 == 0 else -1.0) * np.radians(60.0 + 5.0 * k) for k in range(20)]
+    log = {
+        "run": np.repeat(np.arange(20.0), 250),
+        "time_s": np.tile(rows * 0.008, 20),
+        "theta_m_rad": np.concatenate([w * rows * 0.008 for w in runs]),
+        "current_A": 0.3 + 0.02 * rng.standard_normal(5000),
+    }
+    rig = read_rig({"drive": "current", "moving_threshold_rad_s": 0.3, "known": {**BARE, "k_i": "1 N m/A"}})
+    found = diagnose([read_log(log)], rig)
+    assert not found.models.fits_the_rig
+    kinds = [finding.kind for finding in found.channels.intake.findings if finding.doubts_the_rig]
+    assert ["wrong_sign"] == kinds
+    assert "its sign is missing" in diagnosis_document(found)["sentence"]

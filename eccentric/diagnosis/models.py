@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from eccentric.core import InputError
-from eccentric.diagnosis.limits import FITTED, MOST_APART
+from eccentric.diagnosis.limits import FITTED, MOST_APART, OF_THE_MOTION
 from eccentric.diagnosis.score import BelowLowPass, Score, below_low_pass, leave_runs_out, score
 from eccentric.diagnosis.search import Attribution, unconfirmed
 from eccentric.effects import LOAD, Effect
@@ -56,10 +56,21 @@ class Models:
 
         Without bounds, negative friction and inertia would follow a drive of the wrong sign.
         """
-        fitted = self.paper
-        rows = fitted.data.rows
-        drive = rows.mean(fitted.data.drive.torque(fitted.values, fitted.scale))
-        return r_squared(fitted.residuals["mechanical"][rows.score], drive[rows.score])
+        return _r_squared(self.paper)
+
+    @property
+    def structured(self) -> bool:
+        """Whether ripple or friction over the speed, which was adopted, is most of what the drive does.
+
+        A log that contradicts its rig is not: such effects can be an image of a wrong unit or sign.
+        """
+        findings = self.paper.data.drive.channels.intake.findings
+        if not self.adopted or any(finding.doubts_the_rig for finding in findings):
+            return False
+        of_the_motion = all(
+            set(effect.evidence.depends_on) <= OF_THE_MOTION for effect, _ in self.extended.effects
+        )
+        return of_the_motion and _r_squared(self.extended) >= LEAST_R_SQUARED
 
     @property
     def fits_the_rig(self) -> bool:
@@ -69,7 +80,7 @@ class Models:
     @property
     def misfit(self) -> str:
         """Why the log cannot be from this rig, "" if it can."""
-        if self.r_squared < LEAST_R_SQUARED:
+        if self.r_squared < LEAST_R_SQUARED and not self.structured:
             return f"R^2 of the drive torque {self.r_squared:.2f}"
         fitted, rows = self.paper, self.paper.data.rows
         if "electrical" not in fitted.residuals:
@@ -84,6 +95,12 @@ class Models:
     def unsettled(self) -> tuple[str, ...]:
         """Models whose fit was stopped before it had converged."""
         return tuple(name for name, fit in vars(self).items() if not fit.settled)
+
+
+def _r_squared(fitted: Refit) -> float:
+    rows = fitted.data.rows
+    drive = rows.mean(fitted.data.drive.torque(fitted.values, fitted.scale))
+    return r_squared(fitted.residuals["mechanical"][rows.score], drive[rows.score])
 
 
 def fitted_models(

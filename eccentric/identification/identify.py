@@ -26,7 +26,14 @@ from eccentric.identification.columns import (
     with_own,
 )
 from eccentric.identification.drive import LOAD, Drive
-from eccentric.identification.limits import LEAST_IN_PLANE, LEAST_R_SQUARED
+from eccentric.identification.limits import (
+    LEAST_IN_PLANE,
+    LEAST_R_SQUARED,
+    SAME,
+    SPEEDS,
+    WAVES_OF_THE_LINK,
+    WAVES_OF_THE_MOTOR,
+)
 from eccentric.identification.machine import Machine, evaluated
 from eccentric.identification.problem import Problem, pose
 from eccentric.identification.regression import (
@@ -42,7 +49,16 @@ from eccentric.identification.uncertainty import Estimate, Spread, improvement, 
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.rigs import ALIGNMENT, Rig, mass_alone
-from eccentric.signals import LEAST_HELD_OUT, Band, Channels, band_of, require_rows, white_noise, with_doubts
+from eccentric.signals import (
+    LEAST_HELD_OUT,
+    Band,
+    Channels,
+    band_of,
+    require_rows,
+    rows_of,
+    white_noise,
+    with_doubts,
+)
 
 Array = NDArray[np.float64]
 
@@ -58,6 +74,7 @@ class Fit:
     that the log identifies, and those that it does not. `spread` is that of coefficients and searched
     values, in this order. `percent` is 100 (1 - paper/linear). `r_squared`
     by model is that of the drive signal on the held-out rows; `band` is that of the error of `paper`.
+    `structured` says whether waves of the angle and steps of the speed explain what `paper` does not.
     """
 
     problem: Problem
@@ -74,11 +91,12 @@ class Fit:
     r_squared: Mapping[str, float]
     band: Band | None
     warnings: tuple[str, ...]
+    structured: bool = False
 
     @property
     def fits_the_rig(self) -> bool:
         """Whether the log can be from this rig, in these units."""
-        return self.r_squared["paper"] >= LEAST_R_SQUARED
+        return self.r_squared["paper"] >= LEAST_R_SQUARED or self.structured
 
     @property
     def bounds_active(self) -> list[str]:
@@ -114,6 +132,13 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     # What follows from others by default (F_T) counts as known: the other factor is a parameter by itself.
     fixed = {*problem.drive.known, *(s.name for s in problem.nonlinear), *following_letters(problem.model)}
     said = [] if band is None or not band.filtered else [band.warning]
+    explained = {name: r_squared(*pair) for name, pair in held_out.items()}
+    beside = _beside_waves(problem, paper) if explained["paper"] < LEAST_R_SQUARED else 0.0
+    if beside >= LEAST_R_SQUARED:
+        said.append(
+            f"the model explains {explained['paper']:.0%} of the drive's square, with waves of the angle and"
+            f" steps of the speed beside it {beside:.0%}: diagnose finds what it lacks"
+        )
     warnings = [*problem.warnings, *_warnings(problem, paper, profiles), *said]
     return Fit(
         problem,
@@ -127,10 +152,37 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         {name: rms(error) for name, (error, _) in held_out.items()},
         percent,
         interval,
-        {name: r_squared(*pair) for name, pair in held_out.items()},
+        explained,
         band,
         tuple(warnings),
+        beside >= LEAST_R_SQUARED,
     )
+
+
+def _beside_waves(problem: Problem, paper: Solution) -> float:
+    """R^2 on the held-out rows with waves of the angle and steps of the speed beside the model.
+
+    0 where the log contradicts the rig, since these could be an image of a wrong unit or sign, and where
+    there are too few rows for so many columns.
+    """
+    drive = problem.aligned(paper.at)
+    if any(finding.doubts_the_rig for finding in drive.channels.intake.findings):
+        return 0.0
+    judged = dataclasses.replace(problem, rows=rows_of(drive.channels, problem.rig))
+    design, rows, motion = judged.design(paper.at), judged.rows, drive.channels.motion
+    link = {n * problem.rig.known.get("mu", 1.0) for n in range(1, WAVES_OF_THE_LINK + 1)}
+    orders = [*range(1, WAVES_OF_THE_MOTOR + 1), *(nu for nu in sorted(link) if nu != round(nu))]
+    waves = [f(nu * motion.theta_m) for nu in orders for f in (np.cos, np.sin)]
+    edges = np.quantile(
+        motion.omega_m[drive.channels.selection.fit_rows], np.linspace(0, 1, SPEEDS + 1)[1:-1]
+    )
+    steps = [(np.digitize(motion.omega_m, edges) == k).astype(float) for k in range(SPEEDS)]
+    beside = rows.mean(np.column_stack([*waves, *steps]))
+    if np.count_nonzero(rows.train) < rows.per_coefficient * beside.shape[1]:
+        return 0.0
+    left = design.target - design.columns @ paper.values
+    found = np.linalg.lstsq(beside[rows.train], left[rows.train], rcond=SAME)[0]
+    return r_squared((left - beside @ found)[rows.score], rows.mean(drive.torque())[rows.score])
 
 
 def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> Solution:

@@ -7,6 +7,11 @@ On the bundled log a current with the wrong sign leaves -1.5, one in mA -5e5, tw
 0.48; a k_i wrong by 30 % leaves 0.96, and logs with friction that the models lack have 0.98. A zero angle
 off by 1 rad leaves 0.55: the check of data quality finds that.
 """
+WAVES_OF_THE_MOTOR, WAVES_OF_THE_LINK, SPEEDS = 24, 4, 8
+"""Orders of both angles and steps of the speed that may be most of what a drive does instead: cogging of a
+bare motor is larger than its friction."""
+SAME = 1e-8
+"""Of the largest singular value: columns that differ by less are the same, as waves of two angles can be."""
 LEAST_GAIN_PERCENT = 1.0
 """A gain below this, in per cent of the held-out error, is not worth reporting."""
 CONVERGED = 1e-4

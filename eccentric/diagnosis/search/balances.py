@@ -222,6 +222,8 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
     rows = channels.selection.fit_rows
     speed = np.abs(channels.motion.omega_m[rows])
     current = signals.values["i"]
+    if not np.any(current[rows]):  # the model has no torque at all: the drive as measured is the scale
+        current = data.drive.machine.current_of_torque(signals.known, data.drive.torque())
     columns = signals.columns(model)
     own = friction[: len(columns)]
     torque = base_columns(model, signals)[:, : len(columns)] @ own

@@ -22,7 +22,17 @@ from eccentric.signals.quality.causes import (
     single_cause,
     with_unit,
 )
-from eccentric.signals.quality.limits import BETTER, EXPLAINED, FACTOR, FACTOR_MOTOR, IDEAL, TURNED
+from eccentric.signals.quality.limits import (
+    BETTER,
+    EXPLAINED,
+    FACTOR,
+    FACTOR_MOTOR,
+    IDEAL,
+    ONE_SIGN,
+    ONE_WAY,
+    SAME_SIZE,
+    TURNED,
+)
 from eccentric.signals.quality.ratios import (
     Means,
     Ratio,
@@ -55,6 +65,9 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
     if means is None:
         return
     drive = channels.motor.measured_by
+    if unsigned := _unsigned(means, drive, rig):
+        yield unsigned
+        return
     if inverted := _inverted(means, drive, rig):
         yield inverted
         return
@@ -99,6 +112,26 @@ def shared_cause(ratios: Sequence[Ratio], channels: Channels, rig: Rig) -> tuple
     """The one wrong unit, scale or gear that explains all ratios, and the line that mends the rig, or ""."""
     cause = common_cause(ratios, _logged(channels, rig))
     return with_unit(cause, rig) if cause else None
+
+
+def _unsigned(m: Means, drive: str, rig: Rig) -> Finding | None:
+    """Blame a drive of one sign and nearly one size in both directions: friction alone makes it turn over."""
+    x = m.drives.get(drive)
+    if x is None or "load" in rig.known or "load" in rig.unknown:
+        return None
+    ways = [x[m.omega > 0.0], x[m.omega < 0.0]]
+    if min(map(len, ways)) < ONE_WAY * len(x):
+        return None
+    sizes = [abs(float(np.mean(way))) for way in ways]
+    sign = np.sign(float(np.mean(x)))
+    if np.mean(x * sign > 0.0) < ONE_SIGN or min(sizes) < SAME_SIZE * max(sizes):
+        return None
+    name, side = rig.axis.said(drive), "positive" if sign > 0.0 else "negative"
+    text = (
+        f"the {name} is {side} in both directions, and of nearly the same size: its sign is missing, as that"
+        " of a supply's current or of a duty cycle, or a constant load is not in the rig"
+    )
+    return Finding("wrong_sign", drive, text, m.rows, "warning")
 
 
 def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:

@@ -85,3 +85,8 @@ LEVEL = 1e-9
 """Part of the upright gravity that rounding leaves of it in a level plane, at most."""
 LEVEL_PLANE = 0.2
 """Less gravity than this fraction of the rig's means a nearly horizontal plane."""
+ONE_WAY = 0.2
+"""Least part of the means in each direction for a drive's sign to be looked at."""
+ONE_SIGN, SAME_SIZE = 0.99, 0.8
+"""Part of the means of one sign, and the smaller mean of a direction over the larger, from which on the sign
+is missing: a load that does the same is nine times the friction."""
