@@ -102,6 +102,25 @@ def test_cogging_larger_than_friction_is_named(amplitude: float) -> None:
     assert (fitted.r_squared["paper"] < 0.5) == any("waves of the angle" in text for text in fitted.warnings)
 
 
+def test_cogging_of_a_high_order_is_found_in_the_spectrum() -> None:
+    """12 slots and 14 poles: 84 per turn, which the low pass for this encoder would have taken away."""
+    log, rig = read_log(bare_motor(84, 4e-3)), read_rig(BARE_RIG)
+    channels = read_channels([log], rig)
+    assert channels.lines == (84,)
+    assert any("a ripple of 84 per turn stands out" in text for text in channels.intake.warnings)
+    found = diagnose([log], rig)
+    assert [effect.id for effect, _ in found.effects] == ["cogging[n=84]"]
+    (_, values), *_ = found.effects
+    assert np.hypot(values["cogging_c84"], values["cogging_s84"]) == pytest.approx(4e-3, rel=0.03)
+
+
+def test_no_line_stands_out_of_noise() -> None:
+    """Without cogging, and with that of an order that is always offered, there is no line."""
+    for order, amplitude in ((84, 0.0), (12, 4e-3)):
+        channels = read_channels([read_log(bare_motor(order, amplitude))], read_rig(BARE_RIG))
+        assert channels.lines == ()
+
+
 @pytest.mark.parametrize("factor", [1e3, 1e-3, -1.0])
 def test_ripple_does_not_excuse_a_wrong_sign_or_unit(factor: float) -> None:
     """Gravity in another unit, or turned over, is a wave of the angle too: the log does not fit the rig."""

@@ -24,8 +24,8 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """One effect for each order n of the motor angle; of a carriage, of the angle of its screw."""
-    return tuple(_order(n, setting.base.axis.wraps) for n in ORDERS)
+    """One effect for each order n of the motor angle, and each line; of a carriage, of that of its screw."""
+    return tuple(_order(n, setting.base.axis.wraps) for n in (*ORDERS, *setting.lines))
 
 
 def _order(n: int, turns: bool) -> Effect:
@@ -43,7 +43,7 @@ def _order(n: int, turns: bool) -> Effect:
         reference="T. M. Jahns and W. L. Soong, IEEE Trans. Industrial Electronics 43(2), 1996",
         inputs=(v.theta_m,),
         repeats=True,
-        one_of=len(ORDERS),
+        one_of=max(n, len(ORDERS)),
         per_turn=n if turns else n * v.mu.symbol,
         words=replace(WORDS, headline=f"cogging that repeats {how_often(n)} per turn of the motor"),
     )

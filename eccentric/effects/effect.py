@@ -48,6 +48,7 @@ class Setting:
         mean_square_A2: mean square of the current [A^2]; 0 where nobody asks for it.
         turns: range of the motor angle over the log, in turns.
         orders: periods per turn of the motor that stand out in what a first fit leaves, the strongest first.
+        lines: whole orders of the motor above 24 that stand out of the drive as logged, the strongest first.
         masses: whether runs carry different known masses: their difference is in newton metres for certain.
 
     Raises:
@@ -73,6 +74,7 @@ class Setting:
     turns: float = 0.0
     orders: tuple[float, ...] = ()
     masses: bool = False
+    lines: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("mu", "w_min", "w_max", "current_max", "duration_s", "mean_loss_W"):

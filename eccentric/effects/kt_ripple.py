@@ -21,8 +21,8 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """One effect for each order n of the motor angle."""
-    return tuple(_order(n, setting) for n in ORDERS)
+    """One effect for each order n of the motor angle, and for the lines that stand out."""
+    return tuple(_order(n, setting) for n in (*ORDERS, *setting.lines))
 
 
 def _order(n: int, setting: Setting) -> Effect:
@@ -43,7 +43,7 @@ def _order(n: int, setting: Setting) -> Effect:
         reference="T. M. Jahns and W. L. Soong, IEEE Trans. Industrial Electronics 43(2), 1996",
         inputs=(v.theta_m,),
         repeats=True,
-        one_of=len(ORDERS),
+        one_of=max(n, len(ORDERS)),
         per_turn=n,
         words=replace(WORDS, headline=f"a torque constant that ripples {how_often(n)} per turn of the motor"),
     )

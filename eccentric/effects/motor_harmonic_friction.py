@@ -30,8 +30,8 @@ REFERENCE = (
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """One effect for each order n, but those that are an order of the link, n/mu, already."""
-    return tuple(_order(n) for n in ORDERS if not _of_the_link(n / setting.mu))
+    """One effect for each order n and line, but those that are an order of the link, n/mu, already."""
+    return tuple(_order(n) for n in (*ORDERS, *setting.lines) if not _of_the_link(n / setting.mu))
 
 
 def _of_the_link(order: float) -> bool:
@@ -53,7 +53,7 @@ def _order(n: int) -> Effect:
         reference=REFERENCE,
         inputs=(v.theta_m,),
         repeats=True,
-        one_of=len(ORDERS),
+        one_of=max(n, len(ORDERS)),
         per_turn=n,
         words=replace(WORDS, headline=f"friction that varies {how_often(n)} per turn of the motor"),
     )

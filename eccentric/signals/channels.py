@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few
 from eccentric.logs import LogSource, read_log
 from eccentric.rigs import Alignment, Rig
-from eccentric.signals.filters import rows_of_each, stretches, suited
+from eccentric.signals.filters import joined, rows_of_each, span_velocity, stretches, suited
 from eccentric.signals.kinds import at_times, evidence, refined
 from eccentric.signals.limits import (
     COARSE,
@@ -28,15 +28,18 @@ from eccentric.signals.limits import (
     HOLD_WINDOW_S,
     LEAST_RATE_HZ,
     LEAST_WINDOWS,
+    LINE_MARGIN,
     MOVING_PART,
     POINTS_PER_ROW,
     PROVED,
+    RAISED,
     RATE_HIGH,
     RATE_LOW,
     RATE_PER_CUT,
     ROUNDED_RATE,
     STEPS,
 )
+from eccentric.signals.lines import standing_lines
 from eccentric.signals.measured import Channels, Intake, MeasuredMotion, Motor, Selection, TimeBase
 from eccentric.signals.motion import (
     clear_of_ends,
@@ -204,7 +207,12 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     quantum = quantum_of(logged, rig, table.channels["theta_m"])
     points, paths = _points(table, rig, quantum, 1), [log.path for log in read]
     _require_length(points, paths)
+    given = rig
     rig, said = _suited(rig, points)
+    lines = _lines(points, given, logged_step(logged))
+    if lines and rig is not given:
+        rig, more = _with_room_for(lines, given, rig, points, logged_step(logged))
+        said = more or said
     warnings += said
     cut, doubts = rig.sampling.low_pass_hz, uneven(logged)
     step = logged_step(logged)
@@ -220,7 +228,7 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
         points = dataclasses.replace(points, table=at_times(table, kinds))
     motion, said = motion_of(points.t, points.theta, points.segment, cut)
     doubts = [*said, *doubts, *_rate_doubt(step, rig)]
-    channels = _channels(points, motion, rig, step * together)
+    channels = dataclasses.replace(_channels(points, motion, rig, step * together), lines=lines)
     if together > 1:
         base = dataclasses.replace(channels.time, rows_per_point=together)
         channels = dataclasses.replace(channels, time=base)
@@ -267,6 +275,37 @@ def _suited(rig: Rig, points: _Points) -> tuple[Rig, list[str]]:
             "means of runs cannot identify an inertia: J_m and J_l are taken as 0 unless the rig gives them"
         )
     return rig, warnings
+
+
+def _lines(points: _Points, rig: Rig, step: float) -> tuple[int, ...]:
+    """The orders beyond the usual ones that stand out of the drive; none where angles have no common zero."""
+    by = _drive(points.table.channels, rig)
+    drive = motor_side(points.table, rig, by, f"{by}_l")
+    t, theta, segment = points.t, points.theta, points.segment
+    if drive is None or not rig.axis.wraps or not step or (points.quantum == 0.0 and points.table.run[-1]):
+        return ()
+    rows = np.flatnonzero(points.moving & points.table.use & ~points.table.motor_off & ~points.holdout.rows)
+    speed = joined(segment, lambda rows: span_velocity(t[rows], theta[rows]))
+    return standing_lines(theta[rows], speed[rows], drive[rows], step, rig.known.get("mu"))
+
+
+def _with_room_for(
+    lines: tuple[int, ...], given: Rig, rig: Rig, points: _Points, step: float
+) -> tuple[Rig, list[str]]:
+    """The rig with a low pass above the lines, where that of the log would take them; and a warning."""
+    if math.isinf(rig.sampling.average_over):
+        return rig, []
+    speed = joined(points.segment, lambda rows: span_velocity(points.t[rows], points.theta[rows]))
+    often = np.abs(speed[points.moving]) * lines[0] / (2.0 * math.pi)
+    low, high = np.quantile(often, (0.5, 0.9))
+    if rig.sampling.low_pass_hz > low and not rig.sampling.average_over:
+        return rig, []
+    cut = max(given.sampling.low_pass_hz, min(LINE_MARGIN * high, RAISED / step))
+    said = (
+        f"a ripple of {lines[0]} per turn stands out of the drive: the low pass is set to {cut:.2g} Hz,"
+        " though the angle is noisy there (low_pass_hz and average_over of the rig override this)"
+    )
+    return dataclasses.replace(given, sampling=dataclasses.replace(given.sampling, low_pass_hz=cut)), [said]
 
 
 def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels:

@@ -96,6 +96,29 @@ HOLD_WINDOW_S = 0.3
 """Shortest windows that the evidence is taken from: in shorter ones, the noise of an encoder of 2,000 counts
 is most of the acceleration."""
 
+# Which lines stand out of the spectrum over the angle.
+
+LOW_ORDERS, LOW_ORDERS_OF_THE_LINK = 24, 12
+"""Orders of motor and link that the library always offers: these are for the others."""
+HIGHEST_LINE = 512
+"""Cycles per turn: more have none of the motors that people log."""
+PER_TURN = 0.4
+"""Highest order over the rows of a turn at the median speed: half is Nyquist's."""
+LEAST_TURNS = 1.0
+"""Of the motor: in fewer, neighbouring orders are one."""
+BINS_PER_CYCLE = 4
+"""Of the highest order: the sum over a bin takes a tenth of its amplitude."""
+AROUND_A_LINE = 31
+"""Orders whose median is the floor of a line in their middle."""
+STANDS_OUT = 25.0
+"""Least power over that floor: among 500 orders of noise, one log in a hundred million has as much."""
+LEAST_LINE_SHARE = 0.01
+"""Least part of the square of what the low orders leave: less would hardly be seen in the error."""
+MOST_LINES = 3
+"""Lines that are offered, the strongest: a motor's own and two more."""
+LINE_MARGIN = 1.5
+"""Of the low pass over the frequency of a line at high speed."""
+
 # Whether angle and speed belong together.
 
 WRAP_SPAN = 1.02

@@ -136,6 +136,7 @@ class Channels:
 
     `temperature` is in degC, None where the log has none. `alignment` is what has been taken out of voltage
     and angle. `rig` is the one that was asked for, with what suits the log where it says nothing.
+    `lines` are the orders of the motor beyond the usual ones that stand out of the drive, strongest first.
     """
 
     time: TimeBase
@@ -146,6 +147,7 @@ class Channels:
     alignment: Alignment
     intake: Intake
     rig: Rig
+    lines: tuple[int, ...] = ()
 
     def smooth(self, x: Array) -> Array:
         """A signal (n,) after the low pass that the angle has passed."""

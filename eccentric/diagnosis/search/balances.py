@@ -268,6 +268,7 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         mean_force=_mean_force(data),
         turns=turns,
         orders=orders,
+        lines=channels.lines,
     )
 
 
