@@ -96,8 +96,8 @@ def test_cogging_larger_than_friction_is_named(amplitude: float) -> None:
     assert [effect.id for effect, _ in found.effects] == ["cogging[n=12]"]
     (_, values), *_ = found.effects
     assert np.hypot(values["cogging_c12"], values["cogging_s12"]) == pytest.approx(amplitude, rel=0.03)
-    rig = read_rig(BARE_RIG)
-    fitted = fit(read_channels([log], rig), rig, load_model(rig.model))
+    channels = read_channels([log], read_rig(BARE_RIG))
+    fitted = fit(channels, channels.rig, load_model(channels.rig.model))
     assert fitted.fits_the_rig
     assert (fitted.r_squared["paper"] < 0.5) == any("waves of the angle" in text for text in fitted.warnings)
 

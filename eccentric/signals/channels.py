@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few
 from eccentric.logs import LogSource, read_log
 from eccentric.rigs import Alignment, Rig
-from eccentric.signals.filters import joined, rows_of_each, span_velocity, stretches, suited
+from eccentric.signals.filters import joined, motion_of, rows_of_each, span_velocity, stretches, suited
 from eccentric.signals.kinds import at_times, evidence, refined
 from eccentric.signals.limits import (
     COARSE,
@@ -43,7 +43,6 @@ from eccentric.signals.lines import standing_lines
 from eccentric.signals.measured import Channels, Intake, MeasuredMotion, Motor, Selection, TimeBase
 from eccentric.signals.motion import (
     clear_of_ends,
-    motion_of,
     motor_side,
     moving_rows,
     near_switching,
@@ -52,8 +51,8 @@ from eccentric.signals.motion import (
     uneven,
 )
 from eccentric.signals.quality import assess
+from eccentric.signals.sampling import windows_by_parts
 from eccentric.signals.table import Holdout, Table, hold_out, read_table
-from eccentric.signals.windows import windows_by_parts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

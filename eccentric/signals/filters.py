@@ -215,6 +215,31 @@ def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, 
     return angle, velocity, acceleration, True
 
 
+def motion_of(t: Array, theta: Array, segment: Integers, cut_hz: float) -> tuple[Array, list[str]]:
+    """Return angle, velocity, acceleration as rows of (3, n), filtered stretch by stretch, and warnings."""
+    plain: list[int] = []
+
+    def one(rows: Integers) -> Array:
+        *signals, smoothed = motion(t[rows], theta[rows], cut_hz)
+        if not smoothed:
+            plain.append(len(rows))
+        return np.stack(signals, axis=1)
+
+    signals = joined(segment, one)
+    warnings: list[str] = []
+    if plain and math.isinf(cut_hz):
+        warnings.append(
+            "the log is too coarse for the low pass: velocity and acceleration are those of a spline "
+            "through the angle, averaged over windows of twelve steps"
+        )
+    elif plain:
+        warnings.append(
+            f"{sum(plain)} of {len(t)} rows are too coarse, or in stretches too short, for the "
+            f"{cut_hz:g} Hz low pass: their velocity and acceleration are those of a spline"
+        )
+    return signals.T, warnings
+
+
 def span_velocity(t: Array, theta: Array) -> Array:
     """Return the velocity [rad/s] (n,) of the raw angle over +-20 ms, at least +-1 step; NaN at the ends."""
     if len(t) < 3:

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from eccentric.core import InputError
 from eccentric.rigs import AddedMass, Alignment, Rig
-from eccentric.signals.filters import LowPass, joined, low_pass_of
+from eccentric.signals.filters import LowPass, joined, low_pass_of, motion_of
 from eccentric.signals.limits import NARROWER
-from eccentric.signals.motion import motion_of
 from eccentric.signals.table import Finding, Holdout, carriers
 
 Array = NDArray[np.float64]

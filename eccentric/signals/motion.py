@@ -221,31 +221,6 @@ def _integral(table: Table, omega: Array | None) -> tuple[Array, list[str]]:
     return theta, warnings
 
 
-def motion_of(t: Array, theta: Array, segment: Integers, cut_hz: float) -> tuple[Array, list[str]]:
-    """Return angle, velocity, acceleration as rows of (3, n), filtered stretch by stretch, and warnings."""
-    plain: list[int] = []
-
-    def one(rows: Integers) -> Array:
-        *signals, smoothed = filters.motion(t[rows], theta[rows], cut_hz)
-        if not smoothed:
-            plain.append(len(rows))
-        return np.stack(signals, axis=1)
-
-    signals = joined(segment, one)
-    warnings: list[str] = []
-    if plain and math.isinf(cut_hz):
-        warnings.append(
-            "the log is too coarse for the low pass: velocity and acceleration are those of a spline "
-            "through the angle, averaged over windows of twelve steps"
-        )
-    elif plain:
-        warnings.append(
-            f"{sum(plain)} of {len(t)} rows are too coarse, or in stretches too short, for the "
-            f"{cut_hz:g} Hz low pass: their velocity and acceleration are those of a spline"
-        )
-    return signals.T, warnings
-
-
 def uneven(table: Table) -> list[str]:
     """Return warnings about uneven time steps; one across dropped rows does not count."""
     t = table.channels["time"]
