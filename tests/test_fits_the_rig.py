@@ -147,3 +147,19 @@ def test_a_current_without_a_sign_is_named() -> None:
     kinds = [finding.kind for finding in found.channels.intake.findings if finding.doubts_the_rig]
     assert ["wrong_sign"] == kinds
     assert "its sign is missing" in diagnosis_document(found)["sentence"]
+
+
+@pytest.mark.parametrize(("second", "warned"), [(0.0, True), (4.0, False)])
+def test_delay_and_inertia_at_one_frequency_are_not_told_apart(second: float, warned: bool) -> None:
+    """A sine of the angle, delay and inertia open: the fit says what to declare; a second frequency tells."""
+    t, omega = np.arange(0.0, 20.0, 2e-3), 2.0 * np.pi
+    waves = [(3.0, omega, 0.0), (second / 4.0, 3.7 * omega, 1.0)]
+    angle = sum(a * np.sin(w * t + p) for a, w, p in waves)
+    speed = sum(a * w * np.cos(w * t + p) for a, w, p in waves)
+    alpha = sum(-a * w * w * np.sin(w * t + p) for a, w, p in waves)
+    noise = np.random.default_rng(2).normal(0.0, 1e-3, len(t))
+    volts = 0.01 * alpha + 0.1 * speed + 0.2 * np.sign(speed) + noise
+    log = read_log({"time_s": t, "theta_m_rad": angle, "voltage_V": volts})
+    rig = read_rig({"drive": "voltage", "input_delay_s": "estimate", "known": BARE})
+    fitted = fit(read_channels([log], rig), rig, load_model(rig.model))
+    assert warned == any("input_delay_s are not told apart" in text for text in fitted.warnings)

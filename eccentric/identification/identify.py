@@ -27,9 +27,12 @@ from eccentric.identification.columns import (
 )
 from eccentric.identification.drive import LOAD, Drive
 from eccentric.identification.limits import (
+    LEAST_CYCLES,
     LEAST_IN_PLANE,
     LEAST_R_SQUARED,
+    ONE_FREQUENCY,
     SAME,
+    SAME_FREQUENCY,
     SPEEDS,
     WAVES_OF_THE_LINK,
     WAVES_OF_THE_MOTOR,
@@ -56,6 +59,7 @@ from eccentric.signals import (
     band_of,
     require_rows,
     rows_of,
+    rows_of_each,
     white_noise,
     with_doubts,
 )
@@ -196,6 +200,8 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
         require_rank(found.design.columns[problem.rows.train], names, where)
         for c, value in zip(problem.coefficients, found.values, strict=True):
             if c.role in positive and value <= 0.0:
+                if c.role == "inertia" and delay_like_inertia(problem):
+                    raise InputError(where, f"{c.name} above 0", f"{value:.3g}: {TOLD_APART}")
                 load = f", and that of {LOAD}" if problem.rig.known.get(LOAD) else ""
                 raise InputError(
                     where,
@@ -206,6 +212,39 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
                     ),
                 )
     return found
+
+
+TOLD_APART = (
+    "at nearly one frequency a delay and an inertia look alike; declare J_m and J_l, or a number for"
+    " input_delay_s, or add motion at another frequency"
+)
+"""What to do where the log does not separate the two."""
+
+
+def delay_like_inertia(problem: Problem) -> bool:
+    """Whether delay and inertia are both open, and the motion has one frequency.
+
+    A voltage that acts later by dt lacks dt du/dt, which at one frequency is in phase with the acceleration.
+    """
+    open_inertia = any(c.role == "inertia" for c in problem.coefficients)
+    if not open_inertia or "input_delay_s" not in {s.name for s in problem.nonlinear}:
+        return False
+    time, speed = problem.drive.channels.time, problem.drive.channels.motion.omega_m
+    stretches = rows_of_each(time.segment)
+    least = 0.5 * max(map(len, stretches))
+    found = [_one_frequency(time.t[rows], speed[rows]) for rows in stretches if len(rows) >= least]
+    return min(found) > 0.0 and max(found) < SAME_FREQUENCY * min(found)
+
+
+def _one_frequency(t: Array, speed: Array) -> float:
+    """The frequency [Hz] that has nearly all power of a speed (n,), 0 without one of several cycles."""
+    power = np.abs(np.fft.rfft((speed - speed.mean()) * np.hanning(len(speed)))) ** 2
+    peak = int(np.argmax(power))
+    # A Hann window spreads a frequency over two steps of the spectrum to either side.
+    about = float(np.sum(power[max(peak - 2, 0) : peak + 3]))
+    if peak < LEAST_CYCLES or about < ONE_FREQUENCY * float(np.sum(power)):
+        return 0.0
+    return peak / float(t[-1] - t[0])
 
 
 def _band(problem: Problem, paper: Solution) -> Band | None:
@@ -254,6 +293,8 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
                 f"{s.name} = {value:.4g}{'' if s.unit == '1' else f' {s.unit}'} is at the end of its range"
                 f" {s.lower:g} to {s.upper:g}"
             )
+    if delay_like_inertia(problem):
+        found.append(f"the inertia and input_delay_s are not told apart: {TOLD_APART}")
     for name, p in profiles.items():
         change = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
         found.append(

@@ -10,6 +10,9 @@ off by 1 rad leaves 0.55: the check of data quality finds that.
 WAVES_OF_THE_MOTOR, WAVES_OF_THE_LINK, SPEEDS = 24, 4, 8
 """Orders of both angles and steps of the speed that may be most of what a drive does instead: cogging of a
 bare motor is larger than its friction."""
+ONE_FREQUENCY, LEAST_CYCLES, SAME_FREQUENCY = 0.95, 3, 1.2
+"""Part of the power of the speed about one frequency from which on the log has no other to tell a delay by,
+its cycles in a stretch, and its ratio between two."""
 SAME = 1e-8
 """Of the largest singular value: columns that differ by less are the same, as waves of two angles can be."""
 LEAST_GAIN_PERCENT = 1.0
