@@ -58,6 +58,32 @@ class InParts:
     notes: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class Format:
+    """A kind of file that is a log.
+
+    `suffixes` of its files, the usual one first; `gzipped` says that they may be compressed as well. `read`
+    returns its columns, `in_parts` the same in parts, or None for a file that must be read whole. `looks` says
+    by the first 4 kB of a file whether it is one. `extra` is that of `pyproject.toml` with the `packages` that
+    reading needs, for `extra_for` only where not all files of the format do.
+    """
+
+    suffixes: tuple[str, ...]
+    title: str
+    read: Callable[[Path], Read]
+    looks: Callable[[bytes], bool] = lambda _: False
+    in_parts: Callable[[Path], InParts | None] | None = None
+    gzipped: bool = False
+    extra: str = ""
+    packages: tuple[str, ...] = ()
+    extra_for: str = ""
+
+    @property
+    def endings(self) -> tuple[str, ...]:
+        """The ends of the names of its files, lower case."""
+        return (*self.suffixes, *(f"{suffix}.gz" for suffix in self.suffixes if self.gzipped))
+
+
 def overlaps(first: int, end: int, spans: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """The parts of the rows [first, end) that are in the spans."""
     cut = ((max(first, a), min(end, b)) for a, b in spans)

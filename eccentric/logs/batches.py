@@ -20,19 +20,9 @@ import numpy as np
 
 from eccentric.core import InputError, given_path, shown
 from eccentric.logs.assemble import Column, InParts, Part, overlaps
-from eccentric.logs.csv_file import csv_source
+from eccentric.logs.formats import format_of
 from eccentric.logs.limits import BATCH_ROWS
-from eccentric.logs.log import Log, LogSource, read_log, readable_log, reader_errors
-from eccentric.logs.mat_file import mat_source
-from eccentric.logs.parquet_file import parquet_source
-
-_SOURCES: dict[str, Callable[[Path], InParts | None]] = {
-    ".csv": csv_source,
-    ".csv.gz": csv_source,
-    ".mat": mat_source,
-    ".parquet": parquet_source,
-}
-"""Formats that can be read in parts; None for a file that cannot."""
+from eccentric.logs.log import Log, LogSource, read_log, reader_errors
 
 
 @dataclass(frozen=True)
@@ -115,16 +105,15 @@ def stream_log(source: LogSource, name: str = "table") -> LogStream:
     """
     if isinstance(source, str | os.PathLike):
         path = given_path(source, "log")
-        suffix = readable_log(path)
-        if suffix in _SOURCES:
-            with reader_errors(path):
-                found = _SOURCES[suffix](path)
-            if found is not None:
-                if found.rows == 0 or not found.names:
-                    said = (f"{shown(path)}: a log with rows is required, received none", *found.notes)
-                    raise InputError("; ".join(said))
-                whole = partial(read_log, path)
-                return LogStream(shown(path), found.names, found.rows, found.notes, whole, found.parts)
+        with reader_errors(path):
+            kind = format_of(path)
+            found = None if kind.in_parts is None else kind.in_parts(path)
+            if found is not None and (found.rows == 0 or not found.names):
+                said = (f"{shown(path)}: a log with rows is required, received none", *found.notes)
+                raise InputError("; ".join(said))
+        if found is not None:
+            whole = partial(read_log, path)
+            return LogStream(shown(path), found.names, found.rows, found.notes, whole, found.parts)
     return _in_memory(read_log(source, name))
 
 

@@ -1,4 +1,4 @@
-"""CSV logs, plain and gzipped."""
+"""Tables as text, plain and gzipped: CSV, values between semicolons, tabs or blanks, exports of scopes."""
 
 from __future__ import annotations
 
@@ -9,216 +9,54 @@ import gzip
 import io
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import IO
 
 import numpy as np
 
 from eccentric.core import InputError
-from eccentric.logs.assemble import (
-    MISSING,
-    Column,
-    InParts,
-    Part,
-    Read,
-    Recorded,
-    column_of,
-    number_of,
-    on_one_clock,
-    overlaps,
-)
+from eccentric.logs.assemble import Column, Format, InParts, Part, Read, number_of, overlaps
+from eccentric.logs.cells import POINT, cells_to_column, plain_column, units_row
 from eccentric.logs.foreign import require_room_for_text
-from eccentric.logs.limits import BATCH_ROWS, MOST_CHARACTERS, MOST_PARTS, SAMPLE_ROWS, SHORTEST_VECTOR
-
-# Cells of a CSV log that are no plain numbers: decimal commas, dates, large counters, a row of units.
-
-
-_COMMA = re.compile(r"\s*[-+]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][-+]?\d+)?\s*")
-_DATE = re.compile(r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
-_UNIT = re.compile(r"[\[(]?\s*[A-Za-zµμΩ°%/^·* \d.²³-]{0,12}\s*[\])]?")
-_EXACT = 2**53
-"""Whole numbers above this are not exact as floating point: nanoseconds since 1970 are in steps of 256."""
-
-
-def cells_to_column(name: str, cells: Sequence[str], *, decimal_comma: bool) -> tuple[Column, str, str]:
-    """Return a column of text as numbers where it can be, its unit if the cells say it, and a note.
-
-    Args:
-        decimal_comma: whether a comma can be one, since it does not separate the cells.
-    """
-    column = plain_column(cells, decimal_comma=decimal_comma)
-    if column.dtype.kind == "f":
-        return _counter(name, cells, column)
-    given = _given(cells)
-    if given and all(map(_DATE.match, given)):
-        return _dates(name, cells, column)
-    return column, "", ""
-
-
-def plain_column(cells: Sequence[str], *, decimal_comma: bool) -> Column:
-    """Return cells as numbers, with decimal commas where most are such and a comma can be one, or as text."""
-    column = column_of(cells)
-    if column.dtype.kind == "f" or not decimal_comma:
-        return column
-    given = _given(cells)
-    # A cell that is no number stays as it is: whoever asks for numbers is told its line.
-    if given and 2 * sum(map(bool, map(_COMMA.fullmatch, given))) > len(given):
-        return column_of([c.replace(",", ".") if _COMMA.fullmatch(c) else c for c in cells])
-    return column
-
-
-def _given(cells: Sequence[str]) -> list[str]:
-    return [cell for cell in cells if cell.strip().lower() not in MISSING]
-
-
-def _counter(name: str, cells: Sequence[str], column: Column) -> tuple[Column, str, str]:
-    """A counter beyond what floating point resolves counts from its first value."""
-    if (
-        not len(column)
-        or not np.nanmax(np.abs(column), initial=0.0) > _EXACT
-        or not np.all(np.isfinite(column))
-    ):
-        return column, "", ""
-    try:
-        whole = [int(cell) for cell in cells]
-    except ValueError:
-        return column, "", ""
-    said = f"{name} counts from its first value, {whole[0]}: floating point would round it"
-    return np.array([float(one - whole[0]) for one in whole]), "", said
-
-
-def _dates(name: str, cells: Sequence[str], column: Column) -> tuple[Column, str, str]:
-    """Dates with a time in ISO 8601 as seconds from the first of them; text if one of them is none."""
-    stamps: list[datetime | None] = []
-    for cell in cells:
-        text = cell.strip()
-        try:
-            stamps.append(None if text.lower() in MISSING else datetime.fromisoformat(text))
-        except ValueError:
-            return column, "", ""
-    # Without a zone all are of one, whichever it is: only differences count.
-    known = [s if s is None or s.tzinfo else s.replace(tzinfo=UTC) for s in stamps]
-    first = next(s for s in known if s is not None)
-    seconds = [float("nan") if s is None else (s - first).total_seconds() for s in known]
-    return np.array(seconds), "s", f"{name}: dates, as seconds from {first.isoformat()}"
-
-
-def units_row(names: Sequence[str], first: Sequence[str], second: Sequence[str] | None) -> dict[str, str]:
-    """The units in the row below the header, by column; empty if that row is one of values.
-
-    It is a row of units if none of its cells is a number, all look like one, and the row below has numbers.
-    """
-    if second is None or len(first) != len(names) or len(second) != len(names):
-        return {}
-    numbers = [_is_number(cell) for cell in second]
-    said = [cell.strip() for cell in first]
-    if not any(numbers) or any(_is_number(cell) and cell for cell in said) or not any(said):
-        return {}
-    over_numbers = [cell for cell, number in zip(said, numbers, strict=True) if number]
-    if not all(map(_UNIT.fullmatch, said)) or not any(over_numbers):
-        return {}
-    return {name: cell.strip("[]() ") for name, cell in zip(names, said, strict=True) if cell.strip("[]()- ")}
-
-
-def _is_number(cell: str) -> bool:
-    found = number_of(cell)
-    return (found is not None and found == found) or bool(cell.strip() and _COMMA.fullmatch(cell))  # noqa: PLR0124 - NaN
-
-
-# A table whose rows belong to different channels, as loggers of several topics write it, on one clock.
-#
-# Either each row names its channel (time, name, value), or each row fills the columns of one topic and leaves
-# the others empty. A log that merely lost values is neither: there all columns are filled in some row. Nor is
-# a log with a full column and some that are sampled more slowly.
-
-
-def of_topics(read: Read, path: Path) -> Read:
-    """Return a table with one row for each moment; unchanged if its rows are of one kind."""
-    by_name = _named(read.columns)
-    if by_name is not None:
-        time, channels = by_name
-        return _joined(read, channels, path, time, "rows of several channels, each named in its row")
-    by_gaps = _sparse(read.columns)
-    if by_gaps is not None:
-        time, channels = by_gaps
-        return _joined(read, channels, path, time, "rows of several topics, each with columns of its own")
-    return read
-
-
-def _joined(read: Read, channels: list[Recorded], path: Path, time: str, what: str) -> Read:
-    start = min(c.time[0] for c in channels)
-    moved = [Recorded(c.name, c.time - start, c.values, read.units.get(c.name, "")) for c in channels]
-    found = on_one_clock(moved, path, (*read.notes, what), time)
-    return Read(found.columns, notes=found.notes, units={**found.units, time: read.units.get(time, "")})
-
-
-def _named(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
-    """Two columns of numbers and one of names that change from row to row."""
-    texts = [name for name, x in columns.items() if x.dtype.kind != "f"]
-    numbers = [name for name, x in columns.items() if x.dtype.kind == "f"]
-    if len(texts) != 1 or len(numbers) != 2:
-        return None
-    names = columns[texts[0]]
-    kinds = np.unique(names)
-    changes = np.count_nonzero(names[1:] != names[:-1])
-    if not 2 <= len(kinds) <= MOST_PARTS or changes < 5 * len(kinds):
-        return None
-    time = next((name for name in numbers if _rises(columns[name])), None)
-    if time is None:
-        return None
-    (value,) = (name for name in numbers if name != time)
-    return time, [Recorded(str(k), columns[time][names == k], columns[value][names == k]) for k in kinds]
-
-
-def _sparse(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
-    """A column of time, the only full one, and at least two others that are never filled in the same row."""
-    numbers = {name: x for name, x in columns.items() if x.dtype.kind == "f"}
-    time = next((name for name, x in numbers.items() if np.all(np.isfinite(x)) and _rises(x)), None)
-    if time is None:
-        return None
-    there = {name: np.isfinite(x) for name, x in numbers.items() if name != time}
-    there = {name: rows for name, rows in there.items() if np.count_nonzero(rows) >= SHORTEST_VECTOR}
-    parts = [name for name, rows in there.items() if not np.all(rows)]
-    # With another full column, each row is a moment.
-    if len(parts) < len(there):
-        return None
-    if not any(not np.any(there[a] & there[b]) for k, a in enumerate(parts) for b in parts[k + 1 :]):
-        return None
-    return time, [Recorded(name, numbers[time][rows], numbers[name][rows]) for name, rows in there.items()]
-
-
-def _rises(x: Column) -> bool:
-    return bool(np.all(np.isfinite(x))) and len(x) > 1 and bool(np.all(np.diff(x) >= 0.0)) and x[-1] > x[0]
-
+from eccentric.logs.layout import Layout, is_number, layout_of, rows_of
+from eccentric.logs.limits import (
+    BATCH_ROWS,
+    LAYOUT_LINES,
+    MOST_BROKEN,
+    MOST_CHARACTERS,
+    SAMPLE_ROWS,
+)
+from eccentric.logs.topics import of_clocks, of_topics
 
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
-POINT = "; a decimal point is required, as in 1.5"
-
-
-# The file.
 
 
 def read_csv(path: Path) -> Read:
-    """Read a CSV file with one header row; the delimiter is a comma, a semicolon or a tab.
+    """Read a table as text: one header row, values between commas, semicolons, tabs or blanks.
 
-    Between semicolons or tabs the decimal separator may be a comma. A row of units may follow the header, and
-    dates in ISO 8601 become seconds. Rows of several topics are put on one clock. Leading lines that are
-    empty or begin with `#` are skipped, except that the last of those is the header if none follows.
+    Lines of settings may come before the header and a row of units after it. Where a comma is no delimiter it
+    may be the decimal separator. Dates and times of day become seconds. Rows of several topics, and groups of
+    columns with a time of their own, are put on one clock. Leading lines that are empty or begin with `#` are
+    skipped, except that the last of those is the header if none follows.
     """
     # Not `splitlines`, which also splits at form feeds and other separators inside cells.
     whole, said = _decoded(path)
+    read = read_text(whole, path)
+    return dataclasses.replace(read, notes=(*said, *read.notes))
+
+
+def read_text(whole: str, path: Path) -> Read:
+    """Return the table in a text, as `read_csv` reads it from a file; `path` is that of messages."""
     rows = 1 + max(whole.count("\n"), whole.count("\r"))
     require_room_for_text(path, whole, rows, rows + sum(map(whole.count, ",;\t")))
     text = io.StringIO(whole, newline="").readlines()
-    skipped = next((k for k, line in enumerate(text) if _is_content(line)), len(text))
-    if skipped == len(text):
-        raise InputError(path, "a header row with column names", "an empty file")
     with _csv_errors(path):
-        read = of_topics(_read(path, text, skipped), path)
-    return dataclasses.replace(read, notes=(*said, *read.notes))
+        layout = _start(path, text)
+        read = _of_rows(path, text, layout)
+        read = of_clocks(read, layout.clocks, path) if layout.clocks else of_topics(read, path)
+    return dataclasses.replace(read, notes=(*layout.notes, *read.notes))
 
 
 @contextmanager
@@ -246,44 +84,78 @@ def csv_source(path: Path) -> InParts | None:
     """
     try:
         with _csv_errors(path):
-            header, delimiter, before = _start(path)
-            if not _plain(path, before, header, delimiter):
+            layout = _start(path, _first_lines(path, LAYOUT_LINES))
+            if layout.clocks or layout.units or not _plain(path, layout):
                 return None
         lines = _lines(path)
     except UnicodeDecodeError:
         return None
+    header, before = layout.names, layout.before
 
     def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
         chosen, at = [header.index(name) for name in names], 0
         with _opened(path) as file, _csv_errors(path):
             for _ in range(before):
                 next(file)
-            reader = csv.reader(file, delimiter=delimiter)
-            rows = ((before + reader.line_num, row) for row in reader if row)
+            rows = ((before + line, row) for line, row in rows_of(file, layout.delimiter))
             while at < spans[-1][1] and (block := list(itertools.islice(rows, BATCH_ROWS))):
                 for first, end in overlaps(at, at + len(block), spans):
-                    found = _rectangular(block[first - at : end - at], len(header), delimiter, path)
+                    found = _rectangular(block[first - at : end - at], layout, path)
                     values = list(zip(*(row for _, row in found), strict=True))
                     columns = {
-                        name: plain_column(values[k], decimal_comma=delimiter != ",")
+                        name: plain_column(values[k], decimal_comma=layout.delimiter != ",")
                         for name, k in zip(names, chosen, strict=True)
                     }
                     yield Part(first, columns, np.array([line for line, _ in found], dtype=np.int64))
                 at += len(block)
 
-    return InParts(tuple(header), lines - before, parts)
+    return InParts(header, lines - before, parts, layout.notes)
 
 
-def _start(path: Path) -> tuple[list[str], str, int]:
-    """Column names, delimiter, and the number of lines before the first row."""
-    last = ""
+def _first_lines(path: Path, most: int) -> list[str]:
     with _opened(path) as file:
-        for skipped, line in enumerate(file):
-            if _is_content(line):
-                names, delimiter, is_row = _names(last, line)
-                return _header(names, path), delimiter, skipped + (not is_row)
-            last = line
-    raise InputError(path, "a header row with column names", "an empty file")
+        return list(itertools.islice(file, most))
+
+
+def _start(path: Path, text: Sequence[str]) -> Layout:
+    """Where the table of a text begins: at its header, or below lines of settings.
+
+    Raises InputError for a text without a header.
+    """
+    skipped = next((k for k, line in enumerate(text) if _is_content(line)), len(text))
+    if skipped == len(text):
+        raise InputError(path, "a header row with column names", "an empty file")
+    names, delimiter, is_row = _names(text[skipped - 1] if skipped else "", text[skipped])
+    before = skipped + (not is_row)
+    sample = text[: before + LAYOUT_LINES]
+    if not is_row and not _is_table(names, delimiter, sample[before:]):
+        found = layout_of(sample, path)
+        if found is not None:
+            return dataclasses.replace(found, names=_unique(found, path))
+    return Layout(_header(names, path), delimiter, before)
+
+
+def _is_table(names: Sequence[str], delimiter: str, below: Sequence[str]) -> bool:
+    """Whether the first line is the header of the lines below it, of which one of the first has a number."""
+    rows = [row for _, row in itertools.islice(rows_of(iter(below), delimiter), 3)]
+    if not rows:
+        return True
+    if len(names) == 1 and any(len(row[0].split()) > 1 for row in rows if row):
+        return False
+    widths = {len(row) for row in rows} == {len(names)}
+    return (
+        widths
+        and len(set(names)) == len(names)
+        and not _only_numbers(list(names))
+        and any(is_number(cell) for row in rows for cell in row)
+    )
+
+
+def _unique(layout: Layout, path: Path) -> tuple[str, ...]:
+    """The names of a layout, in which those of several clocks are numbered."""
+    clocks = {k: number for number, k in enumerate(layout.clocks, start=1)}
+    called = [name if clocks.get(k, 1) == 1 else f"{name} {clocks[k]}" for k, name in enumerate(layout.names)]
+    return _header(called, path)
 
 
 def _lines(path: Path) -> int:
@@ -318,31 +190,25 @@ def _names(comment: str, line: str) -> tuple[list[str], str, bool]:
     return _cells(line, delimiter), delimiter, False
 
 
-def _plain(path: Path, before: int, header: list[str], delimiter: str) -> bool:
+def _plain(path: Path, layout: Layout) -> bool:
     """Whether the first rows are nothing but numbers and names, one row for each moment."""
-    with _opened(path) as file:
-        lines = list(itertools.islice(file, before + SAMPLE_ROWS))
-    read = _of_rows(path, lines, before, header, delimiter)
+    read = _of_rows(path, _first_lines(path, layout.before + SAMPLE_ROWS), layout)
     return not read.notes and not read.units and of_topics(read, path) is read
 
 
-def _read(path: Path, text: list[str], skipped: int) -> Read:
-    names, delimiter, is_row = _names(text[skipped - 1] if skipped else "", text[skipped])
-    return _of_rows(path, text, skipped + (not is_row), _header(names, path), delimiter)
-
-
-def _of_rows(path: Path, text: list[str], before: int, header: list[str], delimiter: str) -> Read:
+def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
     """The rows below the first lines of a text."""
-    reader = csv.reader(text[before:], delimiter=delimiter)
-    found = [(before + reader.line_num, row) for row in reader if row]
+    header, before = layout.names, layout.before
+    found = [(before + line, row) for line, row in rows_of(text[before:], layout.delimiter)]
     units = units_row(header, *(row for _, row in found[:2])) if len(found) > 1 else {}
-    found = _rectangular(found[1:] if units else found, len(header), delimiter, path)
+    found = _rectangular(found[1:] if units else found, layout, path)
     values = zip(*(row for _, row in found), strict=True)
     lines = np.array([line for line, _ in found], dtype=np.int64)
     columns: dict[str, Column] = {}
     notes: list[str] = []
+    units = {**layout.units, **units}
     for name, cells in zip(header, values, strict=False):
-        columns[name], unit, note = cells_to_column(name, cells, decimal_comma=delimiter != ",")
+        columns[name], unit, note = cells_to_column(name, cells, decimal_comma=layout.delimiter != ",")
         notes += [note] if note else []
         units |= {name: unit} if unit else {}
     return Read(columns, lines, tuple(notes), units)
@@ -360,13 +226,23 @@ def _decoded(path: Path) -> tuple[str, tuple[str, ...]]:
 
 
 def _rectangular(
-    found: list[tuple[int, list[str]]], width: int, delimiter: str, path: Path
+    found: list[tuple[int, list[str]]], layout: Layout, path: Path
 ) -> list[tuple[int, list[str]]]:
-    """The rows, each with its line; InputError for one with more values than names, or fewer."""
-    for line, row in found:
-        if len(row) != width:
-            hint = POINT if delimiter == "," and len(row) == 2 * width else ""
-            raise InputError(f"{path}: line {line}", f"{width} values", f"{len(row)}{hint}", plural=True)
+    """The rows, each with its line; a few that are broken, or the last one, are rows of missing values.
+
+    Raises InputError for one with more values than names, or fewer, where there are many.
+    """
+    width = len(layout.names)
+    other = [k for k, (_, row) in enumerate(found) if len(row) != width]
+    if other and (len(other) > MOST_BROKEN * len(found) or len(found) < 1 / MOST_BROKEN):
+        rows = [row[:width] if not any(map(str.strip, row[width:])) else row for _, row in found]
+        if all(len(row) == width for row in rows):  # a delimiter at the end of every row
+            return [(line, row) for (line, _), row in zip(found, rows, strict=True)]
+        line, row = found[other[0]]
+        hint = POINT if layout.delimiter == "," and len(row) == 2 * width else ""
+        raise InputError(f"{path}: line {line}", f"{width} values", f"{len(row)}{hint}", plural=True)
+    for k in other:
+        found[k] = (found[k][0], [""] * width)
     return found
 
 
@@ -382,7 +258,7 @@ def _only_numbers(cells: list[str]) -> bool:
     return all(number_of(cell) is not None for cell in cells)
 
 
-def _header(cells: list[str], path: Path) -> list[str]:
+def _header(cells: Sequence[str], path: Path) -> tuple[str, ...]:
     # A table exported with its index has no name above the first column.
     names = [cell.strip() or f"column {number}" for number, cell in enumerate(cells, start=1)]
     if _only_numbers(names):
@@ -390,4 +266,13 @@ def _header(cells: list[str], path: Path) -> list[str]:
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise InputError(path, "unique column names", f"{twice!r} {names.count(twice)}x", plural=True)
-    return names
+    return tuple(names)
+
+
+FORMAT = Format(
+    (".csv", ".txt", ".dat", ".tsv", ".log", ".asc"),
+    "tables as text: values between commas, semicolons, tabs or blanks",
+    read_csv,
+    in_parts=csv_source,
+    gzipped=True,
+)

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 
-from eccentric.core import InputError
-from eccentric.logs.assemble import Read, assemble
+from eccentric.core import InputError, few
+from eccentric.logs.assemble import Format, Read, assemble
 from eccentric.logs.csv_file import text_of
 from eccentric.logs.foreign import require_room_for_text
 from eccentric.logs.limits import MOST_LISTS
@@ -37,11 +37,32 @@ def read_json(path: Path) -> Read:
         content = {"": content}
     if not isinstance(content, dict):
         raise InputError(path, "a JSON object with a list of entries", f"{content!r:.40}")
+    _require_table(content, path)
     read = assemble(content)
     if not read.columns:
         keys = ", ".join(map(repr, list(content)[:8]))
         raise InputError(path, "a JSON log with a list of entries", f"keys {keys or 'none'}")
     return read
+
+
+def _require_table(content: object, path: Path, name: str = "") -> None:
+    """Raise InputError for a list of objects with lists of several lengths: recordings, no rows of a table."""
+    if isinstance(content, dict):
+        for key, inner in content.items():
+            _require_table(inner, path, f"{name}.{key}" if name else key)
+    if not isinstance(content, list) or not all(isinstance(item, dict) for item in content):
+        return
+    keys = dict.fromkeys(key for item in content for key in item)
+    lists = {key: {len(item[key]) for item in content if isinstance(item.get(key), list)} for key in keys}
+    uneven = [key for key, lengths in lists.items() if len(lengths) > 1]
+    if uneven:
+        lengths = sorted(lists[uneven[0]])
+        raise InputError(
+            path,
+            "one table",
+            f"{len(content)} objects in {name or 'a list'!r}, each with lists ({few(uneven, 3)}) of lengths of its"
+            f" own, {lengths[0]} to {lengths[-1]}: write one row for each sample, with a column for the run",
+        )
 
 
 def _rows(text: str) -> int:
@@ -60,3 +81,12 @@ def _lengths(text: str) -> Iterator[int]:
         if inner < 0:
             yield 1 + text.count(",", start, end)
         start = text.find("[", end if inner < 0 else inner)
+
+
+FORMAT = Format(
+    (".json",),
+    "JSON, as Rhoban BAM and pandas write it",
+    read_json,
+    looks=lambda start: start.lstrip()[:1] == b"{" or start.lstrip()[:2] == b"[{",
+    gzipped=True,
+)

@@ -9,6 +9,18 @@ MOST_PARTS = 100
 DEEPEST_STRUCTURE = 20
 """Structures nested deeper than this are left out: logs have two or three levels."""
 
+# Where the table of a text file is.
+
+SAMPLE_LINES = 20
+"""Lines that show of which width the rows of a table are, and which of its columns are numbers."""
+LAYOUT_LINES = 400
+"""Lines that are looked at for the first row: the settings that a scope writes above it are tens."""
+PREAMBLE_LINES = 10
+"""Lines directly above the first row that the header and its units are looked for in."""
+MOST_BROKEN = 0.01
+"""Rows of another width than the header are broken where they are no more than this part, or the last one;
+where they are more, the table is not what its header says."""
+
 # Channels with clocks of their own.
 
 SIMILAR_RATE = 0.1

@@ -1,6 +1,6 @@
 """A measured log as it was recorded: named columns, nothing converted, nothing dropped.
 
-`read_log` knows the formats; a new format is one more function in `READERS`. Tables in memory are logs too.
+`read_log` knows the formats of `formats`. Tables in memory are logs too.
 """
 
 from __future__ import annotations
@@ -16,22 +16,14 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.core import InputError, few, given_path, meant, readable, shown
+from eccentric.core import InputError, few, given_path, meant, shown
 from eccentric.logs.assemble import Column, Read, number_of
-from eccentric.logs.csv_file import POINT, read_csv
-from eccentric.logs.hdf5_file import read_hdf5
-from eccentric.logs.json_file import read_json
-from eccentric.logs.mat_file import read_mat
-from eccentric.logs.mdf_file import read_mdf
+from eccentric.logs.cells import POINT
+from eccentric.logs.formats import format_of
 from eccentric.logs.memory import TableLike, read_memory
-from eccentric.logs.npz_file import read_npz
-from eccentric.logs.parquet_file import read_parquet
-from eccentric.logs.ros_file import read_bag, read_mcap
-from eccentric.logs.tdms_file import read_tdms
-from eccentric.logs.ulog_file import read_ulog
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
 
 @dataclass(frozen=True)
@@ -109,25 +101,6 @@ class Log:
         return self.columns[name]
 
 
-READERS: dict[str, Callable[[Path], Read]] = {
-    ".csv": read_csv,
-    ".csv.gz": read_csv,
-    ".mat": read_mat,
-    ".parquet": read_parquet,
-    ".json": read_json,
-    ".json.gz": read_json,
-    ".npz": read_npz,
-    ".h5": read_hdf5,
-    ".hdf5": read_hdf5,
-    ".mf4": read_mdf,
-    ".mdf": read_mdf,
-    ".db3": read_bag,
-    ".mcap": read_mcap,
-    ".ulg": read_ulog,
-    ".tdms": read_tdms,
-}
-
-
 LogSource: TypeAlias = str | os.PathLike[str] | Log | TableLike
 
 
@@ -164,8 +137,7 @@ def read_log(source: LogSource, name: str = "table") -> Log:
     """Read a log from a file or from a table in memory.
 
     Args:
-        source: a path: `.csv`, `.json`, both also as `.gz`, `.npz`, `.mat` (7.3: extra `mat73`), and with the
-            extras of docs/rig.md `.parquet`, `.h5`, `.mf4`, `.db3`, `.mcap`, `.ulg`, `.tdms`;
+        source: a path to a file of one of the `FORMATS`, some of which need an extra (docs/rig.md);
             or a table: a mapping of names to arrays (n,), a structured array, or a table of pandas, polars,
             pyarrow or any library with the Arrow PyCapsule or the dataframe interchange protocol; or a Log,
             which is returned unchanged.
@@ -188,18 +160,8 @@ def read_log(source: LogSource, name: str = "table") -> Log:
 
 
 def _read_file(path: Path) -> Read:
-    suffix = readable_log(path)
     with reader_errors(path):
-        return READERS[suffix](path)
-
-
-def readable_log(path: Path) -> str:
-    """Return the suffix of a log, a key of `READERS`; InputError for another, or for no regular file."""
-    suffix = next((s for s in READERS if path.name.lower().endswith(s)), None)
-    readable(path)
-    if suffix is None:
-        raise InputError(path, f"a log of {', '.join(READERS)}", f"{path.suffix or 'no suffix'!r}")
-    return suffix
+        return format_of(path).read(path)
 
 
 @contextmanager

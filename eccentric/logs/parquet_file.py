@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import InputError, few
-from eccentric.logs.assemble import Column, InParts, Part, Read, column_of, overlaps
+from eccentric.logs.assemble import Column, Format, InParts, Part, Read, column_of, overlaps
 from eccentric.logs.foreign import require_room_for_numbers
-from eccentric.logs.limits import BATCH_ROWS
+from eccentric.logs.limits import BATCH_ROWS, MOST_PARTS
 
 # Arrow tables, from a Parquet file or from memory, as columns of numbers and text.
 
@@ -24,6 +24,8 @@ _PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 
 def arrow_columns(table: Any, where: str) -> Read:
     """Return the columns of a pyarrow Table: numbers, text, dates and durations in seconds (from 1970, UTC).
+
+    Lists of numbers, each with as many places, are columns `name(:,1)` and so on.
 
     Other columns are left out with a note. Raises InputError, which begins with `where`, for a repeated
     column name.
@@ -36,6 +38,9 @@ def arrow_columns(table: Any, where: str) -> Read:
     columns: dict[str, Column] = {}
     left_out: list[str] = []
     for name in names:
+        if (lists := _lists(table[name], arrow)) is not None:
+            columns |= {f"{name}(:,{k})": column for k, column in enumerate(lists.T, start=1)}
+            continue
         column = _column(table[name], arrow)
         if column is None:
             left_out.append(f"{name} ({table[name].type})")
@@ -43,6 +48,29 @@ def arrow_columns(table: Any, where: str) -> Read:
             columns[name] = column
     notes = [f"left out, since they are neither numbers nor text: {few(left_out)}"] if left_out else []
     return Read(columns, notes=tuple(notes))
+
+
+def _lists(chunks: Any, arrow: Any) -> Column | None:
+    """Lists of numbers (n, places), if all have as many places; NaN where there is no list."""
+    if not _is_list(chunks.type, arrow):
+        return None
+    places = {len(row) for row in chunks.to_pylist() if row is not None} if len(chunks) else set[int]()
+    if len(places) != 1 or not 0 < (width := places.pop()) <= MOST_PARTS:
+        return None
+    found = np.full((len(chunks), width), np.nan)
+    there = ~np.asarray(chunks.is_null().to_numpy(), dtype=bool)
+    # Not `flatten` of a list of fixed size, which has places of missing lists as well.
+    filled = chunks.drop_null().combine_chunks()
+    found[there] = _floats(filled.flatten(), arrow).reshape(-1, width)
+    return found
+
+
+def _is_list(kind: Any, arrow: Any) -> bool:
+    kinds = arrow.types
+    if not (kinds.is_list(kind) or kinds.is_large_list(kind) or kinds.is_fixed_size_list(kind)):
+        return False
+    inner = kind.value_type
+    return kinds.is_boolean(inner) or kinds.is_integer(inner) or kinds.is_floating(inner)
 
 
 def _column(chunks: Any, arrow: Any) -> Column | None:
@@ -70,13 +98,20 @@ def read_parquet(path: Path) -> Read:
     """Read a Parquet table: numbers, text, time stamps and durations in seconds (from 1970, UTC)."""
     with _opened(path) as file:
         held = file.metadata
-        require_room_for_numbers(path, held.num_rows, held.num_rows * held.num_columns)
+        groups = (held.row_group(k) for k in range(held.num_row_groups))
+        values = sum(group.column(k).num_values for group in groups for k in range(held.num_columns))
+        require_room_for_numbers(path, held.num_rows, values)
         return arrow_columns(file.read(), str(path))
 
 
-def parquet_source(path: Path) -> InParts:
-    """Return a Parquet file as batches of rows; of row groups without a wanted row, nothing is read."""
+def parquet_source(path: Path) -> InParts | None:
+    """Return a Parquet file as batches of rows; of row groups without a wanted row, nothing is read.
+
+    None for one with lists, whose rows say how many columns they are.
+    """
     with _opened(path) as file:
+        if any(_is_list(field.type, importlib.import_module("pyarrow")) for field in file.schema_arrow):
+            return None
         empty = arrow_columns(file.schema_arrow.empty_table(), str(path))
         sizes = [file.metadata.row_group(k).num_rows for k in range(file.num_row_groups)]
     firsts = [0, *itertools.accumulate(sizes)]
@@ -117,3 +152,14 @@ def _opened(path: Path) -> Iterator[Any]:
         if isinstance(error, PermissionError):
             raise
         raise InputError(f"{path}: not a valid Parquet file ({str(error).splitlines()[0]})") from None
+
+
+FORMAT = Format(
+    (".parquet",),
+    "Parquet",
+    read_parquet,
+    looks=lambda start: start[:4] == b"PAR1",
+    in_parts=parquet_source,
+    extra="parquet",
+    packages=("pyarrow",),
+)

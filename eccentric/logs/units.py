@@ -135,6 +135,15 @@ def parse_unit(
     return Unit(stripped, factor, dimension)
 
 
+def seconds_in(text: str) -> float:
+    """Return how many seconds one of a unit of time is; 1 for no unit, and for one of anything else."""
+    try:
+        found = parse_unit(text, "")
+    except InputError:
+        return 1.0
+    return found.factor if found.dimension == (0, 0, 1, 0, 0) else 1.0
+
+
 def parse_value(text: str, required: str, where: str, counts_per_rev: float | None = None) -> float:
     """Return the SI value of a text such as `0.2 V s/rev` or `1/30`; `required` is a unit of its dimension.
 

@@ -1,0 +1,250 @@
+"""Where the table of a text file is: its delimiter, the lines above it, the header and the units.
+
+A file that begins with its header needs none of this. Scopes, traces and drive tools write lines of settings
+first, of other widths or with the label of the line in its first cell. The table then begins at the first
+line whose cells are numbers wherever those of the lines below are, and the header is the last line of text
+above it that names every column once.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from eccentric.core import InputError
+from eccentric.logs.assemble import number_of
+from eccentric.logs.limits import PREAMBLE_LINES, SAMPLE_LINES
+from eccentric.logs.units import parse_unit
+
+BLANKS = ""
+"""The delimiter of values between blanks."""
+_SEEN = ("\t", ";", ",", BLANKS)
+_NAMES = frozenset({"name", "names", "channel", "channels", "channel name", "signal", "signal name"})
+_UNITS = frozenset({"unit", "units", "unit name", "channel unit"})
+_IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]")
+_COMMA = re.compile(r"\s*[-+]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][-+]?\d+)?\s*")
+_CLOCK = re.compile(r".*\d:\d\d(:\d\d)?([.,]\d+)?\s*([AaPp][Mm])?\s*Z?|\s*\d{4}-\d\d-\d\d.*")
+_WORDS = {"\t": "tabs", ";": "semicolons", ",": "commas", BLANKS: "blanks"}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A table in a text: `before` lines above its first row, the delimiter, and the names of its columns.
+
+    `units` are by column, `clocks` the places of columns that are the time of those after them, where
+    there is more than one; `notes` say which line was taken for the header.
+    """
+
+    names: tuple[str, ...]
+    delimiter: str
+    before: int
+    units: Mapping[str, str] = field(default_factory=dict)
+    clocks: tuple[int, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def rows_of(lines: Sequence[str] | Iterator[str], delimiter: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the number of each line that has content, from 1, with its cells."""
+    if delimiter == BLANKS:
+        yield from ((k, row) for k, line in enumerate(lines, start=1) if (row := line.split()))
+        return
+    reader = csv.reader(lines, delimiter=delimiter)
+    yield from ((reader.line_num, row) for row in reader if row)
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell is a number, with a decimal point or comma."""
+    found = number_of(cell)
+    return (found is not None and found == found) or bool(cell.strip() and _COMMA.fullmatch(cell))  # noqa: PLR0124 - NaN
+
+
+def layout_of(lines: Sequence[str], path: object) -> Layout | None:
+    """Return where the table of a text is, by its first lines; None where they show none.
+
+    Raises:
+        InputError: there are rows of numbers without a header; the message says what to write above them.
+    """
+    body = _body(lines)
+    if body is None:
+        return None
+    delimiter, first, rows = body
+    width = len(rows[0])
+    above = [
+        (k, [cell.strip() for cell in cells])
+        for k, line in enumerate(lines[:first], start=1)
+        for _, cells in rows_of([line.lstrip("# \t") if line.startswith("#") else line], delimiter)
+    ]
+    found = _labelled(above, width) or _header(above, rows, delimiter)
+    if found is None:
+        if above and any(not is_number(cell) for _, cells in above for cell in cells):
+            return None
+        raise headless(path, lines[first], first + 1, width, delimiter, rows)
+    line, names, units, clocks = found
+    notes = (f"the header is line {line}",) if line > 1 and clocks or line > 2 else ()
+    if line > 1 and not notes and not lines[0].startswith("#") and lines[0].strip():
+        notes = (f"the header is line {line}",)
+    return Layout(tuple(names), delimiter, first, units, clocks, notes)
+
+
+def headless(
+    path: object, line: str, number: int, width: int, delimiter: str, rows: Sequence[Sequence[str]]
+) -> InputError:
+    """The error for rows of numbers without a header: what they are, and what to write above them."""
+    shown = " ".join(line.split())[:60]
+    if any(not is_number(cell) for cell in rows[0] if cell.strip()):
+        return InputError(
+            path,
+            "a header row with column names, and values between commas below it",
+            f"{shown!r} in line {number}",
+        )
+    columns = list(zip(*rows, strict=True))
+    rises = any(
+        all(b is not None and a is not None and b >= a for a, b in zip(x, x[1:], strict=False))
+        and x[-1] != x[0]
+        for x in ([number_of(cell) for cell in column] for column in columns)
+    )
+    rate = "" if rises else "; no column rises as a time does: sample_rate_hz in the rig file gives the rate"
+    what = f"{width} numbers between {_WORDS[delimiter]}" if width > 1 else "one number"
+    return InputError(
+        path,
+        "a header row with column names",
+        f"numbers: line {number} has {what} ({shown}); write a line of {width} names above it{rate}",
+    )
+
+
+def _body(lines: Sequence[str]) -> tuple[str, int, list[list[str]]] | None:
+    """Delimiter, the number of lines above the first row, and some rows: of the widest table of numbers."""
+    best: tuple[int, str, int, list[list[str]]] | None = None
+    for delimiter in _SEEN:
+        split = [next(rows_of([line], delimiter), (0, []))[1] for line in lines]
+        tail = [row for row in split[-SAMPLE_LINES:] if row]
+        if not tail:
+            return None
+        width, _ = Counter(map(len, tail)).most_common(1)[0]
+        tail = [row for row in tail if len(row) == width]
+        numeric = [all(is_number(row[k]) or not row[k].strip() for row in tail) for k in range(width)]
+        filled = [any(row[k].strip() for row in tail) for k in range(width)]
+        places = [k for k in range(width) if numeric[k] and filled[k]]
+        clocks = [
+            k for k in range(width) if k not in places and all(_CLOCK.fullmatch(row[k]) for row in tail)
+        ]
+        if not places:
+            continue
+        first = _first(split, width, places, clocks)
+        if first is None:
+            continue
+        size = len(places) + len(clocks)
+        if best is None or size > best[0]:
+            rows = [row for row in split[first:] if len(row) == width][:SAMPLE_LINES]
+            best = size, delimiter, first, rows
+    return None if best is None else best[1:]
+
+
+def _first(
+    split: Sequence[Sequence[str]], width: int, places: Sequence[int], clocks: Sequence[int]
+) -> int | None:
+    """The first line from which three in a row, or all that there are, are rows of the table."""
+
+    def is_row(row: Sequence[str]) -> bool:
+        return (
+            len(row) == width
+            and all(is_number(row[k]) or not row[k].strip() for k in places)
+            and any(row[k].strip() for k in places)
+            and all(_CLOCK.fullmatch(row[k]) for k in clocks)
+        )
+
+    there = [(k, is_row(row)) for k, row in enumerate(split) if row]
+    for at, (k, _) in enumerate(there):
+        if all(row for _, row in there[at : at + 3]):
+            return k
+    return None
+
+
+_Found = tuple[int, list[str], dict[str, str], tuple[int, ...]]
+
+
+def _labelled(above: Sequence[tuple[int, list[str]]], width: int) -> _Found | None:
+    """A header with a label in its first cell, as "Name" or "Channel name", above one of units.
+
+    The columns with a label are the time of those after them.
+    """
+    rows = [(k, cells) for k, cells in above if len(cells) == width]
+    names = next((one for one in reversed(rows) if one[1][0].lower() in _NAMES), None)
+    units = next((one for one in reversed(rows) if one[1][0].lower() in _UNITS), None)
+    if names is None or units is None or width < 2:
+        return None
+    line, header = names
+    label = header[0]
+    clocks = tuple(k for k, cell in enumerate(header) if cell == label)
+    steps = next(
+        (cells[0] for _, cells in rows if cells[0].lower().startswith(("sampletime", "interval"))), ""
+    )
+    step_unit = _unit(steps)
+    called = ["time" if k in clocks else cell or f"column {k + 1}" for k, cell in enumerate(header)]
+    found = {name: unit for name, cell in zip(called, units[1], strict=True) if (unit := _unit(cell))}
+    found.pop("time", None)
+    return line, called, found | ({"time": step_unit} if step_unit else {}), clocks
+
+
+def _header(
+    above: Sequence[tuple[int, list[str]]], rows: Sequence[Sequence[str]], delimiter: str
+) -> _Found | None:
+    """The last line of text above the rows that names every column, with the units in the lines below it."""
+    width = len(rows[0])
+    empty = [not any(row[k].strip() for row in rows) for k in range(width)]
+    block: list[tuple[int, list[str]]] = []
+    for k, cells in reversed(above[-PREAMBLE_LINES:]):
+        full = _full(cells, width, empty, delimiter)
+        if full is None or any(map(is_number, full)) or not any(full):
+            break
+        block.insert(0, (k, full))
+    if not block:
+        return None
+    # A row of units names a column more than once, or all of its cells are units.
+    once = [place for place, (_, cells) in enumerate(block) if not _repeats(cells)]
+    place = once[-1] if once else 0
+    if place and all(_unit(cell) or cell in ("", "-") for cell in block[place][1]):
+        place -= 1
+    line, cells = block[place]
+    names = [cell or f"column {k + 1}" for k, cell in enumerate(cells)]
+    units: dict[str, str] = {}
+    for _, below in block[place + 1 :]:
+        units |= {name: unit for name, cell in zip(names, below, strict=True) if (unit := _unit(cell))}
+    clocks = tuple(k for k, name in enumerate(names) if name == names[0])
+    return line, names, units, clocks if len(clocks) > 1 else ()
+
+
+def _full(cells: list[str], width: int, empty: Sequence[bool], delimiter: str) -> list[str] | None:
+    """The cells of a line, one for each column; None if it has none for one that has values."""
+    if len(cells) > width and not any(cells[width:]):
+        cells = cells[:width]
+    if len(cells) < width and all(empty[len(cells) :]):
+        cells = [*cells, *[""] * (width - len(cells))]
+    if len(cells) == width:
+        return cells
+    if delimiter == BLANKS and len(cells) > width:
+        # Names with a blank in them, further apart than by one.
+        apart = re.split(r"\t|\s{2,}", "  ".join(cells))
+        return apart if len(apart) == width else None
+    return None
+
+
+def _repeats(cells: Sequence[str]) -> bool:
+    given = [cell for cell in cells if cell]
+    return len(set(given)) < len(given)
+
+
+def _unit(cell: str) -> str:
+    """The unit that a cell names, alone or in brackets; "" for none."""
+    inside = _IN_BRACKETS.search(cell)
+    for text in (cell.strip("[]() "), inside[1] if inside else ""):
+        # "counts" needs a number of counts per turn to be converted, none to be one.
+        try:
+            parse_unit(text, "", 1.0)
+        except InputError:
+            continue
+        return text
+    return ""

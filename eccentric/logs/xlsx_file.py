@@ -1,0 +1,58 @@
+"""Workbooks of spreadsheets by openpyxl: the first sheet with rows of numbers, read as the text of its cells."""
+
+from __future__ import annotations
+
+import csv
+import datetime
+import io
+from pathlib import Path
+from typing import Any
+
+from eccentric.core import InputError, few
+from eccentric.logs.assemble import Format, Read
+from eccentric.logs.csv_file import read_text
+from eccentric.logs.foreign import library, reading, require_room_for_numbers
+
+
+def read_xlsx(path: Path) -> Read:
+    """Read the sheet with the most rows; formulas are not evaluated, their stored results are read."""
+    openpyxl = library("openpyxl", "xlsx", path)
+    with reading(path, "workbook"):
+        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+        try:
+            sheets = [sheet for sheet in book.worksheets if (sheet.max_row or 0) > 1]
+            if not sheets:
+                raise InputError(path, "a sheet with rows", "none")
+            chosen = max(sheets, key=lambda sheet: sheet.max_row)
+            require_room_for_numbers(path, chosen.max_row, chosen.max_row * (chosen.max_column or 1))
+            text = io.StringIO()
+            writer = csv.writer(text, delimiter=";", lineterminator="\n")
+            for row in chosen.iter_rows(values_only=True):
+                writer.writerow([_cell(value) for value in row])
+        finally:
+            book.close()
+        others = [sheet.title for sheet in sheets if sheet is not chosen]
+        notes = [f"sheet {chosen.title!r} is read"] if others else []
+        if others:
+            notes.append(f"left out, other sheets: {few(others, 5)}")
+        read = read_text(text.getvalue(), path)
+    return Read(read.columns, read.lines, (*notes, *read.notes), read.units)
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, datetime.datetime | datetime.time):
+        return value.isoformat(*([" "] if isinstance(value, datetime.datetime) else []))
+    return str(value)
+
+
+def _looks(start: bytes) -> bool:
+    return start[:2] == b"PK" and (b"[Content_Types].xml" in start or b"xl/" in start)
+
+
+FORMAT = Format(
+    (".xlsx",), "workbook; its longest sheet", read_xlsx, looks=_looks, extra="xlsx", packages=("openpyxl",)
+)
