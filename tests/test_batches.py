@@ -13,7 +13,7 @@ import pytest
 
 from eccentric.core import InputError
 from eccentric.logs import LogStream, batches, csv_file, mat_file, read_log, stream_log
-from eccentric.logs.log import READERS
+from eccentric.logs.formats import FORMATS as KNOWN
 
 ROWS = 1000
 NUMBERS = np.random.default_rng(7).normal(size=(ROWS, 3))
@@ -88,7 +88,7 @@ FORMATS = {
 @pytest.fixture(autouse=True)
 def small_batches(monkeypatch: pytest.MonkeyPatch) -> None:
     """Batches of 128 rows, so that a thousand rows are several."""
-    from eccentric.logs import batches, parquet_file
+    from eccentric.logs import parquet_file
 
     for module in (csv_file, mat_file, parquet_file, batches):
         monkeypatch.setattr(module, "BATCH_ROWS", 128)
@@ -177,11 +177,22 @@ def damaged(change: Callable[[list[str]], None], folder: Path) -> LogStream:
     return stream_log(path)
 
 
-def test_a_row_with_too_few_values_is_named(tmp_path: Path) -> None:
-    """Deep in the file, by the line that an editor shows."""
+def test_a_row_with_too_few_values_is_missing(tmp_path: Path) -> None:
+    """One of thousands, as a logger that is switched off leaves it: its line is one without numbers."""
 
     def change(lines: list[str]) -> None:
         lines[700] = "1.0,2.0"
+
+    read = damaged(change, tmp_path).read(["time_s"])
+
+    assert ["line 701"] == [read.place(k) for k in np.flatnonzero(np.isnan(read.numbers("time_s")))]
+
+
+def test_many_rows_with_too_few_values_are_refused(tmp_path: Path) -> None:
+    """The first of them is named, by the line that an editor shows."""
+
+    def change(lines: list[str]) -> None:
+        lines[700:1700] = ["1.0,2.0"] * 1000
 
     with pytest.raises(InputError, match=r"log\.csv: line 701: 4 values are required, received 2"):
         damaged(change, tmp_path).read(["time_s"])
@@ -231,5 +242,6 @@ def test_the_manual_says_of_every_format_whether_it_is_read_in_parts() -> None:
     for formats, how in rows:
         said[how != "no"] |= set(re.findall(r"`(\.[a-z0-9.]+)`", formats))
 
-    assert set(READERS) == said[True] | said[False]
-    assert set(batches._SOURCES) == said[True]
+    in_parts = {suffix for one in KNOWN if one.in_parts for suffix in one.endings}
+    assert {suffix for one in KNOWN for suffix in one.endings} == said[True] | said[False]
+    assert in_parts == said[True]

@@ -49,8 +49,6 @@ def changed(**columns: object) -> dict[str, object]:
 
 
 THIRD = np.where(np.arange(len(T)) % 3 == 0, np.nan, STANDARD["current_A"])
-BACK = np.where(np.arange(len(T)) == 7, 0.0, T)
-TWICE = np.where(np.arange(len(T)) == 7, T[6], T)
 TEXT = [*STANDARD["current_A"][:4], "broken", *STANDARD["current_A"][5:]]
 SPLIT = np.where((T > 3.0) & (T < 4.0), 1.0, 0.0)
 BAD = {
@@ -78,8 +76,6 @@ BAD = {
         "line 6, column 'current_A': a number is required, received 'broken'",
     ),
     "third": (changed(current_A=THIRD), RIG, "no number in 1000 of 3000 rows"),
-    "back": (changed(time_s=BACK), RIG, "line 9: time stamps must increase, received 0 s after 0.024 s"),
-    "twice": (changed(time_s=TWICE), RIG, "line 9: time stamps must increase, received 0.024 s after 0.024"),
     "split": (changed(run=SPLIT), RIG, "contiguous runs are required, received '0' again"),
     "stuck": (changed(theta_m_rad=0.0 * T + 1.5), RIG, "an angle that changes is required, received 1.5 rad"),
     "slow": (changed(theta_m_rad=1e-9 * T), "moving_threshold_rad_s = 1\n" + RIG, "moving rows (above"),

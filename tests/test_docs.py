@@ -123,7 +123,7 @@ def test_the_first_page_says_where_a_change_goes() -> None:
     rows = (ROOT / "docs" / "index.md").read_text(encoding="utf-8").split("| you are looking for |")[1]
     place = dict(row.strip("| ").split(" | ", 1) for row in rows.splitlines() if row.startswith("| "))
     expected = {
-        "where a new log format goes": ("READERS", "eccentric/logs/log.py"),
+        "where a new log format goes": ("FORMATS", "eccentric/logs/formats.py"),
         "where the verdict is decided": ("def decided", "eccentric/diagnosis/search/verdict.py"),
         "where C is printed": ("BACKEND = Backend(", "eccentric/emission/backends/c99/__init__.py"),
         "where a new back end goes": ("BACKENDS", "eccentric/emission/backends/__init__.py"),

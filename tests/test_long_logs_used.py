@@ -16,7 +16,6 @@ from eccentric.logs import Excerpt, Log, read_log
 from eccentric.rigs import Rig, read_rig
 from eccentric.signals import read_channels
 from eccentric.signals.channels import thinned
-from eccentric.signals.joints import _of_rows
 from eccentric.signals.table import read_table
 from tests.long_logs import RIG, columns, parquet, plain, stribeck
 
@@ -223,6 +222,6 @@ def test_a_window_that_loses_all_its_rows_is_gone(lost: list[int], expected: lis
     """Of three windows in eight rows; those that are left begin where their first rows are now."""
     good = np.ones(8, dtype=bool)
     good[lost] = False
-    left = _of_rows(Excerpt(100, 0, np.array([3, 6]), "some windows"), good)
+    left = Excerpt(100, 0, np.array([3, 6]), "some windows").rows_of(good)
 
     assert expected == left.begins.tolist()

@@ -134,7 +134,7 @@ def test_parquet_gives_the_same_columns_as_csv(tmp_path: Path) -> None:
 
 
 def test_parquet_stamps_are_seconds_and_lists_are_named(tmp_path: Path) -> None:
-    """Stamps count from 1970 (UTC), durations from zero; a column of lists is left out with its type."""
+    """Stamps count from 1970 (UTC), durations from zero; lists of text are left out with their type."""
     start = datetime(1970, 1, 2, tzinfo=UTC)
     log = parquet_log(
         tmp_path,
@@ -142,12 +142,14 @@ def test_parquet_stamps_are_seconds_and_lists_are_named(tmp_path: Path) -> None:
             "stamp": [start, start + timedelta(milliseconds=4)],
             "since": [timedelta(seconds=1.5), None],
             "raw": [[1], [2]],
+            "names": [["a"], ["b"]],
         },
     )
     np.testing.assert_allclose(log.numbers("stamp"), [86400.0, 86400.004], rtol=1e-12)
     np.testing.assert_array_equal(log.numbers("since"), [1.5, np.nan])
     (note,) = log.notes
-    assert note.startswith("left out, since they are neither numbers nor text: raw (list<")
+    assert note.startswith("left out, since they are neither numbers nor text: names (list<")
+    assert [1.0, 2.0] == log.numbers("raw(:,1)").tolist()
 
 
 def test_parquet_without_its_extra_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

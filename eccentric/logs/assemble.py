@@ -63,9 +63,9 @@ class Format:
     """A kind of file that is a log.
 
     `suffixes` of its files, the usual one first; `gzipped` says that they may be compressed as well. `read`
-    returns its columns, `in_parts` the same in parts, or None for a file that must be read whole. `looks` says
-    by the first 4 kB of a file whether it is one. `extra` is that of `pyproject.toml` with the `packages` that
-    reading needs, for `extra_for` only where not all files of the format do.
+    returns its columns, `in_parts` the same in parts, or None for a file that must be read whole. `looks`
+    says by the first 4 kB of a file whether it is one. `extra` is that of `pyproject.toml` with the
+    `packages` that reading needs, only for `extra_for` where not all files of the format do.
     """
 
     suffixes: tuple[str, ...]

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from eccentric.core import InputError, given_path, shown
-from eccentric.logs.assemble import Column, InParts, Part, overlaps
+from eccentric.logs.assemble import Column, Part, overlaps
 from eccentric.logs.formats import format_of
 from eccentric.logs.limits import BATCH_ROWS
 from eccentric.logs.log import Log, LogSource, read_log, reader_errors
@@ -62,9 +62,7 @@ class LogStream:
         with reader_errors(Path(self.path)):
             for part in self._parts(chosen, wanted):
                 rows = len(part.columns[chosen[0]])
-                numbered = (
-                    None if part.lines is not None else np.arange(part.first + 1, part.first + rows + 1)
-                )
+                numbered = np.arange(part.first + 1, part.first + rows + 1)
                 yield Log(self.path, part.columns, rows, part.lines, self.notes, numbered)
 
     def read(self, names: Sequence[str] | None = None, spans: Sequence[tuple[int, int]] | None = None) -> Log:

@@ -1,4 +1,4 @@
-"""Cells of a text log that are no plain numbers: decimal commas, dates, times of day, large counters, units."""
+"""Cells of a text log that are no plain numbers: decimal commas, dates, times of day, counters, units."""
 
 from __future__ import annotations
 

@@ -233,6 +233,8 @@ def _rectangular(
     Raises InputError for one with more values than names, or fewer, where there are many.
     """
     width = len(layout.names)
+    if layout.clocks:  # a group that has ended leaves its places out
+        found = [(line, [*row, *[""] * (width - len(row))]) for line, row in found]
     other = [k for k, (_, row) in enumerate(found) if len(row) != width]
     if other and (len(other) > MOST_BROKEN * len(found) or len(found) < 1 / MOST_BROKEN):
         rows = [row[:width] if not any(map(str.strip, row[width:])) else row for _, row in found]

@@ -1,4 +1,4 @@
-"""The formats of logs: one line for each, and a file that has its reader. Help, doctor and docs come from here."""
+"""The formats of logs: one line for each, and a file with its reader. Help and doctor list what is here."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def read_json(path: Path) -> Read:
 
 
 def _require_table(content: object, path: Path, name: str = "") -> None:
-    """Raise InputError for a list of objects with lists of several lengths: recordings, no rows of a table."""
+    """Raise InputError for objects with lists of several lengths: they are recordings, no rows of a table."""
     if isinstance(content, dict):
         for key, inner in content.items():
             _require_table(inner, path, f"{name}.{key}" if name else key)
@@ -60,8 +60,8 @@ def _require_table(content: object, path: Path, name: str = "") -> None:
         raise InputError(
             path,
             "one table",
-            f"{len(content)} objects in {name or 'a list'!r}, each with lists ({few(uneven, 3)}) of lengths of its"
-            f" own, {lengths[0]} to {lengths[-1]}: write one row for each sample, with a column for the run",
+            f"{len(content)} objects in {name or 'a list'!r}, each with lists ({few(uneven, 3)}) of a length of"
+            f" its own, {lengths[0]} to {lengths[-1]}: write a row for each sample, with a column for the run",
         )
 
 

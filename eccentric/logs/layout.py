@@ -9,6 +9,7 @@ above it that names every column once.
 from __future__ import annotations
 
 import csv
+import itertools
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -83,7 +84,7 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
             return None
         raise headless(path, lines[first], first + 1, width, delimiter, rows)
     line, names, units, clocks = found
-    notes = (f"the header is line {line}",) if line > 1 and clocks or line > 2 else ()
+    notes = (f"the header is line {line}",) if (line > 1 and clocks) or line > 2 else ()
     if line > 1 and not notes and not lines[0].startswith("#") and lines[0].strip():
         notes = (f"the header is line {line}",)
     return Layout(tuple(names), delimiter, first, units, clocks, notes)
@@ -100,12 +101,7 @@ def headless(
             "a header row with column names, and values between commas below it",
             f"{shown!r} in line {number}",
         )
-    columns = list(zip(*rows, strict=True))
-    rises = any(
-        all(b is not None and a is not None and b >= a for a, b in zip(x, x[1:], strict=False))
-        and x[-1] != x[0]
-        for x in ([number_of(cell) for cell in column] for column in columns)
-    )
+    rises = any(_rises(column) for column in zip(*rows, strict=True))
     rate = "" if rises else "; no column rises as a time does: sample_rate_hz in the rig file gives the rate"
     what = f"{width} numbers between {_WORDS[delimiter]}" if width > 1 else "one number"
     return InputError(
@@ -115,32 +111,43 @@ def headless(
     )
 
 
+def _rises(cells: Sequence[str]) -> bool:
+    """Whether the numbers of a column do not fall and are not all one, as a time does."""
+    values = [number_of(cell.replace(",", ".")) for cell in cells if cell.strip()]
+    steps = [a is not None and b is not None and b >= a for a, b in itertools.pairwise(values)]
+    return bool(steps) and all(steps) and values[-1] != values[0]
+
+
 def _body(lines: Sequence[str]) -> tuple[str, int, list[list[str]]] | None:
     """Delimiter, the number of lines above the first row, and some rows: of the widest table of numbers."""
     best: tuple[int, str, int, list[list[str]]] | None = None
     for delimiter in _SEEN:
         split = [next(rows_of([line], delimiter), (0, []))[1] for line in lines]
-        tail = [row for row in split[-SAMPLE_LINES:] if row]
-        if not tail:
-            return None
-        width, _ = Counter(map(len, tail)).most_common(1)[0]
-        tail = [row for row in tail if len(row) == width]
-        numeric = [all(is_number(row[k]) or not row[k].strip() for row in tail) for k in range(width)]
-        filled = [any(row[k].strip() for row in tail) for k in range(width)]
-        places = [k for k in range(width) if numeric[k] and filled[k]]
-        clocks = [
-            k for k in range(width) if k not in places and all(_CLOCK.fullmatch(row[k]) for row in tail)
-        ]
-        if not places:
-            continue
-        first = _first(split, width, places, clocks)
-        if first is None:
-            continue
-        size = len(places) + len(clocks)
-        if best is None or size > best[0]:
-            rows = [row for row in split[first:] if len(row) == width][:SAMPLE_LINES]
-            best = size, delimiter, first, rows
+        for width, rows in _by_width(split).items():
+            numeric = [all(is_number(row[k]) or not row[k].strip() for row in rows) for k in range(width)]
+            filled = [any(row[k].strip() for row in rows) for k in range(width)]
+            places = [k for k in range(width) if numeric[k] and filled[k]]
+            clocks = [
+                k for k in range(width) if k not in places and all(_CLOCK.fullmatch(row[k]) for row in rows)
+            ]
+            first = _first(split, width, places, clocks) if places else None
+            size = len(places) + len(clocks)
+            if first is not None and (best is None or size > best[0]):
+                found = [row for row in split[first:] if len(row) == width]
+                best = size, delimiter, first, found[:SAMPLE_LINES]
     return None if best is None else best[1:]
+
+
+def _by_width(split: Sequence[list[str]]) -> dict[int, list[list[str]]]:
+    """The last rows of each width that many have, or the last line: the groups of a scope end one by one."""
+    rows = [row for row in split if row]
+    counts = Counter(map(len, rows))
+    usual = [width for width, count in counts.most_common(3) if count >= min(SAMPLE_LINES, len(rows) // 4)]
+    last = [len(rows[-1])] if rows else []
+    return {
+        width: [row for row in rows if len(row) == width][-SAMPLE_LINES:]
+        for width in dict.fromkeys((*usual, *last))
+    }
 
 
 def _first(
@@ -214,7 +221,8 @@ def _header(
     for _, below in block[place + 1 :]:
         units |= {name: unit for name, cell in zip(names, below, strict=True) if (unit := _unit(cell))}
     clocks = tuple(k for k, name in enumerate(names) if name == names[0])
-    return line, names, units, clocks if len(clocks) > 1 else ()
+    is_pairs = len(clocks) > 1 and all(_rises([row[k] for row in rows]) for k in clocks)
+    return line, names, units, clocks if is_pairs else ()
 
 
 def _full(cells: list[str], width: int, empty: Sequence[bool], delimiter: str) -> list[str] | None:

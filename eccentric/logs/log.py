@@ -9,7 +9,7 @@ import gzip
 import os
 import zlib
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
@@ -41,6 +41,14 @@ class Excerpt:
     note: str
     missed: str = ""
 
+    def rows_of(self, rows: NDArray[np.bool_] | slice) -> Excerpt:
+        """Return the excerpt of these rows (n,) of the chosen ones; a window that has lost all is gone."""
+        if isinstance(rows, slice):
+            return self
+        kept = np.concatenate([[0], np.cumsum(rows)])[self.begins]
+        begins = np.unique(kept[kept < np.count_nonzero(rows)])
+        return replace(self, begins=begins[begins > 0])
+
 
 @dataclass(frozen=True)
 class Log:
@@ -70,6 +78,19 @@ class Log:
         if self.lines is not None:
             return f"line {self.lines[row]}"
         return f"row {row + 1 if self.numbered is None else self.numbered[row]}"
+
+    def rows_of(self, rows: NDArray[np.bool_] | slice) -> Log:
+        """Return the log of these rows (n,); messages still name them by their places in the file."""
+        numbered = np.arange(1, self.rows + 1) if self.numbered is None else self.numbered
+        kept = numbered[rows]
+        return replace(
+            self,
+            columns={name: values[rows] for name, values in self.columns.items()},
+            rows=len(kept),
+            lines=None if self.lines is None else self.lines[rows],
+            numbered=kept,
+            excerpt=None if self.excerpt is None else self.excerpt.rows_of(rows),
+        )
 
     def numbers(self, name: str) -> NDArray[np.float64]:
         """Return the column `name` as float64 (rows,).

@@ -1,9 +1,9 @@
-"""Workbooks of spreadsheets by openpyxl: the first sheet with rows of numbers, read as the text of its cells."""
+"""Workbooks by openpyxl: the longest sheet, read as the text of its cells."""
 
 from __future__ import annotations
 
 import csv
-import datetime
+import datetime as dt
 import io
 from pathlib import Path
 from typing import Any
@@ -44,8 +44,8 @@ def _cell(value: Any) -> str:
         return ""
     if isinstance(value, bool):
         return str(int(value))
-    if isinstance(value, datetime.datetime | datetime.time):
-        return value.isoformat(*([" "] if isinstance(value, datetime.datetime) else []))
+    if isinstance(value, dt.datetime | dt.time):
+        return value.isoformat(*([" "] if isinstance(value, dt.datetime) else []))
     return str(value)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, counted, few, meant
 from eccentric.logs import Log, LogStream, evaluate
 from eccentric.rigs import ArmRig, ColumnSource, Rig, channels_of
-from eccentric.signals.limits import LARGEST, SMALLEST
+from eccentric.signals.limits import LARGEST, MOST_TOO_LARGE, SMALLEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -22,12 +22,15 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _LABELS = ("run", "use", "motor_off")
+_WITHOUT_CLOCK = ", or write how many rows it has a second where it has none, as in sample_rate_hz = 500"
 _DRIVES = ("voltage", "current", "torque", "torque_l")
 
 
 @dataclass(frozen=True)
 class Converted:
     """Channels of all rows in SI (n,), conditions as 0 and 1; `named` is the column of runs, None for none.
+
+    `by_rate` says that no column is the time, which follows from the rate of the rig.
 
     Nothing is dropped: what is not a number is NaN or infinite.
     """
@@ -37,6 +40,7 @@ class Converted:
     use: Array
     motor_off: Array
     named: NDArray[Any] | None
+    by_rate: bool = False
 
     @property
     def numbers(self) -> Mask:
@@ -50,14 +54,7 @@ class Converted:
 
         A run is named by the log, the run column, or both if two logs name a run alike.
         """
-        if self.named is None:
-            return np.zeros(len(self.use), dtype=np.int64), [name]
-        again = self.named[1:] == self.named[:-1]
-        if self.named.dtype.kind == "f":
-            again |= np.isnan(self.named[1:]) & np.isnan(self.named[:-1])
-        begins = np.concatenate([[True], ~again])
-        texts = map(_text, self.named[begins])
-        return np.cumsum(begins) - 1, [text if alone else f"{name}/{text}" for text in texts]
+        return _numbered(self.named, len(self.use), name, alone)
 
     def repeated(self, kept: Mask, labels: NDArray[np.int64]) -> Mask:
         """Rows (n,) equal in every column to the kept row before them: the logger wrote them twice.
@@ -76,6 +73,25 @@ class Converted:
         return again
 
 
+def _numbered(
+    named: NDArray[Any] | None, rows: int, name: str, alone: bool
+) -> tuple[NDArray[np.int64], list[str]]:
+    if named is None:
+        return np.zeros(rows, dtype=np.int64), [name]
+    again = named[1:] == named[:-1]
+    if named.dtype.kind == "f":
+        again |= np.isnan(named[1:]) & np.isnan(named[:-1])
+    begins = np.concatenate([[True], ~again])
+    texts = map(_text, named[begins])
+    return np.cumsum(begins) - 1, [text if alone else f"{name}/{text}" for text in texts]
+
+
+def run_numbers(log: Log, rig: Rig, name: str, alone: bool) -> tuple[NDArray[np.int64], list[str]]:
+    """The runs of a log as `Converted.runs` returns them, of which no other column is looked at."""
+    column = run_column(log, rig)
+    return _numbered(log.text(column[0]) if column else None, log.rows, name, alone)
+
+
 def converted(log: Log, rig: Rig) -> Converted:
     """Return the channels of a log under a rig.
 
@@ -83,13 +99,27 @@ def converted(log: Log, rig: Rig) -> Converted:
     that no sensor gives.
     """
     sources = _sources(log, rig)
+    values = {c: _values(log, rig, c, source) for c, source in sources.items() if c not in _LABELS}
+    if without_clock := "time" not in sources:
+        sources, values = _by_rate(log, rig, sources, values)
     return Converted(
         sources,
-        {c: _values(log, rig, c, source) for c, source in sources.items() if c not in _LABELS},
+        values,
         _condition(log, rig, sources, "use", otherwise=1.0),
         _condition(log, rig, sources, "motor_off", otherwise=0.0),
         log.text(sources["run"].text) if "run" in sources else None,
+        without_clock,
     )
+
+
+def _by_rate(
+    log: Log, rig: Rig, sources: Mapping[str, ColumnSource], values: Mapping[str, Array]
+) -> tuple[Mapping[str, ColumnSource], Mapping[str, Array]]:
+    """The channels of a log without a clock: its time is the number of the row over the rate of the rig."""
+    rate = rig.log.sample_rate_hz or 1.0
+    row = np.arange(log.rows) if log.numbered is None else log.numbered - 1
+    said = ColumnSource(f"the number of the row / {rate:g}")
+    return {"time": said, **sources}, {"time": row / rate, **values}
 
 
 def used_columns(log: Log, rig: Rig) -> list[str]:
@@ -156,6 +186,8 @@ def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
         ("theta_m", "theta_l", "omega_m", "omega_l"),
         ("voltage", "current", "torque", "torque_l"),
     ):
+        if choice == ("time",) and rig.log.sample_rate_hz is not None:
+            continue  # the rate is the clock
         if not any(channel in sources for channel in choice):
             needed = " or ".join(
                 f"{rig.axis.said(channel)} (column {channels[channel][0]!r})"
@@ -163,8 +195,8 @@ def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
                 if channel in channels
             )
             raise InputError(
-                f"{log.path}: a column for {needed} is required; map it in [columns] of {rig.path}; "
-                f"the log has {few(log.columns)}"
+                f"{log.path}: a column for {needed} is required; map it in [columns] of {rig.path}"
+                f"{_WITHOUT_CLOCK if choice == ('time',) else ''}; the log has {few(log.columns)}"
             )
     return sources
 
@@ -179,12 +211,15 @@ def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
             raise InputError(where, "a number", f"{source.text!r}")
     with np.errstate(over="ignore"):
         values = raw if source.unit is None else source.unit.to_si(raw)
-    _require_size(log, rig, channel, source, np.where(np.isfinite(raw), values, 0.0))
+    size = np.abs(np.where(np.isfinite(raw), values, 0.0))
+    damaged = size > LARGEST
+    if np.any(damaged) and np.count_nonzero(damaged) <= MOST_TOO_LARGE * log.rows:
+        values, size = np.where(damaged, np.nan, values), np.where(damaged, 0.0, size)
+    _require_size(log, rig, channel, source, values, size)
     return values
 
 
-def _require_size(log: Log, rig: Rig, channel: str, source: ColumnSource, values: Array) -> None:
-    size = np.abs(values)
+def _require_size(log: Log, rig: Rig, channel: str, source: ColumnSource, values: Array, size: Array) -> None:
     largest = int(np.argmax(size))
     where = f"column {source.text!r} ({rig.axis.said(channel)})"
     unit = channels_of(rig.axis)[channel][1]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError
-from eccentric.logs import Excerpt, Log, LogSource, evaluate, read_log
+from eccentric.logs import Log, LogSource, evaluate, read_log
 from eccentric.signals.channels import read_channels
 from eccentric.signals.converted import require_columns
 from eccentric.signals.limits import BELOW_COARSE, COARSE, MOST_REJECTED
@@ -89,22 +89,8 @@ def _complete(log: Log, rig: ArmRig) -> Log:
     what = f"no number for some joint in {lost} of {log.rows} {of}"
     if lost > MOST_REJECTED * log.rows:
         raise InputError(f"{log.path}: {what}; at most {MOST_REJECTED:.0%} may be missing")
-    return dataclasses.replace(
-        log,
-        columns={name: values[good] for name, values in log.columns.items()},
-        rows=log.rows - lost,
-        lines=None if log.lines is None else log.lines[good],
-        notes=(*log.notes, f"{what}: such rows are dropped"),
-        numbered=None if log.numbered is None else log.numbered[good],
-        excerpt=None if log.excerpt is None else _of_rows(log.excerpt, good),
-    )
-
-
-def _of_rows(excerpt: Excerpt, good: NDArray[np.bool_]) -> Excerpt:
-    """The excerpt whose windows have lost the other rows; one that has lost all is gone."""
-    kept = np.concatenate([[0], np.cumsum(good)])[excerpt.begins]
-    begins = np.unique(kept[kept < np.count_nonzero(good)])
-    return dataclasses.replace(excerpt, begins=begins[begins > 0])
+    found = log.rows_of(good)
+    return dataclasses.replace(found, notes=(*log.notes, f"{what}: such rows are dropped"))
 
 
 def _finite(log: Log, text: str, where: str) -> NDArray[np.bool_]:

@@ -20,6 +20,22 @@ ROUNDED_RATE = 1e-6
 UNEVEN_STEP = 0.2
 """A time step this far from the median, as a fraction of it, is counted as uneven."""
 
+# Clocks that have to be put right.
+
+FALLING = 0.9
+"""A clock of which this part of the steps is downwards runs backwards: the newest row is the first."""
+MOST_OUT_OF_ORDER = 5
+"""Rows in a row whose time fits into no order are damaged; more than these are another recording."""
+FEWEST_IN_PACKETS = 0.01
+"""Part of the rows from which shared stamps are the logger's way, and no accident."""
+LONGEST_BREAK = 5.0
+"""A packet that takes this many times its usual time is followed by a gap."""
+FROZEN_ROWS, FROZEN_TIMES, CHANGING = 20, 5, 0.9
+"""Rows at the end that repeat one: at least so many, so many times the most before them, in a log in which
+this part of the rows differs from the one before. The last digit of a sensor alone changes that often."""
+MOST_TOO_LARGE = 0.01
+"""A few values beyond any sensor's are damaged rows; more of them are a wrong unit."""
+
 # Which rows move.
 
 HALF_SPAN_S = 0.02

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from eccentric.core import InputError
 from eccentric.rigs import AddedMass, Alignment, Rig
 from eccentric.signals.filters import LowPass, joined, low_pass_of, motion_of
+from eccentric.signals.finding import Finding
 from eccentric.signals.limits import NARROWER
-from eccentric.signals.table import Finding, Holdout, carriers
+from eccentric.signals.table import Holdout, carriers
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 import fnmatch
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import shorten
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +13,9 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few
 from eccentric.logs import Log, LogSource, log_stems, read_log
 from eccentric.rigs import Rig
-from eccentric.signals.converted import converted, named_apart
+from eccentric.signals.clock import ClockOfLog, backwards, clock_of, falls, frozen_tails, reversed_time
+from eccentric.signals.converted import converted, named_apart, run_numbers
+from eccentric.signals.finding import Finding
 from eccentric.signals.limits import (
     FEWEST_RUNS_HELD_OUT,
     HELD_OUT_BLOCKS,
@@ -144,49 +143,6 @@ def _intervals(t: Array, run: NDArray[np.int64], rows: NDArray[np.bool_]) -> tup
     return tuple((float(t[a]), float(t[b])) for a, b in zip(begins, ends, strict=True) if rows[a])
 
 
-# Findings about a log: one record for each anomaly.
-
-
-Severity = Literal["note", "warning"]
-
-
-_DOUBTFUL = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One line about the data: `kind` (a word for tests and tables), the channel or letter, the text.
-
-    `rows` counts the rows concerned. A "warning" makes results wrong unless it is corrected; a "note" has
-    already been handled, or does little harm. `mend` is the line of the rig file that would put it right, ""
-    where the log does not say which.
-    """
-
-    kind: str
-    channel: str
-    text: str
-    rows: int
-    severity: Severity
-    mend: str = ""
-
-    @property
-    def doubts_the_rig(self) -> bool:
-        """Whether log and rig file contradict each other: then no other conclusion is safe."""
-        return self.severity == "warning" and self.kind in _DOUBTFUL
-
-
-@contextmanager
-def with_doubts(findings: Sequence[Finding]) -> Iterator[None]:
-    """Where a log cannot be fitted, say what in it contradicts the rig as well: that may be the reason."""
-    try:
-        yield
-    except InputError as error:
-        doubts = [finding.text for finding in findings if finding.doubts_the_rig]
-        if type(error) is not InputError or not doubts:
-            raise
-        raise InputError(f"{error}; {doubts[0]}") from None
-
-
 # The rows of all logs as one table, and what is unusual about them.
 
 
@@ -222,11 +178,12 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
     """
     if not logs:
         raise InputError("", "a log", "none")
-    tables: list[Table] = []
     read = [read_log(log) for log in logs]
     own = named_apart([[log] for log in read], rig)
-    for log, stem in zip(read, log_stems(read), strict=True):
-        tables.append(_one(log, rig, stem, alone=own))
+    stems = log_stems(read)
+    if rig.log.runs:
+        read, stems = _of_runs(read, stems, rig, own)
+    tables = [_one(log, rig, stem, alone=own) for log, stem in zip(read, stems, strict=True)]
     names = set(tables[0].channels)
     for log, table in zip(read, tables, strict=True):
         if set(table.channels) != names:
@@ -235,9 +192,8 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
                 log.path, "the same channels", f"in some only: {differ}", why="in every log", plural=True
             )
     joined = tables[0] if len(tables) == 1 else _joined(tables)
-    chosen = _chosen(joined, rig) if rig.log.runs else joined
-    _require_carriers(chosen.run_names, rig)
-    return chosen
+    _require_carriers(joined.run_names, rig)
+    return joined
 
 
 def _require_carriers(run_names: Sequence[str], rig: Rig) -> None:
@@ -274,26 +230,24 @@ def _joined(tables: Sequence[Table]) -> Table:
     )
 
 
-def _chosen(table: Table, rig: Rig) -> Table:
-    """The runs that the rig names, renumbered."""
-    names = matching(rig.log.runs, table.run_names, f"{rig.path}: runs")
-    kept = np.isin(table.run, [table.run_names.index(name) for name in names])
-    number = np.cumsum([name in names for name in table.run_names]) - 1
-    return dataclasses.replace(
-        table,
-        channels={channel: x[kept] for channel, x in table.channels.items()},
-        run=number[table.run[kept]],
-        run_names=tuple(names),
-        use=table.use[kept],
-        motor_off=table.motor_off[kept],
-        after_dropped=table.after_dropped[kept],
-        after_skipped=table.after_skipped[kept],
-        rows_read=table.rows_read - int(np.count_nonzero(~kept)),
-    )
+def _of_runs(logs: Sequence[Log], stems: Sequence[str], rig: Rig, alone: bool) -> tuple[list[Log], list[str]]:
+    """The rows of the runs that the rig names, and the logs that have some: nothing in another run counts."""
+    runs = [run_numbers(log, rig, stem, alone) for log, stem in zip(logs, stems, strict=True)]
+    names = list(dict.fromkeys(name for _, called in runs for name in called))
+    chosen = matching(rig.log.runs, names, f"{rig.path}: runs")
+    found: list[tuple[Log, str]] = []
+    for log, stem, (number, called) in zip(logs, stems, runs, strict=True):
+        rows = np.isin(number, [k for k, name in enumerate(called) if name in chosen])
+        if np.any(rows):
+            found.append((log.rows_of(rows), stem))
+    return [log for log, _ in found], [stem for _, stem in found]
 
 
 def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
-    found = converted(log, rig)
+    found, turned = converted(log, rig), []
+    if falls(found.values["time"]):
+        log = backwards(log)
+        found, turned = converted(log, rig), [reversed_time(log)]
     values, use, motor_off, kept = found.values, found.use, found.motor_off, found.numbers
     number, names = found.runs(name, alone)
     # By name: rows of another run that are dropped leave no mark between two parts of one.
@@ -301,7 +255,10 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
     labels = np.array([place[text] for text in names])[number]
     rejected = int(np.count_nonzero(~kept))
     findings = [Finding("left_out", "", f"{log.path}: {note}", 0, "note") for note in log.notes]
-    findings += _excerpt(log)
+    findings += [*_excerpt(log), *turned]
+    if found.by_rate:
+        text = f"{log.path}: without a column of time, it has {rig.log.sample_rate_hz:g} rows a second by the rig"
+        findings.append(Finding("by_rate", "time", text, log.rows, "note"))
     if rejected:
         numbers = {c: int(np.count_nonzero(np.isfinite(x))) for c, x in values.items()}
         worst = min(numbers, key=lambda c: numbers[c])
@@ -323,9 +280,14 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         text = f"{log.path}: {repeat} (first: {first}): such rows are dropped"
         findings.append(Finding("repeated", "time", text, count, "note"))
         kept &= ~again
+    clock = clock_of(log, labels, values["time"], kept)
+    stopped = frozen_tails(log, labels, [x for c, x in values.items() if c != "time"], clock.kept)
+    values = {**values, "time": clock.t}
+    kept = clock.kept & ~stopped.rows
+    findings += [*clock.findings, *stopped.findings]
     # Where every row is kept, a slice avoids the copy that a mask makes.
     own = slice(None) if np.all(kept) else kept
-    run, run_names = _runs(log, labels, list(place), values["time"], kept)
+    run, run_names = _runs(log, labels, list(place), clock, kept)
     return Table(
         {c: x[own] for c, x in values.items()},
         run,
@@ -362,24 +324,24 @@ def _after_skipped(log: Log, kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _runs(
-    log: Log, labels: NDArray[np.int64], names: Sequence[str], t: Array, kept: NDArray[np.bool_]
+    log: Log, labels: NDArray[np.int64], names: Sequence[str], clock: ClockOfLog, kept: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], tuple[str, ...]]:
-    """The number of the run of each kept row, from 0, and names; `labels` (n,) are places in `names`."""
+    """The number of the run of each kept row, from 0, and names; `labels` (n,) are places in `names`.
+
+    A recording that starts again within a run is a run of its own, by its number.
+    """
     rows = np.flatnonzero(kept)
-    labels, t = labels[rows], t[rows]
-    starts = np.flatnonzero(np.diff(labels, prepend=-1)).tolist()
-    called = [names[int(labels[k])] for k in starts]
+    labels, part = labels[rows], clock.part[rows]
+    begins = (np.diff(labels, prepend=-1) != 0) | (np.diff(part, prepend=0) != 0)
+    starts = np.flatnonzero(begins).tolist()
+    several = {int(labels[k]) for k in starts if part[k]}
+    called = [
+        f"{names[int(labels[k])]}#{part[k] + 1}" if int(labels[k]) in several else names[int(labels[k])]
+        for k in starts
+    ]
     again = next((k for k, name in enumerate(called) if name in called[:k]), None)
     if again is not None:
         place = log.place(int(rows[starts[again]]))
-        raise InputError(f"{log.path}: {place}", "contiguous runs", f"{called[again]!r} again", plural=True)
-    begins = np.zeros(len(rows), dtype=bool)
-    begins[starts] = True
-    stuck = np.flatnonzero((np.diff(t) <= 0.0) & ~begins[1:])
-    if len(stuck):
-        k = int(stuck[0])
-        raise InputError(
-            f"{log.path}: {log.place(int(rows[k + 1]))}: time stamps must increase, "
-            f"received {t[k + 1]:.9g} s after {t[k]:.9g} s"
-        )
+        name = names[int(labels[starts[again]])]
+        raise InputError(f"{log.path}: {place}", "contiguous runs", f"{name!r} again", plural=True)
     return np.cumsum(begins) - 1, tuple(called)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from eccentric.core import InputError
 from eccentric.logs import Log, LogStream
 from eccentric.rigs import Rig
+from eccentric.signals.clock import clock_of
 from eccentric.signals.converted import Converted, converted, stream_columns
 from eccentric.signals.limits import MOST_REJECTED
 from eccentric.signals.long.limits import (
@@ -241,11 +242,11 @@ class _Reader:
         found, offset = converted(batch, self._rig), self._found.rows
         self._found.rows += batch.rows
         numbers, names = found.runs(self._name, self._alone)
-        kept = self._kept(batch, found, numbers)
+        kept, fine = self._kept(batch, found, numbers)
         if not len(kept):
             return
         own = slice(None) if len(kept) == batch.rows else kept
-        values, run = {c: x[own] for c, x in found.values.items()}, numbers[own]
+        values, run = {c: x[own] for c, x in ({**found.values, "time": fine}).items()}, numbers[own]
         t = values["time"]
         begins = np.flatnonzero(np.diff(run, prepend=-1))
         labels = [names[run[k]] for k in begins]
@@ -272,8 +273,8 @@ class _Reader:
             places = np.array(firsts[a:b]) - first
             _count(own, wanted[rows], off[rows], places, windows[a:b], step, self._rig, self._found)
 
-    def _kept(self, batch: Log, found: Converted, run: Integers) -> Integers:
-        """Rows that are numbers and do not repeat the row before; the others are counted."""
+    def _kept(self, batch: Log, found: Converted, run: Integers) -> tuple[Integers, Array]:
+        """Rows that are numbers and do not repeat the row before, the others are counted; the clock (n,)."""
         kept = found.numbers
         if not np.all(kept):
             self._first_bad = self._first_bad or batch.place(int(np.argmin(kept)))
@@ -283,8 +284,11 @@ class _Reader:
         # Rows that are repeated have the same time.
         if np.any(np.diff(found.values["time"][kept]) == 0.0):
             kept &= ~found.repeated(kept, run)
-        self._found.rejected += int(np.count_nonzero(~kept))
-        return np.flatnonzero(kept)
+        clock = clock_of(batch, run, found.values["time"], kept)
+        self._found.rejected += int(np.count_nonzero(~clock.kept))
+        if again := [finding.text for finding in clock.findings if finding.kind == "restart"]:
+            raise InputError(f"{again[0]}: a long log needs one, as run = ... in [columns]")
+        return np.flatnonzero(clock.kept), clock.t
 
     def _check(
         self, batch: Log, t: Array, rows: Integers, begins: Integers, labels: list[str], goes_on: bool

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.signals.finding import Finding
 from eccentric.signals.quality.causes import (
     Logged,
     common_cause,
@@ -47,7 +48,6 @@ from eccentric.signals.quality.ratios import (
     torque_per_unit,
     upright_gravity_of,
 )
-from eccentric.signals.table import Finding
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

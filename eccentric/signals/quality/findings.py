@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.signals.filters import stretches
+from eccentric.signals.finding import Finding
 from eccentric.signals.limits import LEAST_CORRELATION, MUCH_LOST
 from eccentric.signals.motion import speed_doubt, speed_factor, unwrapped
 from eccentric.signals.quality.against_rig import rig_findings
@@ -37,7 +38,7 @@ from eccentric.signals.quality.limits import (
     STEADY,
     TOP_SPEED,
 )
-from eccentric.signals.table import Finding, Table
+from eccentric.signals.table import Table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
