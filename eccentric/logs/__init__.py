@@ -3,7 +3,7 @@
 In: the path of a file (CSV, JSON, MAT, Parquet, HDF5, MDF, bags of ROS 2, ...), or a table in memory.
 Out: a `Log` of columns of one length, or a `LogStream` of batches; arithmetic on its columns (`evaluate`) and
 the units that a rig may assign to them (`require_unit`, `parse_value`).
-May import: `core`.  A new format is one more file beside `csv_file.py` and one more line in `formats.FORMATS`.
+May import: `core`.  A new format is a file beside `csv_file.py` and a line in `formats.FORMATS`.
 """
 
 from eccentric.logs.arithmetic import evaluate

@@ -60,8 +60,9 @@ def _require_table(content: object, path: Path, name: str = "") -> None:
         raise InputError(
             path,
             "one table",
-            f"{len(content)} objects in {name or 'a list'!r}, each with lists ({few(uneven, 3)}) of a length of"
-            f" its own, {lengths[0]} to {lengths[-1]}: write a row for each sample, with a column for the run",
+            f"{len(content)} objects in {name or 'a list'!r}, each with lists ({few(uneven, 3)}) of a length"
+            f" of its own, {lengths[0]} to {lengths[-1]}: write a row for each sample, with a column for the"
+            " run",
         )
 
 

@@ -101,7 +101,7 @@ def _is_stale(t: Array) -> bool:
 
 
 def _out_of_order(t: Array, k: int) -> slice | None:
-    """The rows at the fall after row k that do not belong between those beside them; None if they are many."""
+    """The rows at the fall after row k that do not belong between those beside them; None if many."""
     for m in range(1, MOST_OUT_OF_ORDER + 1):
         if k - m < 0 or t[k + 1] > t[k - m]:
             return slice(max(0, k - m + 1), k + 1)
@@ -111,7 +111,10 @@ def _out_of_order(t: Array, k: int) -> slice | None:
 
 
 def _spread(t: Array) -> tuple[Array, tuple[int, float]]:
-    """Rows that share a stamp, evenly up to the next; the usual number of them, and how long they last."""
+    """Rows that share a stamp, evenly up to the next, or all at one rate where no stamp contradicts that.
+
+    Also the usual number of rows with one stamp, and how long they last.
+    """
     first = np.flatnonzero(np.diff(t, prepend=-np.inf) > 0.0)
     size = np.diff(np.append(first, len(t)))
     lasts = np.diff(t[first])
@@ -123,7 +126,12 @@ def _spread(t: Array) -> tuple[Array, tuple[int, float]]:
     each = np.where(lasts > LONGEST_BREAK * row * size, row, lasts / size)
     place = np.arange(len(t)) - np.repeat(first, size)
     usual = int(np.median(size))
-    return t + place * np.repeat(each, size), (usual, usual * row)
+    fine = t + place * np.repeat(each, size)
+    # A row that slipped into the next packet was taken in time all the same, if all were at one rate.
+    even = t[0] + np.polyval(np.polyfit(first, t[first] - t[0], 1), np.arange(len(t)))
+    if np.all(np.abs(even - fine) <= usual * row):
+        fine = even + float(np.median(fine - even))
+    return fine, (usual, usual * row)
 
 
 @dataclass(frozen=True)
@@ -166,8 +174,8 @@ def clock_of(log: Log, labels: Integers, t: Array, kept: Mask) -> ClockOfLog:
         said.append(Finding("bad_time", "time", text, len(lost), "warning"))
     if again:
         text = (
-            f"{log.path}: time starts again at {log.place(again[0])}{so_more(len(again) - 1)}: each recording is"
-            " a run, unless a column for run says otherwise"
+            f"{log.path}: time starts again at {log.place(again[0])}{so_more(len(again) - 1)}: each recording"
+            " is a run, unless a column for run says otherwise"
         )
         said.append(Finding("restart", "run", text, len(again), "warning"))
     if packets:
