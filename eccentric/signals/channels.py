@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.core import InputError, few
+from eccentric.core import InputError, counted, few
 from eccentric.logs import LogSource, read_log
 from eccentric.rigs import Alignment, Rig
 from eccentric.signals.filters import joined, motion_of, rows_of_each, span_velocity, stretches, suited
@@ -23,6 +23,8 @@ from eccentric.signals.kinds import at_times, evidence, refined
 from eccentric.signals.limits import (
     COARSE,
     COARSE_ROW_S,
+    COMPARED_S,
+    END_PART,
     END_S,
     HALF_SPAN_S,
     HOLD_WINDOW_S,
@@ -32,6 +34,7 @@ from eccentric.signals.limits import (
     MOVING_PART,
     POINTS_PER_ROW,
     PROVED,
+    QUANTA,
     RAISED,
     RATE_HIGH,
     RATE_LOW,
@@ -235,6 +238,7 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     _require_drive(channels, paths)
     channels = channels.realigned(rig, rig.alignment)
     findings = assess(logged, channels, rig)
+    warnings += _without_rows(channels)
     # Missing rows come before their consequences for the filters.
     warnings += [*(finding.text for finding in findings if finding.kind != "excerpt"), *doubts]
     intake = dataclasses.replace(channels.intake, warnings=tuple(warnings), findings=findings)
@@ -393,14 +397,52 @@ def _require_rows(channels: Channels, paths: Sequence[str], rig: Rig) -> None:
             )
         raise InputError(
             where,
-            (
-                f"moving rows (above {rows.moving_threshold_rad_s:.4g} rad/s at the motor, {END_S:g}"
-                " s from the ends)"
-            ),
-            f"{fitted} and {scored} under {rig.path}: are the units of time and angle right?",
+            f"moving rows (above {rows.moving_threshold_rad_s:.4g} rad/s at the motor)",
+            f"{fitted} and {scored} under {rig.path}: {_cause(channels, rig)}",
             why=f"to fit and to hold out ({rows.holdout.brief})",
             plural=True,
         )
+
+
+def _cause(channels: Channels, rig: Rig) -> str:
+    """Why no row is left: the default that takes them and the key that changes it, before the units are asked."""
+    time, rows, theta = channels.time, channels.selection, channels.motion.theta_logged
+    lasts = [float(np.ptp(time.t[own])) for own in rows_of_each(time.segment)]
+    speed = np.concatenate(
+        [np.abs(_speed_over(time.t[own], theta[own])) for own in rows_of_each(time.segment)]
+    )
+    fastest = float(np.quantile(speed, 0.95)) if len(speed) else 0.0
+    key = rig.axis.said("moving_threshold_rad_s")
+    if rig.sampling.moving_threshold_rad_s is None and rows.moving_threshold_rad_s > 0.5 * fastest > 0.0:
+        return (
+            f"the threshold is a default, {QUANTA:g} steps of the angle ({channels.motion.quantum_rad:.3g} rad)"
+            f" in {2e3 * HALF_SPAN_S:g} ms, and the drive turns at {fastest:.3g} rad/s:"
+            f" write {key} = {0.25 * fastest:.2g}"
+        )
+    if np.any(rows.moving) and max(lasts) < END_S / END_PART:
+        return (
+            f"the longest stretch without a gap lasts {max(lasts):.3g} s, of which {END_PART:.0%} at either end is"
+            " left to the filter, and rows near a reversal do not count: a longer record is required"
+        )
+    return "are the units of time and angle right?"
+
+
+def _speed_over(t: Array, theta: Array) -> Array:
+    """The speed [rad/s] over a time in which the steps of an encoder do not matter."""
+    rows = max(1, round(COMPARED_S / max(float(np.median(np.diff(t))), 1e-9))) if len(t) > 1 else 1
+    return (theta[rows:] - theta[:-rows]) / (t[rows:] - t[:-rows]) if len(t) > rows else np.empty(0)
+
+
+def _without_rows(channels: Channels) -> list[str]:
+    """The runs of which no row is used, where there are several."""
+    names = channels.time.run_names
+    used = np.bincount(channels.time.run, channels.selection.usable, minlength=len(names)) > 0
+    without = [name for name, has in zip(names, used, strict=True) if not has]
+    if not without:
+        return []
+    return [
+        f"no row of {counted(len(without), 'run')} of {len(names)} is used, too short or too slow: {few(without)}"
+    ]
 
 
 def _require_drive(channels: Channels, paths: Sequence[str]) -> None:

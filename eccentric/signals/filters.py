@@ -20,6 +20,7 @@ from scipy.linalg.lapack import dtbtrs
 from eccentric.rigs import Rig
 from eccentric.signals.limits import (
     COARSE,
+    END_PART,
     END_S,
     FAST,
     GAP_STEPS,
@@ -263,7 +264,8 @@ def moves(t: Array, velocity: Array, threshold: float) -> Mask:
 
 def away_from_ends(t: Array) -> Mask:
     """Return the rows (n,) more than 0.5 s from either end of the stretch t [s]."""
-    return (t > t[0] + END_S) & (t < t[-1] - END_S)
+    end = min(END_S, END_PART * float(t[-1] - t[0]))
+    return (t > t[0] + end) & (t < t[-1] - end)
 
 
 # What a log can resolve, unless the rig says so: cut-off, averages, or one mean per run.

@@ -44,6 +44,9 @@ REVERSAL_S = 0.06
 """A moving row has no reversal within this time, s."""
 END_S = 0.5
 """Rows closer than this to either end of a stretch are not used, since filters have transients there, s."""
+END_PART = 0.25
+"""Of a stretch shorter than four times that, this part is left out at either end: three periods of 25 Hz in half
+a second, after which the transient of the low pass is below a thousandth."""
 SWITCHING_S = 0.1
 """Rows this close to switching the motor are not used, s: a filter mixes driven and free motion."""
 QUANTA = 10.0
