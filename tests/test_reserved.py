@@ -70,7 +70,7 @@ TRIED = (
         '"',
         "x" * 64,
     ),
-    *("theta", "B_m", "print", "E", "I", "self", "np", "c", "out", "x1", "x" * 63),
+    *("theta", "B_m", "print", "E", "I", "complex", "errno", "EOF", "self", "np", "c", "out", "x1", "x" * 63),
 )
 
 
@@ -94,7 +94,8 @@ def test_accepted_names_are_members_of_a_structure(tmp_path: Path, command: str)
     need(command.split(maxsplit=1)[0])
     language = "c++" if "++" in command else "c"
     source = tmp_path / "members.c"
-    headers = "#include <float.h>\n#include <math.h>\n#include <stddef.h>\n"
+    included = ("complex", "errno", "float", "math", "stddef", "stdio")
+    headers = "".join(f"#include <{name}.h>\n" for name in included)
     source.write_text(f"{headers}struct s {{ {' '.join(f'double {name};' for name in NAMES)} }};\n")
 
     done = subprocess.run(
@@ -112,7 +113,7 @@ def test_accepted_names_are_attributes_in_python() -> None:
     compile("class C:\n" + "".join(f"    {name}: float\n" for name in NAMES), "fields", "exec")
 
     assert {"theta", "B_m", "E", "x" * 63} <= set(NAMES)
-    assert not {*keyword.kwlist, "int", "class", "NAN", "M_PI", "x y", "", "x" * 64} & set(NAMES)
+    assert not {*keyword.kwlist, "int", "class", "NAN", "M_PI", "I", "EOF", "x y", "", "x" * 64} & set(NAMES)
 
 
 @pytest.mark.parametrize("name", ["int", "x y", "a*/b", "__class__", "lambda", "DBL_DIG"])

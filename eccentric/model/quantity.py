@@ -32,12 +32,14 @@ CPP_KEYWORDS = frozenset(
     wchar_t xor xor_eq
     """.split()  # noqa: SIM905 - words are easier to read than a list
 )
-# Macros of float.h, math.h and stddef.h, those of compilers in GNU dialects, and functions that are called.
+# Macros of the headers of C that are no functions, those of compilers in GNU dialects, and functions that are
+# called: a header of the model may come after any other, as complex.h, whose I is the imaginary unit.
 _MACROS = frozenset(
     """
     FLT_EVAL_METHOD FLT_RADIX FLT_ROUNDS HUGE_VAL HUGE_VALF HUGE_VALL INFINITY NAN NULL offsetof
     MAXFLOAT M_1_PI M_2_PI M_2_SQRTPI M_E M_LN10 M_LN2 M_LOG10E M_LOG2E M_PI M_PI_2 M_PI_4 M_SQRT1_2
     M_SQRT2 i386 linux unix
+    I complex imaginary EOF BUFSIZ stdin stdout stderr errno
     FP_FAST_FMA FP_ILOGB0 FP_ILOGBNAN FP_INFINITE FP_NAN FP_NORMAL FP_SUBNORMAL FP_ZERO
     """.split()  # noqa: SIM905 - words are easier to read than a list
 )
