@@ -11,7 +11,17 @@ from typing import Any
 
 from eccentric.api.inputs import LogSources, read_logs
 from eccentric.core import InputError, MissingValueError, counted, few, whole_file
-from eccentric.drafting import Draft, Proposal, RigLine, draft_of, draft_of_arm, log_complaints, toml_of
+from eccentric.drafting import (
+    Draft,
+    Proposal,
+    RigLine,
+    by_rate,
+    draft_of,
+    draft_of_arm,
+    log_complaints,
+    toml_of,
+    upright,
+)
 from eccentric.identification import fit as fit_channels
 from eccentric.joints import fit_arm as fit_joints
 from eccentric.logs import Log, log_names
@@ -117,6 +127,7 @@ def draft_rig(
     name: str | None = None,
     arm: str | os.PathLike[str] | None = None,
     *,
+    rate_hz: float | None = None,
     beside: str | os.PathLike[str] = ".",
     reading: Callable[[float], None] | None = None,
 ) -> RigDraft:
@@ -126,6 +137,7 @@ def draft_rig(
         logs: as in `fit`.
         name: of the rig; by default that of the log.
         arm: the path of an arm, .toml or .urdf: its joints' columns are found by pattern.
+        rate_hz: rows per second of logs without a column of time.
         beside: the folder that the rig file of an arm will be in: its path is written relative to it.
         reading: called with the part of the joints of an arm that is done, 0 to 1.
 
@@ -134,6 +146,8 @@ def draft_rig(
             time nor motion.
     """
     read = read_logs(logs)
+    if rate_hz is not None:
+        read = [by_rate(log, rate_hz) for log in read]
     if arm is None:
         draft = _draft(read)
     else:
@@ -141,8 +155,17 @@ def draft_rig(
         place = Path(os.path.relpath(arm, beside)).as_posix()
         draft = draft_of_arm(_same_columns(read), chain, place, reading or (lambda _: None))
     title = name or Path(_longest(read).path).name.split(".")[0]
+    if rate_hz is not None:
+        draft = _without_time(draft, rate_hz)
     proposals = tuple(replace(p, channel=draft.axis.said(p.channel)) for p in draft.proposals)
     return RigDraft(toml_of(draft, title), proposals, draft.left_out, draft.doubts, draft.questions)
+
+
+def _without_time(draft: Draft, rate_hz: float) -> Draft:
+    """The draft of a log whose clock is its rate."""
+    rate = RigLine("", "sample_rate_hz", f"{rate_hz:g}", "as given: time is the number of the row over it")
+    channels = tuple(p for p in draft.proposals if p.channel != "time")
+    return replace(draft, proposals=channels, entries=(rate, *draft.entries))
 
 
 def _longest(logs: Sequence[Log]) -> Log:
@@ -150,7 +173,7 @@ def _longest(logs: Sequence[Log]) -> Log:
 
 
 def _draft(logs: Sequence[Log]) -> Draft:
-    return draft_of(_same_columns(logs))
+    return draft_of(upright(_same_columns(logs)))
 
 
 def _same_columns(logs: Sequence[Log]) -> Log:

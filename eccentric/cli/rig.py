@@ -25,13 +25,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="check this rig file against the logs instead; status 1 if something is wrong",
     )
     add("--arm", metavar="ARM", help="the arm whose joints the log has, .toml or .urdf: columns by pattern")
+    add("--rate", metavar="HZ", type=float, help="rows per second of a log without a column of time")
     add("--name", help="name of the rig (that of the log)")
 
 
 def run(args: argparse.Namespace) -> int:
     """Print or write the draft, or the complaints; return 1 if a checked rig has any."""
     if args.check is not None:
-        for option, given in (("--out", args.out), ("--arm", args.arm)):
+        for option, given in (("--out", args.out), ("--arm", args.arm), ("--rate", args.rate)):
             if given is not None:
                 raise InputError("--check", f"no {option}", "one", why="with it")
         found = eccentric.check_rig(args.logs, args.check)
@@ -43,7 +44,9 @@ def run(args: argparse.Namespace) -> int:
         print("\n".join([coloured(first, "good"), *rest]))
         return 0
     beside = Path(args.out or "rig.toml").parent
-    draft = eccentric.draft_rig(args.logs, args.name, args.arm, beside=beside, reading=bar())
+    draft = eccentric.draft_rig(
+        args.logs, args.name, args.arm, rate_hz=args.rate, beside=beside, reading=bar()
+    )
     if args.out is None:
         print(draft.text, end="")
         return 0

@@ -5,6 +5,7 @@ Each reading is a hypothesis with a weight; what is close to the best one is sta
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Mapping
@@ -13,11 +14,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.core import InputError
+from eccentric.core import InputError, few, so_more
 from eccentric.drafting import limits
 from eccentric.drafting.columns import LoggedColumn, nice_counts
 from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.words import read_name
+from eccentric.logs import Log, falls, mended
 
 # The clock of a log and its runs: which column is the time, in which unit, and where a run ends.
 
@@ -77,6 +79,28 @@ def _blocks(
     return [(score, name, changes, count)]
 
 
+def upright(log: Log) -> Log:
+    """Return a log in the order of its time: with its last row first, where a column of time falls."""
+    clocks = [
+        n for n, x in log.columns.items() if x.dtype.kind == "f" and read_name(n, "").quantity == "time"
+    ]
+    turned = any(falls(log.numbers(name)) for name in clocks)
+    return log.rows_of(slice(None, None, -1)) if turned else log
+
+
+def by_rate(log: Log, rate_hz: float) -> Log:
+    """Return a log with a column of time, `time_s`, of so many rows per second.
+
+    Raises:
+        InputError: no number above 0, or a log that has this column.
+    """
+    if not (math.isfinite(rate_hz) and rate_hz > 0.0):
+        raise InputError("rate", "a number of rows per second above 0", f"{rate_hz:g}")
+    if "time_s" in log.columns:
+        raise InputError(log.path, "a log without a column of time", "'time_s'", why="with a rate")
+    return dataclasses.replace(log, columns={"time_s": np.arange(log.rows) / rate_hz, **log.columns})
+
+
 def find_clock(columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_], where: str) -> Clock:
     """The clock among the columns; `ends` (n-1,) are those of named runs.
 
@@ -84,9 +108,14 @@ def find_clock(columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_], whe
         InputError: no column rises from row to row.
     """
     found = sorted(((_score(column, ends), column) for column in columns.values()), key=lambda one: -one[0])
+    said = ""
     if not found or found[0][0] <= 0.0:
+        found, ends, said = _put_right(columns, ends)
+    if not found:
         raise InputError(
             f"{where}: a column that rises from row to row, the time, is required, the log has none"
+            f" ({few(columns, 5)}): where its rows are evenly apart, say how many are in a second, as in --rate 500"
+            " (sample_rate_hz of a rig file)"
         )
     score, column = found[0]
     steps = np.diff(column.values)
@@ -102,7 +131,11 @@ def find_clock(columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_], whe
     ]
     if column.name.unit:
         evidence.append(f"{column.name.unit} by its name")
-    doubts = [f"{column.text} or {', '.join(others)}: several columns rise alike"] if others else []
+    starts = np.flatnonzero((steps < 0.0) & ~ends) + 2
+    if len(starts):
+        said = f"time starts again in row {starts[0]}{so_more(len(starts) - 1)}: each recording is a run"
+    doubts = [said] if said else []
+    doubts += [f"{column.text} or {', '.join(others)}: several columns rise alike"] if others else []
     if column.name.quantity not in ("time", ""):
         doubts.append(f"its name says {column.name.quantity}")
     if likely[unit] < limits.SURE:
@@ -113,6 +146,37 @@ def find_clock(columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_], whe
         )
     proposal = Proposal("time", column.text, unit, tuple(evidence), likely[unit], "; ".join(doubts))
     return Clock(proposal, column.values, breaks, usual, likely)
+
+
+def _put_right(
+    columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_]
+) -> tuple[list[tuple[float, LoggedColumn]], NDArray[np.bool_], str]:
+    """The columns that are a clock once shared stamps are spread and rows out of order left out, best first.
+
+    Also the ends of runs, with those of recordings of the best, and what was done; none if there is no clock.
+    """
+    found: list[tuple[float, LoggedColumn, NDArray[np.bool_], str]] = []
+    for column in columns.values():
+        if column.name.quantity != "time":
+            continue  # an angle that wraps rises and starts again as well
+        clock = mended(column.values)
+        rows, at = np.flatnonzero(clock.kept), np.arange(len(clock.t))
+        fine = LoggedColumn(column.name, np.interp(at, rows, clock.t[rows]))
+        apart = ends | (np.diff(clock.part) > 0)
+        lost = len(at) - len(rows)
+        said = [f"groups of {clock.packet[0]} rows share one stamp and are spread evenly"] * bool(
+            clock.packet[0]
+        )
+        said += [f"{lost} rows have a time out of order"] * bool(lost)
+        said += [f"time starts again {int(clock.part[-1])} times: each recording is a run"] * bool(
+            clock.part[-1]
+        )
+        score = _score(fine, apart) if lost <= limits.FEW_VALUES else 0.0
+        if score > 0.0:
+            found.append((score, fine, apart, "; ".join(said)))
+    found.sort(key=lambda one: -one[0])
+    best = found[0] if found else (0.0, None, ends, "")
+    return [(score, column) for score, column, *_ in found], best[2], best[3]
 
 
 def _score(column: LoggedColumn, ends: NDArray[np.bool_]) -> float:

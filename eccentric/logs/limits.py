@@ -21,6 +21,17 @@ MOST_BROKEN = 0.01
 """Rows of another width than the header are broken where they are no more than this part, or the last one;
 where they are more, the table is not what its header says."""
 
+# Clocks that have to be put right.
+
+FALLING = 0.9
+"""A clock of which this part of the steps is downwards runs backwards: the newest row is the first."""
+MOST_OUT_OF_ORDER = 5
+"""Rows in a row whose time fits into no order are damaged; more than these are another recording."""
+FEWEST_IN_PACKETS = 0.01
+"""Part of the rows from which shared stamps are the logger's way, and no accident."""
+LONGEST_BREAK = 5.0
+"""A packet that takes this many times its usual time is followed by a gap."""
+
 # Channels with clocks of their own.
 
 SIMILAR_RATE = 0.1

@@ -405,7 +405,7 @@ def _require_rows(channels: Channels, paths: Sequence[str], rig: Rig) -> None:
 
 
 def _cause(channels: Channels, rig: Rig) -> str:
-    """Why no row is left: the default that takes them and the key that changes it, before the units are asked."""
+    """Why no row is left: the default that takes them and the key that changes it, before the units."""
     time, rows, theta = channels.time, channels.selection, channels.motion.theta_logged
     lasts = [float(np.ptp(time.t[own])) for own in rows_of_each(time.segment)]
     speed = np.concatenate(
@@ -415,14 +415,14 @@ def _cause(channels: Channels, rig: Rig) -> str:
     key = rig.axis.said("moving_threshold_rad_s")
     if rig.sampling.moving_threshold_rad_s is None and rows.moving_threshold_rad_s > 0.5 * fastest > 0.0:
         return (
-            f"the threshold is a default, {QUANTA:g} steps of the angle ({channels.motion.quantum_rad:.3g} rad)"
+            f"the threshold is a default, {QUANTA:g} steps of {channels.motion.quantum_rad:.3g} rad"
             f" in {2e3 * HALF_SPAN_S:g} ms, and the drive turns at {fastest:.3g} rad/s:"
             f" write {key} = {0.25 * fastest:.2g}"
         )
     if np.any(rows.moving) and max(lasts) < END_S / END_PART:
         return (
-            f"the longest stretch without a gap lasts {max(lasts):.3g} s, of which {END_PART:.0%} at either end is"
-            " left to the filter, and rows near a reversal do not count: a longer record is required"
+            f"the longest stretch without a gap lasts {max(lasts):.3g} s, of which {END_PART:.0%} at either end"
+            " is left to the filter, and rows near a reversal do not count: a longer record is required"
         )
     return "are the units of time and angle right?"
 
@@ -440,9 +440,8 @@ def _without_rows(channels: Channels) -> list[str]:
     without = [name for name, has in zip(names, used, strict=True) if not has]
     if not without:
         return []
-    return [
-        f"no row of {counted(len(without), 'run')} of {len(names)} is used, too short or too slow: {few(without)}"
-    ]
+    what = f"no row of {counted(len(without), 'run')} of {len(names)} is used"
+    return [f"{what}, too short or too slow: {few(without)}"]
 
 
 def _require_drive(channels: Channels, paths: Sequence[str]) -> None:

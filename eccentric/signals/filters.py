@@ -263,7 +263,7 @@ def moves(t: Array, velocity: Array, threshold: float) -> Mask:
 
 
 def away_from_ends(t: Array) -> Mask:
-    """Return the rows (n,) more than 0.5 s from either end of the stretch t [s]."""
+    """Return the rows (n,) more than 0.5 s, or a quarter, from either end of the stretch t [s]."""
     end = min(END_S, END_PART * float(t[-1] - t[0]))
     return (t > t[0] + end) & (t < t[-1] - end)
 

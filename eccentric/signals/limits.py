@@ -20,16 +20,8 @@ ROUNDED_RATE = 1e-6
 UNEVEN_STEP = 0.2
 """A time step this far from the median, as a fraction of it, is counted as uneven."""
 
-# Clocks that have to be put right.
+# Rows that are damaged.
 
-FALLING = 0.9
-"""A clock of which this part of the steps is downwards runs backwards: the newest row is the first."""
-MOST_OUT_OF_ORDER = 5
-"""Rows in a row whose time fits into no order are damaged; more than these are another recording."""
-FEWEST_IN_PACKETS = 0.01
-"""Part of the rows from which shared stamps are the logger's way, and no accident."""
-LONGEST_BREAK = 5.0
-"""A packet that takes this many times its usual time is followed by a gap."""
 FROZEN_ROWS, FROZEN_TIMES, CHANGING = 20, 5, 0.9
 """Rows at the end that repeat one: at least so many, so many times the most before them, in a log in which
 this part of the rows differs from the one before. The last digit of a sensor alone changes that often."""
@@ -45,8 +37,8 @@ REVERSAL_S = 0.06
 END_S = 0.5
 """Rows closer than this to either end of a stretch are not used, since filters have transients there, s."""
 END_PART = 0.25
-"""Of a stretch shorter than four times that, this part is left out at either end: three periods of 25 Hz in half
-a second, after which the transient of the low pass is below a thousandth."""
+"""Of a stretch shorter than four times that, this part is left out at either end: three periods of 25 Hz in
+half a second, after which the transient of the low pass is below a thousandth."""
 SWITCHING_S = 0.1
 """Rows this close to switching the motor are not used, s: a filter mixes driven and free motion."""
 QUANTA = 10.0

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError, few
-from eccentric.logs import Log, LogSource, log_stems, read_log
+from eccentric.logs import Log, LogSource, falls, log_stems, read_log
 from eccentric.rigs import Rig
-from eccentric.signals.clock import ClockOfLog, backwards, clock_of, falls, frozen_tails, reversed_time
+from eccentric.signals.clock import ClockOfLog, clock_of, frozen_tails, reversed_time
 from eccentric.signals.converted import converted, named_apart, run_numbers
 from eccentric.signals.finding import Finding
 from eccentric.signals.limits import (
@@ -246,7 +246,7 @@ def _of_runs(logs: Sequence[Log], stems: Sequence[str], rig: Rig, alone: bool) -
 def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
     found, turned = converted(log, rig), []
     if falls(found.values["time"]):
-        log = backwards(log)
+        log = log.rows_of(slice(None, None, -1))
         found, turned = converted(log, rig), [reversed_time(log)]
     values, use, motor_off, kept = found.values, found.use, found.motor_off, found.numbers
     number, names = found.runs(name, alone)
