@@ -1,6 +1,7 @@
 """Friction models of drives that swing an unbalanced mass: derived, emitted, compared with measured data.
 
     read_log, read_rig    a file or a table in memory; a file or a mapping     -> Log, Rig
+    describe_log          what a file is, and what was understood of it         -> LogDescription
     draft_rig, check_rig  logs -> RigDraft; logs, rig -> RigCheck: all that is wrong at once
     fit                   logs, rig -> FitResult: estimates with uncertainty, held-out error
     diagnose              logs, rig -> DiagnosisResult: what the model lacks, and the extended model

@@ -10,6 +10,7 @@ from eccentric.api import Correlation as Correlation
 from eccentric.api import DiagnosisResult as DiagnosisResult
 from eccentric.api import FitResult as FitResult
 from eccentric.api import FleetResult as FleetResult
+from eccentric.api import LogDescription as LogDescription
 from eccentric.api import PlanResult as PlanResult
 from eccentric.api import ResultTable as ResultTable
 from eccentric.api import RigCheck as RigCheck
@@ -20,6 +21,7 @@ from eccentric.api import bench_arm as bench_arm
 from eccentric.api import bench_fleet as bench_fleet
 from eccentric.api import check_rig as check_rig
 from eccentric.api import compare as compare
+from eccentric.api import describe_log as describe_log
 from eccentric.api import diagnose as diagnose
 from eccentric.api import diagnose_arm as diagnose_arm
 from eccentric.api import diagnose_fleet as diagnose_fleet

@@ -1,6 +1,7 @@
 """What `import eccentric` offers besides the rooms' own readers: fit, diagnose, emit and bench, with results.
 
     inputs      logs, rigs and models as a user has them      -> those of the rooms
+    described   describe_log -> LogDescription
     drafted     draft_rig -> RigDraft;  check_rig -> RigCheck
     fitted      fit        -> FitResult
     diagnosed   diagnose   -> DiagnosisResult

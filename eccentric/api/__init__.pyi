@@ -4,6 +4,8 @@ from eccentric.api.adapted import AdaptResult as AdaptResult
 from eccentric.api.adapted import adapt as adapt
 from eccentric.api.compared import CompareResult as CompareResult
 from eccentric.api.compared import compare as compare
+from eccentric.api.described import LogDescription as LogDescription
+from eccentric.api.described import describe_log as describe_log
 from eccentric.api.diagnosed import DiagnosisResult as DiagnosisResult
 from eccentric.api.diagnosed import diagnose as diagnose
 from eccentric.api.drafted import RigCheck as RigCheck

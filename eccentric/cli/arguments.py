@@ -32,8 +32,6 @@ def _has_colour(stream: TextIO | None) -> bool:
     return stream.isatty()
 
 
-LOGS = ".csv[.gz], .json[.gz], .npz, .mat, .parquet, .h5, .mf4, .db3, .mcap, .ulg, .tdms"
-"""Formats of logs, for help pages; `eccentric.logs` is not imported for them."""
 EVERY_S = 10.0
 """Progress is told so often where it is kept in a file: a run of an hour leaves a page."""
 MISFIT = 1
@@ -43,6 +41,13 @@ _STATUS = (
 )
 
 
+def log_suffixes() -> str:
+    """The suffixes of all formats of logs, for help pages."""
+    from eccentric.logs import FORMATS
+
+    return ", ".join(f"{s}{'[.gz]' if one.gzipped else ''}" for one in FORMATS for s in one.suffixes)
+
+
 def add_logs(parser: argparse.ArgumentParser) -> None:
     """Add the inputs of a fit: logs, their rig, and the model."""
     add = parser.add_argument
@@ -50,7 +55,7 @@ def add_logs(parser: argparse.ArgumentParser) -> None:
         "logs",
         metavar="LOG",
         nargs="+",
-        help=f"logs of one rig: {LOGS}; of more than 100,000 rows together, windows are used,"
+        help=f"logs of one rig: {log_suffixes()}; of more than 100,000 rows together, windows are used,"
         " see docs/long-logs.md",
     )
     add(

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import LOGS, bar, print_warnings
+from eccentric.cli.arguments import bar, log_suffixes, print_warnings
 from eccentric.core import own_folder
 
 NAME = "compare"
@@ -19,7 +19,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "log",
         metavar="LOG",
-        help=f"a log of the rig: {LOGS}; of more than 100,000 rows, windows are used, see docs/long-logs.md",
+        help=f"a log of the rig: {log_suffixes()}; of more than 100,000 rows, windows are used, see"
+        " docs/long-logs.md",
     )
     add(
         "models",

@@ -1,4 +1,4 @@
-"""`eccentric doctor`: what is installed, what is missing, and what that costs."""
+"""`eccentric doctor`: what is installed, what is missing, and what that costs; what a file is."""
 
 import argparse
 import os
@@ -10,41 +10,39 @@ import sys
 import webbrowser
 from importlib.metadata import PackageNotFoundError, version
 
+import eccentric
 from eccentric.cli.arguments import coloured
+from eccentric.core import InputError
 from eccentric.version import __version__
 
 NAME = "doctor"
-HELP = "show Python, packages, compiler and browser, and what to install for what is missing"
-EXAMPLE = "eccentric doctor"
+HELP = "show what is installed and what to install for what is missing; or what kind of log a file is"
+EXAMPLE = """eccentric doctor
+eccentric doctor my_log.csv"""
 
 _CORE = ("numpy", "sympy", "scipy", "jinja2")
 _BROWSERS = ("firefox", "chromium", "chromium-browser", "google-chrome", "microsoft-edge", "epiphany")
 _EXTRAS = {
     "figures": (("matplotlib",), "figures of a fit and of the paper"),
     "report": (("matplotlib", "bokeh"), "figures in the report of a diagnosis"),
-    "parquet": (("pyarrow",), "logs in .parquet, and tables of pandas or polars"),
-    "mat73": (("h5py",), "logs in .mat of version 7.3"),
-    "hdf5": (("h5py",), "logs in .h5"),
-    "mdf": (("asammdf",), "logs in .mf4 and .mdf"),
-    "rosbag": (("rosbags",), "ROS 2 bags .db3"),
-    "mcap": (("mcap", "rosbags"), "recordings in .mcap"),
-    "ulog": (("pyulog",), "logs of PX4, .ulg"),
-    "tdms": (("nptdms",), "logs of LabVIEW, .tdms"),
     "arms": (("yourdfpy",), "arms by URDF"),
     "arms-bench": (("mujoco-core",), "the virtual bench of an arm"),
     "fleet": (("dask", "distributed", "pyarrow"), "the logs of a fleet"),
     "jax": (("jax",), "the JAX module"),
     "completion": (("argcomplete",), "completion in the shell"),
 }
-"""Extra of `pyproject.toml`: its packages, and what it is for."""
+"""Extra of `pyproject.toml` other than those of log formats: its packages, and what it is for."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """`doctor` has no arguments of its own."""
+    """Add the arguments of `doctor` to `parser`."""
+    parser.add_argument("files", metavar="FILE", nargs="*", help="logs, or what may be one, of any format")
 
 
-def run(_: argparse.Namespace) -> int:
-    """Print a line for each; return 1 if something of the core is missing."""
+def run(args: argparse.Namespace) -> int:
+    """Print what is installed, or what the files are; return 1 if part of the core, or a log, is missing."""
+    if args.files:
+        return max([_described(file) for file in args.files])
     print(
         f"eccentric {__version__}, Python {platform.python_version()}"
         f" on {platform.system()} {platform.machine()}"
@@ -53,8 +51,9 @@ def run(_: argparse.Namespace) -> int:
     print("core: " + ", ".join(f"{package} {_version(package) or 'MISSING'}" for package in _CORE))
     print(f"C compiler: {_compiler()}")
     print(f"browser for --open: {_browser()}")
-    width = max(map(len, _EXTRAS))
-    for extra, (packages, purpose) in _EXTRAS.items():
+    extras = _of_formats() | _EXTRAS
+    width = max(map(len, extras))
+    for extra, (packages, purpose) in extras.items():
         found = {package: _version(package) for package in packages}
         said = (
             ", ".join(f"{package} {number}" for package, number in found.items())
@@ -63,6 +62,29 @@ def run(_: argparse.Namespace) -> int:
         )
         print(f"{extra:{width}}  {purpose}: {said}")
     return 1 if missing else 0
+
+
+def _described(file: str) -> int:
+    """Print what a file is; 1 if it cannot be read as a log."""
+    try:
+        print(eccentric.describe_log(file).summary())
+    except InputError as error:
+        print(coloured(str(error), "error"))
+        return 1
+    return 0
+
+
+def _of_formats() -> dict[str, tuple[tuple[str, ...], str]]:
+    """The extras that formats of logs need, with the packages, and the suffixes that they are for."""
+    from eccentric.logs import FORMATS
+
+    found: dict[str, tuple[tuple[str, ...], str]] = {}
+    for one in (one for one in FORMATS if one.extra):
+        packages, purpose = found.get(one.extra, ((), "logs in "))
+        suffixes = f"{', '.join(one.suffixes)}{f' of {one.extra_for}' if one.extra_for else ''}"
+        purpose += suffixes if not packages else f", {suffixes}"
+        found[one.extra] = tuple(dict.fromkeys((*packages, *one.packages))), purpose
+    return found
 
 
 def _version(package: str) -> str | None:

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import LOGS, bar, coloured, print_warnings
+from eccentric.cli.arguments import bar, coloured, log_suffixes, print_warnings
 from eccentric.core import InputError
 
 NAME = "rig"
@@ -17,7 +17,7 @@ eccentric rig my_log.csv --arm my_arm.urdf --out my_rig.toml"""
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `rig` to `parser`."""
     add = parser.add_argument
-    add("logs", metavar="LOG", nargs="+", help=f"logs of one rig: {LOGS}")
+    add("logs", metavar="LOG", nargs="+", help=f"logs of one rig: {log_suffixes()}")
     add("--out", metavar="RIG.toml", help="the rig file to write, a new one; without it the draft is printed")
     add(
         "--check",

@@ -24,4 +24,4 @@ from eccentric.drafting.against import log_complaints
 from eccentric.drafting.draft import Draft, draft_of, toml_of
 from eccentric.drafting.of_arm import draft_of_arm
 from eccentric.drafting.proposal import Proposal, RigLine
-from eccentric.drafting.units import by_rate, upright
+from eccentric.drafting.units import by_rate, clock_in, upright

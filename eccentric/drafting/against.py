@@ -67,6 +67,8 @@ def _missing(rig: Rig, log: Log, told: Collection[Complaint]) -> Iterator[Compla
         ("current", "torque", "torque_l", "voltage"),
     ):
         names = [rig.axis.said(channel) for channel in choice if channel in channels_of(rig.axis)]
+        if choice == ("time",) and rig.log.sample_rate_hz is not None:
+            continue
         if refused.isdisjoint(names) and not any(channel in sources for channel in choice):
             yield Complaint(
                 f"{rig.path}: [columns]: {' or '.join(names)} is required, received none; the log has"

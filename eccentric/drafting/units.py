@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from eccentric.core import InputError, few, so_more
 from eccentric.drafting import limits
-from eccentric.drafting.columns import LoggedColumn, nice_counts
+from eccentric.drafting.columns import LoggedColumn, columns_of, nice_counts
 from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.words import read_name
 from eccentric.logs import Log, falls, mended
@@ -42,6 +42,11 @@ class Clock:
     def unit(self) -> str:
         """The likeliest unit."""
         return max(self.likely, key=lambda unit: self.likely[unit])
+
+    @property
+    def rate_hz(self) -> float:
+        """The usual number of rows per second."""
+        return 1.0 / (self.step * SECONDS[self.unit])
 
 
 def find_runs(
@@ -88,6 +93,19 @@ def upright(log: Log) -> Log:
     return log.rows_of(slice(None, None, -1)) if turned else log
 
 
+def clock_in(log: Log) -> Clock:
+    """Return the clock of a log that nobody has described, by all of its rows.
+
+    Raises:
+        InputError: no column rises from row to row.
+    """
+    log = upright(log)
+    columns, texts = columns_of(log, slice(0, log.rows))
+    run, ends = find_runs(columns, texts, log.rows)
+    named = "" if run is None else run.column
+    return find_clock({n: c for n, c in columns.items() if n != named and not c.is_flag}, ends, log.path)
+
+
 def by_rate(log: Log, rate_hz: float) -> Log:
     """Return a log with a column of time, `time_s`, of so many rows per second.
 
@@ -114,8 +132,8 @@ def find_clock(columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_], whe
     if not found:
         raise InputError(
             f"{where}: a column that rises from row to row, the time, is required, the log has none"
-            f" ({few(columns, 5)}): where its rows are evenly apart, say how many are in a second, as in --rate 500"
-            " (sample_rate_hz of a rig file)"
+            f" ({few(columns, 5)}): where its rows are evenly apart, say how many are in a second, as in"
+            " --rate 500 (sample_rate_hz = 500 in a rig file)"
         )
     score, column = found[0]
     steps = np.diff(column.values)

@@ -10,6 +10,7 @@ from eccentric.logs.arithmetic import evaluate
 from eccentric.logs.assemble import number_of
 from eccentric.logs.batches import LogStream, stream_log
 from eccentric.logs.clock import falls, mended
+from eccentric.logs.formats import FORMATS, format_of
 from eccentric.logs.log import Excerpt, Log, LogSource, log_names, log_stems, read_log
 from eccentric.logs.parquet_file import arrow_columns
 from eccentric.logs.units import Unit, parse_unit, parse_value, require_unit

@@ -273,7 +273,7 @@ def _header(cells: Sequence[str], path: Path) -> tuple[str, ...]:
 
 FORMAT = Format(
     (".csv", ".txt", ".dat", ".tsv", ".log", ".asc"),
-    "tables as text: values between commas, semicolons, tabs or blanks",
+    "table as text, values between commas, semicolons, tabs or blanks",
     read_csv,
     in_parts=csv_source,
     gzipped=True,

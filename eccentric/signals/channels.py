@@ -421,8 +421,8 @@ def _cause(channels: Channels, rig: Rig) -> str:
         )
     if np.any(rows.moving) and max(lasts) < END_S / END_PART:
         return (
-            f"the longest stretch without a gap lasts {max(lasts):.3g} s, of which {END_PART:.0%} at either end"
-            " is left to the filter, and rows near a reversal do not count: a longer record is required"
+            f"the longest stretch without a gap lasts {max(lasts):.3g} s, of which {END_PART:.0%} at either"
+            " end is left to the filter, and rows near a reversal do not count: a longer record is required"
         )
     return "are the units of time and angle right?"
 

@@ -1,0 +1,96 @@
+"""A log without a rig: of which format it is, what was understood of it, and what was not."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from eccentric.core import InputError, counted, given_path
+from eccentric.drafting import clock_in
+from eccentric.logs import Log, format_of, read_log
+
+_MOST_COLUMNS = 40
+
+
+@dataclass(frozen=True)
+class LogDescription:
+    """A log as it was read.
+
+    Attributes:
+        path: of its file.
+        format: what kind of file it is.
+        rows: how many it has.
+        numbers: column of numbers -> its unit where the file says it, smallest and largest value, and how
+            many are missing.
+        texts: column of text -> how many different ones it has.
+        clock: the column of time, its unit, and its rows per second; None where no column rises as one does.
+        clock_doubt: what is not sure about the clock, or why there is none; "" for nothing.
+        notes: what was done to read it, and what was left out.
+    """
+
+    path: str
+    format: str
+    rows: int
+    numbers: dict[str, tuple[str, float, float, int]]
+    texts: dict[str, int]
+    clock: tuple[str, str, float] | None
+    clock_doubt: str
+    notes: tuple[str, ...]
+
+    def summary(self) -> str:
+        """For a terminal."""
+        return "\n".join(self._lines())
+
+    def _lines(self) -> Iterator[str]:
+        columns = len(self.numbers) + len(self.texts)
+        yield f"{self.path}: {self.format}"
+        yield f"  {counted(self.rows, 'row')}, {counted(columns, 'column')}"
+        if self.clock:
+            name, unit, rate = self.clock
+            doubt = f" ({self.clock_doubt})" if self.clock_doubt else ""
+            yield f"  clock: {name} [{unit}], {rate:.4g} rows a second{doubt}"
+        else:
+            yield f"  no clock: {self.clock_doubt}"
+        for name, (unit, low, high, missing) in list(self.numbers.items())[:_MOST_COLUMNS]:
+            span = f"{low:.6g} throughout" if low == high else f"{low:.6g} to {high:.6g}"
+            lost = f", {missing} missing" if missing else ""
+            yield f"  {name}{f' [{unit}]' if unit else ''}: {span if low <= high else 'no numbers'}{lost}"
+        if len(self.numbers) > _MOST_COLUMNS:
+            yield f"  and {len(self.numbers) - _MOST_COLUMNS} more columns of numbers"
+        for name, kinds in self.texts.items():
+            yield f"  {name}: text, {kinds} different"
+        yield from (f"  {note}" for note in self.notes)
+
+
+def describe_log(path: str | os.PathLike[str]) -> LogDescription:
+    """Say of a file what it is and what was understood of it, without a rig.
+
+    Raises:
+        InputError: it cannot be read as a log; the message says why.
+    """
+    log = read_log(path)
+    numbers = {name: log.numbers(name) for name, x in log.columns.items() if x.dtype.kind == "f"}
+    texts = {name: len(np.unique(x)) for name, x in log.columns.items() if x.dtype.kind != "f"}
+    clock, doubt = _clock(log)
+    found = {name: (log.units.get(name, ""), *_span(x)) for name, x in numbers.items()}
+    kind = format_of(given_path(path, "log")).title
+    return LogDescription(log.path, kind, log.rows, found, texts, clock, doubt, log.notes)
+
+
+def _span(x: np.ndarray) -> tuple[float, float, int]:
+    """Smallest and largest number, and how many values are none."""
+    there = x[np.isfinite(x)]
+    low, high = (float(there.min()), float(there.max())) if len(there) else (np.inf, -np.inf)
+    return low, high, len(x) - len(there)
+
+
+def _clock(log: Log) -> tuple[tuple[str, str, float] | None, str]:
+    try:
+        clock = clock_in(log)
+    except InputError as error:
+        return None, str(error).removeprefix(f"{log.path}: ")
+    proposal = clock.proposal
+    return (proposal.column, proposal.unit, clock.rate_hz), proposal.doubt
