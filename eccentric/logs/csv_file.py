@@ -146,7 +146,7 @@ def _is_table(names: Sequence[str], delimiter: str, below: Sequence[str]) -> boo
     return (
         widths
         and len(set(names)) == len(names)
-        and not _only_numbers(list(names))
+        and not any(name.strip() and is_number(name) for name in names)
         and any(is_number(cell) for row in rows for cell in row)
     )
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 
 from eccentric.core import InputError
 from eccentric.logs.assemble import number_of
-from eccentric.logs.limits import PREAMBLE_LINES, SAMPLE_LINES
+from eccentric.logs.limits import FEWEST_LINES, PREAMBLE_LINES, SAMPLE_LINES
 from eccentric.logs.units import parse_unit
 
 BLANKS = ""
@@ -139,13 +139,16 @@ def _body(lines: Sequence[str]) -> tuple[str, int, list[list[str]]] | None:
 
 
 def _by_width(split: Sequence[list[str]]) -> dict[int, list[list[str]]]:
-    """The last rows of each width that many have, or the last line: the groups of a scope end one by one."""
+    """The last rows of each width that many have, or the last line: the groups of a scope end one by one.
+
+    The first half may be lines of settings of that width.
+    """
     rows = [row for row in split if row]
     counts = Counter(map(len, rows))
-    usual = [width for width, count in counts.most_common(3) if count >= min(SAMPLE_LINES, len(rows) // 4)]
+    usual = [width for width, count in counts.most_common(4) if count >= min(FEWEST_LINES, len(rows) // 4)]
     last = [len(rows[-1])] if rows else []
     return {
-        width: [row for row in rows if len(row) == width][-SAMPLE_LINES:]
+        width: [row for row in rows if len(row) == width][-min(SAMPLE_LINES, counts[width] // 2 + 1) :]
         for width in dict.fromkeys((*usual, *last))
     }
 
@@ -216,10 +219,12 @@ def _header(
     if place and all(_unit(cell) or cell in ("", "-") for cell in block[place][1]):
         place -= 1
     line, cells = block[place]
-    names = [cell or f"column {k + 1}" for k, cell in enumerate(cells)]
+    # A delimiter at the end of every row makes no column.
+    ends = next((k for k in range(width, 0, -1) if cells[k - 1] or not empty[k - 1]), 0)
+    names = [cell or f"column {k + 1}" for k, cell in enumerate(cells[:ends])]
     units: dict[str, str] = {}
     for _, below in block[place + 1 :]:
-        units |= {name: unit for name, cell in zip(names, below, strict=True) if (unit := _unit(cell))}
+        units |= {name: unit for name, cell in zip(names, below, strict=False) if (unit := _unit(cell))}
     clocks = tuple(k for k, name in enumerate(names) if name == names[0])
     is_pairs = len(clocks) > 1 and all(_rises([row[k] for row in rows]) for k in clocks)
     return line, names, units, clocks if is_pairs else ()

@@ -13,6 +13,8 @@ DEEPEST_STRUCTURE = 20
 
 SAMPLE_LINES = 20
 """Lines that show of which width the rows of a table are, and which of its columns are numbers."""
+FEWEST_LINES = 5
+"""Lines of one width that may be rows of the table: a short group of a scope ends after a few."""
 LAYOUT_LINES = 400
 """Lines that are looked at for the first row: the settings that a scope writes above it are tens."""
 PREAMBLE_LINES = 10
