@@ -124,6 +124,8 @@ def _body(lines: Sequence[str]) -> tuple[str, int, list[list[str]]] | None:
     for delimiter in _SEEN:
         split = [next(rows_of([line], delimiter), (0, []))[1] for line in lines]
         for width, rows in _by_width(split).items():
+            if width == 1 and delimiter != ",":
+                continue  # a delimiter that no line has
             numeric = [all(is_number(row[k]) or not row[k].strip() for row in rows) for k in range(width)]
             filled = [any(row[k].strip() for row in rows) for k in range(width)]
             places = [k for k in range(width) if numeric[k] and filled[k]]
