@@ -22,7 +22,22 @@ from eccentric.core import InputError
 from eccentric.logs import evaluate, parse_value, read_log
 from eccentric.rigs import CHANNELS, KEYS, KNOWNS, read_arm, read_rig
 from tests.damage import NUMBERS, csv_bytes, files, json_bytes, mat73_bytes, mat_bytes, parquet_bytes, texts
-from tests.recordings import bag_bytes, hdf5_bytes, mcap_bytes, mdf_bytes, npz_bytes, tdms_bytes, ulog_bytes
+from tests.recordings import (
+    bag1_bytes,
+    bag_bytes,
+    blanks_bytes,
+    hdf5_bytes,
+    mcap_bytes,
+    mdf_bytes,
+    npy_bytes,
+    npz_bytes,
+    robot_bytes,
+    scope_bytes,
+    tdms_bytes,
+    trace_bytes,
+    ulog_bytes,
+    xlsx_bytes,
+)
 
 ODD_TEXTS = (
     *("", "estimate", "run", "C1", "C2", "time_s", "1 kg", "0.1 m", "2 ohm", "1e-4 kg m^2", "1/0 m"),
@@ -98,6 +113,17 @@ VALUES = st.one_of(
         lambda number, unit: number + "".join(unit), NUMBER_TEXT, st.lists(st.sampled_from(UNIT_PIECES))
     ),
 )
+
+
+CELLS = st.sampled_from(
+    (
+        *("", "t", "x", "x", "Name", "Unit", "s", "[ms]", "-", "nan", "1e999", "12:00:00", "23:59:59.9"),
+        *("2024-01-01", "0", "1", "1", "2.5", "-3,5", "4e5", "9007199254740993", '"', "#", "µ"),
+    )
+)
+TABLES_AS_TEXT = st.tuples(
+    st.sampled_from((",", ";", "\t", " ", ", ")), st.lists(st.lists(CELLS, max_size=4), max_size=30)
+).map(lambda drawn: "\n".join(drawn[0].join(row) for row in drawn[1]).encode())
 
 
 def outcome(action: Callable[[], object]) -> str:
@@ -221,6 +247,14 @@ TARGETS = {
     ".mcap": Target(st.deferred(lambda: files(mcap_bytes())), log_of(".mcap")),
     ".ulg": Target(st.deferred(lambda: files(ulog_bytes())), log_of(".ulg")),
     ".tdms": Target(st.deferred(lambda: files(tdms_bytes())), log_of(".tdms")),
+    "scope .txt": Target(files(scope_bytes()), log_of(".txt")),
+    "blanks .dat": Target(files(blanks_bytes()), log_of(".dat")),
+    "trace .csv": Target(files(trace_bytes()), log_of(".csv")),
+    "texts": Target(st.deferred(lambda: TABLES_AS_TEXT), log_of(".log")),
+    ".npy": Target(files(npy_bytes()), log_of(".npy")),
+    ".wpilog": Target(files(robot_bytes()), log_of(".wpilog")),
+    ".bag": Target(st.deferred(lambda: files(bag1_bytes())), log_of(".bag")),
+    ".xlsx": Target(st.deferred(lambda: files(xlsx_bytes())), log_of(".xlsx")),
     "rig .toml": Target(
         st.one_of(files((EXAMPLE / "bench.toml").read_bytes()), RIGS.map(toml_bytes)), rig_of(".toml")
     ),

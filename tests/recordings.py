@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import struct
 import tempfile
 from pathlib import Path
 
@@ -168,3 +169,103 @@ def ulog_bytes() -> bytes:
         first.write_bytes(raw)
         ULog(str(first)).write_ulog(str(again))
         return again.read_bytes()
+
+
+def wpilog_bytes(*entries: tuple[str, str, list[tuple[int, bytes]]]) -> bytes:
+    """A data log of WPILib of entries, each a name, a type, and times [us] with payloads."""
+
+    def record(number: int, time: int, payload: bytes) -> bytes:
+        return struct.pack("<BBIQ", 0x7C, number, len(payload), time) + payload
+
+    def text(value: str) -> bytes:
+        return struct.pack("<I", len(value)) + value.encode()
+
+    found = b"WPILOG" + struct.pack("<HI", 0x0100, 5) + b"extra"
+    for number, (name, kind, values) in enumerate(entries, start=1):
+        start = b"\0" + struct.pack("<I", number) + text(name) + text(kind) + text("")
+        found += record(0, 0, start) + b"".join(record(number, t, payload) for t, payload in values)
+    return found
+
+
+def robot_bytes() -> bytes:
+    """A data log of WPILib with a number, a list, a text and a structure."""
+    times = [2000 * k for k in range(len(T))]
+    return wpilog_bytes(
+        ("/angle", "double", [(t, struct.pack("<d", x)) for t, x in zip(times, ANGLE, strict=True)]),
+        ("both", "float[]", [(t, struct.pack("<2f", x, -x)) for t, x in zip(times, ANGLE, strict=True)]),
+        ("mode", "string", [(t, b"on") for t in times[::50]]),
+        ("pose", "struct:Pose", [(t, bytes(24)) for t in times[::50]]),
+    )
+
+
+def bag1_bytes(angle: np.ndarray = ANGLE, speed: np.ndarray = -ANGLE) -> bytes:
+    """A bag of ROS 1 with the states of a joint at 500 Hz."""
+    import rosbags.rosbag1 as bags
+    import rosbags.typesys as types
+
+    store = types.get_typestore(types.Stores.ROS1_NOETIC)
+    state, header, stamp = (
+        store.types[name]
+        for name in ("sensor_msgs/msg/JointState", "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "log.bag"
+        with bags.Writer(path) as bag:
+            topic = bag.add_connection("/joints", state.__msgtype__, typestore=store)
+            for k, (x, v) in enumerate(zip(angle, speed, strict=True)):
+                at = stamp(sec=100, nanosec=2_000_000 * k)
+                message = state(
+                    header=header(seq=k, stamp=at, frame_id=""),
+                    name=["elbow"],
+                    position=np.array([x]),
+                    velocity=np.array([v]),
+                    effort=np.array([]),
+                )
+                bag.write(topic, 1 + k, store.serialize_ros1(message, state.__msgtype__))
+        return path.read_bytes()
+
+
+def npy_bytes() -> bytes:
+    """A NumPy array of two columns."""
+    file = io.BytesIO()
+    np.save(file, np.column_stack([T, ANGLE]))
+    return file.getvalue()
+
+
+def xlsx_bytes() -> bytes:
+    """A workbook with a row of units."""
+    import openpyxl
+
+    file, book = io.BytesIO(), openpyxl.Workbook()
+    for row in (["t", "angle"], ["s", "rad"], *zip(T.tolist(), ANGLE.tolist(), strict=True)):
+        book.active.append(list(row))
+    book.save(file)
+    return file.getvalue()
+
+
+def scope_bytes() -> bytes:
+    """Two groups of a scope, the second at half of the rate, with decimal commas between tabs."""
+    slow = [f"\t{1e3 * t:g}\t{i:.4f}" for t, i in zip(T[::2], CURRENT, strict=True)]
+    rows = [
+        f"{1e3 * t:g}\t{x:.5f}{slow[k] if k < len(slow) else ''}"
+        for k, (t, x) in enumerate(zip(T, ANGLE, strict=True))
+    ]
+    head = "Name\tscope\nName\tx\tName\ti\nSampleTime[ms]\t10\tSampleTime[ms]\t20\nUnit\t(rad)\tUnit\t(A)\n\n"
+    return (head + "\n".join(rows).replace(".", ",") + "\n").encode()
+
+
+def blanks_bytes() -> bytes:
+    """Lines of settings, then values between blanks with a time of day."""
+    rows = [f"12:00:{t:06.3f} {x:.5f} {k % 3}" for k, (t, x) in enumerate(zip(T, ANGLE, strict=True))]
+    return ("Axis 1\nSamples 200\n\ntime angle mode\n" + "\n".join(rows) + "\n").encode()
+
+
+def trace_bytes() -> bytes:
+    """A trace of CODESYS with two variables."""
+    head = "[key]; [value]\nVersion; 0x03050000\n"
+    blocks = [
+        f"{k}.Variable; A.x{k}\n{k}.Data; \n"
+        + "".join(f"; {t:g}; {x:g}\n" for t, x in zip(T, ANGLE, strict=True))
+        for k in range(2)
+    ]
+    return (head + "".join(blocks)).encode()

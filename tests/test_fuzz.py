@@ -19,6 +19,8 @@ EXTRAS = {
     ".mcap": "mcap",
     ".ulg": "pyulog",
     ".tdms": "nptdms",
+    ".bag": "rosbags",
+    ".xlsx": "openpyxl",
     "arm .urdf": "yourdfpy",
 }
 

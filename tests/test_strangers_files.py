@@ -16,6 +16,7 @@ import eccentric
 from eccentric import cli
 from eccentric.core import InputError
 from eccentric.logs import FORMATS, Log, format_of, read_log
+from tests.recordings import bag1_bytes, wpilog_bytes
 
 T = np.arange(40) * 0.002
 X = np.round(np.sin(3.0 * T), 6)
@@ -255,26 +256,10 @@ def test_a_workbook(tmp_path: Path) -> None:
     assert {"t": "s", "x": "mm", "when": "s"} == log.units
 
 
-def wpilog(*entries: tuple[str, str, list[tuple[int, bytes]]]) -> bytes:
-    """A data log of WPILib of entries, each a name, a type, and times [us] with payloads."""
-
-    def record(number: int, time: int, payload: bytes) -> bytes:
-        return struct.pack("<BBIQ", 0x7C, number, len(payload), time) + payload
-
-    def text(value: str) -> bytes:
-        return struct.pack("<I", len(value)) + value.encode()
-
-    found = b"WPILOG" + struct.pack("<HI", 0x0100, 5) + b"extra"
-    for number, (name, kind, values) in enumerate(entries, start=1):
-        start = b"\0" + struct.pack("<I", number) + text(name) + text(kind) + text("")
-        found += record(0, 0, start) + b"".join(record(number, t, payload) for t, payload in values)
-    return found
-
-
 def test_a_data_log_of_wpilib(tmp_path: Path) -> None:
     """Numbers, lists and truth values by entry; what breaks off in its last record is read up to it."""
     times = [1_000_000 + 2000 * k for k in range(40)]
-    content = wpilog(
+    content = wpilog_bytes(
         ("/drive/x", "double", [(t, struct.pack("<d", x)) for t, x in zip(times, X, strict=True)]),
         (
             "NT:/drive/both",
@@ -294,25 +279,8 @@ def test_a_data_log_of_wpilib(tmp_path: Path) -> None:
 
 def test_a_bag_of_ros_1(tmp_path: Path) -> None:
     """Joint states by the names of the joints, on the clock of their headers."""
-    bags = pytest.importorskip("rosbags.rosbag1")
-    types = pytest.importorskip("rosbags.typesys")
-    store = types.get_typestore(types.Stores.ROS1_NOETIC)
-    state, header, stamp = (
-        store.types[name]
-        for name in ("sensor_msgs/msg/JointState", "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
-    )
-    with bags.Writer(tmp_path / "log.bag") as bag:
-        topic = bag.add_connection("/joints", state.__msgtype__, typestore=store)
-        for k, (x, v) in enumerate(zip(X, V, strict=True)):
-            at = stamp(sec=100, nanosec=2_000_000 * k)
-            message = state(
-                header=header(seq=k, stamp=at, frame_id=""),
-                name=["elbow"],
-                position=np.array([x]),
-                velocity=np.array([v]),
-                effort=np.array([]),
-            )
-            bag.write(topic, 1 + k, store.serialize_ros1(message, state.__msgtype__))
+    pytest.importorskip("rosbags")
+    (tmp_path / "log.bag").write_bytes(bag1_bytes(X, V))
     log = read_log(tmp_path / "log.bag")
 
     same(log, **{"time_s": T, "joints.position.elbow": X, "joints.velocity.elbow": V})
@@ -323,7 +291,7 @@ def test_content_decides_under_a_suffix_of_text(tmp_path: Path) -> None:
     archive = io.BytesIO()
     np.savez(archive, t=T, x=X)
     (tmp_path / "a.dat").write_bytes(archive.getvalue())
-    (tmp_path / "b.log").write_bytes(wpilog(("x", "double", [])))
+    (tmp_path / "b.log").write_bytes(wpilog_bytes(("x", "double", [])))
     (tmp_path / "c.txt").write_text('{"t": [1, 2]}')
     (tmp_path / "d.unknown").write_bytes(b"\x93NUMPY")
 
