@@ -267,6 +267,12 @@ def test_runs_without_a_row_are_listed() -> None:
     ]
 
 
+def test_a_time_that_stands_still_is_refused() -> None:
+    """One stamp for all rows says nothing of their order in time."""
+    with pytest.raises(InputError, match="row 2: time stamps must increase, received 1 s after 1 s"):
+        table_of(columns(t=np.ones(len(T))))
+
+
 def test_a_clock_that_is_right_is_left_alone() -> None:
     """Bit by bit, with uneven steps and gaps."""
     rng = np.random.default_rng(1)

@@ -345,4 +345,12 @@ def _runs(
         place = log.place(int(rows[starts[again]]))
         name = names[int(labels[starts[again]])]
         raise InputError(f"{log.path}: {place}", "contiguous runs", f"{name!r} again", plural=True)
+    t = clock.t[rows]
+    stuck = np.flatnonzero((np.diff(t) <= 0.0) & ~begins[1:])
+    if len(stuck):
+        k = int(stuck[0])
+        raise InputError(
+            f"{log.path}: {log.place(int(rows[k + 1]))}: time stamps must increase, "
+            f"received {t[k + 1]:.9g} s after {t[k]:.9g} s"
+        )
     return np.cumsum(begins) - 1, tuple(called)
