@@ -47,6 +47,8 @@ def of_clocks(read: Read, clocks: Sequence[int], path: Path) -> Read:
     ends = [*clocks[1:], len(names)]
     unit = read.units.get(names[clocks[0]], "")
     groups = [(names[a], names[a + 1 : b]) for a, b in zip(clocks, ends, strict=True)]
+    if any(read.columns[clock].dtype.kind != "f" for clock, _ in groups):
+        return read  # a time that is text is named where it is used
     first = read.columns[groups[0][0]]
     if all(np.array_equal(read.columns[clock], first, equal_nan=True) for clock, _ in groups):
         kept = {n: x for n, x in read.columns.items() if n == groups[0][0] or n not in dict(groups)}
@@ -58,7 +60,6 @@ def of_clocks(read: Read, clocks: Sequence[int], path: Path) -> Read:
         Recorded(name, scale * read.columns[clock], read.columns[name], read.units.get(name, ""))
         for clock, inside in groups
         for name in inside
-        if read.columns[clock].dtype.kind == "f"
     ]
     what = f"{len(groups)} groups of columns, each with a time of its own"
     found = on_one_clock(channels, path, (*read.notes, what), groups[0][0])

@@ -3,7 +3,8 @@
     python test_stand.py monday.csv                        a sum of sines
     python test_stand.py tuesday.csv plan/reference.csv    the motion that was planned
 
-The logger writes semicolons, decimal commas and a row of units. The drive is simulated: what is known of it
+The logger writes lines about itself, semicolons, decimal commas, a row of units, and the set point of its
+controller beside what it measures. The drive is simulated: what is known of it
 at the stand is on the page, what is planted in it is below.
 """
 
@@ -41,10 +42,13 @@ def main() -> None:
         1e3 * log["time_s"],
         np.degrees(log["theta_m_rad"]) + ZERO_DEG,
         log["omega_m_rad_s"] * 30.0 / np.pi,
+        run.scenario.course.reference(log["time_s"]) * 30.0 / np.pi,
         1e3 * log["current_A"],
     )
-    rows = (f"{t:.0f};{deg:.3f};{rpm:.1f};{mA:.0f}" for t, deg, rpm, mA in zip(*columns, strict=True))
-    text = "\n".join(["T;Pos;n;Iq", "ms;deg;1/min;mA", *rows]).replace(".", ",") + "\n"
+    form = "{:.0f};{:.3f};{:.1f};{:.1f};{:.0f}"
+    rows = (form.format(*row) for row in zip(*columns, strict=True))
+    head = ["Scope;axis 1", f"Samples;{len(log['time_s'])}", "", "T;Pos;n;n_set;Iq", "ms;deg;1/min;1/min;mA"]
+    text = "\n".join([*head, *rows]).replace(".", ",") + "\n"
     out.write_text(text, encoding="utf-8")
 
 
