@@ -13,8 +13,9 @@ import eccentric
 from eccentric import cli
 from eccentric.core import InputError
 from eccentric.logs import mended
-from eccentric.rigs import read_rig
-from eccentric.signals import Table, read_channels, read_table
+from eccentric.rigs import read_arm_rig, read_rig
+from eccentric.signals import Table, read_channels, read_joints, read_table
+from tests.arm_logs import arm_log_of, arm_rig_of, plain, planar_arm
 
 RATE = 500.0
 T = np.arange(6000) / RATE
@@ -283,3 +284,17 @@ def test_a_clock_that_is_right_is_left_alone() -> None:
     assert found.t is t
     assert (True, 0, (0, 0.0)) == (bool(found.kept.all()), int(found.part.max()), found.packet)
     assert [field.name for field in dataclasses.fields(found)] == ["t", "kept", "part", "packet"]
+
+
+def test_a_run_that_the_rig_of_an_arm_does_not_name_does_not_count() -> None:
+    """A time of 1e154 in it stops nothing; a torque of 1e30 in a row that counts takes this row alone."""
+    log = arm_log_of(plain, runs=4, seconds=6.0)
+    out, rows = log["run"] == "run_1", int(np.count_nonzero(log["run"] == "run_0"))
+    log["t_s"] = np.where(out, 1e154, log["t_s"])
+    log["tau_Nm_2"][500] = 1e30
+    rig = read_arm_rig(arm_rig_of(planar_arm(), runs=["run_0", "run_2", "run_3"]))
+    found = read_joints([log], rig)
+
+    for channels in found:
+        assert ("run_0", "run_2", "run_3") == channels.time.run_names
+        assert 3 * rows - 1 == len(channels.time.t)

@@ -16,8 +16,9 @@ from eccentric.core import InputError
 from eccentric.logs import Log, LogSource, evaluate, read_log
 from eccentric.signals.channels import read_channels
 from eccentric.signals.converted import require_columns
-from eccentric.signals.limits import BELOW_COARSE, COARSE, MOST_REJECTED
+from eccentric.signals.limits import BELOW_COARSE, COARSE, LARGEST, MOST_REJECTED, MOST_TOO_LARGE
 from eccentric.signals.measured import Channels
+from eccentric.signals.table import of_runs
 
 if TYPE_CHECKING:
     from eccentric.rigs import ArmRig, Rig
@@ -33,7 +34,8 @@ def read_joints(logs: Sequence[LogSource], rig: ArmRig) -> tuple[Channels, ...]:
         InputError: what `read_channels` refuses, the joint named; columns of fewer or more joints than
             the arm has.
     """
-    read = [_complete(read_log(log), rig) for log in logs]
+    read, _ = of_runs([read_log(log) for log in logs], rig.joints[0])
+    read = [_complete(log, rig) for log in read]
     found = [_of_joint(read, rig, j, one) for j, one in enumerate(rig.joints)]
     common = _common(found)
     if not all(channels.rig.sampling == common for channels in found):
@@ -95,4 +97,8 @@ def _complete(log: Log, rig: ArmRig) -> Log:
 
 def _finite(log: Log, text: str, where: str) -> NDArray[np.bool_]:
     values = log.numbers(text) if text in log.columns else evaluate(text, log.numbers, where)
-    return np.isfinite(np.asarray(values, float)) & np.ones(log.rows, dtype=bool)
+    sizes = np.abs(np.asarray(values, float)) * np.ones(log.rows)
+    good = np.isfinite(sizes)
+    damaged = good & (sizes > LARGEST)
+    # Many of them are a wrong unit, which the joint that they are of is told.
+    return good & ~damaged if np.count_nonzero(damaged) <= MOST_TOO_LARGE * log.rows else good

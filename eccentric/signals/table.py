@@ -180,9 +180,7 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
         raise InputError("", "a log", "none")
     read = [read_log(log) for log in logs]
     own = named_apart([[log] for log in read], rig)
-    stems = log_stems(read)
-    if rig.log.runs:
-        read, stems = _of_runs(read, stems, rig, own)
+    read, stems = of_runs(read, rig)
     tables = [_one(log, rig, stem, alone=own) for log, stem in zip(read, stems, strict=True)]
     names = set(tables[0].channels)
     for log, table in zip(read, tables, strict=True):
@@ -230,8 +228,14 @@ def _joined(tables: Sequence[Table]) -> Table:
     )
 
 
-def _of_runs(logs: Sequence[Log], stems: Sequence[str], rig: Rig, alone: bool) -> tuple[list[Log], list[str]]:
-    """The rows of the runs that the rig names, and the logs that have some: nothing in another run counts."""
+def of_runs(logs: Sequence[Log], rig: Rig) -> tuple[list[Log], list[str]]:
+    """The rows of the runs that the rig names, and what the logs that have some are called.
+
+    Nothing in another run counts, whatever it is. Raises InputError for a run that no log has.
+    """
+    stems, alone = list(log_stems(logs)), named_apart([[log] for log in logs], rig)
+    if not rig.log.runs:
+        return list(logs), stems
     runs = [run_numbers(log, rig, stem, alone) for log, stem in zip(logs, stems, strict=True)]
     names = list(dict.fromkeys(name for _, called in runs for name in called))
     chosen = matching(rig.log.runs, names, f"{rig.path}: runs")
