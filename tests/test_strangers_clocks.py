@@ -145,6 +145,30 @@ def test_a_frozen_tail_is_dropped() -> None:
     assert {} == kinds(rest)
 
 
+def test_a_source_that_is_polled_too_often_counts_once() -> None:
+    """Rows that repeat a sample say nothing new; at rest a row is kept in the time of a usual sample."""
+    rng = np.random.default_rng(3)
+    fresh = np.cumsum(rng.integers(2, 8, 1500))
+    last = fresh[np.searchsorted(fresh, np.arange(fresh[0], len(T)), side="right") - 1]
+    t = T[fresh[0] :]
+    moving = last < 5000
+    at = np.where(moving, last, 5000)
+    found = table_of(columns(t=t, theta=THETA[at], i=CURRENT[at]))
+
+    new = np.isin(np.arange(fresh[0], len(T)), fresh) & moving
+    assert np.isin(t[new], found.channels["time"]).all()
+    assert np.count_nonzero(found.channels["time"] < T[fresh[fresh < 5000][-1]]) == np.count_nonzero(new) - 1
+    rest = found.channels["time"][found.channels["time"] > T[5010]]
+    assert 0.7 < len(rest) * np.median(np.diff(fresh)) / 990.0 < 1.3
+    assert ["polled"] == list(kinds(found))
+
+
+def test_coarse_steps_of_two_sensors_are_no_repeats() -> None:
+    """An encoder and a current with coarse digits change in few of the rows, and not together."""
+    coarse = table_of(columns(theta=np.round(THETA, 1), i=np.round(CURRENT, 2)))
+    assert len(T) == len(coarse.channels["time"])
+
+
 def test_runs_that_the_rig_does_not_name_do_not_count() -> None:
     """Neither their damaged rows, nor text, nor time that stands still."""
     run = np.where(T < 6.0, "good", "bad")

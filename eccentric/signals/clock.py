@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from eccentric.core import counted, so_more
 from eccentric.logs import Log, mended
 from eccentric.signals.finding import Finding
-from eccentric.signals.limits import CHANGING, FROZEN_ROWS, FROZEN_TIMES
+from eccentric.signals.limits import AT_ONCE, CHANGING, FROZEN_ROWS, FROZEN_TIMES, GAP_STEPS, MOST_NEW
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -79,14 +79,14 @@ def reversed_time(log: Log) -> Finding:
 
 
 @dataclass(frozen=True)
-class Tails:
-    """Rows (n,) at the ends of runs in which no channel changes any more, and what is said of them."""
+class Stale:
+    """Rows (n,) that say nothing new, and what is said of them."""
 
     rows: Mask
     findings: tuple[Finding, ...]
 
 
-def frozen_tails(log: Log, labels: Integers, channels: Sequence[Array], kept: Mask) -> Tails:
+def frozen_tails(log: Log, labels: Integers, channels: Sequence[Array], kept: Mask) -> Stale:
     """The rows at the end of a run that all repeat one, where nearly every row before them differs.
 
     A logger that has lost its device goes on writing its last values. At rest, without noise, rows repeat as
@@ -105,12 +105,45 @@ def frozen_tails(log: Log, labels: Integers, channels: Sequence[Array], kept: Ma
             rows[own[len(own) - tail :]] = True
     count = int(np.count_nonzero(rows))
     if not count:
-        return Tails(rows, ())
+        return Stale(rows, ())
     text = (
         f"{log.path}: in the last {counted(count, 'row')} of a run no channel changes (first:"
         f" {log.place(int(np.flatnonzero(rows)[0]))}), in nearly all others some does: such rows are dropped"
     )
-    return Tails(rows, (Finding("frozen_tail", "time", text, count, "warning"),))
+    return Stale(rows, (Finding("frozen_tail", "time", text, count, "warning"),))
+
+
+def polled(log: Log, labels: Integers, channels: Sequence[Array], kept: Mask) -> Stale:
+    """The rows that a logger wrote again because its source had nothing new, most of a log.
+
+    A source that is polled too often changes all its channels at once, or none; channels that merely have
+    coarse steps change one by one. At rest a row is kept in the usual time between two changes.
+    """
+    rows = np.zeros(len(kept), dtype=bool)
+    changed = np.ones(len(kept), dtype=bool)
+    often = np.zeros(len(channels))
+    count = 0
+    for own in _stretches(labels, kept):
+        each = np.array([x[own][1:] != x[own][:-1] for x in channels])
+        changed[own[1:]] = np.any(each, axis=0)
+        often += each.sum(axis=1)
+        count += len(own) - 1
+    new = int(np.count_nonzero(changed[kept]))
+    if not count or new > MOST_NEW * count or new > AT_ONCE * float(np.max(often)):
+        return Stale(rows, ())
+    for own in _stretches(labels, kept):
+        news = np.flatnonzero(changed[own])
+        every = max(1, round(float(np.median(np.diff(news)))) if len(news) > 1 else 1)
+        latest = np.searchsorted(news, np.arange(len(own)), side="right") - 1
+        since, lasts = np.arange(len(own)) - news[latest], np.diff(news, append=len(own))[latest]
+        # What lasts longer than a gap in time is rest: without any row it would be one.
+        rows[own] = (since > 0) & ((lasts <= GAP_STEPS * every) | (since % every != 0))
+    dropped = int(np.count_nonzero(rows))
+    text = (
+        f"{log.path}: {dropped} of {counted(count, 'row')} repeat the one before in every channel: the log is"
+        " written faster than its source changes; such rows are dropped"
+    )
+    return Stale(rows, (Finding("polled", "time", text, dropped, "note"),))
 
 
 def _stretches(labels: Integers, kept: Mask) -> list[Integers]:

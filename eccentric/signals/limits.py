@@ -25,6 +25,9 @@ UNEVEN_STEP = 0.2
 FROZEN_ROWS, FROZEN_TIMES, CHANGING = 20, 5, 0.9
 """Rows at the end that repeat one: at least so many, so many times the most before them, in a log in which
 this part of the rows differs from the one before. The last digit of a sensor alone changes that often."""
+MOST_NEW, AT_ONCE = 0.5, 1.15
+"""A log that is written faster than its source changes: at most this part of its rows has anything new, and
+as many, up to this factor, as the channel has that changes most. Steps of two sensors coincide by chance."""
 MOST_TOO_LARGE = 0.01
 """A few values beyond any sensor's are damaged rows; more of them are a wrong unit."""
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few
 from eccentric.logs import Log, LogSource, falls, log_stems, read_log
 from eccentric.rigs import Rig
-from eccentric.signals.clock import ClockOfLog, clock_of, frozen_tails, reversed_time
+from eccentric.signals.clock import ClockOfLog, clock_of, frozen_tails, polled, reversed_time
 from eccentric.signals.converted import converted, named_apart, run_numbers
 from eccentric.signals.finding import Finding
 from eccentric.signals.limits import (
@@ -286,10 +286,12 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         findings.append(Finding("repeated", "time", text, count, "note"))
         kept &= ~again
     clock = clock_of(log, labels, values["time"], kept)
-    stopped = frozen_tails(log, labels, [x for c, x in values.items() if c != "time"], clock.kept)
+    measured = [x for c, x in values.items() if c != "time"]
+    stopped = frozen_tails(log, labels, measured, clock.kept)
+    stale = polled(log, labels, measured, clock.kept & ~stopped.rows)
     values = {**values, "time": clock.t}
-    kept = clock.kept & ~stopped.rows
-    findings += [*clock.findings, *stopped.findings]
+    kept = clock.kept & ~stopped.rows & ~stale.rows
+    findings += [*clock.findings, *stopped.findings, *stale.findings]
     # Where every row is kept, a slice avoids the copy that a mask makes.
     own = slice(None) if np.all(kept) else kept
     run, run_names = _runs(log, labels, list(place), clock, kept)
