@@ -36,6 +36,7 @@ from benchmarks import (
     planned,
     protection,
     speed,
+    strangers,
     target,
 )
 from benchmarks.asked import CODE, DIAGNOSIS
@@ -60,6 +61,7 @@ PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "readers": ("Fuzzed readers", fuzz.measured),
     "intervals": ("Intervals", intervals.measured),
     "drafted": ("Drafted rigs", drafted.measured),
+    "strangers": ("Strangers' files", strangers.measured),
     "plan": ("The next measurement", planned.measured),
     "diagnosis": ("Diagnosis", diagnosis.measured),
     "joints": ("Diagnosis of arms", arms_diagnosis.measured),
