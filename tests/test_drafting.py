@@ -83,12 +83,13 @@ def test_of_two_columns_in_blocks_the_one_that_is_called_run_names_the_runs() ->
     assert [29] == np.flatnonzero(changes).tolist()
 
 
-def test_voltage_and_current_that_tell_each_other_apart_are_equally_sure(arm: BenchResult) -> None:
-    """One relation of the circuit speaks for both; the size of a column without a name makes it no surer."""
+def test_a_voltage_without_a_name_is_asked_about_beside_a_named_current(arm: BenchResult) -> None:
+    """The relation of the circuit speaks for it, but so it does for what a model predicts."""
     names = {"time_s": "time_s", "theta_m_rad": "theta_m_rad", "current_A": "current_A", "voltage_V": "c"}
-    sure = {p.channel: p.confidence for p in draft_of(renamed(arm.log, names, {})).proposals}
+    draft = draft_of(renamed(arm.log, names, {}))
 
-    assert sure["current"] == sure["voltage"]
+    assert [p.channel for p in draft.proposals] == ["time", "theta_m", "current"]
+    assert "is it the voltage?" in draft.left_out["c"]
 
 
 def test_units_without_names_follow_from_physics(arm: BenchResult) -> None:

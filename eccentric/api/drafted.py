@@ -18,6 +18,7 @@ from eccentric.drafting import (
     by_rate,
     draft_of,
     draft_of_arm,
+    folded,
     log_complaints,
     toml_of,
     upright,
@@ -77,7 +78,7 @@ class RigDraft:
             f"  {p.channel:{width}}  {p.column} {f'[{p.unit}]' if p.unit else ''}".rstrip()
             for p in self.proposals
         ]
-        rows += [f"  left out: {column}, {why}" for column, why in self.left_out.items()]
+        rows += [f"  left out: {columns}, {why}" for columns, why in folded(self.left_out)]
         rows += [f"check: {doubt}" for doubt in self.doubts]
         return "\n".join([*rows, f"to be typed: {', '.join(self.needed) or 'nothing'}"])
 

@@ -7,7 +7,8 @@ The wave number k is searched: one period of gravity is one turn of the link, in
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from eccentric.drafting.limits import (
     DRIFTS,
     GRAVITY,
     GRAVITY_OR_DRIFT,
+    MOST_GEAR,
     MOST_TURNS,
     NEAR_WHOLE,
     NUMBERS_AT_ONCE,
@@ -30,7 +32,7 @@ from eccentric.drafting.limits import (
     STILL,
 )
 from eccentric.drafting.proposal import RigLine
-from eccentric.drafting.units import Reading, Shown
+from eccentric.drafting.units import Reading, Shown, readings
 
 Array = NDArray[np.float64]
 
@@ -56,6 +58,7 @@ class Explained:
         period: of gravity in the unit of the angle, 0 without gravity; `turns` how many are in the travel.
         zero: the angle at which gravity vanishes and the mass hangs, in the unit of the angle.
         offset: mean of the column beyond all this, over its standard deviation.
+        both: whether both directions are in it.
     """
 
     r2: float
@@ -67,6 +70,13 @@ class Explained:
     turns: float
     zero: float
     offset: float
+    both: bool
+
+    def without_gravity(self) -> Explained:
+        """The same without what repeats with the angle."""
+        return replace(
+            self, r2=self.r2_plain, shares={**self.shares, "gravity": 0.0}, period=0.0, turns=0.0, zero=0.0
+        )
 
 
 def motion_from(grid: Grid, angle: LoggedColumn | None, speed: LoggedColumn | None) -> Moved:
@@ -89,21 +99,22 @@ def motion_from(grid: Grid, angle: LoggedColumn | None, speed: LoggedColumn | No
     return Moved(x, w, a, inner & (np.abs(w) > STILL * fast))
 
 
-def balance_of(motion: Moved, y: Array, *, periodic: bool = True) -> Explained | None:
+def balance_of(motion: Moved, y: Array, *, periodic: bool = True, shortest: float = 0.0) -> Explained | None:
     """The balance of a column (m,); None if it does not vary where there is motion.
 
     Args:
         periodic: whether gravity is searched; an integrated speed has no angle that lasts.
+        shortest: period that gravity has at least, in the unit of the angle; 0 for any.
     """
     rows = motion.moving
-    if np.count_nonzero(rows) < SCANNED // 100 or np.std(y[rows]) == 0.0:
+    if np.count_nonzero(rows) < SCANNED // 100 or np.std(y[rows]) <= 1e-9 * np.max(np.abs(y)):
         return None
     x, w, a, y = motion.x[rows], motion.w[rows], motion.a[rows], y[rows]
     both = float(min(np.mean(w > 0.0), np.mean(w < 0.0))) > BOTH_WAYS
     plain = np.column_stack([np.ones_like(w), np.sign(w), w, a])
     total = float(np.var(y))
     r2_plain = 1.0 - _left(plain, y) / total
-    k, turns = _wave(plain, x, y) if periodic else (0.0, 0.0)
+    k, turns = _wave(plain, x, y, shortest) if periodic else (0.0, 0.0)
     design, gain = plain, 0.0
     if k:
         design = np.column_stack([plain, np.sin(k * x), np.cos(k * x)])
@@ -133,6 +144,7 @@ def balance_of(motion: Moved, y: Array, *, periodic: bool = True) -> Explained |
         turns=turns,
         zero=float(np.arctan2(-c[5], c[4]) / k) if k else 0.0,
         offset=float(c[0]) / spread,
+        both=both,
     )
 
 
@@ -143,7 +155,7 @@ def _left(design: Array, y: Array) -> float:
     return float(np.mean((y - scaled @ np.linalg.lstsq(scaled, y, rcond=None)[0]) ** 2))
 
 
-def _wave(plain: Array, x: Array, y: Array) -> tuple[float, float]:
+def _wave(plain: Array, x: Array, y: Array, shortest: float = 0.0) -> tuple[float, float]:
     """The wave number that explains most, and how many of its periods the travel has; 0 without travel.
 
     Searched on the whole travel and, where that is long, on its first part: the phase of a coarse number is
@@ -157,7 +169,8 @@ def _wave(plain: Array, x: Array, y: Array) -> tuple[float, float]:
         if travel <= 0.0:
             continue
         q, rest = _without(plain[rows], y[rows])
-        numbers = 2.0 * np.pi / travel * np.arange(0.25, MOST_TURNS, 0.2)
+        most = min(MOST_TURNS, travel / shortest if shortest else MOST_TURNS)
+        numbers = 2.0 * np.pi / travel * np.arange(0.25, max(most, 0.3), 0.2)
         gains = _gains(numbers, x[rows], q, rest)
         top = int(np.argmax(gains))
         share = float(gains[top] / (rest @ rest))
@@ -221,6 +234,46 @@ def _gains(numbers: Array, x: Array, q: Array, rest: Array) -> Array:
         kept = (cc > 0.0) & (ss > 0.0) & (det > DISTINCT * cc * ss)
         found.append(np.where(kept, taken, 0.0) / np.where(kept, det, 1.0))
     return np.concatenate(found)
+
+
+def as_gravity(
+    given: Shown, balances: Mapping[str, Explained], motion: Moved, signals: Mapping[str, Array]
+) -> tuple[Shown, Explained | None, list[str]]:
+    """What the log shows with its gravity, the balance of that, and what repeats too often to be gravity.
+
+    A load that hangs comes back once per turn of its link, and the link turns no faster than the motor: what
+    repeats within a turn of the logged shaft is cogging or ripple.
+
+    Args:
+        given: what is shown without gravity.
+        balances, signals: of each drive.
+        motion: of the log.
+    """
+    gravity = next(
+        (balances[k] for k in ("current", "torque", "voltage") if k in balances and balances[k].period),
+        max(balances.values(), key=lambda b: b.r2, default=None),
+    )
+    if gravity is None or not gravity.period:
+        return given, gravity, []
+    seen = replace(given, period=gravity.period, turns=gravity.turns)
+    gear = readings(seen)[0].gear
+    if not gravity.both:
+        said = f"what repeats with the angle ({1.0 / gear:.3g} times per turn) is seen in one direction alone"
+        return given, gravity.without_gravity(), [f"{said}: as well ripple or friction as gravity"]
+    if 1.0 - SAME_SHAFT < gear < MOST_GEAR:
+        return seen, gravity, []
+    kind = next(kind for kind, balance in balances.items() if balance is gravity)
+    ripple = [f"the drive repeats {1.0 / gear:.4g} times per turn of the logged shaft: cogging or ripple"]
+    # Gravity may be there besides, weaker than this.
+    turn = gravity.period / gear
+    slower = (
+        balance_of(motion, signals[kind], shortest=(1.0 - SAME_SHAFT) * turn) if kind in signals else None
+    )
+    if gear < 1.0 and slower is not None and slower.period:
+        seen = replace(given, period=slower.period, turns=slower.turns)
+        if 1.0 - SAME_SHAFT < readings(seen)[0].gear < MOST_GEAR:
+            return seen, slower, ripple
+    return given, gravity.without_gravity(), ripple if gear < 1.0 else []
 
 
 # Which side of the gear angle and speed are of, and the gear: by gravity, slope and names.

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from eccentric.core import InputError
 from eccentric.drafting import limits
+from eccentric.drafting.columns import LoggedColumn
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.units import Shown
 from eccentric.drafting.words import of_a_carriage
@@ -21,9 +22,15 @@ _REFERENCE = 'of an amplifier\'s reference put the force instead, as in { column
 _VELOCITIES = tuple(f"{unit}/s" for unit in _LENGTHS)
 
 
-def is_carriage(given: Shown) -> bool:
-    """Whether a name or the log itself gives position or velocity a unit of length: values alone never do."""
-    return any(c is not None and of_a_carriage(c.name.unit) for c in (given.angle, given.speed))
+FORCES = frozenset({"force", "kraft", "thrust", "f"})
+"""Words for what drives a carriage; a shaft has a torque."""
+
+
+def is_carriage(given: Shown, drive: LoggedColumn | None = None) -> bool:
+    """Whether a name gives position or velocity a unit of length, or neither a unit and a force drives."""
+    moving = [c for c in (given.angle, given.speed) if c is not None]
+    by_force = drive is not None and drive.name.word in FORCES and not any(c.name.unit for c in moving)
+    return by_force or any(of_a_carriage(c.name.unit) for c in moving)
 
 
 def carriage_channels(given: Shown, said_of_speed: Sequence[str]) -> list[Proposal]:
@@ -51,8 +58,14 @@ def carriage_channels(given: Shown, said_of_speed: Sequence[str]) -> list[Propos
             unit = min(off, key=lambda name: off[name])
             said.append("as the slope of the position asks for")
             sure, doubt = (0.95, "") if off[unit] < 4.0 * limits.FACTOR else (0.3, "no unit fits")
-        else:
+        elif position or velocity or channel == "theta_m" or not given.angle:
             unit, sure, doubt = units[0], 0.3, "its unit is not to be seen"
+        else:
+            # Both without a unit: of one length, by the slope.
+            per_second = _size(_LENGTHS[0]) / max(abs(given.factor), 1e-30)
+            off = {name: abs(math.log(_size(name) / per_second)) for name in units}
+            unit = min(off, key=lambda name: off[name])
+            sure, doubt = 0.3, "its unit is not to be seen, only that it is that of the position per second"
         proposals.append(Proposal(channel, column.text, unit, tuple(said), sure, doubt))
     return proposals
 
@@ -114,7 +127,10 @@ def carriage_entries(
     """
     kinds = {p.channel for p in drives}
     length = next(c.unit for c in channels)
-    entries = [RigLine("", "kind", '"linear"', f"{length} is a unit of a carriage, not of a shaft")]
+    by_name = any(c is not None and c.name.unit for c in (given.angle, given.speed))
+    why = f"{length} is a unit of a carriage, not of a shaft" if by_name else "a force drives it, by its name"
+    doubt = "" if by_name else f"no unit says so: of a shaft it is a torque; {length} is taken for the length"
+    entries = [RigLine("", "kind", '"linear"', why, doubt)]
     position = next((c for c in channels if c.channel == "theta_m"), None)
     if given.step and position is not None:
         step = given.step * _size(position.unit)

@@ -45,6 +45,13 @@ class LoggedColumn:
         """Whether all values are one."""
         return self.range == 0.0
 
+    @cached_property
+    def varies(self) -> float:
+        """Range over the largest value, both without the rarest values."""
+        low, high = np.quantile(self.values, [0.005, 0.995])
+        largest = max(abs(float(low)), abs(float(high)))
+        return float(high - low) / largest if largest > 0.0 else 0.0
+
     @property
     def is_flag(self) -> bool:
         """Whether it has two values, both 0 or 1."""

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import math
-import textwrap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError, few
 from eccentric.drafting import limits
-from eccentric.drafting.balance import Explained, Gear, Moved, balance_of, gear_of, motion_from
+from eccentric.drafting.balance import Explained, Gear, Moved, as_gravity, balance_of, gear_of, motion_from
 from eccentric.drafting.carriage import (
     carriage_channels,
     carriage_entries,
@@ -30,16 +28,32 @@ from eccentric.drafting.columns import (
     step_of,
     wrap_of,
 )
-from eccentric.drafting.drives import find_drives, find_flags, find_slow, find_voltage
+from eccentric.drafting.drives import (
+    UNSIGNED,
+    find_drives,
+    without_sign,
+)
+from eccentric.drafting.joints import joint_of
+from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.questions import entries_of, facts_of
 from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, find_clock, find_runs, readings
 from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
-from eccentric.rigs import channels_of
 
 Array = NDArray[np.float64]
-_NAMED = ("time", "current", "voltage", "torque", "temperature", "supply", "duty", "run")
+_NAMED = (
+    "time",
+    "current",
+    "voltage",
+    "torque",
+    "acceleration",
+    "temperature",
+    "supply",
+    "duty",
+    "run",
+    "other",
+)
 
 
 @dataclass(frozen=True)
@@ -103,22 +117,25 @@ def draft_of(log: Log) -> Draft:
     flags = [c for c in left.values() if c.is_flag]
     ratio = {c.text: _RATIO[c.name.quantity] for c in left.values() if c.name.quantity in _RATIO}
     taken = {*ratio} | {c.text for c in flags} | ({temperature.column} if temperature else set())
-    left_out = {n: "it is constant" for n, c in left.items() if c.is_constant and n not in taken}
+    joint = joint_of({n: c for n, c in left.items() if n not in ratio}, grid)
+    left_out = {n: f"of joint {key}; joint {joint.key} is drafted" for n, key in joint.others.items()}
+    left_out |= {n: "it is constant" for n, c in left.items() if c.is_constant and n not in taken}
     left_out |= {name: why for name, entries in texts.items() if (why := _spoilt(log, name, entries))}
     free = [c for n, c in left.items() if n not in taken and n not in left_out]
     angle, speed, pair, doubt = _moving(grid, free, log.path)
+    doubt = "; ".join(filter(None, (doubt, joint.doubt)))
     motion = motion_from(grid, angle, speed)
     rest = [c for c in free if c not in (angle, speed)]
     rest, copies = _without_copies(grid, rest, angle, speed)
     left_out |= copies
-    drives, balances, others = find_drives(grid, motion, rest)
+    constant = [c for n, c in left.items() if c.is_constant and n not in taken and n not in joint.others]
+    rest, others = joint.of_its_own([*rest, *constant])
+    left_out |= others
+    drives, balances, others = find_drives(grid, motion, rest, lasting=angle is not None)
     left_out |= others
     drives, balances = _with_duty(drives, balances, voltage, grid, motion, left)
-    best = max(balances.values(), key=lambda b: b.r2, default=None)
-    gravity = next(
-        (balances[k] for k in ("current", "torque", "voltage") if k in balances and balances[k].period), best
-    )
-    evidence = Shown(
+    left_out = {n: why for n, why in left_out.items() if n not in {p.source for p in drives}}
+    shown = Shown(
         time=clock.likely,
         time_unit=clock.unit,
         angle=angle,
@@ -126,11 +143,14 @@ def draft_of(log: Log) -> Draft:
         factor=pair.factor if pair else 0.0,
         wrap=wrap_of(angle, clock.breaks) if angle else 0.0,
         step=step_of(angle) if angle else 0.0,
-        period=gravity.period if gravity else 0.0,
-        turns=gravity.turns if gravity else 0.0,
         fastest=float(np.quantile(np.abs(motion.w), 0.95)),
     )
-    carried = is_carriage(evidence)
+    signals = {p.channel: grid.smooth(c) for p in drives for c in rest if c.text == p.source}
+    if any(UNSIGNED in p.doubt for p in drives):
+        balances = {kind: balance.without_gravity() for kind, balance in balances.items()}
+    evidence, gravity, ripple = as_gravity(shown, balances, motion, signals)
+    drive = next((c for c in rest if drives and c.text == drives[0].source), None)
+    carried = is_carriage(evidence, drive)
     drives, no_drives = driven(drives, {c.text: c.name.unit for c in rest}, carried)
     left_out |= no_drives
     found = [] if carried else readings(evidence)
@@ -141,7 +161,6 @@ def draft_of(log: Log) -> Draft:
     else:
         moving = []
         proposals = _channels(clock, run, found, evidence, pair, gear, doubt)
-    drive = next((c for c in rest if drives and c.text == drives[0].source), None)
     named, unclear = find_flags(flags, grid, motion, drive)
     left_out |= unclear
     left_out |= {n: why for n, why in ratio.items() if not any(n in p.reads for p in drives)}
@@ -154,7 +173,7 @@ def draft_of(log: Log) -> Draft:
     if not drives:
         why = "a current, a torque or a voltage is required, and no column follows the motion as one does"
         entries = [RigLine("columns", "current", '"its column"', why, asked=True, needed=True), *entries]
-    facts, axis = facts_of(grid, motion), LINEAR if carried else TURNING
+    facts, axis = [*facts_of(grid, motion), *ripple], LINEAR if carried else TURNING
     return Draft(log.path, tuple(proposals), tuple(entries), left_out, tuple(facts), axis)
 
 
@@ -177,38 +196,58 @@ def _moving(
     grid: Grid, free: Sequence[LoggedColumn], where: str
 ) -> tuple[LoggedColumn | None, LoggedColumn | None, Pair | None, str]:
     """The angle and the speed: a column and its slope, by their names, or what explains a third column."""
-    could = [c for c in free if c.name.quantity not in _NAMED]
+    signals = [c for c in free if c.name.signal]
+    could = [c for c in signals if c.name.quantity not in _NAMED or _letter(c)]
     by_name = {c.text: c for c in could}
-    pairs = [
-        p
-        for p in pairs_of(grid, could)
-        if by_name[p.angle].name.quantity in ("angle", "")
-        and by_name[p.speed].name.quantity in ("speed", "")
-        # Without names: a voltage goes with the speed as well, though less.
-        and (p.r > limits.UNNAMED or by_name[p.angle].name.quantity or by_name[p.speed].name.quantity)
-    ]
+    pairs = [p for p in pairs_of(grid, could) if _is_motion(p, by_name)]
     if pairs:
         slopes = {p.speed for p in pairs}
 
         def worth(p: Pair) -> float:
             a, b = by_name[p.angle].name, by_name[p.speed].name
             named = 0.3 * (a.quantity == "angle") + 0.3 * (b.quantity == "speed")
-            return p.r + named - 0.3 * (a.commanded + b.commanded) - 0.1 * (p.angle in slopes)
+            second = 0.1 * (a.role == "estimated") + 0.1 * (b.role == "estimated")
+            return p.r + named - second - 0.1 * (p.angle in slopes)
 
         best = max(pairs, key=worth)
         a, b = by_name[best.angle], by_name[best.speed]
         return a, b, best, ""
-    angle = next((c for c in could if c.name.quantity == "angle" and not c.name.commanded), None)
-    speed = next((c for c in could if c.name.quantity == "speed" and not c.name.commanded), None)
+    could = [c for c in could if not _letter(c)]
+    angle, speed = (_first(could, what) for what in ("angle", "speed"))
     if angle is not None and speed is not None:
         return angle, speed, None, "the speed does not follow the slope of the angle"
     if angle is not None or speed is not None:
         return angle, speed, None, ""
     return (
-        *_explaining(grid, could, free, where),
+        *_explaining(grid, could, signals, where),
         None,
         "no name: it is what explains the other columns best as a motion",
     )
+
+
+def _letter(column: LoggedColumn) -> bool:
+    """Whether it is a voltage, a current or a force by one letter alone: values go before that."""
+    return column.name.weak and column.name.quantity in ("voltage", "current", "torque")
+
+
+def _is_motion(p: Pair, by_name: Mapping[str, LoggedColumn]) -> bool:
+    """Whether a column and its slope are an angle and a speed, as far as their names go."""
+    angle, speed = by_name[p.angle], by_name[p.speed]
+    if angle.name.quantity not in ("angle", "") or _letter(angle):
+        return False
+    if _letter(speed):
+        # x and v: the slope as it stands, in the same units; a voltage has another size.
+        return p.r > limits.UNNAMED and abs(abs(p.factor) - 1.0) < limits.FACTOR
+    # Without names: a voltage goes with the speed as well, though less.
+    return speed.name.quantity in ("speed", "") and (
+        p.r > limits.UNNAMED or bool(angle.name.quantity or speed.name.quantity)
+    )
+
+
+def _first(could: Sequence[LoggedColumn], quantity: str) -> LoggedColumn | None:
+    """The first column that is called so; what is estimated comes after what is not."""
+    named = [c for c in could if c.name.quantity == quantity]
+    return min(named, key=lambda c: c.name.role == "estimated", default=None)
 
 
 def _explaining(
@@ -282,10 +321,17 @@ def _with_duty(
     for name, column in left.items():
         if name in voltage.reads:
             y = y * grid.smooth(column)
-    balance = balance_of(motion, y)
-    if balance is None:
+    if voltage.source in {p.source for p in drives}:
         return drives, balances
-    return [*drives, voltage], {**balances, "voltage": balance}
+    if any(without_sign(c, motion) for n, c in left.items() if n in voltage.reads[:1]):
+        voltage = replace(voltage, doubt="; ".join(filter(None, (voltage.doubt, UNSIGNED))))
+    balance = balance_of(motion, y)
+    if balance is not None:
+        return [*drives, voltage], {**balances, "voltage": balance}
+    if drives or not np.any(y):
+        return drives, balances
+    constant = f"constant, {y[0]:.4g} in all rows: friction and inertia cannot be told apart from one step"
+    return [replace(voltage, doubt="; ".join(filter(None, (voltage.doubt, constant))))], balances
 
 
 def _channels(
@@ -355,81 +401,3 @@ def _others(found: Sequence[Reading], what: str, unit: str) -> list[str]:
         for own, weight in sorted(weights.items(), key=lambda x: -x[1])
         if weight > 0.02
     ]
-
-
-# A draft as the TOML of a rig file: each line with its evidence, doubts marked, questions commented out.
-
-
-_WIDTH = 100
-
-
-def toml_of(draft: Draft, name: str) -> str:
-    """The text of a rig file; without the questions answered, it may be too little for a fit."""
-    lines = [
-        "# Drafted by eccentric from the log. # says what speaks for the line below, # ? what to check,",
-        "# and a line that begins with #? asks for what no log shows: remove the mark and put your value.",
-        *(f"# {_line(fact)}" for fact in draft.facts),
-        "",
-        f"name = {_quoted(name)}",
-    ]
-    drive = next(
-        (
-            kind
-            for kind in ("current", "torque", "voltage")
-            for p in draft.proposals
-            if p.channel in (kind, f"{kind}_l")
-        ),
-        "",
-    )
-    if drive:
-        lines.append(f'drive = "{draft.axis.said(drive)}"')
-    lines += [line for entry in draft.entries if entry.table == "" for line in _entry(entry)]
-    lines += ["", "[columns]"]
-    for proposal in draft.proposals:
-        lines += _channel(proposal, draft.axis)
-    lines += [line for entry in draft.entries if entry.table == "columns" for line in _entry(entry)]
-    lines += [
-        f"# {_line(f'{column} is no channel: {why}')}" for column, why in sorted(draft.left_out.items())
-    ]
-    for table in ("known", "unknown", "drives", "joints"):
-        entries = [entry for entry in draft.entries if entry.table == table]
-        if entries:
-            lines += ["", f"[{table}]", *(line for entry in entries for line in _entry(entry))]
-    return "\n".join(lines) + "\n"
-
-
-def _channel(proposal: Proposal, axis: AxisKind) -> Iterator[str]:
-    standard = channels_of(axis)[proposal.channel][1]
-    column = _quoted(proposal.column)
-    value = column
-    if proposal.unit and proposal.unit not in (standard, standard.replace(" ", "")):
-        value = f"{{ column = {column}, unit = {_quoted(proposal.unit)} }}"
-    yield from _comments(proposal.evidence, proposal.doubt)
-    yield f"{axis.said(proposal.channel)} = {value}"
-
-
-def _entry(entry: RigLine) -> Iterator[str]:
-    yield from _comments([entry.evidence], entry.doubt)
-    yield f"{'#? ' if entry.asked else ''}{entry.key} = {entry.value}"
-
-
-def _comments(evidence: Iterable[str], doubt: str) -> Iterator[str]:
-    for mark, text in (("# ", "; ".join(evidence)), ("# ? ", doubt)):
-        if text:
-            yield from textwrap.wrap(
-                " ".join(_line(text).split()),
-                _WIDTH,
-                initial_indent=mark,
-                subsequent_indent="#   ",
-            )
-
-
-def _line(text: str) -> str:
-    """A text as part of a comment, which takes neither line breaks nor other control characters."""
-    return "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in text)
-
-
-def _quoted(text: str) -> str:
-    """A text as a TOML string: unlike JSON, it has no surrogates and no plain DEL."""
-    known = text.encode("utf-8", "replace").decode()
-    return json.dumps(known, ensure_ascii=False).replace("\x7f", "\\u007f")

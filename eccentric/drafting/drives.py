@@ -7,17 +7,19 @@ are logged, voltage = R current + k_e speed.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.core import few
 from eccentric.drafting import limits
 from eccentric.drafting.balance import Explained, Moved, balance_of
 from eccentric.drafting.columns import Grid, LoggedColumn
-from eccentric.drafting.proposal import Proposal, quoted
+from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.units import magnitudes
+from eccentric.drafting.words import Name
 
 Array = NDArray[np.float64]
 KINDS = ("current", "torque", "voltage")
@@ -36,18 +38,37 @@ class Driven:
 
 
 def find_drives(
-    grid: Grid, motion: Moved, columns: Sequence[LoggedColumn]
+    grid: Grid, motion: Moved, columns: Sequence[LoggedColumn], *, lasting: bool = True
 ) -> tuple[list[Proposal], dict[str, Explained], dict[str, str]]:
-    """Proposals for current, torque and voltage, the balance of each, and why other columns were left out."""
+    """Proposals for current, torque and voltage, the balance of each, and why other columns were left out.
+
+    Args:
+        grid, motion: of the log.
+        columns: those that are no motion.
+        lasting: whether the angle is logged: an integrated speed has none that lasts, and shows no gravity.
+    """
+    left_out = {c.text: why for c in columns if (why := no_drive(c.name))}
+    could = [c for c in columns if c.text not in left_out]
+    named = [c for c in could if c.name.quantity in KINDS and np.any(c.values)]
     found: list[tuple[LoggedColumn, Explained]] = []
-    left_out: dict[str, str] = {}
-    for column in columns:
-        y = grid.smooth(column)
-        balance = balance_of(motion, y)
+    steady: list[LoggedColumn] = []
+    for column in could:
+        if named and column not in named:
+            left_out[column.text] = f"no name of a drive, as {few([c.text for c in named], 2)} has"
+            continue
+        if column.varies <= limits.HARDLY:
+            steady.append(column)
+            left_out[column.text] = (
+                "it is constant"
+                if column.is_constant
+                else f"it is constant to {100 * column.varies:.2g} %, at {_middle(column):.4g}"
+            )
+            continue
+        balance = balance_of(motion, grid.smooth(column), periodic=False)
         if balance is None:
             left_out[column.text] = "it does not vary while the drive moves"
-        elif column.name.quantity in KINDS or balance.r2 >= limits.SHOWN:
-            found.append((column, balance))
+        elif column.name.quantity in KINDS or _shown(grid, motion, column, balance, lasting) >= limits.SHOWN:
+            found.append((column, balance_of(motion, grid.smooth(column), periodic=lasting) or balance))
         else:
             left_out[column.text] = (
                 f"motion explains {max(balance.r2, 0.0):.0%} of it, too little for a drive"
@@ -60,28 +81,113 @@ def find_drives(
             continue
         kept.append(_kind(column, balance))
     kept = _together(grid, motion, kept)
+    if any(one.kind != "voltage" for one in kept):
+        for one in kept:
+            if one.kind == "voltage" and one.column.varies <= limits.SUPPLY:
+                left_out[one.column.text] = (
+                    f"it stays near {_middle(one.column):.4g}: a supply, no voltage at the motor"
+                )
+        kept = [one for one in kept if one.column.text not in left_out]
+    kept = _measured_current(kept, left_out)
+    taken: dict[str, Driven] = {}
     proposals: dict[str, Proposal] = {}
-    balances: dict[str, Explained] = {}
     for one in _voltage_among(kept):
-        if one.kind in proposals:
-            first = proposals[one.kind]
-            said = "; ".join(
-                filter(None, (first.doubt, f"{one.column.text} could be this {one.kind} as well"))
-            )
-            proposals[one.kind] = dataclasses.replace(first, doubt=said)
-            left_out[one.column.text] = (
-                f"another {one.kind}; {proposals[one.kind].column} follows the motion better"
-            )
+        first = taken.setdefault(one.kind, one)
+        if first is one:
+            proposals[one.kind] = _proposal(one, motion)
             continue
-        proposals[one.kind] = _proposal(one)
-        balances[one.kind] = one.balance
+        if _role(one.column.name) > _role(first.column.name):
+            left_out[one.column.text] = f"another {one.kind}: {first.column.text} is measured by its name"
+            continue
+        said = proposals[one.kind].doubt, f"{one.column.text} could be this {one.kind} as well"
+        proposals[one.kind] = dataclasses.replace(proposals[one.kind], doubt="; ".join(filter(None, said)))
+        left_out[one.column.text] = (
+            f"another {one.kind}; {proposals[one.kind].column} follows the motion better"
+        )
+    balances = {kind: one.balance for kind, one in taken.items()}
+    current = next((one for one in kept if one.kind == "current" and one.column in named), None)
+    unnamed = [c for c in could if c not in named and c.text in left_out]
+    if current is not None and "voltage" not in proposals and len(unnamed) <= limits.TRIED:
+        for column in unnamed:
+            left_out[column.text] += _as_voltage(grid, motion, column, current)
+    if not proposals:
+        for column in steady:
+            if column.name.quantity in KINDS and np.any(column.values):
+                left_out.pop(column.text)
+                proposals[column.name.quantity] = _steady(column)
+                break
     return list(proposals.values()), balances, left_out
 
 
-def _rank(column: LoggedColumn, balance: Explained) -> tuple[bool, bool, bool, float]:
+def no_drive(name: Name) -> str:
+    """Why a column is no drive, whatever its values; "" if it could be one."""
+    if name.role == "set":
+        # A converter applies the voltage that it is told.
+        told = name.quantity == "duty" or (name.quantity == "voltage" and name.word != "v")
+        return "" if told else "a set value by its name"
+    if name.role == "computed":
+        return "computed by a model or a controller, as its name says"
+    if not name.signal:
+        return "no signal of a drive, by its name"
+    if name.quantity not in ("", "duty", *KINDS):
+        return f"by its name {_A.get(name.quantity, f'a {name.quantity}')}, no drive"
+    return ""
+
+
+_A = {"angle": "another angle", "speed": "another speed", "acceleration": "an acceleration", "on": "a flag"}
+
+
+def _shown(grid: Grid, motion: Moved, column: LoggedColumn, plain: Explained, lasting: bool) -> float:
+    """How much of a column motion explains; gravity is searched where the rest is not enough."""
+    if plain.r2 >= limits.SHOWN or not lasting:
+        return plain.r2
+    full = balance_of(motion, grid.smooth(column))
+    return full.r2 if full is not None else plain.r2
+
+
+def _middle(column: LoggedColumn) -> float:
+    return float(np.median(column.values))
+
+
+def _steady(column: LoggedColumn) -> Proposal:
+    """A drive by its name that hardly varies."""
+    kind = column.name.quantity
+    largest = float(np.max(np.abs(column.values)))
+    unit = (
+        column.name.unit
+        if column.name.unit not in ("", "%", "‰")
+        else magnitudes(column, kind, largest)[0][0]
+    )
+    doubt = (
+        f"constant, {_middle(column):.4g} in all rows: friction and inertia cannot be told apart from one"
+        f" {kind}, and a supply looks the same"
+    )
+    return Proposal(kind, column.text, unit, (f"{kind} by its name",), 0.4, doubt)
+
+
+def _rank(column: LoggedColumn, balance: Explained) -> tuple[int, bool, bool, float]:
     """Measured before set, named before unnamed, in a unit before in percent, then the better explained."""
     name = column.name
-    return name.commanded, name.quantity not in KINDS, name.unit == "%", -balance.r2
+    return _role(name), name.quantity not in KINDS, name.unit in ("%", "‰"), -balance.r2
+
+
+def _role(name: Name) -> int:
+    return {"measured": 0, "": 1, "estimated": 2}.get(name.role, 3)
+
+
+def _measured_current(kept: list[Driven], left_out: dict[str, str]) -> list[Driven]:
+    """Without a torque that is a current times a constant: the current is what was measured."""
+    for torque in [one for one in kept if one.kind == "torque"]:
+        for current in [one for one in kept if one.kind == "current" and one.column.name.quantity]:
+            x, y = current.column.values, torque.column.values
+            if abs(float(np.corrcoef(x, y)[0, 1])) > limits.SAME:
+                factor = float(np.std(y) / np.std(x))
+                left_out[torque.column.text] = (
+                    f"{factor:.4g} times {current.column.text}: computed from it, by this torque constant"
+                )
+                kept = [one for one in kept if one is not torque]
+                break
+    return kept
 
 
 def _kind(column: LoggedColumn, balance: Explained) -> Driven:
@@ -137,6 +243,15 @@ def _voltage_among(kept: list[Driven]) -> list[Driven]:
     ]
 
 
+def _as_voltage(grid: Grid, motion: Moved, column: LoggedColumn, current: Driven) -> str:
+    """That a column without a name is as the voltage of a circuit, "" if it is not."""
+    balance = balance_of(motion, grid.smooth(column), periodic=False)
+    if balance is None:
+        return ""
+    both = _together(grid, motion, [current, _kind(column, balance)])
+    return f"; {both[1].evidence[-1]}: is it the voltage?" if both[1].kind == "voltage" else ""
+
+
 def _together(grid: Grid, motion: Moved, kept: list[Driven]) -> list[Driven]:
     """Two drive signals tell each other apart: voltage = R current + k_e speed, with both above 0."""
     rows = motion.moving
@@ -181,19 +296,34 @@ def _copies(column: LoggedColumn, other: Driven) -> bool:
     return r > (limits.COPY if alike else limits.SAME)
 
 
-def _proposal(one: Driven) -> Proposal:
+def _proposal(one: Driven, motion: Moved) -> Proposal:
     largest = float(np.quantile(np.abs(one.column.values), 0.999))
     units = magnitudes(one.column, one.kind, largest)
     unit, sure = units[0]
     evidence, doubts = list(one.evidence), [one.doubt] if one.doubt else []
-    if one.column.name.unit == "%":
+    name = one.column.name
+    if name.unit in ("%", "‰"):
         unit, sure = {"torque": "N m", "current": "A", "voltage": "V"}[one.kind], 0.3
-        doubts.append("in percent of a rated value that the log does not hold")
-    elif one.column.name.unit:
+        part = "percent" if name.unit == "%" else "parts per thousand"
+        doubts.append(f"in {part} of a rated value that the log does not hold")
+    elif name.unit:
         evidence.append(f"{unit} by its name")
     else:
         second = units[1][0] if len(units) > 1 else ""
         doubts.append(f"{unit} by its size alone, up to {largest:.3g}" + (f"; or {second}" if second else ""))
+        if one.column.is_whole and largest >= limits.COUNTED:
+            doubts.append(
+                "whole numbers: counts of a converter, or thousandths of a rated value (CiA 402), whose"
+                " factor the log does not hold"
+            )
+    if name.commanded:
+        doubts.append("a set value by its name: what the motor got is not logged")
+    if name.role == "estimated":
+        doubts.append("estimated, by its name")
+    if name.word == "effort":
+        doubts.append("an effort may be a torque, a current or a voltage: what the drive's driver says")
+    if without_sign(one.column, motion):
+        doubts.append(UNSIGNED)
     turned = one.balance.losses < 0.0 or (one.balance.losses == 0.0 and one.balance.inertia < 0.0)
     if turned:
         evidence.append("its sign is turned: it falls where friction and inertia need it to rise")
@@ -201,130 +331,11 @@ def _proposal(one: Driven) -> Proposal:
     return Proposal(one.kind, one.column.text, unit, *said, turned=turned)
 
 
-# The other columns: temperature and supply, which are slow, duty cycles, and flags.
+UNSIGNED = "never negative though the shaft turns both ways: its sign is missing, and no fit can be right"
 
 
-def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedColumn | None]:
-    """The temperature, and the supply voltage, if the log has them."""
-    slow = [c for c in columns if not c.is_flag and not c.is_constant and is_slow(c)]
-    named = [c for c in columns if c.name.quantity == "temperature" and not c.is_flag]
-    supply = next((c for c in columns if c.name.quantity == "supply" and not c.is_flag), None)
-    temperature = next(iter(named), None) or next(
-        (c for c in slow if c.name.quantity == "" and _warm(c)), None
-    )
-    if temperature is None:
-        return None, supply
-    low, high = float(temperature.values.min()), float(temperature.values.max())
-    evidence = [f"drifts from {low:.3g} to {high:.3g}, far slower than the motion"]
-    doubts = []
-    unit, sure = temperature.name.unit or ("K" if low > 200.0 else "degC"), 0.98
-    if temperature.name.quantity == "temperature":
-        evidence.insert(0, "temperature by its name")
-    else:
-        doubts.append("no name; any slow signal would look the same")
-        sure = 0.6
-    if not temperature.name.unit and not (low > 200.0 or high < 150.0):
-        doubts.append("unit by its size alone")
-    elif not temperature.name.unit:
-        evidence.append(f"{unit} by its size")
-    return Proposal("temperature", temperature.text, unit, tuple(evidence), sure, "; ".join(doubts)), supply
-
-
-def is_slow(column: LoggedColumn) -> bool:
-    """Whether a column drifts: its steps from row to row are small against its range."""
-    return (
-        bool(column.range > 0.0)
-        and float(np.mean(np.abs(np.diff(column.values)))) < limits.SLOW * 0.1 * column.range
-    )
-
-
-def _warm(column: LoggedColumn) -> bool:
-    low, high = float(column.values.min()), float(column.values.max())
-    return (5.0 < low and high < 150.0) or (270.0 < low and high < 430.0)
-
-
-def find_voltage(columns: Sequence[LoggedColumn], supply: LoggedColumn | None) -> Proposal | None:
-    """The voltage as duty cycle times supply."""
-    duty = next((c for c in columns if c.name.quantity == "duty" and not c.is_flag), None)
-    if duty is None:
-        return None
-    largest = float(np.max(np.abs(duty.values)))
-    full = 100.0 if duty.name.unit == "%" else max(1.0, largest)
-    sure = duty.name.unit == "%" or largest <= 1.0
-    doubt = (
-        "" if sure else f"full scale is taken as the largest duty seen, {largest:g}: put the converter's own"
-    )
-    over = "" if full == 1.0 else f" / {full:g}"
-    if supply is None:
-        doubt = "; ".join(filter(None, (doubt, "times the supply voltage, which the log does not hold")))
-        return Proposal(
-            "voltage",
-            f"{quoted(duty.text)}{over}",
-            "V",
-            ("a duty cycle by its name",),
-            0.4,
-            doubt,
-            reads=(duty.text,),
-        )
-    text = f"{quoted(duty.text)}{over} * {quoted(supply.text)}"
-    if supply.name.unit == "mV":
-        text += " / 1000"
-    return Proposal(
-        "voltage",
-        text,
-        "V",
-        ("duty cycle times supply, by their names",),
-        0.9 if sure else 0.7,
-        doubt,
-        reads=(duty.text, supply.text),
-    )
-
-
-def find_flags(
-    columns: Sequence[LoggedColumn], grid: Grid, motion: Moved, drive: LoggedColumn | None
-) -> tuple[list[Proposal], Mapping[str, str]]:
-    """Where the motor is off, and which rows are to be used."""
-    proposals: dict[str, Proposal] = {}
-    left_out: dict[str, str] = {}
-    for column in columns:
-        quantity = column.name.quantity
-        if column.is_constant:
-            left_out[column.text] = "it is constant"
-            continue
-        value = {"on": 0, "off": 1, "good": 1, "bad": 0}.get(quantity)
-        share = float(np.mean(column.values == value)) if value is not None else 0.0
-        channel = "motor_off" if quantity in ("on", "off") else "use"
-        if value is None or channel in proposals:
-            left_out[column.text] = "a flag whose meaning its name does not say"
-            continue
-        text = f"{quoted(column.text)} == {value}"
-        evidence = (
-            f"by its name; so in {share:.1%} of the rows",
-            *_coasting(grid, motion, drive, column, value, channel),
-        )
-        doubt = "" if channel == "motor_off" else "only its name says that the other rows are not to be used"
-        proposals[channel] = Proposal(
-            channel, text, "", evidence, 0.9 if channel == "motor_off" else 0.8, doubt, reads=(column.text,)
-        )
-    return list(proposals.values()), left_out
-
-
-def _coasting(
-    grid: Grid, motion: Moved, drive: LoggedColumn | None, flag: LoggedColumn, value: int, channel: str
-) -> tuple[str, ...]:
-    """Whether the drive still follows the motion where a flag says that it is off."""
-    if drive is None or channel != "motor_off":
-        return ()
-    off = np.abs(grid.smooth(flag) - value) < 0.5
-    y = grid.smooth(drive)
-    within, without = (
-        balance_of(Moved(motion.x, motion.w, motion.a, motion.moving & rows), y, periodic=False)
-        for rows in (off, ~off)
-    )
-    if within is None:
-        return (f"{drive.text} is constant there",)
-    if without is None:
-        return ()
-    return (
-        f"explained by motion: {max(within.r2_plain, 0):.0%} there, {max(without.r2_plain, 0):.0%} elsewhere",
-    )
+def without_sign(column: LoggedColumn, motion: Moved) -> bool:
+    """Whether a drive has one sign alone where the motion has two."""
+    w = motion.w[motion.moving]
+    both = len(w) > 0 and min(float(np.mean(w > 0.0)), float(np.mean(w < 0.0))) > limits.BOTH_WAYS
+    return both and bool(np.all(column.values >= 0.0))

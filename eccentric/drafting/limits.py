@@ -10,8 +10,8 @@ RISING = 0.999
 """Share of rows whose time is above that of the row before, within a run: a clock may be set once."""
 SLOWEST_HZ, FASTEST_HZ = 2.0, 50_000.0
 """Rates of logs that show a friction torque: below, no acceleration; above, only currents of an inverter."""
-SHORTEST_S, LONGEST_S = 2.0, 200_000.0
-"""Lengths of logs: from one swing to two days."""
+SHORTEST_S, LONGEST_S = 0.2, 200_000.0
+"""Lengths of logs: from one pulse to two days."""
 USUAL_HZ, USUAL_DECADES = 300.0, 0.8
 """Rates that loggers of drives have, and their spread: 50 Hz to 2 kHz are within one."""
 GAP = 20.0
@@ -32,6 +32,10 @@ STILL = 0.05
 """Rows slower than this part of the 95th percentile of the speed count as standing."""
 WRAP = 0.5
 """A step above this part of the range is a wrap of the angle."""
+MOVES = 0.1
+"""Travel of a joint over that of the one that travels furthest, from which it moves too: less is jitter."""
+TRIED = 8
+"""Drives of no joint that are tried for it."""
 FACTOR = 0.03
 """Relative scatter of the ratio between a logged speed and the slope of the angle: filters cost a little."""
 USUAL_SPEED, SPEED_DECADES = 20.0, 0.9
@@ -51,6 +55,15 @@ SIGN = 0.05
 """Share of a term from which its sign counts: below, noise decides it."""
 SCANNED = 3000
 """Points that the wave number of gravity is searched on."""
+MOST_GEAR = 400.0
+"""Turns of the logged shaft for one of the link, up to which a gear is plausible: one stage of a cycloidal or
+strain wave gear has 30 to 200, and two stages of planets as many."""
+HARDLY = 0.05
+"""Range of a drive over its largest value up to which it hardly varies: a constant command, or a supply."""
+COUNTED = 20.0
+"""Largest whole number from which a drive without a unit may be in counts, not a coarse sensor."""
+SUPPLY = 0.2
+"""The same for a voltage beside another drive: what the speed needs of a voltage would show."""
 SAME_SHAFT = 0.1
 """Relative error of the number of turns in which gravity repeats: less than two shafts of a gear differ."""
 NEAR_WHOLE = 0.02

@@ -223,7 +223,7 @@ def _units(column: LoggedColumn, step: float, length: float) -> dict[str, float]
     for unit, seconds in SECONDS.items():
         rate, duration = 1.0 / (step * seconds), length * seconds
         decades = math.log10(rate / limits.USUAL_HZ) / limits.USUAL_DECADES
-        weight = math.exp(-0.5 * decades**2) * {"s": 1.0, "min": 0.01}.get(unit, 0.5)
+        weight = math.exp(-0.5 * decades**2) * {"s": 1.0, "min": 1e-4}.get(unit, 0.5)
         possible = (
             limits.SLOWEST_HZ <= rate <= limits.FASTEST_HZ
             and limits.SHORTEST_S <= duration <= limits.LONGEST_S
@@ -435,7 +435,7 @@ def _slope(off: float, factor: float, gear: float) -> tuple[float, float, tuple[
 
 def magnitudes(column: LoggedColumn, quantity: str, largest: float) -> list[tuple[str, float]]:
     """Units of a drive signal with their probabilities: by the name, else by the size that drives have."""
-    if column.name.unit and column.name.unit != "%":
+    if column.name.unit and column.name.unit not in ("%", "‰"):
         return [(column.name.unit, 0.99)]
     weights: dict[str, float] = {}
     for unit, (usual, decades, weight) in _USUAL[quantity].items():

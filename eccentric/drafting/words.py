@@ -6,23 +6,30 @@ names are one piece of evidence, units in brackets the best one.
 
 from __future__ import annotations
 
+import itertools
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from eccentric.core import InputError
 from eccentric.logs import parse_unit
 
 _WORDS = {
-    "time": "t time times timestamp stamp zeit clock tick ticks uptime elapsed millis micros sec seconds",
-    "angle": "theta angle ang pos position q winkel lage enc encoder rotation drehwinkel phi th stroke weg",
-    "speed": "omega w speed vel velocity drehzahl dq qd thetadot dtheta rpm geschwindigkeit n om",
-    "acceleration": "acc accel acceleration qdd ddq ddtheta beschleunigung",
-    "current": "i iq current cur strom amps ampere amp isense imot motorstrom",
-    "voltage": "u uq vq voltage volt volts spannung umot vmot v klemmenspannung",
-    "torque": "tau torque moment trq drehmoment tq mot_torque force kraft thrust",
-    "temperature": "temp temperature temperatur celsius tmot",
-    "supply": "supply bus vbus vdc battery vbat batt dclink vin ubat zwischenkreis",
-    "duty": "pwm duty dutycycle",
+    "time": "t time times timestamp stamp zeit clock tick ticks uptime elapsed millis micros sec secs seconds"
+    " nsec nanosec nanoseconds msec usec dt ts epoch utc date datetime tiempo temps tempo latency jitter",
+    "angle": "theta angle ang pos position q winkel lage enc encoder rotation drehwinkel phi th stroke weg"
+    " angulo posicion posizione",
+    "speed": "omega w speed spd vel velo velocity drehzahl dq qd qdot thetadot dtheta rpm geschwindigkeit"
+    " n om vitesse velocidad velocita phidot dphi gyro angularvelocity",
+    "acceleration": "acc accel acceleration qdd ddq ddtheta beschleunigung a",
+    "current": "i iq current curr cur strom amps ampere amp amperage isense imot motorstrom isq corriente"
+    " courant",
+    "voltage": "u uq vq voltage volt volts spannung umot vmot v klemmenspannung usq tension",
+    "torque": "tau torque torq moment trq drehmoment tq mot_torque force kraft thrust f",
+    "temperature": "temp temperature temperatures temperatur celsius tmot",
+    "supply": "supply vsupply bus vbus vdc battery vbat batt dclink vin ubat zwischenkreis mains mainvoltage"
+    " ubus ibus idc udc",
+    "duty": "pwm duty dutycycle motorpwm",
     "run": "run trial experiment versuch lauf series record test messung",
     "on": "enable enabled on active powered",
     "off": "off coast free disabled released",
@@ -30,9 +37,38 @@ _WORDS = {
     "bad": "suspect invalid fault bad outlier disturbance disturbed restored error",
 }
 _OF_WORD = {word: quantity for quantity, words in _WORDS.items() for word in words.split()}
-_SET = frozenset(
-    "goal target cmd command commanded ref reference set setpoint desired soll demand des wanted".split()  # noqa: SIM905
+_ROLES = {
+    "other": "quat quaternion orientation qx qy qz qw power energy work mass weight inertia constant ratio"
+    " coefficient gain kp ki kd efficiency pressure humidity altitude latitude longitude strain mode status"
+    " id isd ud usd ld flux ialpha ibeta ualpha ubeta valpha vbeta phase mask layout offset",
+    "computed": "model modelled modeled predicted prediction predict pred computed calc calculated"
+    " calculation simulated simulation sim fitted ideal theoretical theory expected rigid rnea"
+    " coriolis gravity friction fric reibung feedforward ff compensation dahl stribeck lugre coulomb viscous"
+    " maxwell gms leuven pinn nnfm lstm gru mlp rnn tcn cnn transformer svm svr gpr neural network xgboost"
+    " residual resid residuum error err diff deviation delta lag abweichung schleppfehler"
+    " schleppabstand regelabweichung external ext limit limits lim max min maximum minimum upper lower"
+    " threshold saturation tolerance",
+    "set": "goal target targ tgt cmd cmds cmnd command commanded commands ref refs reference set setp sp"
+    " setpoint setvalue setpos setvelo settorque desired des soll sollwert demand demanded des wanted"
+    " request requested req planned plan trajectory traj profile nominal action actions ",
+    "estimated": "estimate estimated est hat observer observed obs kalman ekf ukf filtered filt smoothed"
+    " smooth lowpass clean",
+    "measured": "measured meas measurement mes actual act feedback fb fbk ist istwert sensed sensor real"
+    " present raw observation actpos actvelo acttorque actcurrent",
+}
+"""Words that say where a column comes from, besides what it is of; the first that a name has decides."""
+_OF_ROLE = {word: role for role, words in _ROLES.items() for word in words.split()}
+_INDEX = frozenset(
+    "index idx seq sequence frame episode iteration iter sample samples row nr".split()  # noqa: SIM905
 )
+_OBJECTS = {
+    "6064": ("angle", "measured"), "6062": ("angle", "set"), "607a": ("angle", "set"),
+    "606c": ("speed", "measured"), "606b": ("speed", "set"), "60ff": ("speed", "set"),
+    "6077": ("torque", "measured"), "6071": ("torque", "set"), "6074": ("torque", "set"),
+    "6078": ("current", "measured"), "60f4": ("angle", "computed"), "6079": ("supply", "measured"),
+}  # fmt: skip
+"""Objects of the profile CiA 402 for drives: what they are, and whether measured or set."""
+_OBJECT = re.compile(r"(?:0x)?(60[67f][0-9a-f])(?![0-9a-gi-z])", re.IGNORECASE)
 _LINK = frozenset({"link", "load", "output", "out", "joint", "arm", "l", "last", "abtrieb"})
 _MOTOR = frozenset({"motor", "mot", "m", "rotor", "input", "in", "antrieb"})
 
@@ -45,7 +81,9 @@ _SPELLINGS = {
     "count": "counts", "inc": "counts", "ticks": "counts", "grad": "deg", "nm": "Nm", "n m": "N m",
     "n_m": "N m", "n*m": "N m", "mnm": "mNm", "ma": "mA", "mv": "mV", "degc": "degC", "c": "degC",
     "celsius": "degC", "°c": "degC", "sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "µs": "us",
-    "pct": "%", "percent": "%", "amps": "A", "volts": "V", "volt": "V", "turns": "turn", "revs": "rev",
+    "pct": "%", "percent": "%", "prozent": "%", "% rated": "%", "‰": "‰", "permille": "‰", "per mille": "‰",
+    "promille": "‰", "permil": "‰", "0.1%": "‰", "0.1 %": "‰", "1/1000": "‰", "hz": "rev/s",
+    "amps": "A", "volts": "V", "volt": "V", "turns": "turn", "revs": "rev",
     "rad": "rad", "deg": "deg", "rpm": "rpm", "counts": "counts", "ms": "ms", "us": "us", "ns": "ns",
     "mrad": "mrad", "rev": "rev",
 }  # fmt: skip
@@ -63,15 +101,32 @@ _KINDS = {
 class Name:
     """What a name says: `quantity` and `unit` are empty where it says nothing.
 
-    `unit` is one of `eccentric.logs`, or "%". `side` is "m", "l" or empty; `commanded` marks a set value.
+    Attributes:
+        quantity: as in the table of words, or "other" for what is no signal of a drive.
+        unit: one of `eccentric.logs`, "%" or "‰".
+        side: "m", "l" or empty.
+        role: "measured", "estimated", "set", "computed" or "other"; empty where the name does not say.
+        word: the one that the quantity is by.
+        weak: whether that is a letter alone, which values may overrule.
     """
 
     text: str
     quantity: str = ""
     unit: str = ""
     side: str = ""
-    commanded: bool = False
+    role: str = ""
     word: str = ""
+    weak: bool = False
+
+    @property
+    def commanded(self) -> bool:
+        """Whether it is a set value."""
+        return self.role == "set"
+
+    @property
+    def signal(self) -> bool:
+        """Whether it may be a signal of the machine: a set value, a result and a flag of status are none."""
+        return self.role in ("", "measured", "estimated") and self.quantity != "other"
 
 
 def read_name(text: str, unit: str = "") -> Name:
@@ -81,18 +136,42 @@ def read_name(text: str, unit: str = "") -> Name:
     plain = text[: bracket.start()] + text[bracket.end() :] if bracket else text
     found, plain = (spelled(given), plain) if given else _suffix(plain)
     words = [token.lower() for token in _TOKENS.findall(plain)]
-    named = [(_OF_WORD[w], w) for w in words if w in _OF_WORD]
+    # "feed forward", "LuGre" and "set point" are one word each, as is a name in parts.
+    pairs = [first + second for first, second in itertools.pairwise(words)]
+    named = [(_OF_WORD[w], w) for w in (*words, *pairs) if w in _OF_WORD]
     joined = "".join(words)
     if joined in _OF_WORD:
         named.insert(0, (_OF_WORD[joined], joined))
+    if words and words[-1] == "effort":
+        named.append(("torque", "effort"))
+    role = _role(plain, words, pairs)
     quantity, word = _chosen(named, found)
+    if not named and words[:1] == ["m"] and role in ("measured", "set"):
+        quantity, word = "torque", "m"  # M_ist, M_soll
+    if number := _OBJECT.search(plain):
+        quantity, role = _OBJECTS.get(number[1].lower(), (quantity, role))
+    if not quantity and _INDEX & set(words):
+        quantity = "other"
     side = "l" if _LINK & set(words) else "m" if _MOTOR & set(words) else ""
-    return Name(text, quantity, found, side, bool(_SET & set(words)), word)
+    return Name(text, quantity, found, side, role, word, weak=len(word) == 1 and not found)
+
+
+def _role(plain: str, words: Sequence[str], pairs: Sequence[str]) -> str:
+    """Where a column comes from, as its words say."""
+    said = {_OF_ROLE[w] for w in (*words, *pairs) if w in _OF_ROLE}
+    # Of q_d, i_d: desired, or the d axis; rotation/w: a part of a quaternion.
+    if re.search(r"[a-z0-9]_d(?![a-z])", plain, re.IGNORECASE) and "d" in words[1:]:
+        said.add("set")
+    if words[-1:] in (["x"], ["y"], ["z"], ["w"]) and {"rotation", "quat"} & set(words):
+        said.add("other")
+    return next((role for role in _ROLES if role in said), "")
 
 
 def _chosen(named: list[tuple[str, str]], unit: str) -> tuple[str, str]:
     """The quantity of the words and the unit together: a longer word says more than a letter."""
     by_unit = dimension_of(unit)
+    if by_unit == "other":
+        return by_unit, ""
     fitting = [one for one in named if by_unit in ("", one[0]) or (one[0], by_unit) in _COMPATIBLE]
     if fitting:
         return max(fitting, key=lambda one: (one[0] in ("supply", "duty", "off", "on", "bad"), len(one[1])))
@@ -104,7 +183,7 @@ _COMPATIBLE = {("supply", "voltage"), ("duty", "angle"), ("voltage", "angle"), (
 
 def of_a_carriage(unit: str) -> bool:
     """Whether a unit is one of length or velocity."""
-    if unit in ("", "%", "1", "-"):
+    if unit in ("", "%", "‰", "1", "-"):
         return False
     try:
         own = parse_unit(unit, "", 1.0).dimension
@@ -114,21 +193,23 @@ def of_a_carriage(unit: str) -> bool:
 
 
 def dimension_of(unit: str) -> str:
-    """The quantity that a unit belongs to, empty if it says nothing: % and 1 do not."""
-    if unit in ("", "%", "1", "-"):
+    """The quantity that a unit belongs to, empty for % and 1; "other" for that of no signal."""
+    if unit in ("", "%", "‰", "1", "-"):
         return ""
     try:
         own = parse_unit(unit, "", 1.0).dimension
     except InputError:
         return ""
-    return next((q for q, units in _KINDS.items() if own in [parse_unit(u, "").dimension for u in units]), "")
+    return next(
+        (q for q, units in _KINDS.items() if own in [parse_unit(u, "").dimension for u in units]), "other"
+    )
 
 
 def spelled(text: str) -> str:
     """A unit in the spelling of `eccentric.logs`; empty if it is none."""
     clean = " ".join(text.split())
     one = _SPELLINGS.get(clean.lower(), clean)
-    if one == "%":
+    if one in ("%", "‰"):
         return one
     try:
         parse_unit(one, "", 1.0)

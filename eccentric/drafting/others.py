@@ -1,0 +1,140 @@
+"""The other columns: temperature and supply, which are slow, duty cycles, and flags."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from eccentric.drafting import limits
+from eccentric.drafting.balance import Moved, balance_of
+from eccentric.drafting.columns import Grid, LoggedColumn
+from eccentric.drafting.drives import no_drive
+from eccentric.drafting.proposal import Proposal, quoted
+
+
+def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedColumn | None]:
+    """The temperature, and the supply voltage, if the log has them."""
+    slow = [c for c in columns if not c.is_flag and not c.is_constant and is_slow(c)]
+    named = [c for c in columns if c.name.quantity == "temperature" and not c.is_flag]
+    supply = next((c for c in columns if c.name.quantity == "supply" and not c.is_flag), None)
+    temperature = next(iter(named), None) or next(
+        (c for c in slow if c.name.quantity == "" and _warm(c)), None
+    )
+    if temperature is None:
+        return None, supply
+    low, high = float(temperature.values.min()), float(temperature.values.max())
+    evidence = [f"drifts from {low:.3g} to {high:.3g}, far slower than the motion"]
+    doubts = []
+    unit, sure = temperature.name.unit or ("K" if low > 200.0 else "degC"), 0.98
+    if temperature.name.quantity == "temperature":
+        evidence.insert(0, "temperature by its name")
+    else:
+        doubts.append("no name; any slow signal would look the same")
+        sure = 0.6
+    if not temperature.name.unit and not (low > 200.0 or high < 150.0):
+        doubts.append("unit by its size alone")
+    elif not temperature.name.unit:
+        evidence.append(f"{unit} by its size")
+    return Proposal("temperature", temperature.text, unit, tuple(evidence), sure, "; ".join(doubts)), supply
+
+
+def is_slow(column: LoggedColumn) -> bool:
+    """Whether a column drifts: its steps from row to row are small against its range."""
+    return (
+        bool(column.range > 0.0)
+        and float(np.mean(np.abs(np.diff(column.values)))) < limits.SLOW * 0.1 * column.range
+    )
+
+
+def _warm(column: LoggedColumn) -> bool:
+    low, high = float(column.values.min()), float(column.values.max())
+    return (5.0 < low and high < 150.0) or (270.0 < low and high < 430.0)
+
+
+def find_voltage(columns: Sequence[LoggedColumn], supply: LoggedColumn | None) -> Proposal | None:
+    """The voltage as duty cycle times supply."""
+    duties = [c for c in columns if c.name.quantity == "duty" and not c.is_flag and no_drive(c.name) == ""]
+    duty = next((c for c in duties if c.name.signal), next(iter(duties), None))
+    if duty is None:
+        return None
+    largest = float(np.max(np.abs(duty.values)))
+    full = 100.0 if duty.name.unit == "%" else max(1.0, largest)
+    sure = duty.name.unit == "%" or largest <= 1.0
+    doubt = (
+        "" if sure else f"full scale is taken as the largest duty seen, {largest:g}: put the converter's own"
+    )
+    over = "" if full == 1.0 else f" / {full:g}"
+    if supply is None:
+        doubt = "; ".join(filter(None, (doubt, "times the supply voltage, which the log does not hold")))
+        return Proposal(
+            "voltage",
+            f"{quoted(duty.text)}{over}",
+            "V",
+            ("a duty cycle by its name",),
+            0.4,
+            doubt,
+            reads=(duty.text,),
+        )
+    text = f"{quoted(duty.text)}{over} * {quoted(supply.text)}"
+    if supply.name.unit == "mV":
+        text += " / 1000"
+    return Proposal(
+        "voltage",
+        text,
+        "V",
+        ("duty cycle times supply, by their names",),
+        0.9 if sure else 0.7,
+        doubt,
+        reads=(duty.text, supply.text),
+    )
+
+
+def find_flags(
+    columns: Sequence[LoggedColumn], grid: Grid, motion: Moved, drive: LoggedColumn | None
+) -> tuple[list[Proposal], Mapping[str, str]]:
+    """Where the motor is off, and which rows are to be used."""
+    proposals: dict[str, Proposal] = {}
+    left_out: dict[str, str] = {}
+    for column in columns:
+        quantity = column.name.quantity
+        if column.is_constant:
+            left_out[column.text] = "it is constant"
+            continue
+        value = {"on": 0, "off": 1, "good": 1, "bad": 0}.get(quantity)
+        share = float(np.mean(column.values == value)) if value is not None else 0.0
+        channel = "motor_off" if quantity in ("on", "off") else "use"
+        if value is None or channel in proposals:
+            left_out[column.text] = "a flag whose meaning its name does not say"
+            continue
+        text = f"{quoted(column.text)} == {value}"
+        evidence = (
+            f"by its name; so in {share:.1%} of the rows",
+            *_coasting(grid, motion, drive, column, value, channel),
+        )
+        doubt = "" if channel == "motor_off" else "only its name says that the other rows are not to be used"
+        proposals[channel] = Proposal(
+            channel, text, "", evidence, 0.9 if channel == "motor_off" else 0.8, doubt, reads=(column.text,)
+        )
+    return list(proposals.values()), left_out
+
+
+def _coasting(
+    grid: Grid, motion: Moved, drive: LoggedColumn | None, flag: LoggedColumn, value: int, channel: str
+) -> tuple[str, ...]:
+    """Whether the drive still follows the motion where a flag says that it is off."""
+    if drive is None or channel != "motor_off":
+        return ()
+    off = np.abs(grid.smooth(flag) - value) < 0.5
+    y = grid.smooth(drive)
+    within, without = (
+        balance_of(Moved(motion.x, motion.w, motion.a, motion.moving & rows), y, periodic=False)
+        for rows in (off, ~off)
+    )
+    if within is None:
+        return (f"{drive.text} is constant there",)
+    if without is None:
+        return ()
+    return (
+        f"explained by motion: {max(within.r2_plain, 0):.0%} there, {max(without.r2_plain, 0):.0%} elsewhere",
+    )
