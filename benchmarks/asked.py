@@ -160,6 +160,7 @@ DIAGNOSIS: dict[str, Asked] = {
         "%",
     ),
     "drafted silently wrong": Asked("the same: wrong without a doubt stated", "at most", 0),
+    "drafted decoys": Asked("real names among decoys: wrong without a doubt stated", "at most", 0),
     "drafted fits": Asked("the same: fitted with at most three values typed", "at least", 100, "%"),
     "strangers": Asked("strangers' logs: drafted right, honestly asked, or refused", "at least", 95, "%"),
     "strangers wrong": Asked("the same: wrong without a doubt stated, or a traceback", "at most", 0),

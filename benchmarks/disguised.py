@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from eccentric.drafting import Draft
 from eccentric.logs import Log, parse_unit
 
-__all__ = ["Column", "Disguised", "Judged", "disguised", "judged"]
+__all__ = ["UNITS", "Column", "Disguised", "Judged", "disguised", "in_unit", "judged"]
 
 UNITS = {
     "time": ("s", "ms", "us"),
@@ -102,21 +102,25 @@ def _rescaled(column: Column, values: NDArray, rng: np.random.Generator) -> tupl
     """The column in a unit drawn at random: unit, values, SI per unit and offset."""
     if column.quantity not in UNITS:
         return column.unit, values, 1.0, 0.0
-    there = parse_unit(column.unit, "", column.counts or None)
     choices = [u for u in UNITS[column.quantity] if u != "counts" or column.counts]
     unit = str(rng.choice(choices))
     if column.quantity == "time" and math.isclose(float(np.median(np.diff(values))), 1.0):
         unit = column.unit
+    return unit, *in_unit(column, values, unit)
+
+
+def in_unit(column: Column, values: NDArray, unit: str) -> tuple[NDArray, float, float]:
+    """The column in another unit, with the digits that files keep: values, SI per unit and offset."""
+    there = parse_unit(column.unit, "", column.counts or None)
     new = parse_unit(unit, "", column.counts or None)
-    si = there.to_si(values)
-    changed = (si - new.offset) / new.factor
+    changed = (there.to_si(values) - new.offset) / new.factor
     if unit == "counts":
         changed = np.round(changed)
     elif unit != column.unit:
         # Files keep some six digits of what varies.
         digits = 6 - math.floor(math.log10(max(float(np.ptp(changed)), 1e-12)))
         changed = np.round(changed, max(0, digits + (3 if column.quantity in ("time", "angle") else 0)))
-    return unit, changed, new.factor, new.offset
+    return changed, new.factor, new.offset
 
 
 def _name(
@@ -151,7 +155,7 @@ def judged(draft: Draft, given: Disguised) -> list[Judged]:
             constant = float(np.ptp(given.log.numbers(name))) == 0.0 if column.quantity != "run" else False
             right = (
                 constant
-                or column.quantity == "set angle"
+                or column.quantity in ("set angle", "decoy")
                 or any(column.same in _columns_in(p.column, given.truth) for p in draft.proposals)
             )
             # In a log without names a flag has no meaning that could be seen.

@@ -15,13 +15,14 @@ import json
 import sys
 import tomllib
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from benchmarks.decoys import decoyed
 from benchmarks.disguised import Column, Disguised, Judged, disguised, judged
 from benchmarks.measured_logs import SETS, measured_log
 from benchmarks.record import Measured, Part, progress
@@ -35,6 +36,7 @@ from eccentric.signals import read_channels
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 VARIANTS = 200
+Disguise = Callable[[Log, Mapping[str, Column], np.random.Generator], Disguised]
 TYPED = 3
 """Values that a person types at most."""
 EXAMPLES = ("example1", "example2", "example3", "example4")
@@ -136,7 +138,7 @@ def runs(given: Disguised, draft: Draft, rig: Mapping[str, Any]) -> tuple[bool, 
 
 
 def measure(
-    data: Path, variants: int, *, show: bool = False
+    data: Path, variants: int, *, disguise: Disguise = disguised, show: bool = False
 ) -> tuple[list[tuple[str, str, list[Judged]]], list[tuple[bool, int, str]]]:
     """The judged columns of every variant with log and style, and of every variant whether a fit ran."""
     found, fitted = [], []
@@ -144,7 +146,7 @@ def measure(
     for k in range(variants):
         name, log, known, rig = all_logs[k % len(all_logs)]
         rng = np.random.default_rng([2026, k])
-        given = disguised(log, known, rng)
+        given = disguise(log, known, rng)
         progress(f"drafts: {k + 1} of {variants}, {name}")
         try:
             draft = draft_of(given.log)
@@ -172,8 +174,12 @@ def measure(
     return found, fitted
 
 
-def part(found: list[tuple[str, str, list[Judged]]], fitted: list[tuple[bool, int, str]]) -> Part:
-    """The figures and tables of the page."""
+def part(
+    found: list[tuple[str, str, list[Judged]]],
+    fitted: list[tuple[bool, int, str]],
+    among: list[tuple[str, str, list[Judged]]],
+) -> Part:
+    """The figures and tables of the page; `among` are the logs with decoys, which are not fitted."""
     columns = [one for _, _, judgements in found for one in judgements]
     right = sum(one.right for one in columns)
     silent = sum(not one.right and not one.doubted for one in columns)
@@ -182,6 +188,8 @@ def part(found: list[tuple[str, str, list[Judged]]], fitted: list[tuple[bool, in
     lines = [
         f"{len(found)} variants of {len({name for name, _, _ in found})} logs: columns renamed, rescaled and shuffled"
         " at random; names with their unit, words alone, or numbers.",
+        "The last row is of other variants: real names of loggers, with set values, results of models, errors,"
+        " supplies, stamps and copies among them.",
         "A unit is right to one part in a thousand. A column that is no channel is right if it is left out.",
         "",
         "| names | columns | right | wrong, doubted | wrong, not doubted | right, but doubted |",
@@ -190,7 +198,8 @@ def part(found: list[tuple[str, str, list[Judged]]], fitted: list[tuple[bool, in
     by_style = collections.defaultdict(list)
     for _, style, judgements in found:
         by_style[style] += judgements
-    for style, all_of in [*sorted(by_style.items()), ("all", columns)]:
+    decoys = [one for _, _, judgements in among for one in judgements]
+    for style, all_of in [*sorted(by_style.items()), ("all", columns), ("real, with decoys", decoys)]:
         good = [one for one in all_of if one.right]
         bad = [one for one in all_of if not one.right]
         lines.append(
@@ -205,6 +214,10 @@ def part(found: list[tuple[str, str, list[Judged]]], fitted: list[tuple[bool, in
         {
             "drafted": Measured(100.0 * right / len(columns), f"{100.0 * right / len(columns):.1f} %"),
             "drafted silently wrong": Measured(silent, f"{silent} of {len(columns):,}"),
+            "drafted decoys": Measured(
+                taken := sum(not one.right and not one.doubted for one in decoys),
+                f"{taken} of {len(decoys):,}",
+            ),
             "drafted fits": Measured(100.0 * easy / len(fitted), f"{100.0 * easy / len(fitted):.1f} %"),
         },
         lines,
@@ -217,7 +230,8 @@ def measured(quick: bool) -> Part:
         return Part({}, ["Not measured: the logs are not bundled."])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return part(*measure(DATA, 18 if quick else VARIANTS))
+        count = 18 if quick else VARIANTS
+        return part(*measure(DATA, count), measure(DATA, count, disguise=decoyed)[0])
 
 
 def main() -> None:
@@ -227,7 +241,9 @@ def main() -> None:
     parser.add_argument("--variants", type=int, default=VARIANTS)
     given = parser.parse_args()
     warnings.simplefilter("ignore")
-    print("\n".join(part(*measure(given.data, given.variants, show=True)).details))
+    found = measure(given.data, given.variants, show=True)
+    among = measure(given.data, given.variants, disguise=decoyed, show=True)[0]
+    print("\n".join(part(*found, among).details))
 
 
 if __name__ == "__main__":

@@ -122,7 +122,7 @@ def draft_of(log: Log) -> Draft:
     left_out |= {n: "it is constant" for n, c in left.items() if c.is_constant and n not in taken}
     left_out |= {name: why for name, entries in texts.items() if (why := _spoilt(log, name, entries))}
     free = [c for n, c in left.items() if n not in taken and n not in left_out]
-    angle, speed, pair, doubt = _moving(grid, free, log.path)
+    angle, speed, pair, doubt = _moving(grid, free, [*left.values()], log.path)
     doubt = "; ".join(filter(None, (doubt, joint.doubt)))
     motion = motion_from(grid, angle, speed)
     rest = [c for c in free if c not in (angle, speed)]
@@ -193,20 +193,20 @@ def _said(pair: Pair | None) -> list[str]:
 
 
 def _moving(
-    grid: Grid, free: Sequence[LoggedColumn], where: str
+    grid: Grid, free: Sequence[LoggedColumn], every: Sequence[LoggedColumn], where: str
 ) -> tuple[LoggedColumn | None, LoggedColumn | None, Pair | None, str]:
     """The angle and the speed: a column and its slope, by their names, or what explains a third column."""
     signals = [c for c in free if c.name.signal]
     could = [c for c in signals if c.name.quantity not in _NAMED or _letter(c)]
     by_name = {c.text: c for c in could}
-    pairs = [p for p in pairs_of(grid, could) if _is_motion(p, by_name)]
+    pairs = [p for p in pairs_of(grid, could) if _is_motion(p, by_name, every)]
     if pairs:
         slopes = {p.speed for p in pairs}
 
         def worth(p: Pair) -> float:
             a, b = by_name[p.angle].name, by_name[p.speed].name
             named = 0.3 * (a.quantity == "angle") + 0.3 * (b.quantity == "speed")
-            second = 0.1 * (a.role == "estimated") + 0.1 * (b.role == "estimated")
+            second = 0.05 * (_SECOND.get(a.role, 0) + _SECOND.get(b.role, 0))
             return p.r + named - second - 0.1 * (p.angle in slopes)
 
         best = max(pairs, key=worth)
@@ -230,24 +230,30 @@ def _letter(column: LoggedColumn) -> bool:
     return column.name.weak and column.name.quantity in ("voltage", "current", "torque")
 
 
-def _is_motion(p: Pair, by_name: Mapping[str, LoggedColumn]) -> bool:
+def _is_motion(p: Pair, by_name: Mapping[str, LoggedColumn], others: Sequence[LoggedColumn]) -> bool:
     """Whether a column and its slope are an angle and a speed, as far as their names go."""
     angle, speed = by_name[p.angle], by_name[p.speed]
     if angle.name.quantity not in ("angle", "") or _letter(angle):
         return False
     if _letter(speed):
-        # x and v: the slope as it stands, in the same units; a voltage has another size.
-        return p.r > limits.UNNAMED and abs(abs(p.factor) - 1.0) < limits.FACTOR
+        # x and v: the slope as it stands, in the same units; a voltage has another size, or is there too.
+        also = (speed.name.quantity, *(["duty"] if speed.name.quantity == "voltage" else []))
+        other = any(c is not speed and c.name.quantity in also for c in others)
+        return p.r > limits.UNNAMED and (other or abs(abs(p.factor) - 1.0) < limits.FACTOR)
     # Without names: a voltage goes with the speed as well, though less.
     return speed.name.quantity in ("speed", "") and (
         p.r > limits.UNNAMED or bool(angle.name.quantity or speed.name.quantity)
     )
 
 
+_SECOND = {"estimated": 1, "filtered": 2}
+"""What comes after a column as it was measured."""
+
+
 def _first(could: Sequence[LoggedColumn], quantity: str) -> LoggedColumn | None:
     """The first column that is called so; what is estimated comes after what is not."""
     named = [c for c in could if c.name.quantity == quantity]
-    return min(named, key=lambda c: c.name.role == "estimated", default=None)
+    return min(named, key=lambda c: _SECOND.get(c.name.role, 0), default=None)
 
 
 def _explaining(
@@ -291,13 +297,14 @@ def _without_copies(
             why[column.text] = "the acceleration is taken from the angle"
             continue
         for of, what in ((angle, "angle"), (speed, "speed")):
-            if of is None or column.name.quantity not in ("", what):
+            if of is None or (column.name.quantity not in ("", what) and not _letter(column)):
                 continue
             x, y = (grid.smooth(one, angle=what == "angle")[inner] for one in (of, column))
             sizes = float(np.std(x)), float(np.std(y))
             r = abs(float(np.corrcoef(x, y)[0, 1])) if min(sizes) > 0.0 else 0.0
             # A set value has the unit of what it is for; a current that happens to go with the speed has not.
-            same = r > limits.SAME or (r > limits.COPY and abs(sizes[0] / sizes[1] - 1.0) < 0.15)
+            copy = r > limits.COPY and abs(sizes[0] / sizes[1] - 1.0) < 0.15 and not _letter(column)
+            same = r > limits.SAME or copy
             if same or column.name.quantity == what:
                 why[column.text] = f"another {what}, or its set value: {of.text} is taken"
                 break

@@ -165,14 +165,14 @@ def _steady(column: LoggedColumn) -> Proposal:
     return Proposal(kind, column.text, unit, (f"{kind} by its name",), 0.4, doubt)
 
 
-def _rank(column: LoggedColumn, balance: Explained) -> tuple[int, bool, bool, float]:
+def _rank(column: LoggedColumn, balance: Explained) -> tuple[int, bool, bool, bool, float]:
     """Measured before set, named before unnamed, in a unit before in percent, then the better explained."""
     name = column.name
-    return _role(name), name.quantity not in KINDS, name.unit in ("%", "‰"), -balance.r2
+    return _role(name), name.quantity not in KINDS, name.weak, name.unit in ("%", "‰"), -balance.r2
 
 
 def _role(name: Name) -> int:
-    return {"measured": 0, "": 1, "estimated": 2}.get(name.role, 3)
+    return {"measured": 0, "": 1, "estimated": 2, "filtered": 3}.get(name.role, 4)
 
 
 def _measured_current(kept: list[Driven], left_out: dict[str, str]) -> list[Driven]:
@@ -320,6 +320,8 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
         doubts.append("a set value by its name: what the motor got is not logged")
     if name.role == "estimated":
         doubts.append("estimated, by its name")
+    if name.word == "v" and name.weak:
+        doubts.append("a letter alone: it may be a velocity")
     if name.word == "effort":
         doubts.append("an effort may be a torque, a current or a voltage: what the drive's driver says")
     if without_sign(one.column, motion):

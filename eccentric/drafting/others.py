@@ -19,7 +19,7 @@ def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedC
     named = [c for c in columns if c.name.quantity == "temperature" and not c.is_flag]
     supply = next((c for c in columns if c.name.quantity == "supply" and not c.is_flag), None)
     temperature = next(iter(named), None) or next(
-        (c for c in slow if c.name.quantity == "" and _warm(c)), None
+        (c for c in slow if c.name.quantity == "" and c.name.signal and _warm(c)), None
     )
     if temperature is None:
         return None, supply

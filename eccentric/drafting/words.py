@@ -50,11 +50,11 @@ _ROLES = {
     " threshold saturation tolerance",
     "set": "goal target targ tgt cmd cmds cmnd command commanded commands ref refs reference set setp sp"
     " setpoint setvalue setpos setvelo settorque desired des soll sollwert demand demanded des wanted"
-    " request requested req planned plan trajectory traj profile nominal action actions ",
-    "estimated": "estimate estimated est hat observer observed obs kalman ekf ukf filtered filt smoothed"
-    " smooth lowpass clean",
-    "measured": "measured meas measurement mes actual act feedback fb fbk ist istwert sensed sensor real"
-    " present raw observation actpos actvelo acttorque actcurrent",
+    " request requested req planned plan trajectory traj profile nominal action actions",
+    "filtered": "filtered filt smoothed smooth lowpass clean gefiltert",
+    "estimated": "estimate estimated est hat observer observed obs kalman ekf ukf",
+    "measured": "measured mess gemessen meas measurement mes actual act feedback fb fbk ist istwert sensed"
+    " sensor real present raw observation actpos actvelo acttorque actcurrent",
 }
 """Words that say where a column comes from, besides what it is of; the first that a name has decides."""
 _OF_ROLE = {word: role for role, words in _ROLES.items() for word in words.split()}
@@ -105,7 +105,7 @@ class Name:
         quantity: as in the table of words, or "other" for what is no signal of a drive.
         unit: one of `eccentric.logs`, "%" or "‰".
         side: "m", "l" or empty.
-        role: "measured", "estimated", "set", "computed" or "other"; empty where the name does not say.
+        role: "measured", "estimated", "filtered", "set", "computed" or "other", where the name says so.
         word: the one that the quantity is by.
         weak: whether that is a letter alone, which values may overrule.
     """
@@ -126,7 +126,7 @@ class Name:
     @property
     def signal(self) -> bool:
         """Whether it may be a signal of the machine: a set value, a result and a flag of status are none."""
-        return self.role in ("", "measured", "estimated") and self.quantity != "other"
+        return self.role in ("", "measured", "estimated", "filtered") and self.quantity != "other"
 
 
 def read_name(text: str, unit: str = "") -> Name:
