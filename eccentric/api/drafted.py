@@ -324,10 +324,21 @@ def _doubted(beside: Sequence[Ratio], channels: Channels, rig: Rig) -> Iterator[
         if {"k_i", "M g L"} <= letters and ratio.letter == ("k_i" if inertia else "M g L"):
             continue
         which = "M and L" if ratio.letter == "M g L" else ratio.letter
-        yield (
-            f"{rig.path}: {_beside(ratio)}: check {which}, unless friction that the model lacks accounts for"
-            " the difference"
-        )
+        yield f"{rig.path}: {_beside(ratio)}: check {which}{_unless(ratio)}"
+
+
+COPPER = 0.0039
+"""Rise of the resistance of copper per kelvin, from 20 degC."""
+
+
+def _unless(ratio: Ratio) -> str:
+    """What else accounts for a difference."""
+    if ratio.letter == "R":
+        warmer = (ratio.value - 1.0) / COPPER
+        return f", unless the winding was {warmer:.0f} K warmer" if 0.0 < warmer < 150.0 else ""
+    if ratio.letter == "k_e":
+        return ""
+    return ", unless friction that the model lacks accounts for the difference"
 
 
 def _too_long(fit: Any, rig: Rig) -> Iterator[str]:

@@ -98,7 +98,9 @@ def beside_the_rig(channels: Channels, rig: Rig) -> list[Ratio]:
     """R, k_e, k_i, inertia and gravity by a plain balance of the log, over what the rig declares."""
     means = means_of(channels, rig)
     if means is None:
-        return []
+        # Where moving rows are too few, the circuit is still seen, at standstill and through reversals.
+        circuit = means_of(channels, rig, moving=False)
+        return [] if circuit is None else list(electrical(circuit, rig))
     found, drive = list(electrical(means, rig)), channels.motor.measured_by
     if drive in means.drives:
         body = body_of(means, means.drives[drive], means.link)

@@ -58,6 +58,9 @@ AGREES = 1.05
 """Beyond the uncertainty by this factor a declared value is doubted: gear losses move gravity as much."""
 FACTOR_MOTOR = 1.5
 """The same for R and k_e, which are easily measured; a hot winding adds 0.4 to R."""
+WARM = 1.2
+"""Beyond the uncertainty by this factor R and k_e are doubted, though not wrong: copper has 1.2 times its
+resistance 50 K warmer, which is more than most logs show, and magnets lose less."""
 IDEAL = 5.0
 """k_i and k_e are one constant in SI. Conventions of phases (sqrt 3, 1.5, rms) and of the side of the gear's
 losses part them by up to 3; a decade is a wrong unit."""

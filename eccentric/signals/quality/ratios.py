@@ -22,7 +22,6 @@ from eccentric.signals.quality.limits import (
     AGREES,
     DEPENDENT,
     EXPLAINED,
-    FACTOR_MOTOR,
     IDEAL,
     LEAST_MEANS,
     LEAST_OHM,
@@ -33,6 +32,7 @@ from eccentric.signals.quality.limits import (
     NOTICED,
     ROUNDING,
     SIGMAS,
+    WARM,
 )
 
 if TYPE_CHECKING:
@@ -79,13 +79,19 @@ class RigidBody:
     drive: float
 
 
-def means_of(c: Channels, rig: Rig) -> Means | None:
-    """Return the means of blocks of consecutive rows; None if there are too few."""
+def means_of(c: Channels, rig: Rig, *, moving: bool = True) -> Means | None:
+    """Return the means of blocks of consecutive rows; None if there are too few.
+
+    Args:
+        c: as logged.
+        rig: of the log.
+        moving: whether only the moving rows of the fit count; the circuit holds at standstill as well.
+    """
     motion, motor = c.motion, c.motor
     known = np.isfinite(motion.alpha_m) & np.isfinite(motion.omega_m)
     for carrying, _ in c.carried:  # J and M g L of the rig are those without it
         known = known & ~carrying
-    rows = np.flatnonzero(c.selection.fit_rows & ~motor.off & known)
+    rows = np.flatnonzero((c.selection.fit_rows if moving else True) & ~motor.off & known)
     steps = np.diff(c.time.t)[np.diff(c.time.segment) == 0]
     if not len(rows) or not len(steps):
         return None
@@ -267,7 +273,7 @@ def electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
         return
     (r, r_error), (e, e_error) = found
     if "R" in rig.known:
-        yield replace(Ratio.of("R", r, r_error, rig.known["R"]), agrees=FACTOR_MOTOR)
+        yield replace(Ratio.of("R", r, r_error, rig.known["R"]), agrees=WARM)
     elif 0.0 < r + r_error < LEAST_OHM:
         # Against nothing but what windings have: the next larger unit of a current is the only reading.
         text = f"R is {r:.3g} ohm by the log, less than the windings of such drives have"
@@ -279,7 +285,7 @@ def electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
         rest = m.drives["voltage"] - rig.known["R"] * m.drives["current"]
         a, covariance, _ = regressed(friction_of(m), rest)
         e, e_error = a[0], math.sqrt(covariance[0, 0]) * SIGMAS
-    yield replace(Ratio.of("k_e", e, e_error, rig.known["k_e"]), agrees=FACTOR_MOTOR)
+    yield replace(Ratio.of("k_e", e, e_error, rig.known["k_e"]), agrees=WARM)
 
 
 def mechanical(body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]:
