@@ -208,12 +208,14 @@ def staged(plain: Model, base: Model, data: FitData, effects: Path | None, where
     """The stage of a log whose drive is known already; arguments as in `Stage` and `stage_of`.
 
     Raises:
-        InputError: there are too few rows to hold out.
+        InputError: there are too few rows to fit or to hold out.
     """
     drive, rig = data.drive, data.drive.channels.rig
     require_rows(data.rows, "score", LEAST_HELD_OUT, where)
     balances, noise = balances_of(data, rig, base)
     friction = _first_friction(balances)
+    # As for a fit: with fewer rows than this for each coefficient, chance decides.
+    require_rows(data.rows, "train", data.rows.per_coefficient * len(friction), where)
     if not drive.measured_twice:
         data = with_model_current(data, base, friction)
     setting = setting_of(data, base, friction)

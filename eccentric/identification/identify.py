@@ -203,13 +203,10 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
                 if c.role == "inertia" and delay_like_inertia(problem):
                     raise InputError(where, f"{c.name} above 0", f"{value:.3g}: {TOLD_APART}")
                 load = f", and that of {LOAD}" if problem.rig.known.get(LOAD) else ""
+                signs = f"do the signs of {problem.drive.channels.motor.measured_by} and angle agree{load}?"
+                why = _delay_or_inertia(found.at) if c.role == "inertia" else ""
                 raise InputError(
-                    where,
-                    f"{c.name} ({c.role} of the drive) above 0",
-                    (
-                        f"{value:.3g}: do the signs of {problem.drive.channels.motor.measured_by} and"
-                        f" angle agree{load}?"
-                    ),
+                    where, f"{c.name} ({c.role} of the drive) above 0", f"{value:.3g}: {why or signs}"
                 )
     return found
 
@@ -277,6 +274,16 @@ def _estimates(
     return coefficients, searched
 
 
+def _delay_or_inertia(at: Mapping[str, float]) -> str:
+    """That an estimated delay takes the place of an inertia, "" where none is estimated."""
+    if not at.get("input_delay_s"):
+        return ""
+    return (
+        f"beside it input_delay_s = {at['input_delay_s']:.3g} s is estimated, and at one frequency a delay"
+        " and an inertia cannot be told apart: declare the inertia or the delay, or log several frequencies"
+    )
+
+
 def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
     found = []
     friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
@@ -286,6 +293,9 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
             "the fit leaves no friction: do the signs of"
             f" {problem.drive.channels.motor.measured_by} and angle agree?"
         )
+    for c, active in zip(problem.coefficients, paper.active, strict=True):
+        if c.role == "inertia" and active == -1 and (why := _delay_or_inertia(paper.at)):
+            found.append(f"{c.name} is at its bound: {why}")
     for s in problem.nonlinear:
         value = paper.at[s.name]
         if s.end_at(value):
