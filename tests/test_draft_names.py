@@ -1,0 +1,220 @@
+"""Names go before values: what is set, computed or stamped is never drafted, and measured goes first."""
+
+from __future__ import annotations
+
+import tomllib
+
+import numpy as np
+import pytest
+
+import eccentric
+from benchmarks.decoys import decoyed
+from benchmarks.disguised import Column, judged
+from eccentric.api.drafted import RigDraft
+from eccentric.core import InputError
+from eccentric.drafting import draft_of
+from eccentric.drafting.words import read_name
+from eccentric.logs import Log
+
+STEP = 4e-3
+Array = np.ndarray
+
+
+def bare(seconds: float = 20.0) -> dict[str, Array]:
+    """A bare motor on two sines: time, angle, speed, and the torque of inertia and friction with noise."""
+    t = np.arange(0.0, seconds, STEP)
+    angle = 4.0 * np.sin(1.9 * t) + 1.5 * np.sin(4.3 * t + 0.4)
+    speed = 7.6 * np.cos(1.9 * t) + 6.45 * np.cos(4.3 * t + 0.4)
+    rise = -14.44 * np.sin(1.9 * t) - 27.735 * np.sin(4.3 * t + 0.4)
+    noise = np.random.default_rng(5).normal(0.0, 0.01, len(t))
+    torque = 0.12 * np.tanh(speed / 0.1) + 0.01 * speed + 4e-3 * rise + noise
+    return {"time": t, "angle": angle, "speed": speed, "rise": rise, "torque": torque}
+
+
+def channels(draft: RigDraft) -> dict[str, str]:
+    """Channel -> column of a draft."""
+    table = tomllib.loads(draft.text)["columns"]
+    return {k: v["column"] if isinstance(v, dict) else v for k, v in table.items()}
+
+
+@pytest.mark.parametrize(
+    "computed", ["tau_rigid", "tau_pred", "torque_ff", "friction_est", "tau_model", "tau_d", "torque_cmd"]
+)
+def test_what_is_computed_or_set_fits_better_and_is_not_taken(computed: str) -> None:
+    """A model's torque has no noise, so that motion explains all of it; the measured one is the drive."""
+    b = bare()
+    smooth = 0.12 * np.tanh(b["speed"] / 0.1) + 0.01 * b["speed"] + 4e-3 * b["rise"]
+    log = {"t_s": b["time"], "q": b["angle"], "qd": b["speed"], computed: smooth, "tau": b["torque"]}
+
+    assert channels(eccentric.draft_rig(log))["torque"] == "tau"
+
+
+@pytest.mark.parametrize("name", ["Stribeck", "PINN", "ch7", "ee_quat_w"])
+def test_a_named_drive_is_not_joined_by_another_column(name: str) -> None:
+    """What has no name of a drive is left out beside one that has."""
+    b = bare()
+    other = 0.11 * np.tanh(b["speed"] / 0.1)
+    log = {"t_s": b["time"], "q": b["angle"], "dq": b["speed"], "tau_measured": b["torque"], name: other}
+    draft = eccentric.draft_rig(log)
+
+    assert set(channels(draft)) == {"time", "theta_m", "omega_m", "torque"}
+    assert name in draft.left_out
+
+
+def test_letters_give_way_to_the_slope() -> None:
+    """V is the slope of x, no voltage; F drives it."""
+    b = bare()
+    log = {"t": b["time"], "x": b["angle"], "v": b["speed"], "F": b["torque"]}
+    draft = eccentric.draft_rig(log)
+
+    assert channels(draft) == {"time": "t", "position": "x", "velocity": "v", "force": "F"}
+    assert any(doubt.startswith("kind:") for doubt in draft.doubts)
+
+
+def test_a_stamp_is_no_drive_and_a_constant_command_is_told() -> None:
+    """Turning in one direction, a clock goes with the angle."""
+    t = np.arange(0.0, 8.0, STEP)
+    speed = 6.0 * (1.0 - np.exp(-t / 0.5))
+    log = {
+        "__time": t,
+        "/joint_states/joint0/position": np.cumsum(speed) * STEP,
+        "/joint_states/joint0/velocity": speed,
+        "/tf/header/stamp": 1.7e9 + t + 1e-4 * np.random.default_rng(1).random(len(t)),
+        "/effort_control/data.0": np.full(len(t), 0.57),
+    }
+    draft = eccentric.draft_rig(log)
+
+    assert not {"current", "torque", "voltage", "torque_l"} & set(channels(draft))
+    assert draft.left_out["/effort_control/data.0"] == "it is constant"
+    assert "current" in draft.needed
+
+
+def test_a_constant_duty_has_no_offset() -> None:
+    """Nothing can be estimated from a drive that does not vary."""
+    t = np.arange(0.0, 4.0, 0.02)
+    log = {"time_ms": 1e3 * t, "pwm": np.full(len(t), 255.0), "rpm": np.round(300.0 * (1.0 - np.exp(-t)))}
+    draft = eccentric.draft_rig(log)
+
+    assert "voltage_offset_V" not in tomllib.loads(draft.text)
+    assert any("constant, 255 in all rows" in doubt for doubt in draft.doubts)
+
+
+def test_a_duty_without_a_sign_is_told_and_a_target_is_no_voltage() -> None:
+    """The target follows the motion as well as any drive; the duty turns both ways without a sign."""
+    b = bare()
+    duty = np.abs(np.round(200.0 * b["torque"] / np.max(np.abs(b["torque"]))))
+    log = {
+        "Timestamp": np.round(1e3 * b["time"]),
+        "Target": np.roll(np.round(400.0 * b["angle"]), -20),
+        "MotorPWM": duty,
+        "Encoder": np.round(400.0 * b["angle"]),
+    }
+    draft = eccentric.draft_rig(log)
+
+    assert "MotorPWM" in channels(draft)["voltage"]
+    assert "set value" in draft.left_out["Target"]
+    assert any("its sign is missing" in doubt for doubt in draft.doubts)
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "said"),
+    [
+        ("Torque actual value", 1000.0, "thousandths of a rated value"),
+        ("torque [‰]", 1000.0, "parts per thousand"),
+        ("torque [%]", 100.0, "percent of a rated value"),
+        ("motor current", 2048.0, "counts of a converter"),
+    ],
+)
+def test_a_part_of_a_rated_value_is_told(name: str, factor: float, said: str) -> None:
+    """The log does not hold what the numbers are parts of."""
+    b = bare()
+    log = {"t_s": b["time"], "q_rad": b["angle"], name: np.round(factor * b["torque"])}
+
+    assert any(said in doubt for doubt in eccentric.draft_rig(log).doubts)
+
+
+def test_a_supply_is_no_voltage_of_the_motor() -> None:
+    """It hardly varies while the speed does, beside a current."""
+    b = bare()
+    voltage = 36.0 - 0.5 * np.abs(b["torque"])
+    log = {"t_s": b["time"], "q_rad": b["angle"], "current_A": b["torque"], "voltage [V]": voltage}
+    draft = eccentric.draft_rig(log)
+
+    assert "voltage" not in channels(draft)
+    assert "voltage [V]" in draft.left_out
+
+
+def test_a_torque_by_a_constant_is_the_current_again() -> None:
+    """A controller's torque is its current times k_t: two drives would be one."""
+    b = bare()
+    log = {"t_s": b["time"], "q_rad": b["angle"], "iq_A": b["torque"], "torque_Nm": 0.11 * b["torque"]}
+    draft = eccentric.draft_rig(log)
+
+    assert channels(draft)["current"] == "iq_A"
+    assert draft.left_out["torque_Nm"].startswith("0.11 times iq_A")
+
+
+def test_columns_left_out_for_one_reason_share_a_line() -> None:
+    """A long list is folded; what a reader needs is the reason."""
+    b = bare()
+    models = {f"tau_model_{k}": (1.0 + 0.1 * k) * b["torque"] for k in range(9)}
+    draft = eccentric.draft_rig({"t_s": b["time"], "q_rad": b["angle"], "tau_Nm": b["torque"], **models})
+
+    assert "9 columns (tau_model_0, tau_model_1, " in draft.text
+    assert draft.summary().count("left out:") == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "quantity", "role"),
+    [
+        ("Iq_setpoint", "current", "set"),
+        ("/joint_cmds/joint1/position", "angle", "set"),
+        ("q_d", "speed", "set"),
+        ("0x6077", "torque", "measured"),
+        ("6071h", "torque", "set"),
+        ("Position actual value (6064h)", "angle", "measured"),
+        ("pos_estimate", "angle", "estimated"),
+        ("pos_estimate_filtered", "angle", "filtered"),
+        ("ee_quat_w", "speed", "other"),
+        ("observed torque constant [Nm/A]", "other", "other"),
+        ("M_ist", "torque", "measured"),
+        ("actual_main_voltage", "supply", "measured"),
+        ("c1 vel [Hz]", "speed", ""),
+        ("LuGre", "", "computed"),
+        ("torque_feed_forward", "torque", "computed"),
+    ],
+)
+def test_a_name_says_where_a_column_comes_from(text: str, quantity: str, role: str) -> None:
+    """Names of drives, topics, robots and scopes."""
+    name = read_name(text)
+
+    assert (name.quantity, name.role) == (quantity, role)
+
+
+KNOWN = {
+    "time": Column("time", "s"),
+    "angle": Column("angle", "rad"),
+    "speed": Column("speed", "rad/s"),
+    "torque": Column("torque", "N m"),
+}
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_among_decoys_nothing_is_wrong_without_a_doubt(seed: int) -> None:
+    """Real names, shuffled and rescaled, with set values, results, errors, stamps and copies among them."""
+    b = bare()
+    given = decoyed(
+        Log("log.csv", {c: b[c] for c in KNOWN}, len(b["time"])), KNOWN, np.random.default_rng(seed)
+    )
+    found = judged(draft_of(given.log), given)
+
+    assert [one for one in found if not one.right and not one.doubted] == []
+
+
+def test_set_values_alone_are_no_log() -> None:
+    """Nothing measured: the error says what the columns are."""
+    b = bare()
+    with pytest.raises(InputError, match="an angle or a speed is required"):
+        eccentric.draft_rig(
+            {"t_s": b["time"], "q_ref": b["angle"], "qd_ref": b["speed"], "tau_cmd": b["torque"]}
+        )
