@@ -134,6 +134,11 @@ def draft_of(log: Log) -> Draft:
     drives, balances, others = find_drives(grid, motion, rest, lasting=angle is not None)
     left_out |= others
     drives, balances = _with_duty(drives, balances, voltage, grid, motion, left)
+    if not drives and not any(c is not None and c.name.quantity for c in (angle, speed)):
+        raise InputError(
+            f"{log.path}: an angle or a speed, and a drive, are required; no name says that a column is one"
+            f" ({few(columns)}), and none follows another as a drive follows a motion"
+        )
     left_out = {n: why for n, why in left_out.items() if n not in {p.source for p in drives}}
     shown = Shown(
         time=clock.likely,

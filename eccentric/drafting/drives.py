@@ -19,7 +19,7 @@ from eccentric.drafting.balance import Explained, Moved, balance_of
 from eccentric.drafting.columns import Grid, LoggedColumn
 from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.units import magnitudes
-from eccentric.drafting.words import Name
+from eccentric.drafting.words import CONTROLS, Name
 
 Array = NDArray[np.float64]
 KINDS = ("current", "torque", "voltage")
@@ -322,6 +322,8 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
         doubts.append("estimated, by its name")
     if name.word == "v" and name.weak:
         doubts.append("a letter alone: it may be a velocity")
+    if name.word in CONTROLS:
+        doubts.append("the output of a controller: what it is of, and its scale, the log does not hold")
     if name.word == "effort":
         doubts.append("an effort may be a torque, a current or a voltage: what the drive's driver says")
     if without_sign(one.column, motion):

@@ -100,11 +100,11 @@ def _families(columns: Mapping[str, LoggedColumn]) -> list[dict[str, str]]:
     """Columns of one quantity for several joints: joint -> column; the kind of key that most columns have."""
     best: list[dict[str, str]] = []
     for patterns in (_by_path, _by_word, _by_number):
-        seen: dict[str, dict[str, str]] = {}
+        seen: dict[tuple[str, str], dict[str, str]] = {}
         for name, column in columns.items():
             if column.name.quantity in (*_MOTIONS, *_DRIVES) and column.name.signal:
                 for pattern, key in patterns(name):
-                    seen.setdefault(pattern, {})[key] = name
+                    seen.setdefault((pattern, column.name.quantity), {})[key] = name
         found = [members for members in seen.values() if len(members) > 1]
         kinds = {columns[name].name.quantity for members in found for name in members.values()}
         # Three currents and voltages beside one motion are phases, no joints.

@@ -24,7 +24,8 @@ _WORDS = {
     "acceleration": "acc accel acceleration qdd ddq ddtheta beschleunigung a",
     "current": "i iq current curr cur strom amps ampere amp amperage isense imot motorstrom isq corriente"
     " courant",
-    "voltage": "u uq vq voltage volt volts spannung umot vmot v klemmenspannung usq tension",
+    "voltage": "u uq vq voltage volt volts spannung umot vmot v klemmenspannung usq tension"
+    " pidout pidoutput controlleroutput controloutput controlsignal manipulatedvariable stellgroesse",
     "torque": "tau torque torq moment trq drehmoment tq mot_torque force kraft thrust f",
     "temperature": "temp temperature temperatures temperatur celsius tmot",
     "supply": "supply vsupply bus vbus vdc battery vbat batt dclink vin ubat zwischenkreis mains mainvoltage"
@@ -36,6 +37,10 @@ _WORDS = {
     "good": "use used valid ok good",
     "bad": "suspect invalid fault bad outlier disturbance disturbed restored error",
 }
+CONTROLS = frozenset(
+    "pidout pidoutput controlleroutput controloutput controlsignal manipulatedvariable stellgroesse".split()  # noqa: SIM905
+)
+"""Outputs of controllers, which are voltages at best."""
 _OF_WORD = {word: quantity for quantity, words in _WORDS.items() for word in words.split()}
 _ROLES = {
     "other": "quat quaternion orientation qx qy qz qw power energy work mass weight inertia constant ratio"
@@ -45,7 +50,7 @@ _ROLES = {
     " calculation simulated simulation sim fitted ideal theoretical theory expected rigid rnea"
     " coriolis gravity friction fric reibung feedforward ff compensation dahl stribeck lugre coulomb viscous"
     " maxwell gms leuven pinn nnfm lstm gru mlp rnn tcn cnn transformer svm svr gpr neural network xgboost"
-    " residual resid residuum error err diff deviation delta lag abweichung schleppfehler"
+    " residual resid residuum droop error err diff deviation delta lag abweichung schleppfehler"
     " schleppabstand regelabweichung external ext limit limits lim max min maximum minimum upper lower"
     " threshold saturation tolerance",
     "set": "goal target targ tgt cmd cmds cmnd command commanded commands ref refs reference set setp sp"
@@ -130,10 +135,17 @@ class Name:
 
 
 def read_name(text: str, unit: str = "") -> Name:
-    """Read the name of a column; `unit` is what the log itself says, in a row of units or as metadata."""
+    """Read the name of a column; `unit` is what the log itself says, in a row of units or as metadata.
+
+    A text there that is no unit is read as a part of the name.
+    """
+    told = "" if spelled(unit) else unit.strip()
     bracket = _BRACKETS.search(text)
-    given = unit.strip() or (next((g for g in bracket.groups() if g), "") if bracket else "")
+    given = ("" if told else unit.strip()) or (
+        next((g for g in bracket.groups() if g), "") if bracket else ""
+    )
     plain = text[: bracket.start()] + text[bracket.end() :] if bracket else text
+    plain = f"{plain} {told}" if told else plain
     found, plain = (spelled(given), plain) if given else _suffix(plain)
     words = [token.lower() for token in _TOKENS.findall(plain)]
     # "feed forward", "LuGre" and "set point" are one word each, as is a name in parts.

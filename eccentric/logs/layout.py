@@ -226,7 +226,10 @@ def _header(
     names = [cell or f"column {k + 1}" for k, cell in enumerate(cells[:ends])]
     units: dict[str, str] = {}
     for _, below in block[place + 1 :]:
-        units |= {name: unit for name, cell in zip(names, below, strict=False) if (unit := _unit(cell))}
+        # Beside units some loggers say there what a column is: "Analog 1" of "Servo motor speed".
+        units |= {
+            name: unit for name, cell in zip(names, below, strict=False) if (unit := _unit(cell) or cell)
+        }
     clocks = tuple(k for k, name in enumerate(names) if name == names[0])
     is_pairs = len(clocks) > 1 and all(_rises([row[k] for row in rows]) for k in clocks)
     return line, names, units, clocks if is_pairs else ()
