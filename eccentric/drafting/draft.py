@@ -30,6 +30,7 @@ from eccentric.drafting.columns import (
 )
 from eccentric.drafting.drives import (
     UNSIGNED,
+    coasts,
     find_drives,
     without_sign,
 )
@@ -177,6 +178,8 @@ def draft_of(log: Log) -> Draft:
         entries = entries_of(found[0], evidence, gravity, gear.mu, drives)
     if not drives:
         why = "a current, a torque or a voltage is required, and no column follows the motion as one does"
+        if coasts(motion):
+            why += ": a coast-down, which shows friction over inertia alone; log how it was driven as well"
         entries = [RigLine("columns", "current", '"its column"', why, asked=True, needed=True), *entries]
     facts, axis = [*facts_of(grid, motion), *ripple], LINEAR if carried else TURNING
     return Draft(log.path, tuple(proposals), tuple(entries), left_out, tuple(facts), axis)

@@ -113,6 +113,9 @@ def find_drives(
     if not proposals:
         for column in steady:
             if column.name.quantity in KINDS and np.any(column.values):
+                if coasts(motion):
+                    left_out[column.text] += " while the motion slows down: a supply, no drive"
+                    continue
                 left_out.pop(column.text)
                 proposals[column.name.quantity] = _steady(column)
                 break
@@ -147,6 +150,15 @@ def _shown(grid: Grid, motion: Moved, column: LoggedColumn, plain: Explained, la
 
 def _middle(column: LoggedColumn) -> float:
     return float(np.median(column.values))
+
+
+def coasts(motion: Moved) -> bool:
+    """Whether most of the motion slows down, to less than half of its peak, as it does without a drive."""
+    speed = np.abs(motion.w[motion.moving])
+    if len(speed) < limits.FEWEST_ROWS:
+        return False
+    coarse = np.array([np.mean(part) for part in np.array_split(speed, limits.FEWEST_ROWS)])
+    return bool(np.mean(np.diff(coarse) < 0.0) > limits.COASTS and coarse[-1] < 0.5 * np.max(coarse))
 
 
 def _steady(column: LoggedColumn) -> Proposal:

@@ -62,6 +62,8 @@ HARDLY = 0.05
 """Range of a drive over its largest value up to which it hardly varies: a constant command, or a supply."""
 COUNTED = 20.0
 """Largest whole number from which a drive without a unit may be in counts, not a coarse sensor."""
+COASTS = 0.75
+"""Share of the motion in which it slows down, from which it coasts: a driven one comes back to its speed."""
 SUPPLY = 0.2
 """The same for a voltage beside another drive: what the speed needs of a voltage would show."""
 SAME_SHAFT = 0.1
