@@ -162,4 +162,4 @@ def test_delay_and_inertia_at_one_frequency_are_not_told_apart(second: float, wa
     log = read_log({"time_s": t, "theta_m_rad": angle, "voltage_V": volts})
     rig = read_rig({"drive": "voltage", "input_delay_s": "estimate", "known": BARE})
     fitted = fit(read_channels([log], rig), rig, load_model(rig.model))
-    assert warned == any("input_delay_s are not told apart" in text for text in fitted.warnings)
+    assert warned == any("a delay and an inertia cannot be told apart" in text for text in fitted.warnings)

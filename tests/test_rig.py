@@ -202,7 +202,7 @@ BAD = {
     '[known]\ncase = "C2"\nzz = "3 kg"': "'zz'; known are M, M_l, L, mu, R, k_i, k_e, J_m, J_l, g, F_T",
     "known = 3\n": "[known]: a table is required, received 3",
     'drive = "steam"\n[known]\ncase = "C2"': "one of current, voltage, torque is required, received 'steam'",
-    'drive = ["current"]\n[known]\ncase = "C2"': "one of current, voltage, torque is required, received ['current']",
+    'drive = ["current"]\n[known]\ncase = "C2"': "current, voltage, torque is required, received ['current']",
     'input_delay_s = -0.1\n[known]\ncase = "C2"': "input_delay_s: a finite number of at least 0 is required",
     'input_delay_s = "guess"\n[known]\ncase = "C2"': 'input_delay_s: a number or "estimate" is required',
     'holdout_intervals_s = [[2.0, 1.0]]\n[known]\ncase = "C2"': "start before end are required",

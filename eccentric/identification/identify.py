@@ -200,8 +200,6 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
         require_rank(found.design.columns[problem.rows.train], names, where)
         for c, value in zip(problem.coefficients, found.values, strict=True):
             if c.role in positive and value <= 0.0:
-                if c.role == "inertia" and delay_like_inertia(problem):
-                    raise InputError(where, f"{c.name} above 0", f"{value:.3g}: {TOLD_APART}")
                 load = f", and that of {LOAD}" if problem.rig.known.get(LOAD) else ""
                 signs = f"do the signs of {problem.drive.channels.motor.measured_by} and angle agree{load}?"
                 why = _delay_or_inertia(found.at) if c.role == "inertia" else ""
@@ -211,14 +209,7 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
     return found
 
 
-TOLD_APART = (
-    "at nearly one frequency a delay and an inertia look alike; declare J_m and J_l, or a number for"
-    " input_delay_s, or add motion at another frequency"
-)
-"""What to do where the log does not separate the two."""
-
-
-def delay_like_inertia(problem: Problem) -> bool:
+def _one_frequency_for_both(problem: Problem) -> bool:
     """Whether delay and inertia are both open, and the motion has one frequency.
 
     A voltage that acts later by dt lacks dt du/dt, which at one frequency is in phase with the acceleration.
@@ -294,8 +285,10 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
             f" {problem.drive.channels.motor.measured_by} and angle agree?"
         )
     for c, active in zip(problem.coefficients, paper.active, strict=True):
-        if c.role == "inertia" and active == -1 and (why := _delay_or_inertia(paper.at)):
-            found.append(f"{c.name} is at its bound: {why}")
+        at_bound = c.role == "inertia" and active == -1
+        if at_bound or (c.role == "inertia" and _one_frequency_for_both(problem)):
+            where = "is at its bound" if at_bound else "may be wrong"
+            found += [f"{c.name} {where}: {why}" for why in [_delay_or_inertia(paper.at)] if why]
     for s in problem.nonlinear:
         value = paper.at[s.name]
         if s.end_at(value):
@@ -303,8 +296,6 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
                 f"{s.name} = {value:.4g}{'' if s.unit == '1' else f' {s.unit}'} is at the end of its range"
                 f" {s.lower:g} to {s.upper:g}"
             )
-    if delay_like_inertia(problem):
-        found.append(f"the inertia and input_delay_s are not told apart: {TOLD_APART}")
     for name, p in profiles.items():
         change = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
         found.append(
