@@ -21,7 +21,7 @@ _CLOCK = re.compile(
     r"\s*(?:(?P<half>[AaPp])[Mm])?\s*"
 )
 _DAY = 86_400.0
-_EXACT = 2**53
+EXACT = 2**53
 """Whole numbers above this are not exact as floating point: nanoseconds since 1970 are in steps of 256."""
 
 
@@ -64,7 +64,7 @@ def _counter(name: str, cells: Sequence[str], column: Column) -> tuple[Column, s
     """A counter beyond what floating point resolves counts from its first value."""
     if (
         not len(column)
-        or not np.nanmax(np.abs(column), initial=0.0) > _EXACT
+        or not np.nanmax(np.abs(column), initial=0.0) > EXACT
         or not np.all(np.isfinite(column))
     ):
         return column, "", ""

@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import IO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eccentric.core import InputError
 from eccentric.logs.assemble import Column, Format, InParts, Part, Read, number_of, overlaps
-from eccentric.logs.cells import POINT, cells_to_column, plain_column, units_row
+from eccentric.logs.cells import EXACT, POINT, cells_to_column, plain_column, units_row
 from eccentric.logs.foreign import require_room_for_text
 from eccentric.logs.layout import Layout, is_number, layout_of, rows_of
 from eccentric.logs.limits import (
@@ -199,6 +200,9 @@ def _plain(path: Path, layout: Layout) -> bool:
 def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
     """The rows below the first lines of a text."""
     header, before = layout.names, layout.before
+    if (numbers := _all_numbers(text[before:], layout)) is not None:
+        lines = np.arange(before + 1, before + 1 + len(numbers))
+        return Read(dict(zip(header, numbers.T.copy(), strict=True)), lines, units=layout.units)
     found = [(before + line, row) for line, row in rows_of(text[before:], layout.delimiter)]
     units = units_row(header, *(row for _, row in found[:2])) if len(found) > 1 else {}
     found = _rectangular(found[1:] if units else found, layout, path)
@@ -212,6 +216,19 @@ def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
         notes += [note] if note else []
         units |= {name: unit} if unit else {}
     return Read(columns, lines, tuple(notes), units)
+
+
+def _all_numbers(lines: Sequence[str], layout: Layout) -> NDArray[np.float64] | None:
+    """The rows (n, columns) by NumPy's parser, which is faster; None unless every cell is a plain number."""
+    if not all(map(str.strip, lines)) or not lines:
+        return None  # what is empty has a line as well
+    try:
+        found = np.loadtxt(lines, delimiter=layout.delimiter or None, comments=None, ndmin=2)
+    except ValueError:
+        return None
+    if found.shape[1] != len(layout.names) or np.any(np.abs(found) > EXACT):
+        return None
+    return found
 
 
 def _decoded(path: Path) -> tuple[str, tuple[str, ...]]:
