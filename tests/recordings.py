@@ -237,8 +237,9 @@ def xlsx_bytes() -> bytes:
     import openpyxl
 
     file, book = io.BytesIO(), openpyxl.Workbook()
+    sheet = book.worksheets[0]
     for row in (["t", "angle"], ["s", "rad"], *zip(T.tolist(), ANGLE.tolist(), strict=True)):
-        book.active.append(list(row))
+        sheet.append(list(row))
     book.save(file)
     return file.getvalue()
 

@@ -231,6 +231,7 @@ def test_a_rate_is_a_number_above_0(rate: float) -> None:
 CLOCKS = {
     "packets": (T[np.arange(len(T)) // 8 * 8], "groups of 8 rows share one stamp and are spread evenly"),
     "restart": (np.where(T < 5.0, T, T - 5.0), "time starts again in row 2501: each recording is a run"),
+    "damage": (np.where(T == T[100], T[40], T), "the time of row 101 is out of order"),
 }
 
 

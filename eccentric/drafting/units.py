@@ -149,9 +149,13 @@ def find_clock(columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_], whe
     ]
     if column.name.unit:
         evidence.append(f"{column.name.unit} by its name")
-    starts = np.flatnonzero((steps < 0.0) & ~ends) + 2
-    if len(starts):
-        said = f"time starts again in row {starts[0]}{so_more(len(starts) - 1)}: each recording is a run"
+    if not said and np.any((steps < 0.0) & ~ends):
+        right = mended(column.values)
+        starts = np.flatnonzero((np.diff(right.part) > 0) & ~ends) + 2
+        if len(starts):
+            said = f"time starts again in row {starts[0]}{so_more(len(starts) - 1)}: each recording is a run"
+        elif not np.all(right.kept):
+            said = f"the time of row {int(np.argmin(right.kept)) + 1} is out of order"
     doubts = [said] if said else []
     doubts += [f"{column.text} or {', '.join(others)}: several columns rise alike"] if others else []
     if column.name.quantity not in ("time", ""):
