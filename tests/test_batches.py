@@ -242,6 +242,6 @@ def test_the_manual_says_of_every_format_whether_it_is_read_in_parts() -> None:
     for formats, how in rows:
         said[how != "no"] |= set(re.findall(r"`(\.[a-z0-9.]+)`", formats))
 
-    in_parts = {suffix for one in KNOWN if one.in_parts for suffix in one.endings}
+    in_parts = {suffix for one in KNOWN if one.parts for suffix in one.endings}
     assert {suffix for one in KNOWN for suffix in one.endings} == said[True] | said[False]
     assert in_parts == said[True]

@@ -90,7 +90,7 @@ def test_units_and_meanings_below_the_header(read: Callable[..., Log]) -> None:
     assert {"t": "s", "x": "mm", "v": "mm/s"} == units.units
     assert {"t": "ms"} == meanings.units
     assert ("line 4", "line 5") == (units.place(0), meanings.place(0))
-    assert ("the header is line 2",) == units.notes
+    assert ((), ("the header is line 2",)) == (units.notes, units.read_as)
 
 
 def test_rows_with_a_delimiter_at_their_ends(read: Callable[..., Log]) -> None:

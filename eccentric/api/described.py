@@ -77,7 +77,7 @@ def describe_log(path: str | os.PathLike[str]) -> LogDescription:
     clock, doubt = _clock(log)
     found = {name: (log.units.get(name, ""), *_span(x)) for name, x in numbers.items()}
     kind = format_of(given_path(path, "log")).title
-    return LogDescription(log.path, kind, log.rows, found, texts, clock, doubt, log.notes)
+    return LogDescription(log.path, kind, log.rows, found, texts, clock, doubt, (*log.read_as, *log.notes))
 
 
 def _span(x: np.ndarray) -> tuple[float, float, int]:

@@ -26,13 +26,15 @@ MISSING = frozenset({"", "na", "n/a", "#n/a", "null", "none", "-"})
 class Read:
     """What a reader returns: columns, the line of each row in a text file, what was left out and why.
 
-    `units` are those that the file itself states, by column, as they stand there.
+    `units` are those that the file itself states, by column, as they stand there; `read_as` says how the file
+    was understood, where that is not to be seen from its columns and nothing was left out.
     """
 
     columns: Mapping[str, Column]
     lines: NDArray[np.int64] | None = None
     notes: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)
+    read_as: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -56,32 +58,6 @@ class InParts:
     rows: int
     parts: Callable[[Sequence[str], Sequence[tuple[int, int]]], Iterator[Part]]
     notes: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Format:
-    """A kind of file that is a log.
-
-    `suffixes` of its files, the usual one first; `gzipped` says that they may be compressed as well. `read`
-    returns its columns, `in_parts` the same in parts, or None for a file that must be read whole. `looks`
-    says by the first 4 kB of a file whether it is one. `extra` is that of `pyproject.toml` with the
-    `packages` that reading needs, only for `extra_for` where not all files of the format do.
-    """
-
-    suffixes: tuple[str, ...]
-    title: str
-    read: Callable[[Path], Read]
-    looks: Callable[[bytes], bool] = lambda _: False
-    in_parts: Callable[[Path], InParts | None] | None = None
-    gzipped: bool = False
-    extra: str = ""
-    packages: tuple[str, ...] = ()
-    extra_for: str = ""
-
-    @property
-    def endings(self) -> tuple[str, ...]:
-        """The ends of the names of its files, lower case."""
-        return (*self.suffixes, *(f"{suffix}.gz" for suffix in self.suffixes if self.gzipped))
 
 
 def overlaps(first: int, end: int, spans: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:

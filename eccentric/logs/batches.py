@@ -104,8 +104,7 @@ def stream_log(source: LogSource, name: str = "table") -> LogStream:
     if isinstance(source, str | os.PathLike):
         path = given_path(source, "log")
         with reader_errors(path):
-            kind = format_of(path)
-            found = None if kind.in_parts is None else kind.in_parts(path)
+            found = format_of(path).in_parts(path)
             if found is not None and (found.rows == 0 or not found.names):
                 said = (f"{shown(path)}: a log with rows is required, received none", *found.notes)
                 raise InputError("; ".join(said))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from eccentric.core import InputError
-from eccentric.logs.assemble import Format, Read, Recorded, column_of, on_one_clock
+from eccentric.logs.assemble import Read, Recorded, column_of, on_one_clock
 from eccentric.logs.csv_file import text_of
 from eccentric.logs.foreign import require_room_for_text
 
@@ -50,8 +50,3 @@ def _columns(pairs: list[list[str]], path: Path) -> tuple[np.ndarray, np.ndarray
     if times.dtype.kind != "f":
         raise InputError(path, "a number for the time of every row of a trace", "text")
     return times, column_of([{"TRUE": "1", "FALSE": "0"}.get(value, value) for _, value in whole])
-
-
-FORMAT = Format(
-    (), "trace of CODESYS, .csv or .txt", read_codesys, looks=lambda start: b"[key]; [value]" in start[:40]
-)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError
-from eccentric.logs.assemble import Column, Format, InParts, Part, Read, number_of, overlaps
+from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, overlaps
 from eccentric.logs.cells import EXACT, POINT, cells_to_column, plain_column, units_row
 from eccentric.logs.foreign import require_room_for_text
 from eccentric.logs.layout import Layout, is_number, layout_of, rows_of
@@ -57,7 +57,7 @@ def read_text(whole: str, path: Path) -> Read:
         layout = _start(path, text)
         read = _of_rows(path, text, layout)
         read = of_clocks(read, layout.clocks, path) if layout.clocks else of_topics(read, path)
-    return dataclasses.replace(read, notes=(*layout.notes, *read.notes))
+    return dataclasses.replace(read, read_as=layout.notes)
 
 
 @contextmanager
@@ -110,7 +110,7 @@ def csv_source(path: Path) -> InParts | None:
                     yield Part(first, columns, np.array([line for line, _ in found], dtype=np.int64))
                 at += len(block)
 
-    return InParts(header, lines - before, parts, layout.notes)
+    return InParts(header, lines - before, parts)
 
 
 def _first_lines(path: Path, most: int) -> list[str]:
@@ -286,12 +286,3 @@ def _header(cells: Sequence[str], path: Path) -> tuple[str, ...]:
     if twice is not None:
         raise InputError(path, "unique column names", f"{twice!r} {names.count(twice)}x", plural=True)
     return tuple(names)
-
-
-FORMAT = Format(
-    (".csv", ".txt", ".dat", ".tsv", ".log", ".asc"),
-    "table as text, values between commas, semicolons, tabs or blanks",
-    read_csv,
-    in_parts=csv_source,
-    gzipped=True,
-)

@@ -1,50 +1,155 @@
-"""The formats of logs: one line for each, and a file with its reader. Help and doctor list what is here."""
+"""The formats of logs: a line for each, and a file with its reader. Help, doctor and docs list what is here.
+
+A reader is imported when a log is read: a page of help needs none of them.
+"""
 
 from __future__ import annotations
 
 import gzip
 import zlib
 from contextlib import suppress
-from pathlib import Path
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from eccentric.core import InputError, readable
-from eccentric.logs import (
-    codesys_file,
-    csv_file,
-    hdf5_file,
-    json_file,
-    mat_file,
-    mdf_file,
-    npz_file,
-    parquet_file,
-    ros1_file,
-    ros_file,
-    tdms_file,
-    ulog_file,
-    wpilog_file,
-    xlsx_file,
-)
-from eccentric.logs.assemble import Format
 
-FORMATS: tuple[Format, ...] = (
-    csv_file.FORMAT,
-    codesys_file.FORMAT,
-    json_file.FORMAT,
-    npz_file.FORMAT,
-    npz_file.SINGLE,
-    xlsx_file.FORMAT,
-    mat_file.FORMAT,
-    parquet_file.FORMAT,
-    hdf5_file.FORMAT,
-    mdf_file.FORMAT,
-    ros_file.BAG,
-    ros_file.MCAP,
-    ros1_file.FORMAT,
-    ulog_file.FORMAT,
-    wpilog_file.FORMAT,
-    tdms_file.FORMAT,
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from eccentric.logs.assemble import InParts, Read
+
+
+@dataclass(frozen=True)
+class Format:
+    """A kind of file that is a log.
+
+    Attributes:
+        suffixes: of its files, the usual one first; none for one that only its content shows.
+        title: what it is.
+        reader: the file of this room and its function that returns the columns.
+        parts: the same for a file that can be read in parts.
+        begins: the first bytes, one of these; white space before them does not count.
+        holds: what the first 4 kB have somewhere, one of these, if any.
+        gzipped: whether its files may be compressed as well.
+        extra, packages: of `pyproject.toml`, and what it brings; for `extra_for` alone, if not every file
+            needs them.
+    """
+
+    suffixes: tuple[str, ...]
+    title: str
+    reader: str
+    begins: tuple[bytes, ...] = ()
+    holds: tuple[bytes, ...] = ()
+    parts: str = ""
+    gzipped: bool = False
+    extra: str = ""
+    packages: tuple[str, ...] = ()
+    extra_for: str = ""
+
+    @property
+    def endings(self) -> tuple[str, ...]:
+        """The ends of the names of its files, lower case."""
+        return (*self.suffixes, *(f"{suffix}.gz" for suffix in self.suffixes if self.gzipped))
+
+    def looks(self, start: bytes) -> bool:
+        """Whether the first bytes of a file are those of this format."""
+        there = start.removeprefix(b"\xef\xbb\xbf").lstrip()
+        return there.startswith(self.begins) and (not self.holds or any(part in start for part in self.holds))
+
+    def read(self, path: Path) -> Read:
+        """Return the columns of a file; InputError if it is damaged."""
+        return _function(self.reader)(path)
+
+    def in_parts(self, path: Path) -> InParts | None:
+        """Return a file in parts; None for one that must be read whole."""
+        return _function(self.parts)(path) if self.parts else None
+
+
+def _function(place: str) -> Any:
+    file, name = place.split(".")
+    return getattr(import_module(f"eccentric.logs.{file}"), name)
+
+
+TEXT = Format(
+    (".csv", ".txt", ".dat", ".tsv", ".log", ".asc"),
+    "table as text, values between commas, semicolons, tabs or blanks",
+    "csv_file.read_csv",
+    parts="csv_file.csv_source",
+    gzipped=True,
 )
-SUFFIXES: tuple[str, ...] = tuple(suffix for one in FORMATS for suffix in one.endings)
+JSON = Format(
+    (".json",), "JSON, as Rhoban BAM and pandas write it", "json_file.read_json", (b"{", b"[{"), gzipped=True
+)
+_ZIP, _H5 = b"PK", b"\x89HDF\r\n\x1a\n"
+FORMATS: tuple[Format, ...] = (
+    TEXT,
+    Format((), "trace of CODESYS", "codesys_file.read_codesys", (b"[key]; [value]",)),
+    JSON,
+    Format((".npz",), "NumPy archive", "npz_file.read_npz", (_ZIP,), (b".npy",)),
+    Format((".npy",), "NumPy array", "npz_file.read_npy", (b"\x93NUMPY",)),
+    Format(
+        (".xlsx",),
+        "workbook; its longest sheet",
+        "xlsx_file.read_xlsx",
+        (_ZIP,),
+        (b"[Content_Types].xml", b"xl/"),
+        extra="xlsx",
+        packages=("openpyxl",),
+    ),
+    Format(
+        (".mat",),
+        "MATLAB",
+        "mat_file.read_mat",
+        (b"MATLAB",),
+        parts="mat_file.mat_source",
+        extra="mat73",
+        packages=("h5py",),
+        extra_for="version 7.3",
+    ),
+    Format(
+        (".parquet",),
+        "Parquet",
+        "parquet_file.read_parquet",
+        (b"PAR1",),
+        parts="parquet_file.parquet_source",
+        extra="parquet",
+        packages=("pyarrow",),
+    ),
+    Format((".h5", ".hdf5"), "HDF5", "hdf5_file.read_hdf5", (_H5,), extra="hdf5", packages=("h5py",)),
+    Format(
+        (".mf4", ".mdf"),
+        "MDF 3 or 4",
+        "mdf_file.read_mdf",
+        (b"MDF ", b"UnFi"),
+        extra="mdf",
+        packages=("asammdf",),
+    ),
+    Format(
+        (".db3",),
+        "ROS 2 bag",
+        "ros_file.read_bag",
+        (b"SQLite format 3",),
+        extra="rosbag",
+        packages=("rosbags",),
+    ),
+    Format(
+        (".mcap",),
+        "MCAP with messages of ROS 2 or in JSON",
+        "ros_file.read_mcap",
+        (b"\x89MCAP",),
+        extra="mcap",
+        packages=("mcap", "rosbags"),
+    ),
+    Format(
+        (".bag",), "ROS 1 bag", "ros1_file.read_bag1", (b"#ROSBAG",), extra="rosbag", packages=("rosbags",)
+    ),
+    Format((".ulg",), "ULog of PX4", "ulog_file.read_ulog", (b"ULog",), extra="ulog", packages=("pyulog",)),
+    Format((".wpilog",), "data log of WPILib", "wpilog_file.read_wpilog", (b"WPILOG",)),
+    Format(
+        (".tdms",), "TDMS of LabVIEW", "tdms_file.read_tdms", (b"TDSm",), extra="tdms", packages=("nptdms",)
+    ),
+)
 
 
 def format_of(path: Path) -> Format:
@@ -56,14 +161,15 @@ def format_of(path: Path) -> Format:
     readable(path)
     name = path.name.lower()
     named = next((one for one in FORMATS if name.endswith(one.endings)), None)
-    if named is not None and named is not csv_file.FORMAT:
+    if named is not None and named is not TEXT:
         return named
     start = _start(path)
-    # JSON and a trace are text as well: a CSV file is one by its name, unless a trace says what it is.
-    said = (one for one in FORMATS if one.looks(start))
-    found = next((one for one in said if not (one is json_file.FORMAT and ".csv" in name)), named)
+    # A table called .csv may begin with a brace.
+    said = (one for one in FORMATS if one.begins and one.looks(start))
+    found = next((one for one in said if not (one is JSON and ".csv" in name)), named)
     if found is None:
-        raise InputError(path, f"a log of {', '.join(SUFFIXES)}", f"{path.suffix or 'no suffix'!r}")
+        known = ", ".join(suffix for one in FORMATS for suffix in one.endings)
+        raise InputError(path, f"a log of {known}", f"{path.suffix or 'no suffix'!r}")
     return found
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.logs.assemble import Format, LeftOut, Read, assemble
+from eccentric.logs.assemble import LeftOut, Read, assemble
 from eccentric.logs.foreign import library, reading, require_room_for_numbers
 from eccentric.logs.limits import DEEPEST_STRUCTURE
 
@@ -96,13 +96,3 @@ def _unit(item: Any) -> str:
             value = item.attrs[key]
             return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
     return ""
-
-
-FORMAT = Format(
-    (".h5", ".hdf5"),
-    "HDF5; links, and values in other files, are left out",
-    read_hdf5,
-    looks=lambda start: start[:8] == b"\x89HDF\r\n\x1a\n",
-    extra="hdf5",
-    packages=("h5py",),
-)

@@ -13,7 +13,7 @@ from itertools import islice
 from pathlib import Path
 
 from eccentric.core import InputError, few
-from eccentric.logs.assemble import Format, Read, assemble
+from eccentric.logs.assemble import Read, assemble
 from eccentric.logs.csv_file import text_of
 from eccentric.logs.foreign import require_room_for_text
 from eccentric.logs.limits import MOST_LISTS
@@ -82,12 +82,3 @@ def _lengths(text: str) -> Iterator[int]:
         if inner < 0:
             yield 1 + text.count(",", start, end)
         start = text.find("[", end if inner < 0 else inner)
-
-
-FORMAT = Format(
-    (".json",),
-    "JSON, as Rhoban BAM and pandas write it",
-    read_json,
-    looks=lambda start: start.lstrip()[:1] == b"{" or start.lstrip()[:2] == b"[{",
-    gzipped=True,
-)

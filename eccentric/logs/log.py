@@ -58,7 +58,8 @@ class Log:
     line numbers of the rows in a text file, from 1; None for other formats. `notes` say what was left out,
     and why. `numbered` (rows,) are the numbers of the rows in their file, from 1, where a log is part of one;
     `excerpt` says of which, where rows of a long log were chosen. `units` are those that the file itself
-    states, by column, as they stand there; no reader applies them.
+    states, by column, as they stand there; no reader applies them. `read_as` says how it
+    was understood.
     """
 
     path: str
@@ -69,6 +70,7 @@ class Log:
     numbered: NDArray[np.int64] | None = None
     excerpt: Excerpt | None = None
     units: Mapping[str, str] = field(default_factory=dict)
+    read_as: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Log {self.path}: {self.rows} rows of {few(self.columns)}>"
@@ -177,7 +179,7 @@ def read_log(source: LogSource, name: str = "table") -> Log:
     rows = len(next(iter(read.columns.values()))) if read.columns else 0
     if rows == 0:
         raise InputError("; ".join((f"{where}: a log with rows is required, received none", *read.notes)))
-    return Log(where, read.columns, rows, read.lines, read.notes, units=read.units)
+    return Log(where, read.columns, rows, read.lines, read.notes, units=read.units, read_as=read.read_as)
 
 
 def _read_file(path: Path) -> Read:

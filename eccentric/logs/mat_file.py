@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import InputError
-from eccentric.logs.assemble import Column, Format, InParts, LeftOut, Part, Read, assemble
+from eccentric.logs.assemble import Column, InParts, LeftOut, Part, Read, assemble
 from eccentric.logs.foreign import require_room_for_numbers
 from eccentric.logs.hdf5_file import entries, own
 from eccentric.logs.limits import BATCH_ROWS, DEEPEST_REFERENCE, DEEPEST_VARIABLE, MOST_BYTES
@@ -365,15 +365,3 @@ def _require_room(path: Path, shapes: Iterable[tuple[int, ...]]) -> None:
 
 def _line(error: object) -> str:
     return " ".join(str(error).split())[:200] or type(error).__name__
-
-
-FORMAT = Format(
-    (".mat",),
-    "MATLAB",
-    read_mat,
-    looks=lambda start: start[:6] == b"MATLAB",
-    in_parts=mat_source,
-    extra="mat73",
-    packages=("h5py",),
-    extra_for="version 7.3",
-)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import few
-from eccentric.logs.assemble import Format, Read, Recorded, on_one_clock
+from eccentric.logs.assemble import Read, Recorded, on_one_clock
 from eccentric.logs.foreign import library, reading, require_room_for_numbers
 
 _FORMULA = {3: (10,), 4: (3,)}
@@ -70,13 +70,3 @@ def _read(file: Any, group: int, index: int) -> Recorded | None:
         values = np.char.decode(values, "utf-8", "replace")
     values = values if values.dtype.kind == "U" else values.astype(float)
     return Recorded(signal.name, np.asarray(signal.timestamps, dtype=float), values, str(signal.unit or ""))
-
-
-FORMAT = Format(
-    (".mf4", ".mdf"),
-    "MDF 3 and 4; attachments are ignored, formulas not evaluated",
-    read_mdf,
-    looks=lambda start: start[:4] in (b"MDF ", b"UnFi"),
-    extra="mdf",
-    packages=("asammdf",),
-)

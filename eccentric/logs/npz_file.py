@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.logs.assemble import Format, LeftOut, Read, assemble
+from eccentric.logs.assemble import LeftOut, Read, assemble
 from eccentric.logs.foreign import reading, require_room_for_numbers
 
 _OBJECTS = LeftOut("since they hold Python objects, which only running them would read")
@@ -48,12 +48,3 @@ def read_npy(path: Path) -> Read:
         value = np.load(path, allow_pickle=False)
         content = {field: value[field] for field in value.dtype.names} if value.dtype.names else value
         return assemble(content if isinstance(content, dict) else {"array": content})
-
-
-FORMAT = Format(
-    (".npz",),
-    "NumPy archive; Python objects in it are left out",
-    read_npz,
-    looks=lambda start: start[:2] == b"PK" and b".npy" in start,
-)
-SINGLE = Format((".npy",), "NumPy array", read_npy, looks=lambda start: start[:6] == b"\x93NUMPY")

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import InputError, few
-from eccentric.logs.assemble import Column, Format, InParts, Part, Read, column_of, overlaps
+from eccentric.logs.assemble import Column, InParts, Part, Read, column_of, overlaps
 from eccentric.logs.foreign import require_room_for_numbers
 from eccentric.logs.limits import BATCH_ROWS, MOST_PARTS
 
@@ -152,14 +152,3 @@ def _opened(path: Path) -> Iterator[Any]:
         if isinstance(error, PermissionError):
             raise
         raise InputError(f"{path}: not a valid Parquet file ({str(error).splitlines()[0]})") from None
-
-
-FORMAT = Format(
-    (".parquet",),
-    "Parquet",
-    read_parquet,
-    looks=lambda start: start[:4] == b"PAR1",
-    in_parts=parquet_source,
-    extra="parquet",
-    packages=("pyarrow",),
-)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from eccentric.logs.assemble import Format, Read
+from eccentric.logs.assemble import Read
 from eccentric.logs.foreign import library, reading, require_room_for_numbers
 from eccentric.logs.ros_file import Message, of_messages
 
@@ -28,13 +28,3 @@ def _messages(bag: Any, types: Any) -> Iterator[Message]:
         store.register({name: fields for name, fields in found.items() if name not in store.types})
     for connection, time, data in bag.messages():
         yield connection.topic, int(time), store.deserialize_ros1(data, connection.msgtype)
-
-
-FORMAT = Format(
-    (".bag",),
-    "ROS 1 bag",
-    read_bag1,
-    looks=lambda start: start[:7] == b"#ROSBAG",
-    extra="rosbag",
-    packages=("rosbags",),
-)

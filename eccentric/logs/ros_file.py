@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import InputError, few
-from eccentric.logs.assemble import Format, Read, Recorded, on_one_clock
+from eccentric.logs.assemble import Read, Recorded, on_one_clock
 from eccentric.logs.foreign import library, reading, require_room_for_numbers
 from eccentric.logs.limits import MOST_PARTS
 
@@ -225,21 +225,3 @@ def _mcap_messages(recording: Any, path: Path, left_out: dict[str, str]) -> Iter
             yield channel.topic, message.log_time, types.read(message.data, schema.name)
         else:
             left_out[channel.topic] = f"in {channel.message_encoding or 'an unnamed encoding'}"
-
-
-BAG = Format(
-    (".db3",),
-    "ROS 2 bag, closed: the database in its folder",
-    read_bag,
-    looks=lambda start: start[:15] == b"SQLite format 3",
-    extra="rosbag",
-    packages=("rosbags",),
-)
-MCAP = Format(
-    (".mcap",),
-    "MCAP with messages of ROS 2 or in JSON",
-    read_mcap,
-    looks=lambda start: start[:5] == b"\x89MCAP",
-    extra="mcap",
-    packages=("mcap", "rosbags"),
-)

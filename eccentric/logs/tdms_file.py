@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.logs.assemble import Column, Format, Read, Recorded, assemble, column_of, on_one_clock
+from eccentric.logs.assemble import Column, Read, Recorded, assemble, column_of, on_one_clock
 from eccentric.logs.foreign import library, reading, require_room_for_numbers
 
 _UNIT = ("unit_string", "NI_UnitDescription", "unit")
@@ -66,13 +66,3 @@ def _values(channel: Any) -> Column | None:
 
 def _unit(channel: Any) -> str:
     return next((str(channel.properties[key]) for key in _UNIT if channel.properties.get(key)), "")
-
-
-FORMAT = Format(
-    (".tdms",),
-    "TDMS of LabVIEW",
-    read_tdms,
-    looks=lambda start: start[:4] == b"TDSm",
-    extra="tdms",
-    packages=("nptdms",),
-)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from eccentric.logs.assemble import Format, Read, Recorded, on_one_clock
+from eccentric.logs.assemble import Read, Recorded, on_one_clock
 from eccentric.logs.foreign import library, reading, require_room_for_numbers
 
 
@@ -30,13 +30,3 @@ def read_ulog(path: Path) -> Read:
             ]
         notes = ["the file is damaged in places, which are left out"] if file.file_corruption else []
         return on_one_clock(channels, path, notes)
-
-
-FORMAT = Format(
-    (".ulg",),
-    "ULog of PX4",
-    read_ulog,
-    looks=lambda start: start[:4] == b"ULog",
-    extra="ulog",
-    packages=("pyulog",),
-)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import InputError, few
-from eccentric.logs.assemble import Format, Read, Recorded, column_of, on_one_clock
+from eccentric.logs.assemble import Read, Recorded, column_of, on_one_clock
 from eccentric.logs.foreign import reading, require_room_for_numbers
 from eccentric.logs.limits import MOST_PARTS
 
@@ -112,6 +112,3 @@ def _channels(entry: _Entry) -> Iterator[Recorded]:
     table = np.frombuffer(b"".join(entry.values[k] for k in rows), kind).reshape(len(rows), -1)
     for k, column in enumerate(table.T.astype(float), start=1):
         yield Recorded(f"{name}({k})" if entry.kind.endswith("[]") else name, time, column)
-
-
-FORMAT = Format((".wpilog",), "data log of WPILib", read_wpilog, looks=lambda start: start[:6] == b"WPILOG")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import datetime as dt
 import io
 from pathlib import Path
 from typing import Any
 
 from eccentric.core import InputError, few
-from eccentric.logs.assemble import Format, Read
+from eccentric.logs.assemble import Read
 from eccentric.logs.csv_file import read_text
 from eccentric.logs.foreign import library, reading, require_room_for_numbers
 
@@ -36,7 +37,7 @@ def read_xlsx(path: Path) -> Read:
         if others:
             notes.append(f"left out, other sheets: {few(others, 5)}")
         read = read_text(text.getvalue(), path)
-    return Read(read.columns, read.lines, (*notes, *read.notes), read.units)
+    return dataclasses.replace(read, notes=(*notes, *read.notes))
 
 
 def _cell(value: Any) -> str:
@@ -47,12 +48,3 @@ def _cell(value: Any) -> str:
     if isinstance(value, dt.datetime | dt.time):
         return value.isoformat(*([" "] if isinstance(value, dt.datetime) else []))
     return str(value)
-
-
-def _looks(start: bytes) -> bool:
-    return start[:2] == b"PK" and (b"[Content_Types].xml" in start or b"xl/" in start)
-
-
-FORMAT = Format(
-    (".xlsx",), "workbook; its longest sheet", read_xlsx, looks=_looks, extra="xlsx", packages=("openpyxl",)
-)

@@ -175,7 +175,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
     counts = _counts(content, where)
     columns, warnings = read_columns(content.get("columns"), f"{where}: [columns]", counts, axis)
     drive, drives = content.get("drive"), {axis.said(drive): drive for drive in DRIVES}
-    if drive is not None and not (isinstance(drive, str) and drive in drives):
+    if drive is not None and (not isinstance(drive, str) or drive not in drives):
         raise InputError(
             f"{where}: drive",
             f"one of {', '.join(drives)}",
