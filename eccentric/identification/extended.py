@@ -12,7 +12,7 @@ If only one signal measures the drive, effects of the current use the one that t
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -102,9 +102,9 @@ class Extended:
         point, moved = self._followed(point, residuals) if self.follows else (point, 0.0)
         solutions: dict[str, Solution] = {}
         if drive.measured_twice and self._own("electrical", "effect"):
-            solutions["electrical"] = self._electrical(residuals, point).solve()
+            solutions["electrical"] = self.design("electrical", point, residuals).solve()
             point, _ = self._moved(point, solutions["electrical"])
-        solutions["mechanical"] = solution = self._mechanical(residuals, point).solve()
+        solutions["mechanical"] = solution = self.design("mechanical", point, residuals).solve()
         point, change = self._moved(point, solution)
         # By its columns, since Parameters refuse the negative values of a fit without bounds.
         found = {"mechanical": solution.residual}
@@ -123,24 +123,34 @@ class Extended:
         given = self.shapes if shapes is None else shapes
         return self.data.residuals(model or self.model, given, point.values, point.scale)
 
-    def design(self, balance: str, point: Point) -> Design:
-        """The design of a balance at a point."""
-        made = {"mechanical": self._mechanical, "electrical": self._electrical}[balance]
-        return made(self.residuals(point), point)
-
-    def _electrical(self, residuals: Residuals, point: Point) -> Design:
-        rows = self.data.rows
-        usable = rows.plain_mean(self.data.drive.channels.selection.usable.astype(float)) > USABLE_PART
-        own = self._own("electrical", "effect")
-        return self._design(residuals, "electrical", own, point, rows.train & usable)
-
-    def _mechanical(self, residuals: Residuals, point: Point) -> Design:
-        drive = self.data.drive
-        found = [*(group[0] for group in self.groups), *self._own("mechanical", "effect")]
-        if drive.by_voltage:
-            found += self._own("electrical", "armature")
-        found += [c for c in drive.open if c.role in _IN_THE_MODEL]
-        return self._design(residuals, "mechanical", found, point, self.data.rows.train)
+    def design(self, balance: str, point: Point, residuals: Residuals | None = None) -> Design:
+        """The design of a balance at a point; mechanical, with the columns outside the module."""
+        drive, rows = self.data.drive, self.data.rows
+        own, train, outside = self._own(balance, "effect"), rows.train, dict[Coefficient, Array]()
+        if balance == "electrical":
+            usable = rows.plain_mean(drive.channels.selection.usable.astype(float)) > USABLE_PART
+            train = train & usable
+        else:
+            own = [*(group[0] for group in self.groups), *own]
+            own += self._own("electrical", "armature") if drive.by_voltage else []
+            own += [c for c in drive.open if c.role in _IN_THE_MODEL]
+            # A motor that is off separates back-EMF and viscous friction.
+            free = np.any(drive.off) and np.any(rows.plain_mean(drive.off.astype(float))[train])
+            without = _IN_THE_MODEL | (set() if free else {"back_emf"})
+            # Gravity, back-EMF, offset and zero angle, against the drive. What comes from filtered angles
+            # does not pass the low pass again.
+            outside = {
+                c: rows.plain_mean(x) if c.role == "bodies" else rows.mean(x)
+                for c, x in self.data.signals.open.items()
+                if c.role not in without
+            }
+        unknown = [tuple(self._all(c.name, 1.0)) for c in own]
+        residuals = residuals or self.residuals(point)
+        rest, steps = residuals.design(balance, point.values, unknown, point.current)
+        every = (*own, *(self._left(c, point) for c in outside))
+        design = Design(every, rest, np.column_stack([steps, *outside.values()]), train, rows.weights)
+        # None of these leaves its bounds, whatever a friction coefficient has to imitate.
+        return design if self.bounds else design.without_bounds(but=("inertia", "back_emf", "gravity"))
 
     def _own(self, balance: str, role: ColumnRole) -> list[Coefficient]:
         """The coefficients of the effects that a balance shows."""
@@ -150,34 +160,6 @@ class Extended:
             if effect.balance == balance
             for q, bounds in zip(effect.coefficients, effect.bounds, strict=True)
         ]
-
-    def _design(
-        self, residuals: Residuals, balance: str, own: Sequence[Coefficient], point: Point, train: Mask
-    ) -> Design:
-        """The design of a balance, with the columns outside the module."""
-        unknown = [tuple(self._all(c.name, 1.0)) for c in own]
-        rest, steps = residuals.design(balance, point.values, unknown, point.current)
-        outside: dict[Coefficient, Array] = {}
-        if balance == "mechanical":
-            # Columns outside the module: gravity, back-EMF, offset and zero angle, against the drive.
-            without = _IN_THE_MODEL | (set() if self._motor_off(train) else {"back_emf"})
-            left_open = self.data.signals.open.items()
-            rows = self.data.rows
-            # What comes from filtered angles does not pass the low pass again.
-            outside = {
-                c: rows.plain_mean(x) if c.role == "bodies" else rows.mean(x)
-                for c, x in left_open
-                if c.role not in without
-            }
-        design = Design(
-            (*own, *(self._left(c, point) for c in outside)),
-            rest,
-            np.column_stack([steps, *outside.values()]),
-            train,
-            self.data.rows.weights,
-        )
-        # None of these leaves its bounds, whatever a friction coefficient has to imitate.
-        return design if self.bounds else design.without_bounds(but=("inertia", "back_emf", "gravity"))
 
     def _left(self, outside: Coefficient, point: Point) -> Coefficient:
         """What is left of a coefficient without a parameter in the module, at a point; as a torque."""
@@ -190,11 +172,6 @@ class Extended:
             known = point.values["k_e"] if outside.role == "back_emf" else 0.0
             lower, upper = ((end - known) / scale for end in ends)
         return replace(outside, lower=lower, upper=upper)
-
-    def _motor_off(self, rows: Mask) -> bool:
-        """Whether the motor is off in some of these rows: they separate back-EMF and viscous friction."""
-        off = self.data.drive.off
-        return bool(np.any(off) and np.any(self.data.rows.plain_mean(off.astype(float))[rows]))
 
     def _moved(self, point: Point, solution: Solution) -> tuple[Point, float]:
         """Put a solution into the values; return the remaining coefficient of the free gravity column.
