@@ -24,7 +24,8 @@ from eccentric.fleet.drift import (
 )
 from eccentric.fleet.periods import History, Period, temperatures_of
 from eccentric.fleet.sums import Coverage
-from eccentric.fleet.sums.columns import Heading, merged, solve, triangles
+from eccentric.fleet.sums.columns import Heading, solve
+from eccentric.identification import merged, triangles
 
 PERIODS = tuple(f"2025-{k:02d}" for k in range(1, 13))
 SEASON = 22.0 - 8.0 * np.cos(2.0 * np.pi * np.arange(12) / 12.0)

@@ -23,8 +23,8 @@ from eccentric.fleet.cluster import Failed, connected, spread
 from eccentric.fleet.gathered import Assigned, gather, plan_of
 from eccentric.fleet.limits import WORKER_BYTES
 from eccentric.fleet.sources import LogFile, find
-from eccentric.fleet.sums.columns import merged
 from eccentric.fleet.work import Stored, read, work
+from eccentric.identification import merged
 from tests.dying import dying, hoarding
 
 pytest.importorskip("pyarrow")

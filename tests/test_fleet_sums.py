@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from eccentric.core import InputError
-from eccentric.fleet.sums.columns import Columns, dependent, merged, solve, triangles
+from eccentric.fleet.sums.columns import Columns, dependent, solve
 from eccentric.fleet.sums.of_file import FileSums, _Left, any_in, means, rates, sums_of
+from eccentric.identification import merged, triangles
 from eccentric.logs import Log
 from eccentric.rigs import Rig
 from eccentric.signals import Table, read_table

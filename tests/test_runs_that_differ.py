@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from eccentric.diagnosis.search import runs_that_differ
+from eccentric.diagnosis.stage import runs_that_differ
 from eccentric.identification import Coefficient, balance_design
 from eccentric.signals import Rows
 

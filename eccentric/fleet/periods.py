@@ -12,8 +12,9 @@ from scipy.stats import t as student
 
 from eccentric.fleet.limits import LEAST_BLOCKS, LEAST_DIRECTION, LEAST_RANGE_K, LEAST_SECONDS, STUCK_PERIODS
 from eccentric.fleet.sources import FleetProblem
-from eccentric.fleet.sums import OFFSET, Coverage, Heading, dependent, merged, solve
+from eccentric.fleet.sums import OFFSET, Coverage, Heading, dependent, solve
 from eccentric.fleet.work import Stored
+from eccentric.identification import merged
 from eccentric.model import TURNING, AxisKind
 
 Array = NDArray[np.float64]

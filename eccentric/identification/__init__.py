@@ -66,9 +66,11 @@ from eccentric.identification.regression import (
     bounded,
     inseparable,
     iterate,
+    merged,
     profile,
     search,
     slopes_between,
+    triangles,
 )
 from eccentric.identification.uncertainty import (
     Estimate,

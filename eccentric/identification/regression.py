@@ -40,6 +40,8 @@ from eccentric.signals import Filtered, Rows
 
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ def bounded(design: Array, target: Array, lower: Array, upper: Array) -> Linear:
     """
     size = np.linalg.norm(design, axis=0)
     size = np.where(size > 0.0, size, 1.0)
-    triangle = _triangle(np.column_stack([design / size, target]))
+    triangle = triangle_of(np.column_stack([design / size, target]))
     free = bool(np.all(np.isinf(lower)) and np.all(np.isinf(upper)))
     if free:
         scaled = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=None)[0]
@@ -68,18 +70,41 @@ def bounded(design: Array, target: Array, lower: Array, upper: Array) -> Linear:
     return Linear(found.x / size, np.asarray(found.active_mask, dtype=np.int64))
 
 
-def _triangle(rows: Array) -> Array:
-    """Return R (k, k) of the QR decomposition of rows (m, k): it has the same least squares as all of them.
+# Sums of a design as triangles: R of the QR decomposition of its rows [X y].
+#
+# R'R are the normal equations, but R keeps the digits that these lose: its condition is that of X, not its
+# square. Triangles of parts stack, and the R of the stack is that of the whole, in any order up to rounding.
+
+
+def triangle_of(rows: Array) -> Array:
+    """The triangle (k, k) of rows (m, k).
 
     By blocks, then once more for the blocks' triangles: a single tall decomposition uses threads that cost
     more than they gain, and a search needs hundreds.
     """
-    count = rows.shape[1]
-    blocks = -(-len(rows) // BLOCK_ROWS)
-    padded = np.zeros((blocks * BLOCK_ROWS, count))
-    padded[: len(rows)] = rows
-    stack = np.asarray(np.linalg.qr(padded.reshape(blocks, BLOCK_ROWS, count), mode="r"))
-    return np.asarray(np.linalg.qr(stack.reshape(-1, count), mode="r"))
+    block = np.arange(len(rows)) // BLOCK_ROWS
+    return merged(triangles(rows, block, -(-len(rows) // BLOCK_ROWS)))
+
+
+def triangles(rows: Array, block: Integers, count: int) -> Array:
+    """Triangles (count, k, k) of rows (m, k), those of one block together; blocks (m,) do not decrease."""
+    starts = np.searchsorted(block, np.arange(count + 1))
+    longest = int(np.max(np.diff(starts), initial=0))
+    width = rows.shape[1]
+    padded = np.zeros((count, max(longest, width), width))
+    padded[block, np.arange(len(rows)) - starts[block]] = rows
+    return _upright(np.asarray(np.linalg.qr(padded, mode="r")))
+
+
+def merged(stack: Array) -> Array:
+    """The triangle (k, k) of several (..., k, k)."""
+    return _upright(np.asarray(np.linalg.qr(stack.reshape(-1, stack.shape[-1]), mode="r")))
+
+
+def _upright(triangle: Array) -> Array:
+    """The same with a diagonal that is not negative: then it is unique, whatever the order of its rows."""
+    sign = np.where(np.diagonal(triangle, axis1=-2, axis2=-1) < 0.0, -1.0, 1.0)
+    return triangle * sign[..., None]
 
 
 def require_rank(design: Array, names: Sequence[str], where: str) -> None:
@@ -114,9 +139,6 @@ def inseparable(
     weak = np.abs(found.Vh[found.S < LEAST_PART * found.S[0]])
     return [], np.flatnonzero(np.max(weak, axis=0, initial=0.0) > member).tolist()
 
-
-Integers = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 ColumnRole = Literal[
     "friction",

@@ -10,7 +10,6 @@ from eccentric.fleet.sums.columns import (
     Columns,
     Heading,
     dependent,
-    merged,
     require_rig,
     solve,
 )

@@ -28,6 +28,7 @@ from eccentric.identification import (
     inseparable,
     load_gain,
     load_letters,
+    merged,
     require_case,
     with_own,
 )
@@ -169,34 +170,7 @@ def _kind(role: Role, load: Load) -> Kind:
     return {Role.VISCOUS: "viscous", Role.COULOMB: "coulomb"}.get(role, "friction")  # pyright: ignore[reportReturnType]
 
 
-# Sums of a design as triangles: R of the QR decomposition of its rows [X y].
-#
-# R'R are the normal equations, but R keeps the digits that these lose: its condition is that of X, not its
-# square. Triangles of parts stack, and the R of the stack is that of the whole, in any order up to rounding.
-
-
-Integers = NDArray[np.int64]
-
-
-def triangles(rows: Array, block: Integers, count: int) -> Array:
-    """Triangles (count, k, k) of rows (m, k), those of one block together; blocks (m,) do not decrease."""
-    starts = np.searchsorted(block, np.arange(count + 1))
-    longest = int(np.max(np.diff(starts), initial=0))
-    width = rows.shape[1]
-    padded = np.zeros((count, max(longest, width), width))
-    padded[block, np.arange(len(rows)) - starts[block]] = rows
-    return _upright(np.asarray(np.linalg.qr(padded, mode="r")))
-
-
-def merged(stack: Array) -> Array:
-    """The triangle (k, k) of several (..., k, k)."""
-    return _upright(np.asarray(np.linalg.qr(stack.reshape(-1, stack.shape[-1]), mode="r")))
-
-
-def _upright(triangle: Array) -> Array:
-    """The same with a diagonal that is not negative: then it is unique, whatever the order of its rows."""
-    sign = np.where(np.diagonal(triangle, axis1=-2, axis2=-1) < 0.0, -1.0, 1.0)
-    return triangle * sign[..., None]
+# Sums of a design as triangles, which stack: the R of the stack is that of the whole.
 
 
 def dependent(triangle: Array) -> list[int]:

@@ -24,7 +24,8 @@ from eccentric.fleet.limits import (
     STUCK_PART,
     WINDOW_PERIODS,
 )
-from eccentric.fleet.sums.columns import Columns, drive_channel, merged, triangles
+from eccentric.fleet.sums.columns import Columns, drive_channel
+from eccentric.identification import merged, triangles
 from eccentric.logs import stream_log
 from eccentric.rigs import Rig
 from eccentric.signals import (
