@@ -220,8 +220,7 @@ def _scale(log: ArmLog, j: int) -> Estimate | None:
         Coefficient("C", "friction", "A"),
     )
     design = Design(coefficients, rows.mean(drive.torque()), columns, rows.train, rows.weights)
-    solution = design.solve()
-    return solution.spread().estimate(float(solution.values[0]), np.eye(3)[0], "A/(N m)")
+    return design.solve().estimates()["scale"]
 
 
 def _gain(scale: Estimate, rig: ArmRig, j: int) -> Estimate:

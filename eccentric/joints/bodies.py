@@ -7,7 +7,7 @@ what a fit of each alone leaves, so that a strong drive does not drown the wrist
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -198,16 +198,13 @@ def _block(log: ArmLog, j: int) -> Block:
     train = rows.train
     loads = log.present(j)
     model, data = log.joint(j, loads)
-    own = [k for k, c in enumerate(base_coefficients(model, data.signals)) if c.role == "friction"]
-    coefficients = [base_coefficients(model, data.signals)[k] for k in own]
+    every = base_coefficients(model, data.signals)
+    own = [k for k, c in enumerate(every) if c.role == "friction"]
     friction = rows.mean(base_columns(model, data.signals)[:, own])[train]
     regressor = rows.plain_mean(log.regressor(j))[train]
     rotors = log.module.torques(log.motion(), np.zeros(log.module.count))[:, j]
     target = rows.mean(drive.torque())[train] - rows.plain_mean(rotors)[train]
-    named = tuple(
-        Coefficient(f"{c.name}_{log.rig.number(j)}", "friction", c.unit, c.lower, c.upper)
-        for c in coefficients
-    )
+    named = tuple(replace(every[k], name=f"{every[k].name}_{log.rig.number(j)}") for k in own)
     base = base_of(regressor)
     whole = np.column_stack([regressor[:, base.chosen], friction])
     left = target - whole @ np.linalg.lstsq(whole, target, rcond=None)[0]
