@@ -102,7 +102,10 @@ class Rows:
         return np.asarray(x, float) if self.operator is None else self.operator @ x
 
     def once(self, x: Array, filtered: Sequence[Filtered]) -> Array:
-        """The mean of x (n,) less parts that have passed `smooth` already: they do not pass it again."""
+        """The mean of x (n,), from which parts are taken away that have passed `smooth`: they pass it once.
+
+        A balance is filtered as a whole, and what of it comes from the filtered angle would pass twice.
+        """
         found = self.mean(x)
         for part in filtered:
             factor = part.factor if np.ndim(part.factor) == 0 else self.plain_mean(np.asarray(part.factor))
