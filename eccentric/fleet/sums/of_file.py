@@ -87,7 +87,7 @@ def _windows(x: Array, share: int, kernels: Array) -> Array:
 def _kernels(share: int) -> Array:
     """Weights (SHARES * share, 3) of the mean, the first and the second rate, for samples 1 s apart."""
     half = 0.5 * SHARES * share
-    place = np.arange(SHARES * share) + 0.5 - half
+    place = np.arange(SHARES * share, dtype=np.float64) + (0.5 - half)
     return weights_by_parts(place[None], half, (0, 1, 2), degree=3)[:, 0].T
 
 
