@@ -14,8 +14,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from eccentric.emission import Choice, executed, render_arm  # noqa: E402
-from eccentric.model import recursion  # noqa: E402
+from eccentric.emission import Choice, executed, render  # noqa: E402
+from eccentric.model import arm  # noqa: E402
 from eccentric.rigs import read_arm  # noqa: E402 - the root of the clone comes first
 
 FUNCTIONS = ("mechanical_friction_torque", "bearing_loads")
@@ -32,7 +32,7 @@ ENOUGH = 0.1
 def module_of() -> tuple[ModuleType, np.ndarray]:
     """The emitted functions of the shipped arm, and its gear ratios."""
     chain = read_arm(ROOT / "examples" / "arms" / "planar_2r.toml")
-    files = render_arm(recursion(chain), "An arm", "", "", ("numpy",), choice=Choice(FUNCTIONS, "none"))
+    files = render(arm(chain, "An arm"), "", "", ("numpy",), choice=Choice(FUNCTIONS, "none"))
     return executed(files, chain.name), np.array([float(joint.mu) for joint in chain.joints])
 
 

@@ -21,8 +21,8 @@ import eccentric
 from benchmarks import arm_peers
 from benchmarks.cortex_m4 import M4F, OPTIMISED, build, emulate, run
 from benchmarks.record import Measured, Part, progress
-from eccentric.emission import Choice, executed, render_arm
-from eccentric.model import Body, Chain, recursion
+from eccentric.emission import Choice, executed, render
+from eccentric.model import Body, Chain, arm
 from tests.arms import random_chain
 from tests.test_chain_size import robot
 
@@ -34,8 +34,8 @@ SHIPPED = Path(__file__).resolve().parent.parent / "examples" / "arms" / "six_jo
 
 def written(folder: Path, chain: Chain, functions: Sequence[str]) -> None:
     """The C of some functions of a chain."""
-    files = render_arm(
-        recursion(chain), "An arm", "the benchmark", "make bench", choice=Choice(tuple(functions), "none")
+    files = render(
+        arm(chain, "An arm"), "make bench", "the benchmark", choice=Choice(tuple(functions), "none")
     )
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -121,7 +121,7 @@ def speed(folder: Path) -> tuple[float, float, float | None]:
     rng = np.random.default_rng(0)
     motion = [rng.normal(size=(SAMPLES, 7)) for _ in range(3)]
     chain = robot(7)
-    files = render_arm(recursion(chain), "An arm", "the benchmark", "make bench", ("numpy",))
+    files = render(arm(chain, "An arm"), "make bench", "the benchmark", ("numpy",))
     module = executed(files, "robot")
     compiled = eccentric.compile(arm_file(chain, folder))
     ours, built = (
@@ -187,9 +187,7 @@ def deviation(chains: int) -> float | None:
         n = (1, 2, 3, 6, 7, 12)[k % 6]
         chain = random_chain(rng, n, aligned=k % 2 == 0)
         choice = Choice(("inverse_dynamics", "joint_wrenches"), "none")
-        files = render_arm(
-            recursion(chain), "An arm", "the benchmark", "make bench", ("numpy",), choice=choice
-        )
+        files = render(arm(chain, "An arm"), "make bench", "the benchmark", ("numpy",), choice=choice)
         module = executed(files, "arm")
         model, data = pinocchio_of(chain)
         for _ in range(20):
@@ -208,7 +206,7 @@ def deviation(chains: int) -> float | None:
 def emitted_in(n: int) -> float:
     """Seconds to derive and emit all functions of n joints."""
     started = time.process_time()
-    render_arm(recursion(robot(n)), "An arm", "the benchmark", "make bench")
+    render(arm(robot(n), "An arm"), "make bench", "the benchmark")
     return time.process_time() - started
 
 

@@ -10,9 +10,9 @@ import pytest
 import sympy as sp
 from sympy.printing.pycode import MpmathPrinter
 
-from eccentric.emission import Choice, executed, render_arm
-from eccentric.emission.program.arm import FORCE, MOMENT
-from eccentric.model import Body, Chain, Recursion, recursion
+from eccentric.emission import Choice, executed, render
+from eccentric.emission.program.accuracy import FORCE, MOMENT
+from eccentric.model import Body, Chain, Recursion, arm, recursion
 from tests.arms import random_chain
 
 DIGITS, STATES = 50, 12
@@ -109,7 +109,7 @@ def test_the_stated_bounds_hold(n: int, real: type, far: float) -> None:
         joint.bearing *= sp.Integer(far)
     found = recursion(chain)
     choice, eps = Choice(FUNCTIONS, "none"), float(np.finfo(real).eps)
-    files = render_arm(found, "An arm", "a test", "a test", ("numpy",), choice=choice)
+    files = render(arm(chain, "An arm", found=found), "a test", "a test", ("numpy",), choice=choice)
     module, steps = executed(files, "arm"), code(found)
     for _ in range(STATES):
         fast, jerky, turned = (10.0 ** rng.uniform(*span) for span in ((-1, 1.5), (-1, 2), (0, 3)))
@@ -132,6 +132,6 @@ def test_the_stated_bounds_hold(n: int, real: type, far: float) -> None:
 def test_the_header_states_them() -> None:
     """The numbers of the bounds, beside the functions that are emitted."""
     chain = random_chain(np.random.default_rng(60), 2)
-    header = render_arm(recursion(chain), "An arm", "a test", "a test")["arm.h"]
+    header = render(arm(chain, "An arm"), "a test", "a test")["arm.h"]
 
     assert f"joint_wrenches: forces within {FORCE} eps of F, moments within {MOMENT} eps of N" in header

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from eccentric.effects import Effect, Setting, library
-from eccentric.emission import complete_arm, executed, render, render_arm
+from eccentric.emission import complete, executed, render
 from eccentric.joints.extended_arm import in_an_arm
 from eccentric.joints.joint_model import joint_model
 from eccentric.model import (
@@ -96,7 +96,7 @@ def emitted(name: str) -> Emitted:
     elbow = with_values(effect.extend(plain, given), {**VALUES, "mu": MU[1]}, "elbow")
     shoulder = with_values(plain, {**VALUES, "mu": MU[0]}, "shoulder")
     model = in_an_arm(BODIES, [shoulder, elbow], "extended", "A planar arm")
-    arm = executed(render_arm(BODIES, "", "a test", "a test", ("numpy",), model=model), "extended")
+    arm = executed(render(model, "a test", "a test", ("numpy",)), "extended")
     return Emitted(model, arm, executed(render(elbow, backends=("numpy",)), "elbow"))
 
 
@@ -213,7 +213,7 @@ def test_a_letter_of_the_recursion_is_free_for_an_effect() -> None:
     plain = [with_values(joint_model("joint", "A joint"), VALUES | {"mu": mu}, "joint") for mu in MU]
     sealed = extended(plain[1], Extension("seal", Change({"mechanical": (seal,)}), (size,)))
     without, arm = (
-        executed(render_arm(BODIES, "", "a test", "a test", ("numpy",), model=model), "extended")
+        executed(render(model, "a test", "a test", ("numpy",)), "extended")
         for model in (
             in_an_arm(BODIES, joints, "extended", "A planar arm") for joints in (plain, [plain[0], sealed])
         )
@@ -263,7 +263,7 @@ def test_c_is_silent_and_gives_what_numpy_does(name: str, precision: str, tmp_pa
     """Every function, sample by sample, hidden states stepped by the C itself."""
     found, real = emitted(name), REAL[precision]
     number = ctypes.c_double if precision == "double" else ctypes.c_float
-    for file, text in render_arm(BODIES, "", "a test", "a test", ("c99",), model=found.model).items():
+    for file, text in render(found.model, "a test", "a test", ("c99",)).items():
         (tmp_path / file).write_text(text, encoding="utf-8")
     option = f"-DECCENTRIC_REAL={precision}"
     subprocess.run(["gcc", *STRICT, option, "extended.c", "-o", "e.so", "-lm"], check=True, cwd=tmp_path)
@@ -305,7 +305,7 @@ def test_c_is_silent_and_gives_what_numpy_does(name: str, precision: str, tmp_pa
 def test_the_selftest_holds(name: str, tmp_path: Path) -> None:
     """With an exponential, and with an input beside the motion; there is none with states or time."""
     model = emitted(name).model
-    files = complete_arm(BODIES, model, "a test", "a test")
+    files = complete(model, "a test", "a test")
     for file, text in files.items():
         (tmp_path / file).parent.mkdir(exist_ok=True)
         (tmp_path / file).write_text(text, encoding="utf-8")

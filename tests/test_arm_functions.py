@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from eccentric.core import InputError
-from eccentric.emission import Choice, executed, render_arm
-from eccentric.model import Body, Chain, Joint, Placement, recursion
+from eccentric.emission import Choice, executed, render
+from eccentric.model import Body, Chain, Joint, Placement, arm
 from tests.arms import random_chain
 from tests.test_chain_numpy import TWO_LINKS, motions
 
@@ -18,7 +18,7 @@ LOADED = {"N": "F_N", "T": "F_T", "M": "M_B", "G": "T"}
 def emitted(chain: Chain, *functions: str) -> ModuleType:
     """The module of a chain, from memory."""
     choice = Choice(functions, "none") if functions else Choice()
-    return executed(render_arm(recursion(chain), "An arm", "a test", "a test", choice=choice), chain.name)
+    return executed(render(arm(chain, "An arm"), "a test", "a test", choice=choice), chain.name)
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from eccentric.core import InputError
-from eccentric.emission import Choice, executed, render_arm
-from eccentric.model import Body, Chain, Joint, recursion
+from eccentric.emission import Choice, executed, render
+from eccentric.model import Body, Chain, Joint, arm
 from eccentric.model import vocabulary as v
 from tests.arms import random_chain
 
@@ -42,7 +42,7 @@ def chosen(precision: str, text: str) -> list[str]:
 def test_c_has_the_bits_of_numpy(name: str, precision: str, tmp_path: Path) -> None:
     """Every result of every function, on motions over several turns."""
     chain, real = ARMS[name], REAL[precision]
-    n, files = len(chain.joints), render_arm(recursion(chain), "An arm", "a test", "a test")
+    n, files = len(chain.joints), render(arm(chain, "An arm"), "a test", "a test")
     module = executed(files, "arm")
     for file, text in files.items():
         (tmp_path / file).write_text(text, encoding="utf-8")
@@ -69,19 +69,19 @@ def test_c_has_the_bits_of_numpy(name: str, precision: str, tmp_path: Path) -> N
 
 def test_c_without_a_coefficient_is_refused() -> None:
     """The inverse dynamics of a slide depends on no parameter and no angle: C has no empty structure."""
-    slide = recursion(Chain("slide", [Joint("prismatic")], [Body(1)]))
+    slide = arm(Chain("slide", [Joint("prismatic")], [Body(1)]), "A slide")
     choice = Choice(("inverse_dynamics",), "none")
 
     with pytest.raises(InputError, match="slide: a function of an angle or a parameter is required for C"):
-        render_arm(slide, "A slide", "a test", "a test", choice=choice)
-    assert "slide.py" in render_arm(slide, "A slide", "a test", "a test", ("numpy",), choice=choice)
+        render(slide, "a test", "a test", choice=choice)
+    assert "slide.py" in render(slide, "a test", "a test", ("numpy",), choice=choice)
 
 
 def test_a_payload_is_prepared(tmp_path: Path) -> None:
     """A chain with a letter has parameters and `prepare`, and is as silent."""
     base = random_chain(np.random.default_rng(12), 3, aligned=True)
     chain = Chain("arm", base.joints, base.bodies, payload=Body(v.M.symbol, (0, 0, "0.1")), parameters=(v.M,))
-    for file, text in render_arm(recursion(chain), "An arm", "a test", "a test").items():
+    for file, text in render(arm(chain, "An arm"), "a test", "a test").items():
         (tmp_path / file).write_text(text, encoding="utf-8")
 
     subprocess.run(["gcc", *STRICT, "arm.c", "-o", "arm.so", "-lm"], check=True, cwd=tmp_path)

@@ -5,8 +5,8 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from eccentric.emission import executed, load_module, render_arm
-from eccentric.model import Body, Chain, Joint, Placement, load_model, recursion
+from eccentric.emission import executed, load_module, render
+from eccentric.model import Body, Chain, Joint, Placement, arm, load_model, recursion
 from eccentric.model import vocabulary as v
 from tests.arms import evaluated, number, random_chain
 
@@ -24,7 +24,7 @@ TWO_LINKS = Chain(
 
 def emitted(chain: Chain) -> ModuleType:
     """The module of a chain, from memory."""
-    return executed(render_arm(recursion(chain), "An arm", "a test", "a test"), chain.name)
+    return executed(render(arm(chain, "An arm"), "a test", "a test"), chain.name)
 
 
 @pytest.fixture(scope="module")

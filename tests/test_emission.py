@@ -30,8 +30,8 @@ from eccentric.emission import (
     render_program,
     write,
 )
-from eccentric.emission.program import Assignment, Input, Program, Routine, differentiate, needed, prepare
-from eccentric.model import load_model, model_names, quantity
+from eccentric.emission.program import Program, Routine, prepare
+from eccentric.model import Assignment, Input, differentiate, load_model, model_names, needed, quantity
 from generated import c2_parallel
 from tests.compiled import FLAGS
 

@@ -11,7 +11,7 @@ from typing import Any
 from eccentric.api.adapted import asked_adaptation
 from eccentric.api.fitted import FitResult
 from eccentric.api.inputs import ModelSource, arm_of, is_arm, model_of, origin_of
-from eccentric.api.result import require_fit, write_arm, write_emitted
+from eccentric.api.result import require_fit, write_emitted
 from eccentric.core import InputError, given_path, refuse_other_files
 from eccentric.emission import (
     WHOLE,
@@ -79,8 +79,8 @@ def emit(
         require_fit(fitted.fits_the_rig, fitted.source, accept_misfit)
     if isinstance(model, str | os.PathLike):
         refuse_other_files(model)
-    found, loaded = arm_of(model, fitted) if is_arm(model) else (None, model_of(model))
-    if asked is not None and found is not None:
+    loaded = arm_of(model, fitted) if is_arm(model) else model_of(model)
+    if asked is not None and is_arm(model):
         raise InputError("adapt", "a model of one joint", "an arm")
     name = checked_name(
         *((loaded.name, f"model {loaded.name}: its name") if prefix is None else (prefix, "prefix"))
@@ -89,10 +89,6 @@ def emit(
     if asked is not None and choice != WHOLE:
         raise InputError(
             "adapt: the whole model is required with it, without a choice of functions, arrays or fixed"
-        )
-    if found is not None:
-        return write_arm(
-            found, chosen, origin_of(model), out, backend, single_file=single_file, choice=choice
         )
     return write_emitted(
         chosen,

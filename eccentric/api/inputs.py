@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 from eccentric.core import InputError, given_path, is_arm_file, shown
 from eccentric.emission import FittedValues
 from eccentric.logs import Log, LogSource, read_log
-from eccentric.model import Model, Recursion, arm, load_model, model_names, recursion, unlike, with_bodies
+from eccentric.model import Model, arm, load_model, model_names, unlike, with_bodies
 from eccentric.rigs import Rig, read_arm
 
 LogSources: TypeAlias = LogSource | Sequence[LogSource]
@@ -85,8 +85,8 @@ def is_arm(model: object) -> bool:
     return isinstance(model, str | os.PathLike) and is_arm_file(model)
 
 
-def arm_of(source: ModelSource, fitted: FittedValues | None = None) -> tuple[Recursion, Model]:
-    """The recursion of an arm, and its model; bodies that a fit identified replace the file's.
+def arm_of(source: ModelSource, fitted: FittedValues | None = None) -> Model:
+    """The model of an arm; bodies that a fit identified replace the file's.
 
     Raises:
         InputError: it cannot be read, or the fit is of another arm.
@@ -97,10 +97,9 @@ def arm_of(source: ModelSource, fitted: FittedValues | None = None) -> tuple[Rec
         raise InputError(f"{fitted.source}: {of}, received one of another arm: {difference}")
     if fitted is not None and fitted.bodies and fitted.model in (None, chain.name):
         chain = with_bodies(chain, fitted.bodies)
-    found = recursion(chain)
     size = "one joint" if len(chain.joints) == 1 else f"{len(chain.joints)} joints"
     title = f"Arm of {size}: motion, loads of the bearings, and friction that follows them"
-    return found, arm(chain, title, found=found)
+    return arm(chain, title)
 
 
 def origin_of(model: ModelSource) -> str:

@@ -13,7 +13,7 @@ from eccentric.api.inputs import LogSources, names_given, sources_of
 from eccentric.api.result import Printed, ResultTable, new_axes
 from eccentric.core import InputError, given_path, whole_folder
 from eccentric.diagnosis import SearchRequest
-from eccentric.emission import complete_arm, write
+from eccentric.emission import complete, write
 from eccentric.joints import ArmDiagnosis, ArmFit, JointFit, extended_arm
 from eccentric.joints import diagnose_arm as diagnose_logs
 from eccentric.joints import fit_arm as fit_logs
@@ -249,7 +249,7 @@ class ArmDiagnosisResult(Printed):
         if arm is None:
             return {}
         origin = f"{Path(self.diagnosis.log.rig.path).name} and the model.py of each joint"
-        return complete_arm(*arm, "eccentric diagnose", origin)
+        return complete(arm, "eccentric diagnose", origin)
 
     def joint(self, number: int) -> DiagnosisResult:
         """The result of one joint, by its number in the columns, as `eccentric.diagnose` gives it.

@@ -26,7 +26,6 @@ from eccentric.emission import (
     Choice,
     checked_name,
     complete,
-    complete_arm,
     load_module,
     prior_of,
     render_adapt,
@@ -34,7 +33,7 @@ from eccentric.emission import (
 )
 from eccentric.identification import Estimate, correlation
 from eccentric.logs import Log
-from eccentric.model import Model, Recursion
+from eccentric.model import Model
 from eccentric.presentation import NEEDS_MATPLOTLIB
 
 if TYPE_CHECKING:
@@ -70,26 +69,6 @@ def write_emitted(
         if missing := [name for name in DEFAULT if name not in names]:
             raise InputError(f"adapt: backend {' and '.join(missing)} is required as well")
         files |= render_adapt(model, files, prior_of(model, fit), adapt)
-    with whole_folder(out, f"emit {model.name}") as folder:
-        write(files, folder)
-    return [Path(out) / name for name in files]
-
-
-def write_arm(
-    found: Recursion,
-    model: Model,
-    origin: str,
-    out: str | os.PathLike[str],
-    backend: str | Sequence[str] | None = None,
-    *,
-    single_file: bool = False,
-    choice: Choice = WHOLE,
-) -> list[Path]:
-    """Write the files of an arm as `write_emitted` writes those of a model; `found` is its recursion."""
-    names = _backends(backend)
-    files = complete_arm(
-        found, model, "eccentric emit", origin, names, single_file=single_file, choice=choice
-    )
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
     return [Path(out) / name for name in files]

@@ -171,16 +171,11 @@ def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - called as 
 
 
 def _of_arm(asked: str | Path, compiler: Compiler) -> ModuleType:
-    from eccentric.emission import build_arm_program, render_program
-    from eccentric.model import arm, recursion
+    from eccentric.model import arm
     from eccentric.rigs import read_arm
 
     chain = read_arm(asked)
-    found = recursion(chain)
-    program = build_arm_program(found, arm(chain, f"Arm {chain.name}", found=found))
-    return _compiled(
-        program, render_program(program, Path(asked).name, "eccentric.compile", single_file=True), compiler
-    )[0]
+    return _built(arm(chain, f"Arm {chain.name}"), compiler)[0]
 
 
 def _derived(asked: str | Path, compiler: Compiler) -> ModuleType:

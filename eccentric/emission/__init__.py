@@ -22,9 +22,8 @@ from eccentric.emission.program import (
     Choice,
     Program,
     Routine,
-    build_arm_program,
     build_program,
 )
-from eccentric.emission.render import render, render_arm, render_program
+from eccentric.emission.render import render, render_code, render_program
 from eccentric.emission.templates import TemplateCache, plain, template
-from eccentric.emission.write import complete, complete_arm, differences, write
+from eccentric.emission.write import complete, differences, write

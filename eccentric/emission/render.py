@@ -10,9 +10,9 @@ import sympy as sp
 
 from eccentric.core import InputError
 from eccentric.emission.backends import BACKENDS, DEFAULT, Backend, UnprintableError, with_plain_text
-from eccentric.emission.program import WHOLE, Choice, Program, build_arm_program, build_program
+from eccentric.emission.program import WHOLE, Choice, Program, build_program
 from eccentric.emission.templates import plain, template
-from eccentric.model import Model, Recursion, arm
+from eccentric.model import Model
 from eccentric.version import __version__
 
 _DIGEST = "{digest}"  # a placeholder in the files until the digest is known
@@ -40,22 +40,25 @@ def render(
     Raises:
         InputError: there is no function of a chosen name; the model lacks a balance, a term or a definition
             that is emitted, or has one with an operation that no back end computes; the message names model
-            and term.
+            and term; or C is wanted of functions that depend on no parameter and no angle.
     """
+    backends = tuple(backends)
     with _printable(model):
         origin = origin or f"derivations/{model.name}.py"
         program = build_program(model, choice)
+        if "c99" in backends and not program.coefficients:
+            raise InputError(program.name, "a function of an angle or a parameter", "none", why="for C")
         return render_program(program, origin, command, backends, single_file=single_file)
 
 
-def render_code(model: Model, backend: str) -> dict[str, str]:
+def render_code(model: Model, backend: str, choice: Choice = WHOLE) -> dict[str, str]:
     """The files of one back end without banner or digest, to be executed at once: file name -> text.
 
     Raises:
         InputError: the model cannot be emitted, as in `render`.
     """
     with _printable(model):
-        return _code(with_plain_text(build_program(model)), BACKENDS[backend])
+        return _code(with_plain_text(build_program(model, choice)), BACKENDS[backend])
 
 
 @contextmanager
@@ -65,42 +68,6 @@ def _printable(model: Model) -> Iterator[None]:
         yield
     except UnprintableError as error:
         raise InputError(f"model {model.name}: {_place(model, error.operation)}{error}") from None
-
-
-def render_arm(
-    found: Recursion,
-    title: str,
-    origin: str,
-    command: str,
-    backends: Iterable[str] = DEFAULT,
-    *,
-    model: Model | None = None,
-    single_file: bool = False,
-    choice: Choice = WHOLE,
-) -> dict[str, str]:
-    """The emitted files of an arm: file name -> text.
-
-    Args:
-        found: the recursion of the chain.
-        title: one line.
-        origin: source of the physics, for the banner.
-        command: the command that writes the files, for their banner.
-        backends: names of `BACKENDS`.
-        model: that of the chain under another name or with other defaults; by default made here.
-        single_file: whether each file contains all that it needs, including the parts common to all models.
-        choice: what of the arm is emitted; without a choice all but the gradient.
-
-    Raises:
-        InputError: there is no function of a chosen name; C is wanted of functions that depend on no
-            parameter and no angle; or a back end has no vectors.
-    """
-    backends = tuple(backends)
-    if others := [name for name in backends if name not in DEFAULT]:
-        raise InputError("backend", " or ".join(DEFAULT), f"{others[0]!r}", why="for an arm")
-    program = build_arm_program(found, model or arm(found.chain, title, found=found), choice)
-    if "c99" in backends and not program.coefficients:
-        raise InputError(program.name, "a function of an angle or a parameter", "none", why="for C")
-    return render_program(program, origin, command, backends, single_file=single_file)
 
 
 def _place(model: Model, operation: sp.Basic) -> str:

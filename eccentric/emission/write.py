@@ -8,10 +8,10 @@ from pathlib import Path
 
 from eccentric.core import whole_files
 from eccentric.emission.backends import DEFAULT
-from eccentric.emission.check import render_check
+from eccentric.emission.check import joints_of, render_check
 from eccentric.emission.program import WHOLE, Choice
-from eccentric.emission.render import render, render_arm
-from eccentric.model import Model, Recursion
+from eccentric.emission.render import render
+from eccentric.model import Model
 from eccentric.model import vocabulary as v
 
 
@@ -28,49 +28,19 @@ def complete(
 
     With fixed parameters there is nothing to compare bits with: the coefficients come from 50 digits, those
     that NumPy prepares from double precision. The self-test of the whole model calls the same functions.
+    The checks know inputs with an entry for each joint: an arm with hidden states, or whose friction follows
+    the time, has none.
 
     Raises:
         InputError: the model cannot be emitted.
     """
     files = render(model, command, origin, backends, single_file=single_file, choice=choice)
-    if "c99" not in backends or choice.fixed:
+    of_one_number = bool(model.states) or v.t in model.inputs
+    if "c99" not in backends or choice.fixed or (joints_of(model) and of_one_number):
         return files
     with_module = "numpy" in backends and not single_file
     whole = files if with_module else render(model, command, origin, choice=choice)
     return files | render_check(model, whole, arrays=choice.arrays != "none")
-
-
-def complete_arm(
-    found: Recursion,
-    model: Model,
-    command: str,
-    origin: str,
-    backends: Collection[str] = DEFAULT,
-    *,
-    single_file: bool = False,
-    choice: Choice = WHOLE,
-) -> dict[str, str]:
-    """The emitted files of an arm and, in the folder `check`, those that check its C: name -> text.
-
-    The checks know inputs with an entry for each joint: an arm with hidden states, or whose friction follows
-    the time, has none.
-
-    Raises:
-        InputError: the arm cannot be emitted.
-    """
-
-    def rendered(backends: Collection[str], *, single_file: bool) -> dict[str, str]:
-        return render_arm(
-            found, model.title, origin, command, backends, model=model, single_file=single_file, choice=choice
-        )
-
-    files = rendered(backends, single_file=single_file)
-    of_one_number = bool(model.states) or v.t in model.inputs
-    if "c99" not in backends or choice.fixed or of_one_number:
-        return files
-    with_module = "numpy" in backends and not single_file
-    whole = files if with_module else rendered(DEFAULT, single_file=False)
-    return files | render_check(model, whole, arrays=choice.arrays != "none", joints=len(found.inputs))
 
 
 def write(files: Mapping[str, str], out: Path) -> list[Path]:

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
-from eccentric.emission import Choice, executed, render_arm
+from eccentric.emission import Choice, executed, render_code
 from eccentric.joints.limits import LEAST_SHARE_IN_SUM, RANK
-from eccentric.model import Chain, letters_of, recursion, with_letters
+from eccentric.model import Chain, arm, letters_of, with_letters
 
 Array = NDArray[np.float64]
 
@@ -189,8 +189,8 @@ class BodyModule:
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
         lettered = with_letters(chain, f"{chain.name}_letters")
-        found, choice = recursion(lettered), Choice(("inverse_dynamics", "bearing_loads"), "none")
-        files = render_arm(found, lettered.name, chain.name, "eccentric", ("numpy",), choice=choice)
+        choice = Choice(("inverse_dynamics", "bearing_loads"), "none")
+        files = render_code(arm(lettered, lettered.name), "numpy", choice)
         self._module = executed(files, lettered.name)
         self._names = [q.name for j in range(len(chain.joints)) for q in letters_of(j)]
         self._mu = np.array([float(joint.mu) for joint in chain.joints])

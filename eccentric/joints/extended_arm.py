@@ -59,8 +59,8 @@ def arm_name(found: ArmDiagnosis) -> str:
     return f"{found.log.rig.chain.name}_{'extended' if adopted else 'fitted'}"
 
 
-def extended_arm(found: ArmDiagnosis) -> tuple[Recursion, Model] | None:
-    """The recursion of a diagnosed arm, and its model with the friction of every joint as it was fitted.
+def extended_arm(found: ArmDiagnosis) -> Model | None:
+    """The model of a diagnosed arm, with the friction of every joint as it was fitted.
 
     None where `why_not_emitted` says why.
     """
@@ -71,12 +71,11 @@ def extended_arm(found: ArmDiagnosis) -> tuple[Recursion, Model] | None:
         names = [q.name for j in range(len(found.joints)) for q in letters_of(j)]
         values = found.bodies.bodies.values.ravel()
         chain = with_bodies(chain, dict(zip(names, map(float, values), strict=True)))
-    bodies = recursion(chain)
     effects = [f"{effect.id} in joint {j.number}" for j in found.joints for effect, _ in j.found.effects]
     done = f"extended by {', '.join(effects)}" if effects else "friction fitted"
     title = f"Arm {chain.name}, {done}"
     joints = [extended_model(joint.found) for joint in found.joints]
-    return bodies, in_an_arm(bodies, joints, arm_name(found), title)
+    return in_an_arm(recursion(chain), joints, arm_name(found), title)
 
 
 def in_an_arm(found: Recursion, joints: Sequence[Model], name: str, title: str) -> Model:

@@ -1,7 +1,8 @@
 """The words of a derivation: quantity, equation, balance, term, model, and the numerically stable steps.
 
-In: the scripts of `derivations/`, by `load_model`.  Out: `Model`, `regressor` (what of its friction a log can
-show), `extended` (a model with further terms), `meaning` (an expression without the stable steps).
+In: the scripts of `derivations/`, by `load_model`.  Out: `Model`, `interface_of` (its outputs, which emission
+prints), `regressor` (what of its friction a log can show), `extended` (a model with further terms), `meaning`
+(an expression without the stable steps).
 May import: no room but `core`, whose cache keeps models; it knows no data and no templates.
 """
 
@@ -33,6 +34,8 @@ from eccentric.model.extension import extended
 from eccentric.model.functions import NumericFunction, PartValues, fingerprint, function_of, printed
 from eccentric.model.load import in_general_letters, load_model, model_names, with_values
 from eccentric.model.model import Change, Extension, Model, spoken
+from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, differentiate, needed
+from eccentric.model.outputs import interface_of, moving, normal_force
 from eccentric.model.quantity import C_KEYWORDS, Definition, Quantity, State, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.steps import (
@@ -65,6 +68,7 @@ __all__ = [
     "TURNING",
     "Across",
     "Along",
+    "Assignment",
     "AxisKind",
     "Backward",
     "Balance",
@@ -77,12 +81,15 @@ __all__ = [
     "Column",
     "Definition",
     "Equation",
+    "Expressions",
     "Extension",
     "Forward",
     "Gated",
     "HalfCosine",
     "HalfSine",
     "Identity",
+    "Input",
+    "Interface",
     "Joint",
     "JointDrive",
     "Leading",
@@ -92,6 +99,7 @@ __all__ = [
     "Moments",
     "NumericFunction",
     "OpaqueStep",
+    "Output",
     "PartValues",
     "Placement",
     "Quantity",
@@ -103,6 +111,7 @@ __all__ = [
     "Term",
     "arm",
     "at_rest",
+    "differentiate",
     "drives",
     "extended",
     "fingerprint",
@@ -110,10 +119,14 @@ __all__ = [
     "function_of",
     "identity_of",
     "in_general_letters",
+    "interface_of",
     "letters_of",
     "load_model",
     "meaning",
     "model_names",
+    "moving",
+    "needed",
+    "normal_force",
     "printed",
     "quantity",
     "recursion",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -12,6 +12,7 @@ from eccentric.core import InputError
 from eccentric.model.axis import TURNING, AxisKind, in_letters_of, spoken_equation, spoken_quantity
 from eccentric.model.balance import Balance, Role, Term
 from eccentric.model.equation import Equation, equation_named
+from eccentric.model.output import Interface
 from eccentric.model.quantity import Definition, Quantity, State
 from eccentric.model.steps import meaning
 from eccentric.model.vocabulary import alpha_m, i, phi
@@ -98,6 +99,7 @@ class Model:
         voltage_known: whether they give a voltage, with R and k_e. What needs one is else not emitted.
         torque_unit: of the defaults: "N m", or "V" or "A" where the log had no scale for a torque.
         axis: what moves: the words of all that is written for a person or emitted.
+        declares: makes the outputs, the functions that are emitted; None for those of one drive.
 
     Raises:
         InputError: a definition or term uses a symbol that is neither an input nor a parameter nor defined
@@ -119,6 +121,7 @@ class Model:
     voltage_known: bool = True
     torque_unit: str = "N m"
     axis: AxisKind = TURNING
+    declares: Callable[[Model], Interface] | None = None
 
     def __post_init__(self) -> None:
         states = (state.quantity for state in self.states)

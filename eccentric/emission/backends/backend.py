@@ -14,12 +14,10 @@ from eccentric.emission.program import (
     COSINE,
     LEADING_BITS,
     SINE_RATIO,
-    Assignment,
-    Input,
     Program,
 )
 from eccentric.emission.templates import plain
-from eccentric.model import Leading, Quantity
+from eccentric.model import Assignment, Input, Leading, Quantity
 
 
 @dataclass(frozen=True)

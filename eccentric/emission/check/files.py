@@ -19,7 +19,7 @@ from eccentric.emission.check.selftest import Called
 from eccentric.emission.hot import executed
 from eccentric.emission.program import SHORTEST
 from eccentric.emission.templates import plain, template
-from eccentric.model import TURNING, AxisKind, Model, Quantity, spoken
+from eccentric.model import TURNING, AxisKind, Model, Quantity, interface_of, spoken
 from eccentric.model import vocabulary as v
 
 # The driver with which Frama-C's Eva proves that an emitted C source gives no overflow and no NaN.
@@ -162,27 +162,28 @@ _ASSUMED = {"J_m": 2e-4, "J_l": 0.04, "phi": 0.6}
 _ELSE_ASSUMED = 0.25
 
 
-def render_check(
-    model: Model, files: Mapping[str, str], *, arrays: bool = True, joints: int = 0
-) -> dict[str, str]:
+def joints_of(model: Model) -> int:
+    """The number of joints of an arm, whose inputs are vectors with an entry for each; else 0."""
+    return max(x.length or 0 for output in interface_of(model).outputs for x in output.inputs)
+
+
+def render_check(model: Model, files: Mapping[str, str], *, arrays: bool = True) -> dict[str, str]:
     """The files that check a model's emitted C, file name -> text.
 
     Args:
         model: what was emitted.
-        files: the output of `render`, or of `render_arm`.
+        files: the output of `render`.
         arrays: whether the C has array functions.
-        joints: of an arm, whose inputs are vectors with an entry for each; 0 for other models.
     """
     return {
         f"check/{model.name}_{kind}": template(f"check/{kind}").render(view)
-        for kind, view in views(model, files, arrays=arrays, joints=joints).items()
+        for kind, view in views(model, files, arrays=arrays).items()
     }
 
 
-def views(
-    model: Model, files: Mapping[str, str], *, arrays: bool = True, joints: int = 0
-) -> dict[str, dict[str, Any]]:
+def views(model: Model, files: Mapping[str, str], *, arrays: bool = True) -> dict[str, dict[str, Any]]:
     """The variables of the templates: kind of file -> view."""
+    joints = joints_of(model)
     # What is called has the names of the axis.
     axis, model = model.axis, spoken(model)
     acceleration = axis.said(v.alpha_m.name)

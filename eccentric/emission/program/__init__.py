@@ -1,7 +1,7 @@
 """The Program of a model: ordered assignments in primitive operations, printed alike by all back ends.
 
 In: a `Model`. Out: `build_program(model)`, a `Program` of routines, private helpers and parameter-only work,
-with bounds of its rounding errors; `build_arm_program(recursion, title)`, that of a chain, without them yet.
+with bounds of its rounding errors.
 It knows how numbers are represented, but no target and no spelling.
 Imports `eccentric.model`.
 """
@@ -16,19 +16,15 @@ from eccentric.emission.program.accuracy import (
     Bound,
     polynomial,
 )
-from eccentric.emission.program.arm import build_arm_program
-from eccentric.emission.program.build import WHOLE, Arrays, Choice, build_program
-from eccentric.emission.program.functions import SHORTEST
+from eccentric.emission.program.build import SHORTEST, WHOLE, Arrays, Choice, build_program
 from eccentric.emission.program.program import (
     ABSENT,
     COSINE,
     ROUNDER,
     SINE_RATIO,
-    Assignment,
     AtMost,
     Call,
     Helper,
-    Input,
     InSingle,
     Low,
     Minus,
@@ -43,7 +39,5 @@ from eccentric.emission.program.program import (
     Times,
     TurnLeft,
     Within,
-    differentiate,
-    needed,
 )
 from eccentric.emission.program.shorten import paired

@@ -17,7 +17,6 @@ from typing import NamedTuple
 import mpmath
 import sympy as sp
 
-from eccentric.emission.program.functions import moving, normal_force
 from eccentric.emission.program.lower import split
 from eccentric.model import (
     Gated,
@@ -27,6 +26,8 @@ from eccentric.model import (
     Model,
     Quantity,
     SquareDifference,
+    moving,
+    normal_force,
 )
 from eccentric.model import vocabulary as v
 
@@ -70,12 +71,48 @@ LARGEST_ANGLE = 10_000  # of the motor, in rad
 # A link that turns further would pass more half turns within that angle than are subtracted exactly.
 LARGEST_RATIO = int(2 ** min(TURN_BITS.values()) * math.pi / LARGEST_ANGLE)
 
+# What is promised of an arm's arithmetic: bounds that `tests/test_arm_accuracy.py` measures at 50 digits.
+#
+# They are relative to the size that forces and moments can have at that motion, not to the results: these are
+# small where the forces of several bodies cancel. With all masses M, the reach R (the distances of the joints
+# from one another, the travel of slides, the farthest centre of mass and the largest radius of gyration,
+# added), the farthest centre of a bearing from its joint r, and the sums W, A, V, B of the joints' speeds and
+# accelerations, turning and sliding,
+#
+# F = M (g + R (W^2 + A) + 2 V W + B)
+# P = J_m (alpha_m + W omega_m + A)                 of each rotor
+# N = F (R + r) + the sum of P
+#
+# found by a search over random arms of 1 to 7 joints, and stated one unit above the worst case.
+
+FORCE, MOMENT = 4, 3
+"""Largest error of a force, in eps of F; of a moment or torque, in eps of N; on the motor side that times mu,
+and P of its own rotor."""
+_OF_ARM = {
+    "inverse_dynamics": f"within {MOMENT} eps of mu N + P (slides: of mu F + P)",
+    "joint_wrenches": f"forces within {FORCE} eps of F, moments within {MOMENT} eps of N",
+    "bearing_loads": f"F_N, F_T within {FORCE} eps of F; M_B, T within {MOMENT} eps of N (slides: T of F)",
+}
+_WITH = (
+    "with F = M (g + R (W^2 + A) + 2 V W + B), P = J_m (alpha_m + W omega_m + A), N = F (R + r) + all P:",
+    "mass M, reach R, farthest bearing r, and W, A, V, B the sums of the joints' speeds and accelerations,",
+    "turning and sliding",
+)
+
 # F_N of case C1, eq (8), as emitted: the input of Gappa.
 _CENTRIFUGAL = v.M.symbol * v.L.symbol * (v.mu.symbol * v.omega_m.symbol) ** 2
 
 
-def promises(model: Model) -> tuple[str, ...]:
-    """One line for each bound that the model has; none if an effect changes the angle or adds to F_N."""
+def promises(model: Model, names: Collection[str]) -> tuple[str, ...]:
+    """One line for each bound that these functions of a model have."""
+    if model.declares is None:
+        return _of_functions(_of_drive(model), names)
+    lines = tuple(f"{name}: {bound}" for name, bound in _OF_ARM.items() if name in names)
+    return (*lines, *_WITH) if lines else ()
+
+
+def _of_drive(model: Model) -> tuple[str, ...]:
+    """Those of one drive; none if an effect changes the angle or adds to F_N."""
     inputs = {q.symbol for q in model.inputs}
     force = normal_force(model)
     if force is None:
@@ -102,7 +139,7 @@ def promises(model: Model) -> tuple[str, ...]:
     return (*lines, *(["  " + "; ".join(given)] if given else []))
 
 
-def of_functions(lines: Sequence[str], names: Collection[str]) -> tuple[str, ...]:
+def _of_functions(lines: Sequence[str], names: Collection[str]) -> tuple[str, ...]:
     """The bounds of these functions only."""
     found = []
     for line in lines:

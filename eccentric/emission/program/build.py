@@ -12,31 +12,28 @@ from typing import Literal
 import sympy as sp
 
 from eccentric.core import InputError, meant
-from eccentric.emission.program.accuracy import of_functions, promises
-from eccentric.emission.program.functions import Function, closure, functions
+from eccentric.emission.program.accuracy import promises
 from eccentric.emission.program.lower import HalfTurns, Lowering, written_out
 from eccentric.emission.program.prepare import Prepare, notes
-from eccentric.emission.program.program import (
-    Assignment,
-    Helper,
-    Input,
-    Program,
-    Routine,
-    differentiate,
-    needed,
-)
+from eccentric.emission.program.program import BELOW, Helper, Pick, Program, Routine
 from eccentric.emission.program.shorten import shortened, without_copies
 from eccentric.model import (
     TURNING,
+    Assignment,
     AxisKind,
     Backward,
     ByDirection,
+    Expressions,
     Forward,
     Gated,
-    Magnitude,
+    Input,
     Model,
+    Output,
     Quantity,
     Sgn,
+    differentiate,
+    interface_of,
+    needed,
     spoken_quantity,
     spoken_symbol,
 )
@@ -45,7 +42,6 @@ from eccentric.model import vocabulary as v
 # What of a model is emitted: all of it, or the functions that a user calls and what they need.
 
 
-_STEP = "next_state"  # of hidden states, which every function of a model with them follows
 Arrays = Literal["with", "beside", "none"]
 
 
@@ -63,18 +59,22 @@ class Choice:
     arrays: Arrays = "with"
     fixed: bool = False
 
-    def of(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Those of the names that are emitted, in their order.
+    def of(self, outputs: Sequence[Output]) -> tuple[Output, ...]:
+        """Those of a model's outputs that are emitted, in their order.
 
         Raises:
             InputError: there is no function of a chosen name.
         """
-        offered = [name for name in names if name != _STEP]
+        offered = [output.name for output in outputs if not output.advances]
         for name in self.functions:
             if name not in offered:
                 known = f"one of {', '.join(offered)} is required"
                 raise InputError(f"functions: {known}, received {name!r}{meant(name, offered)}")
-        return tuple(name for name in names if not self.functions or name in (*self.functions, _STEP))
+        return tuple(
+            output
+            for output in outputs
+            if output.advances or (output.name in self.functions if self.functions else not output.on_request)
+        )
 
 
 WHOLE = Choice()
@@ -84,21 +84,27 @@ WHOLE = Choice()
 
 
 @cache
-def grouped(fixed: frozenset[sp.Symbol], slopes: frozenset[sp.Symbol], expression: sp.Expr) -> sp.Expr:
+def grouped(
+    moved: tuple[sp.Symbol, ...],
+    fixed: frozenset[sp.Symbol],
+    slopes: frozenset[sp.Symbol],
+    expression: sp.Expr,
+) -> sp.Expr:
     """Friction as (... F_N + ...) omega_m + (... F_N + ...) sgn: fewest operations per call, (18)-(20).
 
     Args:
+        moved: what is written once beside signs, such as the velocity; without any, sums stay as they are.
         fixed: symbols that depend on parameters only.
         slopes: derivatives of earlier values, which enter proportionally by the chain rule.
         expression: the friction torque, or a derivative of it.
     """
-    if not isinstance(expression, sp.Add):
+    if not moved or not isinstance(expression, sp.Add):
         return expression
     if inner := sorted(expression.free_symbols & slopes, key=str):
         parts = sp.collect(sp.expand_mul(expression), inner, evaluate=False)
-        return sp.Add(*(slope * grouped(fixed, slopes, factor) for slope, factor in parts.items()))
+        return sp.Add(*(slope * grouped(moved, fixed, slopes, factor) for slope, factor in parts.items()))
     expression = _by_direction(fixed, sp.expand_mul(expression))
-    factors: list[sp.Expr] = [v.omega_m.symbol] if expression.has(v.omega_m.symbol) else []
+    factors: list[sp.Expr] = [x for x in moved if expression.has(x)]
     factors += sorted(expression.atoms(Sgn), key=str)
     if any(isinstance(term, sp.Mul) and term.has(*factors) for term in expression.args if factors):
         return _collected(expression, factors)
@@ -236,19 +242,40 @@ def spoken_program(program: Program, axis: AxisKind) -> Program:
         helpers=tuple(map(helper, program.helpers)),
         promises=tuple(map(axis.said, program.promises)),
         axis=axis,
+        needed_for={axis.letters.get(name, name): of for name, of in program.needed_for.items()},
     )
 
 
-_LABELLED = {
-    "REGRESSOR": "regressor",
-    "GRADIENT": "friction_torque_gradient",
-    "JACOBIAN": "friction_torque_jacobian",
-}
-"""Constant of a module -> the function whose results it names."""
+# The hidden states one time step later, for any time step: without elapsed time, nothing changes.
+#
+# A model defines the update of a state over a positive time step. Firmware also passes 0 (the first sample, a
+# repeated time stamp) and negative ones (a counter overflow). Then the states stay unchanged, and nothing in
+# the computation divides by less than the shortest time step.
+
+
+# In seconds: shorter than any loop, and second differences of a current over it do not overflow in float.
+SHORTEST = "1e-9"
+_DT, _LEAST = v.dt.symbol, sp.Rational(SHORTEST)
+_ELAPSED = Assignment(
+    sp.Symbol("elapsed", real=True), sp.Max(_DT, _LEAST), "time step, at least the shortest [s]"
+)
+
+
+def _for_any_step(output: Output) -> tuple[Output, Expressions]:
+    """The output and its expressions; updates of hidden states that contain dt hold for any time step."""
+    given, states = output.expressions(), {state.quantity.name: state for state in output.advances}
+    if not any(state.update.has(_DT) for state in output.advances):
+        return output, given
+    results = tuple(
+        (name, Pick(_DT, BELOW, _LEAST, states[name].symbol, value.xreplace({_DT: _ELAPSED.target})))
+        for name, value in given.results
+    )
+    kept = replace(output, meaning=f"{output.meaning}, unchanged if dt is less than {SHORTEST} s")
+    return kept, replace(given, results=results, definitions=(*given.definitions, _ELAPSED))
 
 
 def build_program(model: Model, choice: Choice = WHOLE) -> Program:
-    """The Program of a model: the functions of `eccentric.emission.program.functions`, ready to print.
+    """The Program of a model: the outputs that it declares, ready to print.
 
     Raises:
         InputError: a quantity has the name of a value that the code computes; there is no function of a
@@ -256,16 +283,13 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
     """
     shared = Prepare(model)
     half_turns = HalfTurns(shared)
-    known = {q.name: q for q in vars(v).values() if isinstance(q, Quantity)}
-    given = functions(model)
-    names = choice.of([f.name for f in given])
-    chosen = [f for f in given if f.name in names]
-    from_table = all(q.default == known.get(q.name, q).default for q in model.parameters)
-    routines = tuple(_routine(model, f, shared, half_turns) for f in chosen)
+    interface = interface_of(model)
+    given = [_for_any_step(output) for output in choice.of(interface.outputs)]
+    routines = tuple(_routine(model, *one, shared, half_turns) for one in given)
     called = {s for r in routines for a in r.assignments for s in a.value.free_symbols}
     helpers = tuple(h for h in half_turns.helpers if sp.Symbol(h.name) in called)
-    labels, said = {r.name: r.labels for r in routines}, model.axis.said
-    first = said(model.first_function)
+    names, labels = [r.name for r in routines], {r.name: r.labels for r in routines}
+    listed = [(name, labels[of]) for name, of in interface.constants.items() if of in labels]
     program = Program(
         name=model.name,
         title=model.title,
@@ -273,102 +297,91 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
         prepare=shortened(shared.assignments),
         coefficients=_used((*helpers, *routines), shared),
         routines=routines,
-        constants=tuple((name, labels[said(of)]) for name, of in _LABELLED.items() if said(of) in labels),
+        constants=(*listed, *(constant for _, one in given for constant in one.constants)),
         notes=notes(model, shared),
         states=tuple((state.quantity, state.initial) for state in model.states),
-        defaults=model.defaults
-        or ("Table 1 of the paper with mu = 1/5" if from_table else "those of the derivation"),
+        defaults=model.defaults or _origin_of_defaults(model),
         helpers=helpers,
-        promises=of_functions(promises(model), names),
-        first=first if first in names else names[0],
+        promises=promises(model, names),
+        first=interface.first if interface.first in names else names[0],
         chosen=bool(choice.functions),
         arrays=choice.arrays if any(r.inputs for r in routines) else "none",
         fixed=choice.fixed,
+        needed_for={name: output.name for output in interface.outputs for name in output.needs},
     )
     program = spoken_program(program, model.axis)
     require_distinct(program)
-    if choice.functions and not program.coefficients:
+    if choice.functions and not program.coefficients and model.declares is None:
         raise InputError(
             "functions",
             "one that depends on a parameter",
             (f"{', '.join(choice.functions)}, which {program.name} gives the same value for all parameters"),
         )
-    if absent := [q.name for q in model.parameters if q.default is None] if _lacks(program) else []:
+    if program.fixed and not program.ungiven.isdisjoint(program.coefficients):
+        absent = " and ".join(q.name for q in model.parameters if q.default is None)
         raise InputError(
-            f"fixed: a value of {' and '.join(absent)} is required, which {program.name} has no default for:"
-            " emit it with parameters, or choose functions that need none of them"
+            f"fixed: a value of {absent} is required, which {program.name} has no default for: emit it with"
+            " parameters, or choose functions that need none of them"
         )
     return program
 
 
-def _lacks(program: Program) -> bool:
-    """Whether coefficients that cannot be changed are not given."""
-    return program.fixed and not program.ungiven.isdisjoint(program.coefficients)
+def _origin_of_defaults(model: Model) -> str:
+    known = {q.name: q for q in vars(v).values() if isinstance(q, Quantity)}
+    from_table = all(q.default == known.get(q.name, q).default for q in model.parameters)
+    return "Table 1 of the paper with mu = 1/5" if from_table else "those of the derivation"
 
 
-def _routine(model: Model, function: Function, shared: Prepare, half_turns: HalfTurns) -> Routine:
+def _routine(
+    model: Model, output: Output, given: Expressions, shared: Prepare, half_turns: HalfTurns
+) -> Routine:
     fixed = model.parameter_symbols
-    needs = closure(model, function.results, function.definitions)
-    assignments, results = _unscaled(*written_out(needs, function.results, fixed))
+    assignments, results = written_out(given.definitions, given.results, fixed)
     slopes: Mapping[tuple[sp.Symbol, sp.Symbol], sp.Symbol] = {}
-    if function.by:
+    if given.by:
         y = sp.Symbol("torque", real=True)
         torque = results[0][1]
-        if not fixed.intersection(function.by):
-            torque = grouped(fixed, frozenset(), torque)
-        steps, slopes = differentiate((*assignments, Assignment(y, torque)), function.by)
-        gradient = {slopes[y, x]: x.name for x in function.by if (y, x) in slopes}
+        if not fixed.intersection(given.by):
+            torque = grouped(given.factors, fixed, frozenset(), torque)
+        steps, slopes = differentiate((*assignments, Assignment(y, torque)), given.by)
+        gradient = {slopes[y, x]: x.name for x in given.by if (y, x) in slopes}
         found = {gradient[a.target]: a.value for a in steps if a.target in gradient}
         value = [(label, torque) for label, _ in results if label]
-        results = value + [(x.name, found[x.name]) for x in function.by if x.name in found]
+        results = value + [(x.name, found[x.name]) for x in given.by if x.name in found]
         assignments = needed([a for a in steps if a.target not in gradient], [e for _, e in results])
     chained = frozenset(slopes.values())
+
+    def lowered(expression: sp.Expr) -> sp.Expr:
+        return lowering(shared.hoist(grouped(given.factors, fixed, chained, expression)))
+
     # Parts that depend on parameters only are moved to `prepare`; the rest keeps its order.
-    lowering = Lowering(shared, half_turns)
-    for assignment in assignments:
-        if assignment.target in shared.symbols or assignment.value.free_symbols <= shared.symbols:
-            shared.define(assignment.target, assignment.value)
+    lowering, noted = Lowering(shared, half_turns), ""
+    for a in assignments:
+        if a.target in shared.symbols or a.value.free_symbols <= shared.symbols:
+            shared.define(a.target, a.value)
         else:
-            value = lowering(shared.hoist(grouped(fixed, chained, assignment.value)))
-            lowering.assignments.append(replace(assignment, value=value))
+            # Of equal comments, as those of the components of a vector, the first one is written.
+            value = lowered(a.value)
+            lowering.assignments.append(Assignment(a.target, value, a.note if a.note != noted else ""))
+            noted = a.note
     targets = []
     for label, expression in results:
-        value = lowering(shared.hoist(grouped(fixed, chained, expression)))
-        name = f"result_{label}" if label else "result"
-        targets.append(sp.Symbol(name, real=True))
+        value = lowered(expression)
+        targets.append(sp.Symbol(f"result_{label}" if label else "result", real=True))
         lowering.assignments.append(Assignment(targets[-1], value))
     used = set().union(*(a.value.free_symbols for a in lowering.assignments))
-    states = [state.quantity for state in model.states]
-    order = sorted([*model.inputs, *states, v.dt], key=lambda q: (q.name == "alpha_m", q.name == "dt"))
-    inputs = [Input(q) for q in order if q.symbol in used or (function.requires and q.name == "alpha_m")]
     return Routine(
-        name=function.name,
-        inputs=tuple(inputs),
+        name=output.name,
+        inputs=tuple(
+            x for x in output.inputs if x.quantity.name in output.taken or not used.isdisjoint(x.symbols)
+        ),
         assignments=without_copies(shortened(lowering.assignments), targets),
         results=tuple(targets),
         labels=tuple(label for label, _ in results) if results[0][0] else (),
-        unit=function.unit,
-        meaning=function.meaning,
-        requires=function.requires,
+        unit=output.unit,
+        meaning=output.meaning,
+        requires=output.requires,
     )
-
-
-def _unscaled(
-    assignments: Sequence[Assignment], results: Sequence[tuple[str, sp.Expr]]
-) -> tuple[list[Assignment], list[tuple[str, sp.Expr]]]:
-    """F_N = scale_N load is written out, so that its scale goes into the coefficients that multiply it."""
-    load = sp.Symbol("load", real=True)
-    scaled: dict[sp.Symbol, sp.Expr] = {}
-    written: list[Assignment] = []
-    for a in assignments:
-        factors = sp.Mul.make_args(a.value)
-        magnitude = [factor for factor in factors if isinstance(factor, Magnitude)]
-        if a.target == v.F_N.symbol and magnitude:
-            scaled[a.target] = a.value.xreplace({magnitude[0]: load})
-            written.append(Assignment(load, magnitude[0], "normal force over scale_N [rad^2/s^2]"))
-        else:
-            written.append(replace(a, value=a.value.xreplace(scaled)))
-    return written, [(label, expression.xreplace(scaled)) for label, expression in results]
 
 
 def _used(parts: tuple[Helper | Routine, ...], shared: Prepare) -> tuple[sp.Symbol, ...]:

@@ -18,7 +18,6 @@ from eccentric.emission.program.program import (
     HALF,
     ROUNDER,
     SINE_RATIO,
-    Assignment,
     AtMost,
     Call,
     Helper,
@@ -34,9 +33,8 @@ from eccentric.emission.program.program import (
     Times,
     TurnLeft,
     Within,
-    needed,
 )
-from eccentric.model import HalfCosine, HalfSine, Leading, steps
+from eccentric.model import Assignment, HalfCosine, HalfSine, Leading, needed, steps
 
 # An angle shifted by a parameter: theta_m and the shift are reduced separately, never added first.
 #

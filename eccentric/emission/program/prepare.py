@@ -6,8 +6,18 @@ import re
 
 import sympy as sp
 
-from eccentric.emission.program.program import Assignment, InSingle, Low, Rounded, TurnLeft, exact
-from eccentric.model import ByDirection, Chord, HalfCosine, HalfSine, Leading, Model, Sgn, SquareDifference
+from eccentric.emission.program.program import InSingle, Low, Rounded, TurnLeft, exact
+from eccentric.model import (
+    Assignment,
+    ByDirection,
+    Chord,
+    HalfCosine,
+    HalfSine,
+    Leading,
+    Model,
+    Sgn,
+    SquareDifference,
+)
 from eccentric.model import vocabulary as v
 
 

@@ -1,18 +1,17 @@
 """The Program: ordered named assignments, split into parameter-only and per-sample work.
 
-It is what emission prints. It knows nothing about friction: inputs may be vectors, and assignments are
-differentiated one by one (never as one expanded expression), so that a chain of n links needs no rewrite.
+It is what emission prints. It knows nothing about friction, and inputs may be vectors.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import sympy as sp
 
-from eccentric.model import TURNING, AxisKind, OpaqueStep, Quantity, Sgn
+from eccentric.model import TURNING, Assignment, AxisKind, Input, OpaqueStep, Quantity, needed
 
 # Primitive operations: the elements of lowered expressions, printed one to one by every back end.
 #
@@ -101,33 +100,6 @@ ABSENT = -(2.0**127)
 
 
 @dataclass(frozen=True)
-class Input:
-    """An input of a routine: one number, or a vector of `length` numbers.
-
-    A vector's elements are the symbols name_0, name_1, ...; in NumPy they are the last axis, in C a pointer.
-    """
-
-    quantity: Quantity
-    length: int | None = None
-
-    @property
-    def symbols(self) -> tuple[sp.Symbol, ...]:
-        """The symbols that expressions use for it."""
-        if self.length is None:
-            return (self.quantity.symbol,)
-        return tuple(sp.Symbol(f"{self.quantity.name}_{k}", real=True) for k in range(self.length))
-
-
-@dataclass(frozen=True)
-class Assignment:
-    """`target = value`; `note` is a comment, if the name is not enough."""
-
-    target: sp.Symbol
-    value: sp.Expr
-    note: str = ""
-
-
-@dataclass(frozen=True)
 class Routine:
     """One emitted function.
 
@@ -186,6 +158,7 @@ class Program:
         arrays: where C has its array functions: "with" the others, "beside" them, or "none".
         fixed: whether C has the default parameters only.
         axis: what moves.
+        needed_for: parameter -> the function of the model that it is needed for, where it has no default.
     """
 
     name: str
@@ -205,6 +178,7 @@ class Program:
     arrays: str = "with"
     fixed: bool = False
     axis: AxisKind = TURNING
+    needed_for: Mapping[str, str] = field(default_factory=dict)
 
     def hot(self) -> tuple[Assignment, ...]:
         """Every assignment that is evaluated for each sample."""
@@ -237,43 +211,3 @@ class Program:
             }
 
         return frozenset(prepared(0) - prepared(1))
-
-
-def differentiate(
-    assignments: Iterable[Assignment], by: Sequence[sp.Symbol]
-) -> tuple[tuple[Assignment, ...], Mapping[tuple[sp.Symbol, sp.Symbol], sp.Symbol]]:
-    """The assignments, each followed by its derivatives by the symbols in `by` where they are not zero.
-
-    Returned with them: (target, x) -> the symbol of that derivative, named target_d_x. Each value is
-    differentiated by the symbols it contains, and the chain rule is carried from one assignment to the next
-    (forward mode).
-    """
-    known: dict[tuple[sp.Symbol, sp.Symbol], sp.Expr] = {(x, x): sp.Integer(1) for x in by}
-    slopes: dict[tuple[sp.Symbol, sp.Symbol], sp.Symbol] = {}
-    out: list[Assignment] = []
-    for assignment in assignments:
-        out.append(assignment)
-        for x in by:
-            inner = [s for s in sorted(assignment.value.free_symbols, key=str) if (s, x) in known]
-            slope = sp.Add(*(_partial(assignment.value, s) * known[s, x] for s in inner))
-            if slope != 0:
-                target = sp.Symbol(f"{assignment.target.name}_d_{x.name}", real=True)
-                out.append(Assignment(target, slope))
-                known[assignment.target, x] = slopes[assignment.target, x] = target
-    return tuple(out), slopes
-
-
-def needed(assignments: Iterable[Assignment], results: Iterable[sp.Expr]) -> tuple[Assignment, ...]:
-    """The assignments that the results depend on, in order."""
-    wanted = set().union(*(expression.free_symbols for expression in results))
-    kept: list[Assignment] = []
-    for assignment in reversed(list(assignments)):
-        if assignment.target in wanted:
-            wanted |= assignment.value.free_symbols
-            kept.append(assignment)
-    return tuple(reversed(kept))
-
-
-@cache
-def _partial(value: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
-    return value.diff(symbol).replace(sp.sign, Sgn)

@@ -9,7 +9,8 @@ from itertools import count
 
 import sympy as sp
 
-from eccentric.emission.program.program import Assignment, Low, Program, TurnLeft
+from eccentric.emission.program.program import Low, Program, TurnLeft
+from eccentric.model import Assignment
 
 _WIDTH = 86  # characters of `target = value` as SymPy spells it, each symbol a little longer in C
 

@@ -9,6 +9,8 @@ and the loads of the bearings as ordered definitions of scalars.
     momentum   Newton and Euler: the mass points of a body, summed; the rotor of a drive
     recursion  outwards the motion of every body, inwards the wrench of every joint; loads of the bearings
     letters    a chain with a letter for every inertial parameter, and with the bodies that a fit found
+    inertial   torque per inertial parameter, of those that a motion can show
+    outputs    the functions of an arm: torques, loads, friction, regressors
     drive      motor, gear and friction of every joint: its balances; all of it as a model
 """
 

@@ -16,6 +16,7 @@ import sympy as sp
 from eccentric.model.balance import Balance, Load, Role, Term
 from eccentric.model.chain.chain import Chain
 from eccentric.model.chain.links import UNNAMED, Joint, is_zero
+from eccentric.model.chain.outputs import ArmOutputs
 from eccentric.model.chain.recursion import Recursion, recursion
 from eccentric.model.equation import Equation
 from eccentric.model.model import Model
@@ -186,4 +187,6 @@ def arm(
         definitions=found.definitions,
         balances=tuple(b for drive in of_joints for b in (drive.mechanical, drive.electrical)),
         equations=tuple(equations),
+        defaults="those of the arm, without friction",
+        declares=ArmOutputs(found),
     )

@@ -11,7 +11,8 @@ import sympy as sp
 from eccentric.emission.backends.backend import assigned
 from eccentric.emission.backends.c99.printer import REAL, code, filled, language, wrapped
 from eccentric.emission.backends.expression import printed
-from eccentric.emission.program import TURN_BITS, Assignment, Call, Helper, Input, Program, Routine
+from eccentric.emission.program import TURN_BITS, Call, Helper, Program, Routine
+from eccentric.model import Assignment, Input
 
 # A routine in stages: the angle, what follows from it, the rest.
 #

@@ -24,7 +24,6 @@ from eccentric.emission.program import (
     LARGEST_ANGLE,
     LARGEST_RATIO,
     ROUNDER,
-    Assignment,
     InSingle,
     Program,
     Root,
@@ -34,7 +33,7 @@ from eccentric.emission.program import (
     polynomial,
 )
 from eccentric.emission.templates import plain
-from eccentric.model import Backward, Forward, Quantity, Sgn
+from eccentric.model import Assignment, Backward, Forward, Quantity, Sgn
 
 # Written so that NaN in gives NaN out; one comparison per line is one instruction of a vector unit.
 _HELPERS = {

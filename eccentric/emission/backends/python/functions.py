@@ -12,7 +12,8 @@ from typing import Any
 
 from eccentric.emission.backends.expression import Language, printed
 from eccentric.emission.backends.python.dialect import WIDTH, Dialect, broken
-from eccentric.emission.program import Assignment, Helper, Program, Routine
+from eccentric.emission.program import Helper, Program, Routine
+from eccentric.model import Assignment
 
 # Computations common to several routines become a function that they call: every formula is written once.
 #

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,8 +9,8 @@ from eccentric.emission.backends.backend import default_text
 from eccentric.emission.backends.expression import printed
 from eccentric.emission.backends.python.dialect import Dialect
 from eccentric.emission.backends.python.functions import functions, quoted
-from eccentric.emission.program import Assignment, Program, Routine, paired, polynomial
-from eccentric.model import Quantity
+from eccentric.emission.program import Program, Routine, paired, polynomial
+from eccentric.model import Assignment, Quantity
 
 # `_prepare` of a module: values that depend on parameters only, as lines of Python.
 
@@ -56,8 +55,6 @@ def _default(q: Quantity, dialect: Dialect) -> str:
     return f"{q.name} = {value} if p.{q.name} is None else p.{q.name}"
 
 
-_ARMATURE = re.compile(r"(R|k_i|k_e)(_\d+)?")
-"""What back-EMF depends on, and inertia does not."""
 _POLYNOMIALS = {"sine_ratio": ("sin(h)/h - 1", ""), "cosine": ("cos(h)", " + 1.0")}
 
 
@@ -106,8 +103,8 @@ def _parameter(q: Quantity, program: Program) -> dict[str, Any]:
 def _needed(q: Quantity, program: Program) -> str:
     """What a parameter without a value is needed for; "" where no function of the program takes it."""
     said = program.axis.said
-    if _ARMATURE.fullmatch(program.axis.general(q.name)):
-        return said(", needed for friction_torque")
+    if q.name in program.needed_for:
+        return f", needed for {program.needed_for[q.name]}"
     moving = any(q.name in routine.requires for routine in program.routines)
     return said(", needed with alpha_m") if moving else ""
 

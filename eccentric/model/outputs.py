@@ -1,31 +1,43 @@
-"""The emitted functions of a Model: which there are, what they depend on, what they return."""
+"""The outputs of the model of one drive: friction, its slopes, gravity, voltage and current, residuals.
+
+They follow from the balances by the kinds of their terms: friction is the sum of the friction terms, whatever
+effects have added, and the regressor has their bases.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from typing import Any
 
 import sympy as sp
 
 from eccentric.core import InputError
-from eccentric.emission.program.program import BELOW, Assignment, Pick
-from eccentric.model import (
-    KINDS,
+from eccentric.model import vocabulary as v
+from eccentric.model.balance import KINDS
+from eccentric.model.model import Model
+from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, needed
+from eccentric.model.quantity import Definition, symbols
+from eccentric.model.regressor import regressor
+from eccentric.model.steps import (
     Backward,
     Bounded,
-    Definition,
     Forward,
     Gated,
     Magnitude,
-    Model,
     OpaqueStep,
     Sgn,
     SquareDifference,
-    quantity,
-    regressor,
-    symbols,
 )
-from eccentric.model import vocabulary as v
+
+
+def interface_of(model: Model) -> Interface:
+    """The outputs of a model: those that it declares, else those of one drive.
+
+    Raises:
+        InputError: the model lacks something that they require.
+    """
+    return drive_interface(model) if model.declares is None else model.declares(model)
+
 
 # Friction on one side of zero velocity: its limit at standstill, and its polynomial in the velocity.
 
@@ -63,16 +75,13 @@ def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     )
 
 
-def polynomials(
-    model: Model, resultant: sp.Expr, values: Iterable[sp.Expr]
-) -> dict[int, tuple[sp.Expr, ...]]:
+def polynomials(model: Model, resultant: sp.Expr) -> dict[int, tuple[sp.Expr, ...]]:
     """F_3, F_2, F_1, F_0 by direction, 1 or -1, if friction is a polynomial in the velocity, else none.
 
-    `values` are the resultant and the definitions that it needs. If friction is symmetric, -1 gives nothing
-    new and is omitted.
+    If friction is symmetric, -1 gives nothing new and is omitted.
     """
     omega_m = v.omega_m.symbol
-    if _is_curved(model, values):
+    if _is_curved(model, _needed(model, resultant)):
         return {}
     plain = model.expand(resultant).replace(Gated, sp.Mul)
     sides = {direction: sp.expand(plain.xreplace(moving(omega_m, direction))) for direction in (1, -1)}
@@ -111,87 +120,22 @@ def moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
     }
 
 
-# The hidden states one time step later, for any time step: without elapsed time, nothing changes.
-#
-# A model defines the update of a state over a positive time step. Firmware also passes 0 (the first sample, a
-# repeated time stamp) and negative ones (a counter overflow). Then the states stay unchanged, and nothing in
-# the computation divides by less than the shortest time step.
-
-
-# In seconds: shorter than any loop, and second differences of a current over it do not overflow in float.
-SHORTEST = "1e-9"
-_DT, _LEAST = v.dt.symbol, sp.Rational(SHORTEST)
-_ELAPSED = Definition(quantity("elapsed", "s", "time step, at least the shortest"), sp.Max(_DT, _LEAST))
-
-
-def step_meaning(model: Model) -> str:
-    """The result of `next_state`, in words."""
-    kept = f", unchanged if dt is less than {SHORTEST} s" if _is_timed(model) else ""
-    return f"the hidden states one time step later{kept}"
-
-
-def step_updates(model: Model) -> tuple[tuple[str, sp.Expr], ...]:
-    """Name and value one time step later of each hidden state; without dt, every call is one time step."""
-    if not _is_timed(model):
-        return tuple((state.quantity.name, state.update) for state in model.states)
-    return tuple(
-        (
-            state.quantity.name,
-            Pick(_DT, BELOW, _LEAST, state.symbol, state.update.xreplace({_DT: _ELAPSED.symbol})),
-        )
-        for state in model.states
-    )
-
-
-def step_definitions(model: Model) -> tuple[Definition, ...]:
-    """Definitions that the updates need in addition to the model's."""
-    return (_ELAPSED,) if _is_timed(model) else ()
-
-
-def _is_timed(model: Model) -> bool:
-    return any(state.update.has(_DT) for state in model.states)
-
-
-@dataclass(frozen=True)
-class Function:
-    """A function of the model before its parameter-only parts are split off.
-
-    Attributes:
-        name, unit, meaning: as in Routine.
-        results: label -> expression; the label is "" for a scalar function.
-        by: symbols by which the one entry of `results` is differentiated; the function returns those slopes,
-            after the entry itself if that has a label.
-        definitions: its own, in addition to those of the model.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    results: tuple[tuple[str, sp.Expr], ...]
-    by: tuple[sp.Symbol, ...] = ()
-    requires: tuple[str, ...] = ()
-    definitions: tuple[Definition, ...] = ()
-
-
+STEP = "next_state"
+"""The output that advances hidden states, which every output of a model with them follows."""
+_ARMATURE = frozenset({"drive", "resistive", "back_emf"})
+"""Kinds of terms whose coefficients are those of motor and armature."""
+_LABELLED = {
+    "REGRESSOR": "regressor",
+    "GRADIENT": "friction_torque_gradient",
+    "JACOBIAN": "friction_torque_jacobian",
+}
+"""Constant of a module -> the output whose labels it lists."""
 _OF_CURRENT = frozenset({"current", "mechanical_residual", "electrical_residual"})
 """Functions that need k_i itself, R/k_i being known."""
 _OF_VOLTAGE = frozenset({"voltage", "electrical_residual"})
 """Functions that need R and k_e, k_i being known."""
 _WITHOUT_BACK_EMF = _OF_CURRENT | {"mechanical_friction_torque"}
 """Functions that need the friction without the back-EMF, or its constant."""
-
-
-def closure(
-    model: Model, results: tuple[tuple[str, sp.Expr], ...], own: tuple[Definition, ...] = ()
-) -> tuple[Assignment, ...]:
-    """The definitions, of the model and of the function itself, that the results need, in order."""
-    needed = set().union(*(expression.free_symbols for _, expression in results))
-    chosen: list[Assignment] = []
-    for definition in reversed((*model.definitions, *own)):
-        if definition.symbol in needed:
-            needed |= definition.value.free_symbols
-            chosen.append(Assignment(definition.symbol, definition.value, _note(model, definition)))
-    return tuple(reversed(chosen))
 
 
 def _note(model: Model, definition: Definition) -> str:
@@ -216,8 +160,8 @@ def solve_current(model: Model) -> sp.Expr:
     return plain + actuator.subs(drive.basis, plain)
 
 
-def functions(model: Model) -> tuple[Function, ...]:
-    """Every function that is emitted for the model, in the order of the module.
+def drive_interface(model: Model) -> Interface:
+    """The outputs of the model of one drive, in the order of a module.
 
     Raises:
         InputError: the model lacks something that they require.
@@ -237,7 +181,6 @@ def functions(model: Model) -> tuple[Function, ...]:
     residual = mechanical.residual()
     electrical_residual = sp.expand_mul(torque_constant / resistance * electrical.residual())
     columns = regressor(model)
-    coefficients = tuple((column.name, column.coefficient) for column in columns)
     parameters = symbols(*model.friction_parameters)
     inertial = model.inertia.free_symbols
     inertia = tuple(q.name for q in model.parameters if q.default is None and q.symbol in inertial)
@@ -250,93 +193,119 @@ def functions(model: Model) -> tuple[Function, ...]:
     damping = (
         "back-EMF damping included" if model.voltage_known else "here without back-EMF: R or k_e is not known"
     )
+    definitions, scaled = _scaled(model)
+    order = sorted(
+        [*model.inputs, *(state.quantity for state in model.states), v.dt],
+        key=lambda q: (q.name == v.alpha_m.name, q.name == v.dt.name),
+    )
+    inputs, said = tuple(map(Input, order)), model.axis.said
+
+    def output(
+        name: str,
+        unit: str,
+        meaning: str,
+        results: sp.Expr | Iterable[tuple[str, sp.Expr]],
+        by: tuple[sp.Symbol, ...] = (),
+        **more: Any,
+    ) -> Output:
+        listed = (("", results),) if isinstance(results, sp.Expr) else results
+        expressions = Expressions(
+            tuple((label, value.xreplace(scaled)) for label, value in listed),
+            definitions,
+            by,
+            (v.omega_m.symbol,),
+        )
+        return Output(said(name), said(unit), said(meaning), inputs, lambda: expressions, **more)
+
+    moved = {"taken": frozenset({v.alpha_m.name}) if inertia else frozenset(), "requires": inertia}
     listed = [
-        Function("normal_force", "N", "normal force F_N on the axis of rotation", (("", force),)),
-        Function(
+        output(
+            "normal_force",
+            "N",
+            "normal force F_N on the axis of rotation",
+            sp.S.Zero if force is None else force,
+        ),
+        output(
             "friction_torque",
             "N m",
             f"resultant friction torque F, {damping}, eq (6)",
-            (("", resultant),),
+            resultant,
+            needs=armature_parameters(model),
         ),
-        Function(
+        output(
             "mechanical_friction_torque",
             "N m",
             "mechanical friction torque f = f_m + mu f_l, without back-EMF",
-            (("", friction),),
+            friction,
         ),
-        Function(
+        output(
             "friction_torque_gradient",
             f"N m per {', '.join(units[x] for x in dependence)}",
             "partial derivatives of friction_torque with respect to its inputs",
-            (("", resultant),),
+            resultant,
             dependence,
         ),
-        Function(
+        output(
             "friction_torque_with_gradient",
             f"N m, N m per {', '.join(units[x] for x in dependence)}",
             "friction_torque and its partial derivatives, as a linearisation needs them",
             (("friction_torque", resultant),),
             dependence,
         ),
-        Function(
+        output(
             "friction_torque_jacobian",
             "N m per unit coefficient",
             "partial derivatives of friction_torque with respect to all friction coefficients",
-            (("", resultant),),
+            resultant,
             parameters,
         ),
-        Function(
+        output(
             "regressor",
             "N m per unit coefficient",
             f"columns: regressor times friction_coefficients is {spanned}",
-            tuple((column.name, column.basis) for column in columns),
+            ((column.name, column.basis) for column in columns),
         ),
-        Function(
+        output(
             "friction_coefficients",
             ", ".join(column.unit for column in columns),
             "coefficients of the columns of the regressor",
-            coefficients,
+            ((column.name, column.coefficient) for column in columns),
         ),
-        Function(
+        output(
             "coulomb_torque",
             "N m",
             "magnitude of the friction torque at standstill, where it is set-valued",
             at_rest,
         ),
-        Function("gravity_torque", "N m", "gravity torque G, eq (5)", (("", gravity),)),
-        Function(
-            "voltage",
-            "V",
-            "armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4)",
-            (("", voltage),),
-            requires=inertia,
-        ),
-        Function(
-            "current", "A", "armature current i = (J alpha_m + G + f)/k_i", (("", current),), requires=inertia
-        ),
-    ]
-    listed += [
-        Function(
+        output("gravity_torque", "N m", "gravity torque G, eq (5)", gravity),
+        output("voltage", "V", "armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4)", voltage, **moved),
+        output("current", "A", "armature current i = (J alpha_m + G + f)/k_i", current, **moved),
+        output(
             "mechanical_residual",
             "N m",
             "residual of the mechanical balance: k_i i - J alpha_m - G - f",
-            (("", residual),),
-            requires=inertia,
+            residual,
+            **moved,
         ),
-        Function(
+        output(
             "electrical_residual",
             "N m",
             "residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i",
-            (("", electrical_residual),),
+            electrical_residual,
         ),
     ]
     if model.states:
-        units = ", ".join(state.quantity.unit for state in model.states)
-        own = step_definitions(model)
+        listed.append(output(STEP, *step_words(model), step_updates(model), advances=model.states))
+    for direction, found in polynomials(model, resultant).items():
+        name, side = {1: ("polynomial", "omega_m > 0"), -1: ("polynomial_neg", "omega_m < 0")}[direction]
         listed.append(
-            Function("next_state", units, step_meaning(model), step_updates(model), definitions=own)
+            output(
+                name,
+                "N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m",
+                f"coefficients F_3, F_2, F_1, F_0 of F for {side}, eqs (11)-(14)",
+                zip(("F_3", "F_2", "F_1", "F_0"), found, strict=True),
+            )
         )
-    given = (*listed, *_polynomials(model, resultant))
     withheld = frozenset[str]() if model.current_known else _OF_CURRENT
     if not model.voltage_known:
         withheld |= _OF_VOLTAGE
@@ -344,12 +313,30 @@ def functions(model: Model) -> tuple[Function, ...]:
         withheld = _WITHOUT_BACK_EMF
     if force is None:
         withheld |= {"normal_force"}
-    said = model.axis.said
-    return tuple(
-        replace(f, name=said(f.name), unit=said(f.unit), meaning=said(f.meaning))
-        for f in given
-        if f.name not in withheld
+    left_out = set(map(said, withheld))
+    return Interface(
+        tuple(one for one in listed if one.name not in left_out),
+        said(model.first_function),
+        {constant: said(name) for constant, name in _LABELLED.items()},
     )
+
+
+def armature_parameters(model: Model) -> tuple[str, ...]:
+    """Names of the parameters of motor and armature, R, k_i and k_e, also where an effect replaces them."""
+    before = {now: old for old, now in model.replaced.items()}
+    found = [t.coefficient for b in model.balances for t in b.terms if t.kind in _ARMATURE]
+    return tuple(q.name for q in model.parameters if q.symbol in {before.get(x, x) for x in found})
+
+
+def step_words(model: Model) -> tuple[str, str]:
+    """Unit and meaning of the hidden states one time step later."""
+    units = ", ".join(state.quantity.unit for state in model.states)
+    return units, "the hidden states one time step later"
+
+
+def step_updates(model: Model) -> tuple[tuple[str, sp.Expr], ...]:
+    """Name and value one time step later of each hidden state."""
+    return tuple((state.quantity.name, state.update) for state in model.states)
 
 
 def _require(model: Model) -> None:
@@ -369,23 +356,30 @@ def normal_force(model: Model) -> sp.Symbol | None:
     return None if F_N is None else model.replaced.get(F_N, F_N)
 
 
+def _scaled(model: Model) -> tuple[tuple[Assignment, ...], dict[sp.Symbol, sp.Expr]]:
+    """The definitions, with F_N = scale_N load written out: its scale goes into what multiplies it.
+
+    Returned with them: what stands for F_N.
+    """
+    load = sp.Symbol("load", real=True)
+    scaled: dict[sp.Symbol, sp.Expr] = {}
+    written: list[Assignment] = []
+    for d in model.definitions:
+        magnitude = [factor for factor in sp.Mul.make_args(d.value) if isinstance(factor, Magnitude)]
+        if d.symbol == v.F_N.symbol and magnitude:
+            scaled[d.symbol] = d.value.xreplace({magnitude[0]: load})
+            written.append(Assignment(load, magnitude[0], "normal force over scale_N [rad^2/s^2]"))
+        else:
+            written.append(Assignment(d.symbol, d.value.xreplace(scaled), _note(model, d)))
+    return tuple(written), scaled
+
+
+def _needed(model: Model, expression: sp.Expr) -> list[sp.Expr]:
+    """The expression, and the values of the definitions that it follows from."""
+    given = [Assignment(d.symbol, d.value) for d in model.definitions]
+    return [expression, *(a.value for a in needed(given, [expression]))]
+
+
 def _inputs(model: Model, expression: sp.Expr) -> tuple[sp.Symbol, ...]:
-    symbols = expression.free_symbols.union(
-        *(a.value.free_symbols for a in closure(model, (("", expression),)))
-    )
+    symbols = set().union(*(value.free_symbols for value in _needed(model, expression)))
     return tuple(q.symbol for q in model.inputs if q.symbol in symbols)
-
-
-def _polynomials(model: Model, resultant: sp.Expr) -> tuple[Function, ...]:
-    """F_3 ... F_0 for each direction if friction is a polynomial in the motor velocity (C1), else none."""
-    values = [resultant, *(a.value for a in closure(model, (("", resultant),)))]
-    names = {1: ("polynomial", "omega_m > 0"), -1: ("polynomial_neg", "omega_m < 0")}
-    return tuple(
-        Function(
-            names[direction][0],
-            "N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m",
-            f"coefficients F_3, F_2, F_1, F_0 of F for {names[direction][1]}, eqs (11)-(14)",
-            tuple((f"F_{k}", coefficient) for k, coefficient in zip((3, 2, 1, 0), found, strict=True)),
-        )
-        for direction, found in polynomials(model, resultant, values).items()
-    )
