@@ -16,6 +16,7 @@ from mpmath import mpf
 
 from eccentric.cli import main
 from eccentric.emission.program import accuracy as stated
+from eccentric.model import load_model
 from tests import accelerated, accuracy, extended, oracle, promised
 from tests.compiled import Real
 from tests.emitted import MODELS, PRECISIONS, SWINGING, both_precisions, example_states, module, with_inertia
@@ -257,6 +258,20 @@ def test_what_is_refused() -> None:
         m.normal_force(0.0, 1.0, {"M": 1.0})
     with pytest.raises(TypeError, match=r"^inputs: real numbers are required, received complex"):
         m.normal_force(0.0, 1j)
+
+
+def test_motor_constants_that_are_not_given() -> None:
+    """A carriage has none by default: B v + C is known, k_f k_e/R v only with them, and slopes are finite."""
+    m = executed(load_model("linear_axis"))
+    rubbing = m.Parameters(B=2.0, C=3.0)
+    driven = dataclasses.replace(rubbing, R=4.0, k_f=5.0, k_e=6.0)
+    slopes = jax.grad(lambda p: m.mechanical_friction_force(0.5, p))(rubbing)
+
+    assert 4.0 == m.mechanical_friction_force(0.5, rubbing)
+    assert np.isnan(m.friction_force(0.5, rubbing))
+    assert 4.0 + 5.0 * 6.0 / 4.0 * 0.5 == m.friction_force(0.5, driven)
+    assert (0.5, 1.0) == (slopes.B, slopes.C)
+    assert all(np.isfinite(slope) for slope in jax.tree.leaves(slopes))
 
 
 def test_it_runs_where_only_jax_is_installed(tmp_path: Path) -> None:

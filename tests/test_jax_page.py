@@ -16,8 +16,9 @@ PAGE = (ROOT / "docs" / "jax.md").read_text(encoding="utf-8")
 
 @pytest.mark.slow
 def test_the_blocks_print_what_the_page_shows(tmp_path: Path) -> None:
-    """Run in order beside the emitted file, they print the numbers below them."""
-    assert 0 == main(["emit", "c2_parallel", "--backend", "jax", "--out", str(tmp_path / "out")])
+    """Run in order beside the emitted files, they print the numbers below them."""
+    for model in ("c2_parallel", str(ROOT / "examples/arms/planar_2r.toml")):
+        assert 0 == main(["emit", model, "--backend", "jax", "--out", str(tmp_path / "out")])
     blocks = re.findall(r"^```python\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
     shown = re.findall(r"^```text\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
     run = subprocess.run(

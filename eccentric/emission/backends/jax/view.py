@@ -11,6 +11,7 @@ import sympy as sp
 from eccentric.emission.backends.backend import number, used_series
 from eccentric.emission.backends.expression import Language, choice_of_pairs, printed
 from eccentric.emission.backends.python.dialect import ON_PARAMETERS, WIDTH, Dialect, broken, on_samples
+from eccentric.emission.backends.python.functions import nan_without, quoted
 from eccentric.emission.backends.python.module import module, series, stepped
 from eccentric.emission.program import (
     COSINE,
@@ -127,20 +128,29 @@ DIALECT = Dialect(
     choice="_choose({0}, {1}, {2})",
     decorator="_function",
     missing="0.0",  # derivatives of what is not computed are finite
+    divisor="1.0",
     pair=_pair,
     broken=_broken,
     single=False,  # coefficients have the same names in both precisions
+    guarded=True,
 )
 
 
 def view(program: Program, _: str) -> dict[str, Any]:
     """All variables of the templates of the JAX module."""
+    guarded = any(nan_without(program, r) for r in program.routines)
+    vectors = any(x.length for r in program.routines for x in r.inputs)
+    options = ["needs", *(["nan_without"] if guarded else []), *(["vectors"] if vectors else [])]
     return {
         **module(differentiable(program), DIALECT),
+        "guarded": guarded,
+        "options": ", ".join(f"{name}=()" for name in options),
+        "passed": ", ".join(f"{name}={name}" for name in options),
         "wraps": program.axis.wraps,
         "leading": LEADING_BITS,
         # Each is in the derivative of the other.
         "polynomials": [series(s.name) for s in (SINE_RATIO, COSINE)] if used_series(program) else [],
+        "vectors": vectors,
         **_states(program),
     }
 
@@ -148,8 +158,14 @@ def view(program: Program, _: str) -> dict[str, Any]:
 def _states(program: Program) -> dict[str, Any]:
     """How the hidden states are passed to `next_state`; empty for a model without."""
     states, passed = [q.name for q, _ in program.states], stepped(program)
+    logged = [name for name in passed if name not in states]
+    lengths = {x.quantity.name: x.length for r in program.routines for x in r.inputs}
+    absent = [name for r in program.routines if r.name == "next_state" for name in nan_without(program, r)]
     return {
         "initial": [repr(float(value)) for _, value in program.states],
         "stepped": [f"state[{states.index(name)}]" if name in states else name for name in passed],
-        "logged": [name for name in passed if name not in states],
+        "logged": logged,
+        "named": quoted(logged),
+        "nan_without": quoted(absent) if absent else "",
+        "lengths": tuple(lengths[name] for name in logged),
     }

@@ -107,6 +107,7 @@ DIALECT = Dialect(
     choice="{1} if {0} else {2}",
     decorator="_model.function",
     missing="math.nan",
+    divisor="math.nan",
     pair=pair_text,
     broken=_broken,
     single=True,

@@ -21,7 +21,9 @@ class Dialect:
         where: spelling of a choice by sample, from condition, first and second value.
         choice: that of a choice by parameters.
         decorator: what makes a formula a function.
-        missing: spelling of a parameter that is not given and has no default.
+        missing, divisor: spelling of a parameter that is not given and has no default; that of a positive
+            one, which others may be divided by.
+        guarded: whether a function is told which of these it must have, as its result is NaN without them.
         pair: spelling of an expression as a pair of doubles, from the expression, the symbols that are pairs,
             how to print a float, which counts as exact, and the spelling of the name of a pair.
         broken: a line of `_prepare` as lines that are not too long.
@@ -34,9 +36,11 @@ class Dialect:
     choice: str
     decorator: str
     missing: str
+    divisor: str
     pair: Callable[[sp.Expr, frozenset[sp.Symbol], Language, Callable[[str], str]], str]
     broken: Callable[[str], list[str]]
     single: bool
+    guarded: bool = False
 
     def language(
         self, calls: Mapping[str, str], symbol: Callable[[str], str], pair: Callable[[str], str] = str

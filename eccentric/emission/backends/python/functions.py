@@ -249,8 +249,21 @@ def functions(program: Program, dialect: Dialect) -> dict[str, list[dict[str, An
     return {
         "helpers": [_helper(h, spelling) for h in program.helpers],
         "shared": [_shared(body) for body in shared],
-        "routines": [_routine(r, b) for r, b in zip(program.routines, bodies, strict=True)],
+        "routines": [
+            _routine(r, b, nan_without(program, r) if dialect.guarded else ())
+            for r, b in zip(program.routines, bodies, strict=True)
+        ],
     }
+
+
+def nan_without(program: Program, r: Routine) -> tuple[str, ...]:
+    """The parameters without a default that a routine must have, whatever its inputs: NaN without them."""
+    behind = {q.symbol: {q.name} for q in program.parameters if q.default is None}
+    for a in program.prepare:
+        behind[a.target] = set().union(*(behind.get(s, set()) for s in a.value.free_symbols))
+    used = set().union(*(a.value.free_symbols for a in r.assignments))
+    names = set().union(*(behind.get(s, set()) for s in used)) - set(r.requires)
+    return tuple(q.name for q in program.parameters if q.name in names)
 
 
 def _body(r: Routine, spelling: Language) -> CodeBody:
@@ -326,7 +339,7 @@ def _shared(body: CodeBody) -> dict[str, Any]:
     }
 
 
-def _routine(r: Routine, body: CodeBody) -> dict[str, Any]:
+def _routine(r: Routine, body: CodeBody, absent: Sequence[str]) -> dict[str, Any]:
     names = [x.quantity.name for x in r.inputs]
     defaults = ["=0.0" if r.requires and x is r.inputs[-1] else "" for x in r.inputs]
     vectors = {x.quantity.name: x.length for x in r.inputs if x.length is not None}
@@ -334,6 +347,7 @@ def _routine(r: Routine, body: CodeBody) -> dict[str, Any]:
         f"({', '.join(s.name for s in x.symbols)},) = {x.quantity.name}" for x in r.inputs if x.length
     ]
     options = [f"needs={quoted(r.requires)}"] if r.requires else []
+    options += [f"nan_without={quoted(absent)}"] if absent else []
     options += [f"vectors={vectors}"] if vectors else []
     return {
         "name": r.name,

@@ -51,7 +51,8 @@ def prepare(program: Program, dialect: Dialect) -> list[str]:
 
 def _default(q: Quantity, dialect: Dialect) -> str:
     plain = dialect.language(dialect.prepare, lambda name: f"p.{name}")
-    value = dialect.missing if q.default is None else printed(q.default, plain)
+    missing = dialect.divisor if q.domain == "positive" else dialect.missing
+    value = missing if q.default is None else printed(q.default, plain)
     return f"{q.name} = {value} if p.{q.name} is None else p.{q.name}"
 
 
