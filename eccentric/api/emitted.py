@@ -49,7 +49,7 @@ def emit(
         parameters: defaults of the emitted code: a FitResult, the path or the content of a fit.json, or
             values in SI by the paper's letters; by default those of the model.
         prefix: name of the files and prefix of the C functions; by default the model's name.
-        backend: a target, "numpy", "c99" or "jax", or several; by default the first two.
+        backend: a target or several, by the names that `eccentric emit --help` lists.
         single_file: whether the NumPy module contains its runtime, which is otherwise a file beside it.
         functions: names of the functions that are emitted, with the coefficients that they need; by default
             all. Hidden states keep their step.

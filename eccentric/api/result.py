@@ -341,7 +341,7 @@ class Result(Printed):
         Args:
             out: a folder of its own, new or written by eccentric before.
             prefix: name of the files and prefix of the C functions; by default the model's name.
-            backend: a target, "numpy", "c99" or "jax", or several; by default the first two.
+            backend: a target or several, by the names that `eccentric emit --help` lists.
             accept_misfit: emit although the log does not fit the rig.
 
         Raises:

@@ -12,7 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 import eccentric
 from eccentric.cli.arguments import coloured
-from eccentric.core import InputError
+from eccentric.core import TARGETS, InputError
 from eccentric.version import __version__
 
 NAME = "doctor"
@@ -28,7 +28,7 @@ _EXTRAS = {
     "arms": (("yourdfpy",), "arms by URDF"),
     "arms-bench": (("mujoco-core",), "the virtual bench of an arm"),
     "fleet": (("dask", "distributed", "pyarrow"), "the logs of a fleet"),
-    "jax": (("jax",), "the JAX module"),
+    **{t.extra: (t.packages, f"the {t.meaning}") for t in TARGETS.values() if t.extra},
     "completion": (("argcomplete",), "completion in the shell"),
 }
 """Extra of `pyproject.toml` other than those of log formats: its packages, and what it is for."""

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import eccentric
 from eccentric.cli.arguments import add_folder, options
+from eccentric.core import TARGETS
 
 NAME = "emit"
 HELP = "write the NumPy module, C header and C source of a model, and the files that check the C"
@@ -31,6 +32,8 @@ _OPTIONS = {
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
+    *others, last = TARGETS
+    default = " and ".join(name for name, target in TARGETS.items() if target.default)
     parser.add_argument(
         "model",
         metavar="MODEL",
@@ -52,7 +55,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--backend",
         action="append",
         metavar="NAME",
-        help="a target: numpy, c99 or jax; may be repeated; default: numpy and c99",
+        help=f"a target: {', '.join(others)} or {last}; may be repeated; default: {default}",
     )
     parser.add_argument(
         "--functions",

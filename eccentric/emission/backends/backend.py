@@ -1,4 +1,4 @@
-"""A back end: a record of what it writes and how, and one line in the registry."""
+"""A back end: a record of what it writes and how."""
 
 from __future__ import annotations
 
@@ -25,7 +25,6 @@ class Backend:
     """A target that programs are printed for.
 
     Attributes:
-        meaning: what it writes, for a list of back ends.
         files: template -> file, such as "numpy/module.py" -> "{name}.py" with the program's name. A file
             without it is the same for all programs.
         view: what the templates are filled with, from a program and the digest of the code as it is spelled
@@ -36,7 +35,6 @@ class Backend:
             is no such file.
     """
 
-    meaning: str
     files: Mapping[str, str]
     view: Callable[[Program, str], dict[str, Any]]
     banner: Callable[[Sequence[str]], str]

@@ -12,4 +12,4 @@ def _banner(lines: Sequence[str]) -> str:
 
 
 _FILES = {"c99/header.h": "{name}.h", "c99/arrays.h": "{name}_arrays.h", "c99/source.c": "{name}.c"}
-BACKEND = Backend("C99 header and source", _FILES, view.view, _banner)
+BACKEND = Backend(_FILES, view.view, _banner)

@@ -4,4 +4,4 @@ from eccentric.emission.backends.backend import Backend
 from eccentric.emission.backends.jax import view
 from eccentric.emission.backends.python.module import banner
 
-BACKEND = Backend("JAX module", {"jax/module.py": "{name}_jax.py"}, view.view, banner)
+BACKEND = Backend({"jax/module.py": "{name}_jax.py"}, view.view, banner)

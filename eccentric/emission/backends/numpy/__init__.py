@@ -5,7 +5,6 @@ from eccentric.emission.backends.numpy import view
 from eccentric.emission.backends.python.module import banner
 
 BACKEND = Backend(
-    "NumPy module",
     {"numpy/module.py": "{name}.py", "numpy/runtime.py": "eccentric_runtime.py"},
     view.view,
     banner,
