@@ -25,5 +25,5 @@ from eccentric.emission.program import (
     build_program,
 )
 from eccentric.emission.render import render, render_code, render_program
-from eccentric.emission.templates import TemplateCache, plain, template
+from eccentric.emission.templates import plain, template
 from eccentric.emission.write import complete, differences, write

@@ -11,7 +11,7 @@ from jinja2.bccache import Bucket
 from eccentric.core import derived, folder
 
 
-class TemplateCache(jinja2.BytecodeCache):
+class _Cache(jinja2.BytecodeCache):
     """Compiled templates, kept in the user's cache until one of them changes.
 
     settings: of the environment, which decide how a template is compiled.
@@ -31,21 +31,21 @@ class TemplateCache(jinja2.BytecodeCache):
 
 
 @cache
-def _environment() -> jinja2.Environment:
+def _environment(*, page: bool) -> jinja2.Environment:
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder("templates")),
-        bytecode_cache=TemplateCache("code"),
+        bytecode_cache=_Cache("page" if page else "code"),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,  # noqa: S701 - the output is C and Python, not HTML
+        keep_trailing_newline=not page,
+        autoescape=page,  # noqa: S701 - other output is C and Python, not HTML
     )
 
 
-def template(name: str) -> jinja2.Template:
-    """The template `templates/NAME.jinja`, such as `numpy/module.py`."""
-    return _environment().get_template(f"{name}.jinja")
+def template(name: str, *, page: bool = False) -> jinja2.Template:
+    """The template `templates/NAME.jinja`, such as `numpy/module.py`; on a page of HTML text is escaped."""
+    return _environment(page=page).get_template(f"{name}.jinja")
 
 
 # Titles, meanings and units, as comments and docstrings can hold them.

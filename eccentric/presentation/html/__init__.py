@@ -20,14 +20,10 @@ JSON of the figures. The page's own content policy forbids it to fetch anything.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
-import jinja2
-
-from eccentric.core import folder
 from eccentric.diagnosis import Diagnosis
-from eccentric.emission import TemplateCache
+from eccentric.emission import template
 from eccentric.model import TURNING
 from eccentric.presentation.html.data import Parameter, ReportData
 from eccentric.presentation.html.figures import library, plot_report
@@ -65,16 +61,4 @@ def arm_page(found: ArmDiagnosis) -> str:
 
 def rendered(page: str, variables: Mapping[str, Any]) -> str:
     """A page of `templates/report` with its variables; all text is escaped."""
-    return _environment().get_template(f"report/{page}.html.jinja").render(variables)
-
-
-@cache
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(folder("templates")),
-        bytecode_cache=TemplateCache("page"),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        autoescape=True,
-    )
+    return template(f"report/{page}.html", page=True).render(variables)
