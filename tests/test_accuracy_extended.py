@@ -245,7 +245,8 @@ def test_what_an_effect_leaves_is_promised(case: str) -> None:
         FRICTION: {"friction_torque", "mechanical_friction_torque", *DERIVATIVES},
     }
     for effect in extended.effects(case).values():
-        stated = [line.partition(" within ") for line in promises(effect.extend(base))]
+        every = set().union(*functions.values())
+        stated = [line.partition(" within ") for line in promises(effect.extend(base), every)]
         found = {name for names, within, _ in stated if within for name in names.split(", ")}
         assert set().union(*(functions[what] for what in kept(effect))) == found, effect.id
 

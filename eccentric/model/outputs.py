@@ -204,18 +204,20 @@ def drive_interface(model: Model) -> Interface:
         name: str,
         unit: str,
         meaning: str,
-        results: sp.Expr | Iterable[tuple[str, sp.Expr]],
+        results: Iterable[tuple[str, sp.Expr]],
         by: tuple[sp.Symbol, ...] = (),
         **more: Any,
     ) -> Output:
-        listed = (("", results),) if isinstance(results, sp.Expr) else results
         expressions = Expressions(
-            tuple((label, value.xreplace(scaled)) for label, value in listed),
+            tuple((label, value.xreplace(scaled)) for label, value in results),
             definitions,
             by,
             (v.omega_m.symbol,),
         )
         return Output(said(name), said(unit), said(meaning), inputs, lambda: expressions, **more)
+
+    def one(value: sp.Expr) -> tuple[tuple[str, sp.Expr]]:
+        return (("", value),)
 
     moved = {"taken": frozenset({v.alpha_m.name}) if inertia else frozenset(), "requires": inertia}
     listed = [
@@ -223,26 +225,26 @@ def drive_interface(model: Model) -> Interface:
             "normal_force",
             "N",
             "normal force F_N on the axis of rotation",
-            sp.S.Zero if force is None else force,
+            one(force or sp.S.Zero),
         ),
         output(
             "friction_torque",
             "N m",
             f"resultant friction torque F, {damping}, eq (6)",
-            resultant,
+            one(resultant),
             needs=armature_parameters(model),
         ),
         output(
             "mechanical_friction_torque",
             "N m",
             "mechanical friction torque f = f_m + mu f_l, without back-EMF",
-            friction,
+            one(friction),
         ),
         output(
             "friction_torque_gradient",
             f"N m per {', '.join(units[x] for x in dependence)}",
             "partial derivatives of friction_torque with respect to its inputs",
-            resultant,
+            one(resultant),
             dependence,
         ),
         output(
@@ -256,7 +258,7 @@ def drive_interface(model: Model) -> Interface:
             "friction_torque_jacobian",
             "N m per unit coefficient",
             "partial derivatives of friction_torque with respect to all friction coefficients",
-            resultant,
+            one(resultant),
             parameters,
         ),
         output(
@@ -277,21 +279,23 @@ def drive_interface(model: Model) -> Interface:
             "magnitude of the friction torque at standstill, where it is set-valued",
             at_rest,
         ),
-        output("gravity_torque", "N m", "gravity torque G, eq (5)", gravity),
-        output("voltage", "V", "armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4)", voltage, **moved),
-        output("current", "A", "armature current i = (J alpha_m + G + f)/k_i", current, **moved),
+        output("gravity_torque", "N m", "gravity torque G, eq (5)", one(gravity)),
+        output(
+            "voltage", "V", "armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4)", one(voltage), **moved
+        ),
+        output("current", "A", "armature current i = (J alpha_m + G + f)/k_i", one(current), **moved),
         output(
             "mechanical_residual",
             "N m",
             "residual of the mechanical balance: k_i i - J alpha_m - G - f",
-            residual,
+            one(residual),
             **moved,
         ),
         output(
             "electrical_residual",
             "N m",
             "residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i",
-            electrical_residual,
+            one(electrical_residual),
         ),
     ]
     if model.states:

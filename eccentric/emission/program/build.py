@@ -243,6 +243,7 @@ def spoken_program(program: Program, axis: AxisKind) -> Program:
         promises=tuple(map(axis.said, program.promises)),
         axis=axis,
         needed_for={axis.letters.get(name, name): of for name, of in program.needed_for.items()},
+        inertia=frozenset(axis.letters.get(name, name) for name in program.inertia),
     )
 
 
@@ -308,6 +309,7 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
         arrays=choice.arrays if any(r.inputs for r in routines) else "none",
         fixed=choice.fixed,
         needed_for={name: output.name for output in interface.outputs for name in output.needs},
+        inertia=frozenset(name for output in interface.outputs for name in output.requires),
     )
     program = spoken_program(program, model.axis)
     require_distinct(program)

@@ -159,6 +159,7 @@ class Program:
         fixed: whether C has the default parameters only.
         axis: what moves.
         needed_for: parameter -> the function of the model that it is needed for, where it has no default.
+        inertia: parameters without a default that nothing depends on without acceleration.
     """
 
     name: str
@@ -179,6 +180,7 @@ class Program:
     fixed: bool = False
     axis: AxisKind = TURNING
     needed_for: Mapping[str, str] = field(default_factory=dict)
+    inertia: frozenset[str] = frozenset()
 
     def hot(self) -> tuple[Assignment, ...]:
         """Every assignment that is evaluated for each sample."""

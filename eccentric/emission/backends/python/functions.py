@@ -257,12 +257,12 @@ def functions(program: Program, dialect: Dialect) -> dict[str, list[dict[str, An
 
 
 def nan_without(program: Program, r: Routine) -> tuple[str, ...]:
-    """The parameters without a default that a routine must have, whatever its inputs: NaN without them."""
+    """The parameters without a default that a routine must have without acceleration, too: else it is NaN."""
     behind = {q.symbol: {q.name} for q in program.parameters if q.default is None}
     for a in program.prepare:
         behind[a.target] = set().union(*(behind.get(s, set()) for s in a.value.free_symbols))
     used = set().union(*(a.value.free_symbols for a in r.assignments))
-    names = set().union(*(behind.get(s, set()) for s in used)) - set(r.requires)
+    names = set().union(*(behind.get(s, set()) for s in used)) - program.inertia
     return tuple(q.name for q in program.parameters if q.name in names)
 
 
