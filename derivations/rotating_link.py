@@ -8,9 +8,9 @@ import sympy as sp
 
 from eccentric.core import show
 from eccentric.model import (
-    Balance,
     Bounded,
     Definition,
+    DriveSymbols,
     Equation,
     Gated,
     HalfCosine,
@@ -19,10 +19,8 @@ from eccentric.model import (
     Load,
     Magnitude,
     Model,
-    Role,
-    Sgn,
     SquareDifference,
-    Term,
+    drive_balances,
     meaning,
     symbols,
 )
@@ -119,41 +117,16 @@ definitions = (
     Definition(v.C, C_m + mu * C_lT * link_force_T),
 )
 
-sgn = Sgn(omega_m)
-
-
-def link_bearing(name: str, coefficient: sp.Symbol, basis: sp.Expr, role: Role, load: Load) -> Term:
-    """A term of (9): friction of the link's bearing in proportion to one of the forces that it carries."""
-    return Term(name, "friction", coefficient, basis, "(7), (9)", role=role, load=load)
-
-
-balance = Balance(
-    "mechanical",
-    "N m",
-    (
-        Term("motor_torque", "drive", k_i, i, "(2)", (None, None)),
-        Term("inertia", "inertial", sp.Integer(1), Gated(J, alpha_m), "(4)"),
-        Term("gravity", "gravity", sp.Integer(1), stable_gravity, "(5)"),
-        link_bearing("link_viscous_normal", B_lN, mu**2 * F_N * omega_m, Role.VISCOUS, Load.NORMAL),
-        link_bearing("link_coulomb_normal", C_lN, mu * F_N * sgn, Role.COULOMB, Load.NORMAL),
-        link_bearing(
-            "link_viscous_transversal", B_lT, mu**2 * link_force_T * omega_m, Role.VISCOUS, Load.TRANSVERSAL
-        ),
-        link_bearing(
-            "link_coulomb_transversal", C_lT, mu * link_force_T * sgn, Role.COULOMB, Load.TRANSVERSAL
-        ),
-        Term("motor_viscous", "friction", B_m, omega_m, "(10)", role=Role.VISCOUS),
-        Term("motor_coulomb", "friction", C_m, sgn, "(10)", role=Role.COULOMB),
-    ),
+# The paper's drive: motor, gear and armature, and friction of the link's bearing by the forces on it.
+letters = DriveSymbols(
+    omega_m, i, u, mu, R, k_i, k_e, B_m, C_m, {Load.NORMAL: (B_lN, C_lN), Load.TRANSVERSAL: (B_lT, C_lT)}
 )
-electrical = Balance(
-    "electrical",
-    "V",
-    (
-        Term("voltage", "drive", sp.Integer(1), u, "(2)", (None, None)),
-        Term("resistance", "resistive", R, i, "(2)", (0.0, None)),
-        Term("back_emf", "back_emf", k_e, omega_m, "(2)", (None, None)),
-    ),
+moved = (
+    ("inertia", "inertial", Gated(J, alpha_m), "(4)"),
+    ("gravity", "gravity", stable_gravity, "(5)"),
+)
+balance, electrical = drive_balances(
+    letters, moved, {Load.NORMAL: link_force_N, Load.TRANSVERSAL: link_force_T}
 )
 
 # For M L > 0 the definitions become:

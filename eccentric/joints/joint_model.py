@@ -15,16 +15,15 @@ from numpy.typing import NDArray
 
 from eccentric.joints.base_parameters import Bodies
 from eccentric.model import (
-    Balance,
     Definition,
+    DriveSymbols,
     Load,
     Model,
     Quantity,
-    Role,
-    Sgn,
-    Term,
+    drive_balances,
     friction_units,
     quantity,
+    symbols,
 )
 from eccentric.model import vocabulary as v
 
@@ -108,54 +107,37 @@ def joint_model(
         replace(q, meaning=f"{q.meaning}: {told[q.name]}") if q.name in told else q
         for q in (T_g, T_d, T_r, N_l, T_l, M_l)
     ]
-    mu, w, way = v.mu.symbol, v.omega_m.symbol, Sgn(v.omega_m.symbol)
     size = {
         Load.NORMAL: v.F_N.symbol,
         Load.TRANSVERSAL: T_l.symbol,
         Load.BENDING: M_l.symbol,
-        Load.TRANSMITTED: T.symbol / mu,
+        Load.TRANSMITTED: T.symbol / v.mu.symbol,
     }
-    friction, coefficients = [], []
-    for load in (one for one in EVERY if one in loads):
-        units = friction_units(load, turns=turns)
-        B, C = (replace(q, unit=unit) for q, unit in zip(_COEFFICIENTS[load], units, strict=True))
-        coefficients += [B, C]
-        for q, basis, role in (
-            (B, mu**2 * size[load] * w, Role.VISCOUS),
-            (C, mu * size[load] * way, Role.COULOMB),
-        ):
-            term = f"link_{role.value}_{load.name.lower()}"
-            friction.append(Term(term, "friction", q.symbol, basis, "(7), (9)", role=role, load=load))
-    mechanical = Balance(
-        "mechanical",
-        "N m",
-        (
-            Term("motor_torque", "drive", v.k_i.symbol, v.i.symbol, "(2)", (None, None)),
-            Term("rotor", "inertial", sp.Integer(1), T_r.symbol, "(1)"),
-            Term("bodies", "bodies", sp.Integer(1), T_d.symbol, "(3)"),
-            Term("gravity", "gravity", sp.Integer(1), T_g.symbol, "(5)"),
-            *friction,
-            Term("motor_viscous", "friction", v.B_m.symbol, w, "(10)", role=Role.VISCOUS),
-            Term("motor_coulomb", "friction", v.C_m.symbol, way, "(10)", role=Role.COULOMB),
-        ),
+    by_load = {
+        load: tuple(
+            replace(q, unit=unit)
+            for q, unit in zip(_COEFFICIENTS[load], friction_units(load, turns=turns), strict=True)
+        )
+        for load in EVERY
+        if load in loads
+    }
+    letters = DriveSymbols(
+        *symbols(v.omega_m, v.i, v.u, v.mu, v.R, v.k_i, v.k_e, v.B_m, v.C_m),
+        {load: (B.symbol, C.symbol) for load, (B, C) in by_load.items()},
     )
-    electrical = Balance(
-        "electrical",
-        "V",
-        (
-            Term("voltage", "drive", sp.Integer(1), v.u.symbol, "(2)", (None, None)),
-            Term("resistance", "resistive", v.R.symbol, v.i.symbol, "(2)", (0.0, None)),
-            Term("back_emf", "back_emf", v.k_e.symbol, w, "(2)", (None, None)),
-        ),
+    moved = (
+        ("rotor", "inertial", T_r.symbol, "(1)"),
+        ("bodies", "bodies", T_d.symbol, "(3)"),
+        ("gravity", "gravity", T_g.symbol, "(5)"),
     )
     gear = [Definition(T, sp.Abs(T_g.symbol + T_d.symbol))] if Load.TRANSMITTED in loads else []
     return Model(
         name=name,
         title=title,
         inputs=(v.theta_m, v.omega_m, v.i, v.u, *met, v.alpha_m),
-        parameters=(v.mu, R, k_i, k_e, *coefficients, v.B_m, v.C_m),
+        parameters=(v.mu, R, k_i, k_e, *(q for pair in by_load.values() for q in pair), v.B_m, v.C_m),
         definitions=(Definition(v.F_N, N_l.symbol), *gear),
-        balances=(mechanical, electrical),
+        balances=drive_balances(letters, moved, {load: size[load] for load in by_load}),
     )
 
 

@@ -16,7 +16,7 @@ and the loads of the bearings as ordered definitions of scalars.
 
 from eccentric.model.chain import momentum, motion
 from eccentric.model.chain.chain import Chain, identity_of, unlike, with_numbers
-from eccentric.model.chain.drive import JointDrive, arm, drives, friction_units
+from eccentric.model.chain.drive import DriveSymbols, JointDrive, arm, drive_balances, drives, friction_units
 from eccentric.model.chain.letters import letters_of, with_bodies, with_letters
 from eccentric.model.chain.links import Body, Joint, Moments, Placement
 from eccentric.model.chain.recursion import Recursion, at_rest, recursion

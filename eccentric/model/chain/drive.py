@@ -8,7 +8,7 @@ C_m: behind the gear it would be the same.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -20,7 +20,7 @@ from eccentric.model.chain.outputs import ArmOutputs
 from eccentric.model.chain.recursion import Recursion, recursion
 from eccentric.model.equation import Equation
 from eccentric.model.model import Model
-from eccentric.model.quantity import Quantity, quantity
+from eccentric.model.quantity import Quantity, quantity, symbols
 from eccentric.model.steps import Sgn
 
 
@@ -33,20 +33,88 @@ class _Followed:
 
     load: Load
     letter: str
-    word: str
     meaning: str
     turning: str
     sliding: str
 
 
 _FOLLOWED = (
-    _Followed(Load.NORMAL, "lN", "normal", "normal force", "m", "1"),
-    _Followed(Load.TRANSVERSAL, "lT", "transversal", "transversal force", "m", "1"),
-    _Followed(Load.BENDING, "lM", "bending", "bending moment", "1", "1/m"),
-    _Followed(Load.TRANSMITTED, "lG", "transmitted", "what the gear passes on", "1", "1"),
+    _Followed(Load.NORMAL, "lN", "normal force", "m", "1"),
+    _Followed(Load.TRANSVERSAL, "lT", "transversal force", "m", "1"),
+    _Followed(Load.BENDING, "lM", "bending moment", "1", "1/m"),
+    _Followed(Load.TRANSMITTED, "lG", "what the gear passes on", "1", "1"),
 )
 _VISCOUS = {"m": "m s/rad", "1": "s/rad"}
 _VISCOUS_SLIDING = {"1": "s/m", "1/m": "s/m^2"}
+
+
+@dataclass(frozen=True)
+class DriveSymbols:
+    """What the balances of one drive are written in: its inputs, constants and coefficients of friction.
+
+    Attributes:
+        velocity, current, voltage: inputs.
+        mu: gear ratio, joint over motor.
+        R, k_i, k_e: of the armature.
+        B_m, C_m: friction that follows no load, viscous and Coulomb.
+        by_load: viscous and Coulomb friction per load.
+    """
+
+    velocity: sp.Symbol
+    current: sp.Symbol
+    voltage: sp.Symbol
+    mu: sp.Expr
+    R: sp.Symbol
+    k_i: sp.Symbol
+    k_e: sp.Symbol
+    B_m: sp.Symbol
+    C_m: sp.Symbol
+    by_load: Mapping[Load, tuple[sp.Symbol, sp.Symbol]]
+
+
+def drive_balances(
+    x: DriveSymbols,
+    moved: Iterable[tuple[str, str, sp.Expr, str]],
+    loads: Mapping[Load, sp.Expr],
+    joint: int | None = None,
+) -> tuple[Balance, Balance]:
+    """The mechanical [N m, motor side] and the electrical balance [V] of a drive.
+
+    Args:
+        x: its letters.
+        moved: name, kind, value and reference of what the motor moves besides friction.
+        loads: size of each load that friction follows.
+        joint: its number, where there are several; their names end in it.
+    """
+    end, place, one, open_ = "" if joint is None else f"_{joint}", joint or 0, sp.Integer(1), (None, None)
+    sgn = Sgn(x.velocity)
+
+    def rubbing(name: str, symbol: sp.Symbol, basis: sp.Expr, source: str, role: Role, load: Load) -> Term:
+        return Term(f"{name}{end}", "friction", symbol, basis, source, role=role, load=load, joint=place)
+
+    friction = []
+    for load, size in loads.items():
+        B, C = x.by_load[load]
+        # The gear takes mu f_l from the motor; the joint moves with mu omega_m.
+        for symbol, basis, role in (
+            (B, x.mu**2 * size * x.velocity, Role.VISCOUS),
+            (C, x.mu * size * sgn, Role.COULOMB),
+        ):
+            name = f"link_{role.value}_{load.name.lower()}"
+            friction.append(rubbing(name, symbol, basis, "(7), (9)", role, load))
+    mechanical = (
+        Term(f"motor_torque{end}", "drive", x.k_i, x.current, "(2)", open_, joint=place),
+        *(Term(f"{name}{end}", kind, one, value, of, joint=place) for name, kind, value, of in moved),
+        *friction,
+        rubbing("motor_viscous", x.B_m, x.velocity, "(10)", Role.VISCOUS, Load.NONE),
+        rubbing("motor_coulomb", x.C_m, sgn, "(10)", Role.COULOMB, Load.NONE),
+    )
+    electrical = (
+        Term(f"voltage{end}", "drive", one, x.voltage, "(2)", open_, joint=place),
+        Term(f"resistance{end}", "resistive", x.R, x.current, "(2)", (0.0, None), joint=place),
+        Term(f"back_emf{end}", "back_emf", x.k_e, x.velocity, "(2)", open_, joint=place),
+    )
+    return Balance(f"mechanical{end}", "N m", mechanical), Balance(f"electrical{end}", "V", electrical)
 
 
 @dataclass(frozen=True)
@@ -76,7 +144,6 @@ def drives(found: Recursion) -> tuple[JointDrive, ...]:
 
 def _drive(found: Recursion, j: int) -> JointDrive:
     joint, inputs = found.chain.joints[j], found.inputs[j]
-    velocity, sgn = inputs.omega_m.symbol, Sgn(inputs.omega_m.symbol)
     called = _called(joint, j)
     current = quantity(f"i_{j}", "A", f"armature current of motor {called}", "(2)")
     voltage = quantity(f"u_{j}", "V", f"armature voltage of motor {called}", "(2)")
@@ -91,45 +158,26 @@ def _drive(found: Recursion, j: int) -> JointDrive:
         f"C_m_{j}", "N m", f"Coulomb friction of motor {called}, and all that follows no load", "(10)",
         "nonnegative", "0",
     )  # fmt: skip
-    parameters, terms = [R, k_i, k_e, B_m, C_m], []
-    for followed in _FOLLOWED:
-        load = found.bearings[j].loads.get(followed.load, sp.Integer(0))
-        if is_zero(load):
-            continue
-        B, C = _coefficients(followed, j, called, turns=joint.turns)
-        parameters += [B, C]
-        # The gear takes mu f_l from the motor; the joint moves with mu omega_m.
-        for quantity_of, basis, role in (
-            (B, joint.mu**2 * load * velocity, Role.VISCOUS),
-            (C, joint.mu * load * sgn, Role.COULOMB),
-        ):
-            name = f"link_{role.value}_{followed.word}_{j}"
-            coefficient, load_of = quantity_of.symbol, followed.load
-            terms.append(
-                Term(name, "friction", coefficient, basis, "(7), (9)", role=role, load=load_of, joint=j)
-            )
-    mechanical = Balance(
-        f"mechanical_{j}",
-        "N m",
-        (
-            Term(f"motor_torque_{j}", "drive", k_i.symbol, current.symbol, "(2)", (None, None), joint=j),
-            Term(f"rotor_{j}", "inertial", sp.Integer(1), found.rotors[j], "(1)", joint=j),
-            Term(f"bodies_{j}", "bodies", sp.Integer(1), joint.mu * found.torques[j], "(3)", joint=j),
-            *terms,
-            Term(f"motor_viscous_{j}", "friction", B_m.symbol, velocity, "(10)", role=Role.VISCOUS, joint=j),
-            Term(f"motor_coulomb_{j}", "friction", C_m.symbol, sgn, "(10)", role=Role.COULOMB, joint=j),
-        ),
+    own = {load: x for load, x in found.bearings[j].loads.items() if not is_zero(x)}
+    loads = {followed.load: own[followed.load] for followed in _FOLLOWED if followed.load in own}
+    by_load = {
+        followed.load: _coefficients(followed, j, called, turns=joint.turns)
+        for followed in _FOLLOWED
+        if followed.load in loads
+    }
+    letters = DriveSymbols(
+        *symbols(inputs.omega_m, current, voltage),
+        joint.mu,
+        *symbols(R, k_i, k_e, B_m, C_m),
+        {load: (B.symbol, C.symbol) for load, (B, C) in by_load.items()},
     )
-    electrical = Balance(
-        f"electrical_{j}",
-        "V",
-        (
-            Term(f"voltage_{j}", "drive", sp.Integer(1), voltage.symbol, "(2)", (None, None), joint=j),
-            Term(f"resistance_{j}", "resistive", R.symbol, current.symbol, "(2)", (0.0, None), joint=j),
-            Term(f"back_emf_{j}", "back_emf", k_e.symbol, velocity, "(2)", (None, None), joint=j),
-        ),
+    moved = (
+        ("rotor", "inertial", found.rotors[j], "(1)"),
+        ("bodies", "bodies", joint.mu * found.torques[j], "(3)"),
     )
-    return JointDrive(called, current, voltage, tuple(parameters), mechanical, electrical)
+    mechanical, electrical = drive_balances(letters, moved, loads, j)
+    parameters = (R, k_i, k_e, B_m, C_m, *(q for pair in by_load.values() for q in pair))
+    return JointDrive(called, current, voltage, parameters, mechanical, electrical)
 
 
 def _called(joint: Joint, j: int) -> str:
