@@ -58,7 +58,7 @@ def adapt(
     asked = asked_adaptation(True, forgetting, false_alarms, settle)
     sources, rig = sources_of(log), read_rig(rig)
     if rig.added:
-        raise InputError(f"{rig.path}: [added]: a log of one mass is required to follow its parameters")
+        raise InputError(rig.path, problem="[added]: a log of one mass is required to follow its parameters")
     with in_words_of(rig, [*sources, parameters, model]):
         read = read_logs(sources)
         channels = read_channels(read, rig)
@@ -73,7 +73,7 @@ def adapt(
         given = read_parameters(document)
         if not given.fits_the_rig:
             raise InputError(
-                f"{given.source}: parameters of a log that fits its rig are required to start from"
+                given.source, problem="parameters of a log that fits its rig are required to start from"
             )
         start = with_fitted(base, given, base.name)
         driven = _with_current(fitted.problem.drive, given.values)
@@ -170,6 +170,6 @@ def asked_adaptation(
     }
     if not adapted:
         if given:
-            raise InputError(f"{next(iter(given))}: adapt is required with it")
+            raise InputError(next(iter(given)), problem="adapt is required with it")
         return None
     return Adaptation(**given)

@@ -88,7 +88,7 @@ class RigDraft:
         if path.suffix != ".toml":
             raise InputError(path, "a rig file .toml", f"{path.suffix or 'no suffix'!r}")
         if path.exists():
-            raise InputError(f"{path}: a new file is required, this one exists")
+            raise InputError(path, problem="a new file is required, this one exists")
         with whole_file(path) as new:
             new.write_text(self.text, encoding="utf-8")
         return path
@@ -230,7 +230,8 @@ def _still_guessed(draft: Draft, content: Mapping[str, Any], path: str) -> tuple
 
 def _checked_arm(logs: Sequence[Log], source: str | os.PathLike[str] | Mapping[str, Any]) -> RigCheck:
     """The same for the rig of an arm: its columns joint by joint, then a fit of all of them."""
-    found, rig = arm_rig_complaints(source)
+    errors, rig = arm_rig_complaints(source)
+    found = [*map(str, errors)]
     for joint in () if rig is None else rig.joints:
         told = (one.text for log in logs for one in log_complaints(joint, log, None))
         found += [line for line in dict.fromkeys(told) if line not in found]

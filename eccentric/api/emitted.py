@@ -88,7 +88,8 @@ def emit(
     chosen = replace(loaded, name=name) if fitted is None else with_fitted(loaded, fitted, name)
     if asked is not None and choice != WHOLE:
         raise InputError(
-            "adapt: the whole model is required with it, without a choice of functions, arrays or fixed"
+            "adapt",
+            problem="the whole model is required with it, without a choice of functions, arrays or fixed",
         )
     return write_emitted(
         chosen,

@@ -26,10 +26,12 @@ def in_words_of(rig: Rig, logs: Sequence[object]) -> Iterator[None]:
         yield
     except InputError as error:
         given = (shown(Path(log)) for log in logs if isinstance(log, str | os.PathLike))
-        text = rig.axis.said(str(error), (*rig.own_names, *map(str, given)))
-        if text == str(error):
+        own = (*rig.own_names, *map(str, given))
+        texts = ("place", "expected", "got", "why", "problem", "hint")
+        spoken = {name: rig.axis.said(getattr(error, name), own) for name in texts}
+        if all(text == getattr(error, name) for name, text in spoken.items()):
             raise
-        raise InputError(text) from None
+        raise error.but(**spoken) from None
 
 
 def read_logs(logs: LogSources) -> list[Log]:
@@ -94,7 +96,7 @@ def arm_of(source: ModelSource, fitted: FittedValues | None = None) -> Model:
     chain = read_arm(given_path(source, "arm"))
     if fitted is not None and fitted.chain and (difference := unlike(chain, fitted.chain)):
         of = f"a fit of the arm in {origin_of(source)} is required"
-        raise InputError(f"{fitted.source}: {of}, received one of another arm: {difference}")
+        raise InputError(fitted.source, problem=f"{of}, received one of another arm: {difference}")
     if fitted is not None and fitted.bodies and fitted.model in (None, chain.name):
         chain = with_bodies(chain, fitted.bodies)
     size = "one joint" if len(chain.joints) == 1 else f"{len(chain.joints)} joints"

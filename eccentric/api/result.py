@@ -67,7 +67,7 @@ def write_emitted(
     files = complete(model, "eccentric emit", origin, names, single_file=single_file, choice=choice)
     if adapt is not None:
         if missing := [name for name in DEFAULT if name not in names]:
-            raise InputError(f"adapt: backend {' and '.join(missing)} is required as well")
+            raise InputError("adapt", problem=f"backend {' and '.join(missing)} is required as well")
         files |= render_adapt(model, files, prior_of(model, fit), adapt)
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
@@ -89,7 +89,7 @@ def require_fit(fits_the_rig: bool, source: str, accept_misfit: bool) -> None:
     """Raise InputError for parameters of a log that does not fit its rig, unless they are accepted."""
     if not fits_the_rig and not accept_misfit:
         raise InputError(
-            f"accept_misfit: this is required to emit {source}, since its log does not fit the rig"
+            "accept_misfit", problem=f"this is required to emit {source}, since its log does not fit the rig"
         )
 
 

@@ -12,7 +12,7 @@ HELP = "replay a log through the emitted estimator of friction: coefficients ove
 EXAMPLE = """eccentric adapt examples/bench/bench.csv.gz --rig examples/bench/bench.toml --out build/adapted
 eccentric adapt tuesday.csv --rig my_rig.toml --parameters build/monday/fit.json --out build/tuesday"""
 _OPTIONS = {"forgetting": "--forgetting", "false_alarms": "--false-alarms", "settle": "--settle"}
-"""Beginning of a message -> the option concerned."""
+"""Argument -> its option."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

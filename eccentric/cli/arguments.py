@@ -90,7 +90,9 @@ def arm_of(rig: str, given: Mapping[str, object]) -> bool:
     except InputError:
         return False  # what reads it in its turn says why
     if asked := [name for name, value in given.items() if value]:
-        raise InputError(f"{asked[0]}: the rig of a single drive is required with it, {rig} names an arm")
+        raise InputError(
+            asked[0], problem=f"the rig of a single drive is required with it, {rig} names an arm"
+        )
     return True
 
 
@@ -177,13 +179,15 @@ def names_in(given: Iterable[str]) -> list[str]:
 
 @contextmanager
 def options(names: Mapping[str, str]) -> Iterator[None]:
-    """Let messages about bad input begin with the option concerned: beginning of a message -> option."""
+    """Let errors about an argument name its option: argument -> option."""
     try:
         yield
     except InputError as error:
-        said = str(error)
-        start = next((start for start in names if said.startswith(start)), None)
-        raise InputError(said if start is None else names[start] + said.removeprefix(start)) from None
+        place = error.place
+        name = next(
+            (name for name in names if place == name or place.startswith((f"{name}:", f"{name} "))), None
+        )
+        raise error if name is None else error.but(place=names[name] + place[len(name) :]) from None
 
 
 def print_warnings(warnings: Iterable[str]) -> None:

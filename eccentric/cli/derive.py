@@ -87,6 +87,7 @@ def _generated() -> Path:
     clone = Path(eccentric.__file__).resolve().parent.parent
     if not (clone / "pyproject.toml").is_file():
         raise InputError(
-            "derive: --out DIR is required, since this is an installed copy without a generated/ folder"
+            "derive",
+            problem="--out DIR is required, since this is an installed copy without a generated/ folder",
         )
     return clone / "generated"

@@ -27,7 +27,7 @@ eccentric diagnose my.csv --rig my.toml --with stribeck --without cogging,backla
 _OPTIONS = {"effects and model": "--effects and --model", "including": "--with"} | {
     name: f"--{name}" for name in ("without", "only")
 }
-"""Beginning of a message -> the option concerned."""
+"""Argument -> its option."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -27,7 +27,7 @@ _OPTIONS = {
     "false_alarms": "--false-alarms",
     "settle": "--settle",
 }
-"""Beginning of a message -> the option concerned."""
+"""Argument -> its option."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -40,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
     """Diagnose, plan, write the folder, print the plan."""
     own_folder(args.out)
     if arm_of(args.rig, {"--model": args.model}):
-        raise InputError(f"{args.rig}: plan requires the rig of a single drive, received that of an arm")
+        raise InputError(args.rig, problem="plan requires the rig of a single drive, received that of an arm")
     found = eccentric.plan(
         args.logs,
         args.rig,

@@ -47,7 +47,7 @@ from eccentric.core.cache import (
     write_cached,
 )
 from eccentric.core.entries import read_document, read_number, read_table, read_utf8, refuse_unknown
-from eccentric.core.errors import InputError, MissingValueError, counted, few, meant, so_more
+from eccentric.core.errors import InputError, MissingValueError, counted, few, meant, so_more, together
 from eccentric.core.locks import Ended, ended_by_signals, held
 from eccentric.core.places import (
     derivation,

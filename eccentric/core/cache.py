@@ -79,7 +79,8 @@ def own_cache() -> Path:
     place.mkdir(mode=OURS_ALONE, parents=True, exist_ok=True)
     if not _is_ours(place.stat()):
         raise InputError(
-            f"compile: a cache of your own is required, {place} belongs to another user: set XDG_CACHE_HOME"
+            "compile",
+            problem=f"a cache of your own is required, {place} belongs to another user: set XDG_CACHE_HOME",
         )
     if place.stat().st_mode & 0o077:
         with suppress(OSError):  # a disk without modes: what is read there is not used

@@ -40,14 +40,14 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
         if unquoted := re.match(r"(\S+)\s*=\s*([-+.\deE]+\s*[^\W\d_][^#]*?)\s*(?:#.*)?$", line):
             key, value = unquoted.groups()
             wanted = f'a value with its unit in quotes is required, {key} = "{value}"'
-            raise InputError(f"{path}: {wanted}, received {line!r} in {place}") from None
+            raise InputError(path, problem=f"{wanted}, received {line!r} in {place}") from None
         if word := re.match(r"(\S+)\s*=\s*([^\W\d]\w*)\s*(?:#.*)?$", line):
             truth = word[2].lower() in ("true", "false")
             what = "true or false in small letters is" if truth else "a text in quotes is"
             wanted = f"{what} required, {word[1]} = " + (word[2].lower() if truth else f'"{word[2]}"')
-            raise InputError(f"{path}: {wanted}, received {line!r} in {place}") from None
+            raise InputError(path, problem=f"{wanted}, received {line!r} in {place}") from None
         # ValueError: for example a number with thousands of digits
-        raise InputError(f"{path}: not valid {path.suffix[1:].upper()}: {error}") from None
+        raise InputError(path, problem=f"not valid {path.suffix[1:].upper()}: {error}") from None
     return read_table(content, str(path))
 
 
@@ -65,9 +65,9 @@ def read_utf8(path: Path) -> str:
     try:
         return readable(path).read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+        raise InputError(path, problem=f"cannot be read ({error.strerror or error})") from None
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: UTF-8 text is required, byte {error.start} is not") from None
+        raise InputError(path, problem=f"UTF-8 text is required, byte {error.start} is not") from None
 
 
 def _no_repeats(pairs: list[tuple[str, Any]], path: Path) -> dict[str, Any]:
@@ -102,4 +102,4 @@ def refuse_unknown(keys: Iterable[str], allowed: Iterable[str], where: str) -> N
     for key in keys:
         if key not in allowed:
             hint = meant(key, allowed) or f"; known are {', '.join(allowed)}"
-            raise InputError(f"{where}: unknown key {key!r}{hint}")
+            raise InputError(where, problem=f"unknown key {key!r}{hint}", keys=(key,))

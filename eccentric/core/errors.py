@@ -1,7 +1,8 @@
 """The one error a user sees: one line that names what was wrong, what was required, what was received."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 
 class InputError(ValueError):
@@ -14,32 +15,12 @@ class InputError(ValueError):
         place: what is wrong, from the outside in, such as file, table and key, row and column:
             "rig.toml: [known] k_i"; "" if it is not said apart.
         expected, got: what is required there, and what was received.
+        why: after what is expected, why it is or how it is given: "to draft a rig", ", as in 1 kg".
+        plural: whether several things are expected.
+        problem: what is wrong, of an error that is not about a value that was expected; "" of others.
+        hint: what helps to mend it, or may be behind it.
+        keys: entries of the place that it is about, where the place does not end with one.
     """
-
-    def __init__(
-        self, place: object, expected: str = "", got: object = "", *, why: str = "", plural: bool = False
-    ) -> None:
-        """One that is not about a value has its whole line for a place.
-
-        why: after what is expected, why it is or how it is given: "to draft a rig", ", as in 1 kg"; plural:
-            several things are expected.
-        """
-        self.place, self.expected, self.got = (str(place) if expected else ""), expected, str(got)
-        self.why, self.plural = why, plural
-        before = f"{self.place}: " if self.place else ""
-        required = f"{'are' if plural else 'is'} required{'' if why[:1] in ('', ',') else ' '}{why}"
-        super().__init__(f"{before}{expected} {required}, received {got}" if expected else str(place))
-
-    def within(self, place: object) -> "InputError":
-        """The same error, with the place that its own is in before it."""
-        if not self.expected:
-            return InputError(f"{place}: {self}")
-        inner = f"{place}: {self.place}" if self.place else place
-        return InputError(inner, self.expected, self.got, why=self.why, plural=self.plural)
-
-
-class MissingValueError(InputError):
-    """A value that the rig does not give and that is required; `letter` is the paper's."""
 
     def __init__(
         self,
@@ -49,10 +30,63 @@ class MissingValueError(InputError):
         *,
         why: str = "",
         plural: bool = False,
-        letter: str = "",
+        problem: str = "",
+        hint: str = "",
+        keys: Sequence[str] = (),
     ) -> None:
-        super().__init__(place, expected, got, why=why, plural=plural)
+        """One without `expected` and `problem` has its whole line for a place: it is the problem."""
+        if not expected and not problem:
+            place, problem = "", str(place)
+        self.place, self.expected, self.got = str(place), expected, str(got)
+        self.why, self.plural, self.problem, self.hint, self.keys = why, plural, problem, hint, tuple(keys)
+        super().__init__(": ".join(filter(None, (self.place, self.statement))))
+
+    @property
+    def statement(self) -> str:
+        """Its line without the place: "a number is required, received 'x'"."""
+        hint = f"; {self.hint}" if self.hint else ""
+        if self.problem:
+            return self.problem + hint
+        required = f"{'are' if self.plural else 'is'} required"
+        why = f"{'' if self.why[:1] in ('', ',') else ' '}{self.why}"
+        return f"{self.expected} {required}{why}, received {self.got}{hint}"
+
+    @property
+    def fields(self) -> dict[str, Any]:
+        """All that it is told by, name -> value."""
+        return {name: getattr(self, name) for name in _FIELDS}
+
+    def but(self, **fields: Any) -> "InputError":
+        """The same error with other values of these fields."""
+        return InputError(**self.fields | fields)
+
+    def within(self, place: object) -> "InputError":
+        """The same error, with the place that its own is in before it."""
+        return self.but(place=f"{place}: {self.place}" if self.place else place)
+
+    def inside(self, place: object) -> "InputError":
+        """The same error, for someone who knows that it is in this place."""
+        return self.but(place=self.place.removeprefix(str(place)).removeprefix(": "))
+
+    def hinted(self, hint: str) -> "InputError":
+        """The same error with one more hint after its own."""
+        return self.but(hint="; ".join(filter(None, (self.hint, hint))))
+
+
+_FIELDS = ("place", "expected", "got", "why", "plural", "problem", "hint", "keys")
+
+
+class MissingValueError(InputError):
+    """A value that the rig does not give and that is required; `letter` is the paper's."""
+
+    def __init__(self, *args: Any, letter: str = "", **fields: Any) -> None:
+        super().__init__(*args, **fields)
         self.letter = letter
+
+
+def together(place: object, errors: Iterable[InputError]) -> InputError:
+    """Return all errors of a place as one."""
+    return InputError(place, problem="; ".join(map(str, errors)))
 
 
 def meant(name: object, known: Iterable[str]) -> str:

@@ -47,7 +47,7 @@ def readable(path: Path) -> Path:
     Reading a pipe would wait for a writer.
     """
     if not path.exists():
-        raise InputError(f"{shown(path)}: no such file")
+        raise InputError(shown(path), problem="no such file")
     if not path.is_file():
         received = "a directory" if path.is_dir() else "a pipe or a device"
         raise InputError(shown(path), "a regular file", received)

@@ -230,29 +230,33 @@ def staged(plain: Model, base: Model, data: FitData, effects: Path | None, where
 def _require_supported(model: Model, channels: Channels) -> None:
     if model.tilted and channels.rig.case == "C1":
         raise InputError(
-            f"{model.name}: diagnose requires a plane of motion that is not level, received case C1;"
-            f" {channels.rig.model} is its model"
+            model.name,
+            problem=f"diagnose requires a plane of motion that is not level, received case C1;"
+            f" {channels.rig.model} is its model",
         )
     if model.states:
         names = ", ".join(state.quantity.name for state in model.states)
         raise InputError(
-            f"{model.name}: diagnose requires a model without hidden states, received one with {names}"
-            " (diagnose adds the effect that has them itself)"
+            model.name,
+            problem=f"diagnose requires a model without hidden states, received one with {names}"
+            " (diagnose adds the effect that has them itself)",
         )
     if any("electrical" in extension.change.terms for extension in model.extensions):
         raise InputError(
-            f"{model.name}: diagnose requires a model with the paper's armature, received one extended by an"
-            " electrical effect (diagnose adds it itself)"
+            model.name,
+            problem="diagnose requires a model with the paper's armature, received one extended by an"
+            " electrical effect (diagnose adds it itself)",
         )
     mechanical = model.balance("mechanical")
     used = model.expand(mechanical.sum_of("friction", "conservative", "actuator")).free_symbols
     if {v.i.symbol, v.u.symbol} & used:
         raise InputError(
-            f"{model.name}: diagnose requires a model without effects of current or voltage, received one"
-            " with some (diagnose adds them itself)"
+            model.name,
+            problem="diagnose requires a model without effects of current or voltage, received one"
+            " with some (diagnose adds them itself)",
         )
     if v.temperature.symbol in used and channels.temperature is None:
-        raise InputError(f"{model.name}: diagnose requires a temperature in the log, received none")
+        raise InputError(model.name, problem="diagnose requires a temperature in the log, received none")
 
 
 def _first_friction(balances: Sequence[BalanceDesign]) -> Array:

@@ -112,7 +112,7 @@ def draft_of(log: Log) -> Draft:
     left.pop(clock.proposal.column)
     grid = grid_of(clock.raw * SECONDS[clock.unit], clock.breaks)
     if not grid.parts:
-        raise InputError(f"{log.path}: a stretch of more rows without a gap in time is required")
+        raise InputError(log.path, problem="a stretch of more rows without a gap in time is required")
     temperature, supply = find_slow(list(left.values()))
     voltage = find_voltage(list(left.values()), supply)
     flags = [c for c in left.values() if c.is_flag]
@@ -287,8 +287,9 @@ def _explaining(
             best = (balance.r2, angle, speed)
     if best[0] < limits.SHOWN:
         raise InputError(
-            f"{where}: an angle or a speed is required; no column looks like one"
-            f" ({few([c.text for c in could]) or 'all others have names of other quantities'})"
+            where,
+            problem=f"an angle or a speed is required; no column looks like one"
+            f" ({few([c.text for c in could]) or 'all others have names of other quantities'})",
         )
     return best[1], best[2]
 

@@ -53,14 +53,14 @@ def draft_of_arm(log: Log, chain: Chain, arm: str, tell: Callable[[float], None]
         try:
             found = draft_of(_part(log, [clock.column, *([run.column] if run else []), *own]))
         except InputError as error:
-            silent.append(f"joint {first + j} shows no motion ({str(error).removeprefix(f'{log.path}: ')})")
+            silent.append(f"joint {first + j} shows no motion ({error.inside(log.path)})")
         else:
             for proposal in found.proposals:
                 if proposal.source in own:
                     votes.setdefault(own[proposal.source], []).append(proposal)
         tell((j + 1) / count)
     if len(silent) == count:
-        raise InputError(f"{log.path}: joints that move are required; {silent[0]}")
+        raise InputError(log.path, problem=f"joints that move are required; {silent[0]}")
     heard = count - len(silent)
     chosen = [_agreed(pattern, given, heard) for pattern, given in votes.items()]
     proposals, left_out = _one_each(_sides(chosen, log, chain, first))

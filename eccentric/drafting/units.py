@@ -131,9 +131,10 @@ def find_clock(columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_], whe
         found, ends, said = _put_right(columns, ends)
     if not found:
         raise InputError(
-            f"{where}: a column that rises from row to row, the time, is required, the log has none"
+            where,
+            problem=f"a column that rises from row to row, the time, is required, the log has none"
             f" ({few(columns, 5)}): where its rows are evenly apart, say how many are in a second, as in"
-            " --rate 500 (sample_rate_hz = 500 in a rig file)"
+            " --rate 500 (sample_rate_hz = 500 in a rig file)",
         )
     score, column = found[0]
     steps = np.diff(column.values)

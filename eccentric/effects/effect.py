@@ -390,7 +390,7 @@ def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
     """
     path = Path(path)
     if path.suffix != ".py" or not path.is_file():
-        raise InputError(f"{path}: no such script of effects (.py)")
+        raise InputError(path, problem="no such script of effects (.py)")
     name = f"eccentric_effects_{path.stem}"
     asks(str(path), path.resolve())
     try:
@@ -400,7 +400,7 @@ def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
     except InputError:
         raise
     except Exception as error:
-        raise InputError(f"{path}: the effects stopped with {type(error).__name__}: {error}") from error
+        raise InputError(path, problem=f"the effects stopped with {type(error).__name__}: {error}") from error
     finally:
         sys.modules.pop(name, None)
     found = (found,) if isinstance(found, Effect) else found

@@ -41,7 +41,9 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
     try:
         distributed, dask = (importlib.import_module(name) for name in ("distributed", "dask"))
     except ImportError:
-        raise InputError('fleet: dask and distributed are required: pip install "eccentric[fleet]"') from None
+        raise InputError(
+            "fleet", problem='dask and distributed are required: pip install "eccentric[fleet]"'
+        ) from None
     settings = {
         "distributed.comm.timeouts.connect": CONNECT,
         # Ticks tell how long a loop was busy, which nobody asks here: fifty a second are work.
@@ -71,8 +73,9 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
                     )
             except RuntimeError:  # as multiprocessing says it, in each process that reads the script again
                 raise InputError(
-                    'fleet: a call below `if __name__ == "__main__":` is required, since workers read the'
-                    " script again: none could be started"
+                    "fleet",
+                    problem='a call below `if __name__ == "__main__":` is required, since workers read the'
+                    " script again: none could be started",
                 ) from None
             # Ctrl-C in a callback of the garbage collector would be printed and lost.
             distributed.gc.disable_gc_diagnosis(force=True)
@@ -90,7 +93,7 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
         except (OSError, ValueError) as error:
             said = str(error).splitlines()[0]
             raise InputError(
-                f"--scheduler {scheduler}: a Dask scheduler is required there ({said})"
+                f"--scheduler {scheduler}", problem=f"a Dask scheduler is required there ({said})"
             ) from None
         try:
             yield client

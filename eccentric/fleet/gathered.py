@@ -98,7 +98,7 @@ class Assigned:
 def _of_one_mass(rig: Rig) -> Rig:
     """The rig. InputError for one with masses that some runs carry: the sums of a fleet are of one link."""
     if rig.added:
-        raise InputError(f"{rig.path}: [added]: logs of one mass are required in a fleet")
+        raise InputError(rig.path, problem="[added]: logs of one mass are required in a fleet")
     return rig
 
 
@@ -131,7 +131,9 @@ def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
             _require_new(joint, found, where)
             found[joint] = rig, {key: _value(text) for key, text in row.items() if text.strip()}
     except csv.Error as error:
-        raise InputError(f"{path}: after line {reader.line_num}: not a table with commas ({error})") from None
+        raise InputError(
+            path, problem=f"after line {reader.line_num}: not a table with commas ({error})"
+        ) from None
     return found
 
 

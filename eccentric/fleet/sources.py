@@ -95,7 +95,7 @@ def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[Fle
         held = path.stat()
         found.append(LogFile(at["joint"], at["period"], name, path, held.st_size, held.st_mtime_ns))
     if not found:
-        raise InputError(f"{logs}: {problems[0].text}{so_more(len(problems) - 1)}")
+        raise InputError(logs, problem=f"{problems[0].text}{so_more(len(problems) - 1)}")
     return sorted(found), problems
 
 
@@ -136,7 +136,7 @@ def _listed(logs: str) -> tuple[Path, list[Path]]:
     paths = [p for p in paths if not any(part.startswith((".", "_")) for part in p.relative_to(root).parts)]
     if not paths:
         raise InputError(
-            f"{logs}: a folder or glob with logs ({', '.join(SUFFIXES)}) is required, found none"
+            logs, problem=f"a folder or glob with logs ({', '.join(SUFFIXES)}) is required, found none"
         )
     return root, paths
 

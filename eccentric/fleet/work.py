@@ -208,7 +208,7 @@ def arrow_of() -> tuple[Any, Any]:
     try:
         return importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
     except ImportError:
-        raise InputError('fleet: pyarrow is required: pip install "eccentric[fleet]"') from None
+        raise InputError("fleet", problem='pyarrow is required: pip install "eccentric[fleet]"') from None
 
 
 # The work on one log.

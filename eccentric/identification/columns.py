@@ -272,8 +272,9 @@ def require_case(rig: Rig, model: Model) -> None:
         raise InputError(f"{rig.path}: [added]", "a model with an unbalanced mass", model.name)
     if model.axis is not rig.axis:
         raise InputError(
-            f"{rig.path}: model {model.name} requires kind = {model.axis.name!r}, received {rig.axis.name!r};"
-            f" {rig.model} fits it"
+            rig.path,
+            problem=f"model {model.name} requires kind = {model.axis.name!r}, received {rig.axis.name!r};"
+            f" {rig.model} fits it",
         )
     if model.tilted:
         return
@@ -281,7 +282,8 @@ def require_case(rig: Rig, model: Model) -> None:
     if rig.case != case:
         received = f"case {rig.case}" if rig.case else "a tilted plane (no case)"
         raise InputError(
-            f"{rig.path}: model {model.name} requires case {case}, received {received}; {rig.model} fits it"
+            rig.path,
+            problem=f"model {model.name} requires case {case}, received {received}; {rig.model} fits it",
         )
 
 

@@ -111,7 +111,7 @@ class Problem:
         try:
             target, steps = residuals.design("mechanical", values, unknown)
         except ValueError as error:
-            raise InputError(f"{self.rig.path}: {error}") from None
+            raise error.within(self.rig.path) from None
         if self.has("inertia"):
             # The column is that of the whole inertia: a part that the rig knows is in it, not in the target.
             target = target + drive.machine.inertia({**values, rotor: 0.0}) * steps[:, -1]
@@ -223,8 +223,9 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     if missing := used - set(inputs_of(channels)):
         # What follows the current would explain the drive by the drive; hidden states need a past.
         raise InputError(
-            f"{model.name}: fit requires friction and load that depend on motion, time and logged temperature"
-            f", received some that depend on {', '.join(sorted(missing))}"
+            model.name,
+            problem=f"fit requires friction and load that depend on motion, time and logged temperature"
+            f", received some that depend on {', '.join(sorted(missing))}",
         )
     by = channels.motor.measured_by
     machine = Machine(model)

@@ -115,13 +115,15 @@ def require_rank(design: Array, names: Sequence[str], where: str) -> None:
     zero, members = ([names[k] for k in places] for places in inseparable(design))
     if zero:
         raise InputError(
-            f"{where}: {', '.join(zero)} cannot be identified: nothing in the log depends on it"
-            " (no unbalance, or no rows in one direction)"
+            where,
+            problem=f"{', '.join(zero)} cannot be identified: nothing in the log depends on it"
+            " (no unbalance, or no rows in one direction)",
         )
     if members:
         raise InputError(
-            f"{where}: {', '.join(members)} cannot be separated on this log: more different speeds"
-            " (or angles, in both directions) are required"
+            where,
+            problem=f"{', '.join(members)} cannot be separated on this log: more different speeds"
+            " (or angles, in both directions) are required",
         )
 
 

@@ -53,7 +53,7 @@ def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str
 
     def value(node: ast.AST, depth: int) -> Value:
         if depth > DEEPEST_ARITHMETIC:
-            raise InputError(f"{where}: {text!r} is nested deeper than {DEEPEST_ARITHMETIC}")
+            raise InputError(where, problem=f"{text!r} is nested deeper than {DEEPEST_ARITHMETIC}")
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
                 return _finite(number, text, where)
@@ -76,7 +76,7 @@ def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str
                 both = np.logical_and if isinstance(op, ast.And) else np.logical_or
                 return functools.reduce(both, [condition_of(side, depth) for side in values])
         part = ast.unparse(node)
-        raise InputError(f"{where}: {part!r} in {text!r} is not allowed; required: {_ALLOWED}")
+        raise InputError(where, problem=f"{part!r} in {text!r} is not allowed; required: {_ALLOWED}")
 
     def number_of(node: ast.AST, depth: int) -> Value:
         inner = value(node, depth + 1)
@@ -93,7 +93,7 @@ def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str
     with np.errstate(all="ignore"):
         result = np.asarray(value(tree, 0))
     if result.ndim == 0:
-        raise InputError(f"{where}: {text!r} names no column")
+        raise InputError(where, problem=f"{text!r} names no column")
     return result
 
 
@@ -113,7 +113,7 @@ def _parse(text: str, where: str) -> tuple[ast.AST, dict[str, str]]:
         return ast.parse(plain, mode="eval").body, quoted
     except (SyntaxError, ValueError, MemoryError, RecursionError):
         raise InputError(
-            f"{where}: {text!r} is neither a column of the log nor arithmetic of {_ALLOWED}"
+            where, problem=f"{text!r} is neither a column of the log nor arithmetic of {_ALLOWED}"
         ) from None
 
 
@@ -123,5 +123,5 @@ def _finite(number: float, text: str, where: str) -> float:
     except OverflowError:
         converted = math.inf
     if not math.isfinite(converted):
-        raise InputError(f"{where}: a finite number is required in {text!r}")
+        raise InputError(where, problem=f"a finite number is required in {text!r}")
     return converted

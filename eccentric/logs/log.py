@@ -118,8 +118,9 @@ class Log:
         """Return the column `name` as it was read, float64 or str; InputError if there is none."""
         if name not in self.columns:
             raise InputError(
-                f"{self.path}: column {name!r} is required, the log has {few(self.columns)}"
-                + meant(name, self.columns)
+                self.path,
+                problem=f"column {name!r} is required, the log has {few(self.columns)}"
+                + meant(name, self.columns),
             )
         return self.columns[name]
 
@@ -193,8 +194,8 @@ def reader_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: UTF-8 text is required, byte {error.start} is not") from None
+        raise InputError(path, problem=f"UTF-8 text is required, byte {error.start} is not") from None
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise InputError(f"{path}: the compressed file is damaged or cut off ({error})") from None
+        raise InputError(path, problem=f"the compressed file is damaged or cut off ({error})") from None
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+        raise InputError(path, problem=f"cannot be read ({error.strerror or error})") from None

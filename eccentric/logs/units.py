@@ -128,10 +128,10 @@ def parse_unit(
         close = _closest(stripped, same) or _closest(str(unknown), _NAMES)
         hint = f"did you mean {close!r}? " if close else ""
         raise InputError(
-            f"{where}: unit {text!r} is unknown at {str(unknown)!r}; {hint}known are {', '.join(same)}"
+            where, problem=f"unit {text!r} is unknown at {str(unknown)!r}; {hint}known are {', '.join(same)}"
         ) from None
     if rest:
-        raise InputError(f"{where}: unit {text!r} has an unmatched ')'")
+        raise InputError(where, problem=f"unit {text!r} has an unmatched ')'")
     return Unit(stripped, factor, dimension)
 
 
@@ -205,7 +205,7 @@ def _tokens(text: str, where: str) -> list[str]:
     while position < len(text):
         match = _TOKEN.match(text, position)
         if match is None:
-            raise InputError(f"{where}: unit {text!r} is not understood at {text[position:]!r}")
+            raise InputError(where, problem=f"unit {text!r} is not understood at {text[position:]!r}")
         tokens.append(match[0].strip())
         position = match.end()
     if not tokens:
@@ -223,17 +223,17 @@ def _product(
         part, tokens = tokens[0], tokens[1:]
         if part in ("*", "·", ".", "/"):
             if previous in ("", "*", "·", ".", "/"):
-                raise InputError(f"{where}: unit {text!r} has a {part!r} without a unit before it")
+                raise InputError(where, problem=f"unit {text!r} has a {part!r} without a unit before it")
             divide, previous = part == "/", part
             continue
         if after_slash and not divide:
             raise InputError(
-                f"{where}: unit {text!r} is ambiguous after '/': write parentheses, as in N m/(rad/s)"
+                where, problem=f"unit {text!r} is ambiguous after '/': write parentheses, as in N m/(rad/s)"
             )
         if part == "(":
             scale, powers, tokens = _product(tokens, text, where, counts_per_rev)
             if not tokens:
-                raise InputError(f"{where}: unit {text!r} has an unmatched '('")
+                raise InputError(where, problem=f"unit {text!r} has an unmatched '('")
             tokens = tokens[1:]
         else:
             scale, powers = _power(part, text, where, counts_per_rev)
@@ -242,7 +242,7 @@ def _product(
         dimension = _combine(dimension, powers, sign)
         after_slash, divide, previous = after_slash or divide, False, part
     if previous in ("", "*", "·", ".", "/"):
-        raise InputError(f"{where}: unit {text!r} is incomplete")
+        raise InputError(where, problem=f"unit {text!r} is incomplete")
     return factor, dimension, tokens
 
 
@@ -254,12 +254,12 @@ def _power(part: str, text: str, where: str, counts_per_rev: float | None) -> tu
     exponent = int(match[2] or {"²": 2, "³": 3, None: 1}[match[3]]) if match else 1
     if name in ("count", "counts"):
         if counts_per_rev is None:
-            raise InputError(f"{where}: unit {text!r} requires encoder_counts_per_rev in the rig")
+            raise InputError(where, problem=f"unit {text!r} requires encoder_counts_per_rev in the rig")
         return (_TURN / counts_per_rev) ** exponent, _ONE
     if name not in _TABLE:
         raise _UnknownNameError(name)
     if abs(exponent) > 9:
-        raise InputError(f"{where}: unit {text!r} has a power above 9")
+        raise InputError(where, problem=f"unit {text!r} has a power above 9")
     factor, dimension = _TABLE[name]
     return factor**exponent, _combine(_ONE, dimension, exponent)
 

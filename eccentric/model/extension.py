@@ -36,7 +36,7 @@ def extended(model: Model, new: Extension) -> Model:
     _require_free_names(model, new)
     _require_replaceable(model, new)
     if unknown := sorted(set(new.change.terms) - {balance.name for balance in model.balances}):
-        raise InputError(f"{new.name}: a balance {unknown[0]!r} is required, {model.name} has none")
+        raise InputError(new.name, problem=f"a balance {unknown[0]!r} is required, {model.name} has none")
     definitions, states, terms = new.change.definitions, new.change.states, dict(new.change.terms)
     for there in (extension.change for extension in model.extensions):
         definitions = tuple(map(there.reach_definition, definitions))
@@ -67,21 +67,23 @@ def _balance(balance: Balance, change: Change, added: Iterable[Term]) -> Balance
 def _require_free_names(model: Model, new: Extension) -> None:
     for other in model.extensions:
         if other.name == new.name:
-            raise InputError(f"{new.name}: is already in {model.name}")
+            raise InputError(new.name, problem=f"is already in {model.name}")
         if both := sorted(other.names & new.names):
             first, second = sorted((other.name, new.name))
-            raise InputError(f"{first} and {second}: both introduce {', '.join(both)}")
+            raise InputError(f"{first} and {second}", problem=f"both introduce {', '.join(both)}")
     own = (*model.definitions, *model.states)
     taken = {q.name for q in (*model.parameters, *model.inputs, *(x.quantity for x in own))}
     if clash := sorted(new.names & taken):
-        raise InputError(f"{new.name}: {', '.join(clash)}: {model.name} already has a quantity of that name")
+        raise InputError(
+            new.name, problem=f"{', '.join(clash)}: {model.name} already has a quantity of that name"
+        )
 
 
 def _require_replaceable(model: Model, new: Extension) -> None:
     for other in model.extensions:
         if both := sorted(map(str, set(other.change.replaces) & set(new.change.replaces))):
             first, second = sorted((other.name, new.name))
-            raise InputError(f"{first} and {second}: both replace {', '.join(both)}")
+            raise InputError(f"{first} and {second}", problem=f"both replace {', '.join(both)}")
     brought = {name for extension in model.extensions for name in extension.names}
     added = {term.name for e in model.extensions for terms in e.change.terms.values() for term in terms}
     used = set().union(
@@ -89,7 +91,7 @@ def _require_replaceable(model: Model, new: Extension) -> None:
         *(t.value.free_symbols for b in model.balances for t in b.terms if t.name not in added),
     )
     if absent := sorted(map(str, set(new.change.replaces) - used)):
-        raise InputError(f"{new.name}: {absent[0]} does not occur in {model.name}")
+        raise InputError(new.name, problem=f"{absent[0]} does not occur in {model.name}")
 
 
 _INPUTS = (v.theta_m, v.omega_m, v.i, v.u, v.t, v.temperature)
@@ -110,7 +112,7 @@ def _ordered(definitions: Iterable[Definition], known: set[sp.Symbol], whose: st
         ready = next((d for d in waiting if d.value.free_symbols <= known), None)
         if ready is None:
             names = ", ".join(sorted(d.quantity.name for d in waiting))
-            raise InputError(f"{whose}: {names} use each other in a circle, or something unknown")
+            raise InputError(whose, problem=f"{names} use each other in a circle, or something unknown")
         waiting.remove(ready)
         done.append(ready)
         known.add(ready.symbol)

@@ -55,7 +55,7 @@ def load_model(name_or_path: str | os.PathLike[str]) -> Model:
         return _loaded[path]
     if path in _loading:
         circle = " -> ".join(p.stem for p in [*_loading[_loading.index(path) :], path])
-        raise InputError(f"{path.name}: derivations load each other in a circle: {circle}")
+        raise InputError(path.name, problem=f"derivations load each other in a circle: {circle}")
     bundled = path.parent == folder("derivations").resolve()
     if bundled and (kept := derived.get(f"model {path.stem}")) is not None:
         _loaded[path], loads = from_bytes(kept)
@@ -67,7 +67,9 @@ def load_model(name_or_path: str | os.PathLike[str]) -> Model:
     except InputError:
         raise
     except Exception as error:
-        raise InputError(f"{path}: the derivation stopped with {type(error).__name__}: {error}") from error
+        raise InputError(
+            path, problem=f"the derivation stopped with {type(error).__name__}: {error}"
+        ) from error
     finally:
         _loading.pop()
     model = getattr(module, "model", None)
@@ -83,7 +85,7 @@ def _find(name_or_path: str | os.PathLike[str]) -> Path:
     path = derivation(name_or_path)
     if not path.is_file():
         if Path(name_or_path).suffix == ".py":
-            raise InputError(f"{name_or_path}: no such derivation script")
+            raise InputError(name_or_path, problem="no such derivation script")
         known = (*model_names(), LINEAR.model, LINEAR.screw)
         raise InputError(
             f"model {str(name_or_path)!r} is unknown; known are {', '.join(known)}, or a path.py"
@@ -158,8 +160,9 @@ def with_values(
     known = {q.name: axis.said(q.name) for q in model.parameters}
     if unknown := sorted(letter for letter in values if axis.general(letter) not in known):
         raise InputError(
-            f"{source}: parameters.{unknown[0]}: {model.name} has no such parameter;"
-            f" it has {', '.join(known.values())}"
+            source,
+            problem=f"parameters.{unknown[0]}: {model.name} has no such parameter;"
+            f" it has {', '.join(known.values())}",
         )
     values = in_general_letters(values, axis, source)
     notes = {axis.general(letter): note for letter, note in (notes or {}).items()}

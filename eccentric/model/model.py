@@ -130,7 +130,8 @@ class Model:
             if unknown := definition.value.free_symbols - known:
                 names = ", ".join(sorted(map(str, unknown)))
                 raise InputError(
-                    f"model {self.name}: {definition.quantity.name} uses {names} before its definition"
+                    f"model {self.name}",
+                    problem=f"{definition.quantity.name} uses {names} before its definition",
                 )
             known.add(definition.symbol)
         for balance in self.balances:
@@ -138,7 +139,7 @@ class Model:
                 if unknown := term.value.free_symbols - known:
                     names = ", ".join(sorted(map(str, unknown)))
                     raise InputError(
-                        f"model {self.name}: term {term.name} uses {names}, which nothing defines"
+                        f"model {self.name}", problem=f"term {term.name} uses {names}, which nothing defines"
                     )
 
     @property

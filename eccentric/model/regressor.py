@@ -112,5 +112,6 @@ def _column(model: Model, group: list[Term]) -> Column:
             quantity = definition.quantity
             return Column(quantity.name, definition.symbol, basis, quantity.unit, (low, None), *follows)
     raise InputError(
-        f"model {model.name}: terms {names}: no log distinguishes them; define a quantity for {coefficient}"
+        f"model {model.name}",
+        problem=f"terms {names}: no log distinguishes them; define a quantity for {coefficient}",
     )

@@ -121,7 +121,7 @@ def draw(out: Path) -> list[Path]:
     try:
         import matplotlib as mpl
     except ModuleNotFoundError:
-        raise InputError("figures: matplotlib is required: pip install matplotlib") from None
+        raise InputError("figures", problem="matplotlib is required: pip install matplotlib") from None
     paths = []
     # Reproducible bytes: SVG ids from a fixed salt, no date.
     with mpl.rc_context({"svg.hashsalt": "eccentric", "font.size": 10, "axes.grid": True, "grid.alpha": 0.3}):

@@ -219,7 +219,8 @@ def require_link(rig: Rig, model: Model) -> None:
         verb = "are" if len(missing) > 1 else "is"
         received = "a range" if set(missing) & set(rig.unknown) else "none"
         raise InputError(
-            f"{rig.path}: [known] {' and '.join(missing)} {verb} required to add a mass, received {received}"
+            rig.path,
+            problem=f"[known] {' and '.join(missing)} {verb} required to add a mass, received {received}",
         )
     if not set(letters) <= {q.name for q in model.parameters}:
         raise InputError("--added", "a model with an unbalanced mass", model.name)

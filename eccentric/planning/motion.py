@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.core import InputError, given_path, read_document, read_number, refuse_unknown
+from eccentric.core import InputError, given_path, read_document, read_number, refuse_unknown, together
 from eccentric.logs import parse_value
 from eccentric.model import TURNING, AxisKind
 from eccentric.planning.limits import (
@@ -95,36 +95,40 @@ def read_bounds(
         units |= {FORCE: "N"}
     strength = FORCE if by_force else "current_A"
     required = (speed, acceleration, strength, "time_s")
-    complaints: list[str] = []
+    complaints: list[InputError] = []
     values: dict[str, Any] = {}
 
     def attempt(read: Callable[[], Any], key: str = "") -> None:
         try:
             values[key] = read()
         except InputError as error:
-            complaints.append(str(error).removeprefix(f"{where}: "))
+            complaints.append(error)
 
     for key in content:
-        attempt(partial(refuse_unknown, (key,), (*units, LOOP), where))
+        attempt(partial(refuse_unknown, (key,), (*units, LOOP), ""))
     beside = {} if axis.wraps else {"current_A": f" or {FORCE}"}
     complaints += [
-        f"{key}{beside.get(key, '')} is required, received none" for key in required if key not in content
+        InputError("", f"{key}{beside.get(key, '')}", "none") for key in required if key not in content
     ]
     if by_force and "current_A" in content:
-        complaints.append(f"only one of current_A and {FORCE} is required, received both")
+        complaints.append(InputError("", f"only one of current_A and {FORCE}", "both"))
     for key in required:
         if key in content:
-            attempt(partial(_number, content[key], key, where, units), key)
+            attempt(partial(_number, content[key], key, units), key)
     if LOOP in content:
-        attempt(partial(read_number, content[LOOP], f"{where}: {LOOP}", 0.0, True), LOOP)
+        attempt(partial(read_number, content[LOOP], LOOP, 0.0, True), LOOP)
     if angle in content:
-        attempt(partial(_ends, content[angle], angle, where, units), angle)
+        attempt(partial(_ends, content[angle], angle, units), angle)
     if values.get("time_s", LEAST_TIME_S) < LEAST_TIME_S:
-        complaints.append(f"time_s: at least {LEAST_TIME_S:g} s are required, received {values['time_s']:g}")
+        complaints.append(
+            InputError("time_s", f"at least {LEAST_TIME_S:g} s", f"{values['time_s']:g}", plural=True)
+        )
     if values.get("time_s", LEAST_TIME_S) > MOST_TIME_S:
-        complaints.append(f"time_s: at most {MOST_TIME_S:g} s are required, received {values['time_s']:g}")
+        complaints.append(
+            InputError("time_s", f"at most {MOST_TIME_S:g} s", f"{values['time_s']:g}", plural=True)
+        )
     if complaints:
-        raise InputError(f"{where}: {'; '.join(complaints)}")
+        raise together(where, complaints)
     return Bounds(
         values[speed],
         values[acceleration],
@@ -136,22 +140,20 @@ def read_bounds(
     )
 
 
-def _ends(value: object, key: str, where: str, units: Mapping[str, str]) -> tuple[float, float]:
-    low, high = (_value(end, key, where, units) for end in read_pair(value, f"{where}: {key}"))
+def _ends(value: object, key: str, units: Mapping[str, str]) -> tuple[float, float]:
+    low, high = (_value(end, key, units) for end in read_pair(value, key))
     if not low < high:
-        raise InputError(f"{where}: {key}", "lower before upper", f"[{low:g}, {high:g}]")
+        raise InputError(key, "lower before upper", f"[{low:g}, {high:g}]")
     return low, high
 
 
-def _number(value: object, key: str, where: str, units: Mapping[str, str]) -> float:
-    return read_number(_value(value, key, where, units), f"{where}: {key}", 0.0, True)
+def _number(value: object, key: str, units: Mapping[str, str]) -> float:
+    return read_number(_value(value, key, units), key, 0.0, True)
 
 
-def _value(value: object, key: str, where: str, units: Mapping[str, str]) -> float:
+def _value(value: object, key: str, units: Mapping[str, str]) -> float:
     """A number in SI, or a text with its unit."""
-    if isinstance(value, str):
-        return parse_value(value, units[key], f"{where}: {key}")
-    return read_number(value, f"{where}: {key}")
+    return parse_value(value, units[key], key) if isinstance(value, str) else read_number(value, key)
 
 
 Array = NDArray[np.floating]

@@ -148,8 +148,9 @@ def _require_amperes(question: Question, bounds: Bounds) -> None:
     if missing and by != "current" and not bounds.by_force:
         verb = "are" if len(missing) > 1 else "is"
         raise InputError(
-            f"{rig.path}: [known] {' and '.join(map(rig.axis.said, missing))} {verb} required, received none:"
-            f" a {rig.axis.said(by)} alone gives no current to compare with the limit current_A"
+            rig.path,
+            problem=f"[known] {' and '.join(map(rig.axis.said, missing))} {verb} required, received none:"
+            f" a {rig.axis.said(by)} alone gives no current to compare with the limit current_A",
         )
 
 

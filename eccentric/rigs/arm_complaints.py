@@ -20,41 +20,50 @@ _TABLES = ("columns", "drives", "joints")
 
 def arm_rig_complaints(
     source: str | os.PathLike[str] | Mapping[str, Any],
-) -> tuple[list[str], ArmRig | None]:
-    """Return what is wrong with the rig of an arm, one line each, and the rig without it, if that is one.
+) -> tuple[list[InputError], ArmRig | None]:
+    """Return what is wrong with the rig of an arm, an error each, and the rig without it, if that is one.
 
     Raises:
         InputError: the file cannot be read at all.
     """
     content, where, name, folder = arm_content(source)
-    found: list[str] = []
+    found: list[InputError] = []
     while True:
-        said = _error(content, where, name, folder)
-        if said is None:
+        error = _error(content, where, name, folder)
+        if error is None:
             return found, arm_rig_of(content, where, name, folder)
-        guilty = _named(content, said, where, name, folder)
+        guilty = _named(content, error, where, name, folder)
         if guilty is None:
             # Once something is left out, what is then missing is no complaint of its own.
-            return found or [said], None
-        found.append(said)
+            return found or [error], None
+        found.append(error)
         content = _without(content, guilty)
 
 
-def _error(content: Mapping[str, Any], where: str, name: str, folder: Path) -> str | None:
+def _error(content: Mapping[str, Any], where: str, name: str, folder: Path) -> InputError | None:
     try:
         arm_rig_of(content, where, name, folder)
     except InputError as error:
-        return str(error)
+        return error
     return None
 
 
-def _named(content: Mapping[str, Any], said: str, where: str, name: str, folder: Path) -> Place | None:
-    """The entry that a message names first, and without which there is another one or none."""
-    words = said.removeprefix(where)
-    places = [place for place in _entries(content) if place[1] != "arm" and place[1] in words]
-    places.sort(key=lambda place: (not place[0], words.index(place[1])))
-    others = (place for place in places if _error(_without(content, place), where, name, folder) != said)
-    return next(others, None)
+def _named(
+    content: Mapping[str, Any], error: InputError, where: str, name: str, folder: Path
+) -> Place | None:
+    """The entry that an error is about, and without which there is another one or none."""
+    at = error.inside(where).place.translate(_BRACKETS).split()
+    named = [*at, *error.keys]
+    places = [place for place in _entries(content) if place[1] != "arm" and place[1] in named]
+    places.sort(key=lambda place: (not place[0], named.index(place[1])))
+    for place in places:
+        other = _error(_without(content, place), where, name, folder)
+        if other is None or other.fields != error.fields:
+            return place
+    return None
+
+
+_BRACKETS = str.maketrans("[]", "  ")
 
 
 def _entries(content: Mapping[str, Any]) -> Iterator[Place]:

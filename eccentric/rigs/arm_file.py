@@ -52,7 +52,7 @@ def arm_of(content: Mapping[str, Any], path: Path, where: str) -> Chain:
     """
     if {"arm", "columns"} <= set(content):
         what = "an arm file is required, received the rig of an arm, whose key `arm` names the arm file"
-        raise InputError(f"{where}: {what}")
+        raise InputError(where, problem=f"{what}")
     refuse_unknown(content, KEYS_OF_ARMS, where)
     name = content.get("name", identifier(path.stem))
     if not isinstance(name, str):

@@ -347,7 +347,7 @@ def read_joints(tables: Any, where: str) -> list[ReadJoint]:
         kind = table.get("kind", "revolute")
         if not isinstance(kind, str) or kind not in GEAR:
             required = f"one of {', '.join(GEAR)} is required, received {kind!r}"
-            raise InputError(f"{here}: kind: {required}{meant(kind, GEAR)}")
+            raise InputError(f"{here}: kind", problem=f"{required}{meant(kind, GEAR)}")
         gear = GEAR[kind]
         refuse_unknown(table, dict.fromkeys((*KEYS_OF_JOINTS, *gear.keys)), here)
         if "body" not in table:

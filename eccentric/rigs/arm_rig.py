@@ -196,7 +196,7 @@ def _known(value: object, where: str) -> frozenset[str]:
     # A first moment needs the mass, a second one both: what cannot be used is not taken as if it were.
     if known != frozenset(INERTIAL[: len(known)]):
         required = f"{' before '.join(INERTIAL)} is required"
-        raise InputError(f"{at}: {required}, received {', '.join(names)} without what comes before")
+        raise InputError(at, problem=f"{required}, received {', '.join(names)} without what comes before")
     return known
 
 

@@ -49,7 +49,7 @@ def plain_entries(value: object, where: str) -> Mapping[str, Any]:
     try:
         return json.loads(json.dumps(dict(value), default=_plain))
     except (TypeError, ValueError, RecursionError) as error:
-        raise InputError(f"{where}: the content of a JSON file is required ({error})") from None
+        raise InputError(where, problem=f"the content of a JSON file is required ({error})") from None
 
 
 def _plain(value: Any) -> Any:

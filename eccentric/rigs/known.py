@@ -179,7 +179,9 @@ def mass_alone(known: Mapping[str, float]) -> float:
 
 def _refuse_twice(known: Known, given: Mapping[str, Any], where: str) -> None:
     if known.name in given:
-        raise InputError(where, known.letter or known.name, "twice", why="only once")
+        raise InputError(
+            where, known.letter or known.name, "twice", why="only once", keys=(known.letter or known.name,)
+        )
 
 
 def _case(case: str | None, known: dict[str, float], unknown: Mapping[str, Any], where: str) -> str | None:
@@ -191,7 +193,7 @@ def _case(case: str | None, known: dict[str, float], unknown: Mapping[str, Any],
         return next((name for name, phi in tilt.items() if math.isclose(known.get("phi", -1.0), phi)), None)
     if "phi" in unknown or not math.isclose(known.get("phi", tilt[case]), tilt[case], abs_tol=1e-6):
         raise InputError(
-            f"{where}: [known] case {case} means phi = {math.degrees(tilt[case]):g} deg; remove one"
+            where, problem=f"[known] case {case} means phi = {math.degrees(tilt[case]):g} deg; remove one"
         )
     known["phi"] = tilt[case]
     return case
@@ -226,8 +228,9 @@ def read_added(content: Mapping[str, Any], where: str, known: Mapping[str, float
     table = read_table(content.get("added", {}), f"{where}: [added]")
     if table and (missing := sorted({"M", "L"} - set(known))):
         raise InputError(
-            f"{where}: [known] {' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} required with"
-            " [added], received none"
+            where,
+            problem=f"[known] {' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} required with"
+            " [added], received none",
         )
     return {run: AddedMass(read_mass(value, f"{where}: [added] {run}")) for run, value in table.items()}
 

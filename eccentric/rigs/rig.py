@@ -163,7 +163,8 @@ def rig_of(content: Mapping[str, Any], where: str, constants: str = "known") -> 
 def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "known") -> Rig:
     if "arm" in content:
         raise InputError(
-            f"{where}: arm: the rig of a single drive is required here; fit and diagnose take that of an arm"
+            f"{where}: arm",
+            problem="the rig of a single drive is required here; fit and diagnose take that of an arm",
         )
     if {"joint", "urdf"} & set(content):
         raise InputError(where, "a rig file", 'an arm file; a rig names it with arm = "..."')

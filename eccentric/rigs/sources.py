@@ -114,7 +114,7 @@ def read_columns(
         columns[channel] = ColumnSource(text.strip(), parsed, gain)
     for left, right in (("theta_m", "theta_l"), ("omega_m", "omega_l"), ("torque", "torque_l")):
         if left in columns and right in columns:
-            raise InputError(where, f"only one of {left} and {right}", "both")
+            raise InputError(where, f"only one of {left} and {right}", "both", keys=(left, right))
     measured: dict[str, str] = {}
     for channel, source in columns.items():
         if channels[channel][1] and (other := measured.setdefault(source.text, channel)) != channel:
@@ -123,6 +123,7 @@ def read_columns(
                 "a column of its own",
                 f"{source.text!r} for both",
                 why=f"for {axis.said(other)} and {axis.said(channel)}",
+                keys=(other, channel),
             )
     return columns, []
 
@@ -133,8 +134,8 @@ def _own_unit(unit: str, required: str, where: str, counts: float | None) -> Uni
         return require_unit(unit, required, where, counts)
     except InputError as error:
         per = gain_of(required, unit)
-        hint = f'; of an amplifier\'s reference give the gain, as in gain = "35 {per}"' if per else ""
-        raise InputError(f"{error}{hint}") from None
+        hint = f'of an amplifier\'s reference give the gain, as in gain = "35 {per}"' if per else ""
+        raise error.hinted(hint) from None
 
 
 def _gain(gain: object, unit: str | None, required: str, where: str) -> tuple[Unit, ForceGain]:

@@ -41,7 +41,9 @@ def library(name: str, where: str) -> ModuleType:
     try:
         return importlib.import_module(name)
     except ImportError:
-        raise InputError(f'{where}: yourdfpy is required for .urdf: pip install "eccentric[arms]"') from None
+        raise InputError(
+            where, problem='yourdfpy is required for .urdf: pip install "eccentric[arms]"'
+        ) from None
 
 
 def links_and_joints(path: Path, where: str) -> bytes:
@@ -58,7 +60,7 @@ def links_and_joints(path: Path, where: str) -> bytes:
     try:
         root = etree.fromstring(text.encode(), parser)
     except etree.XMLSyntaxError as error:
-        raise InputError(f"{where}: not valid XML: {' '.join(error.msg.split())}") from None
+        raise InputError(where, problem=f"not valid XML: {' '.join(error.msg.split())}") from None
     if root.tag != "robot":
         raise InputError(where, "<robot>", f"<{root.tag}>")
     kept = etree.Element("robot", name=root.get("name") or Path(where).stem)
@@ -74,9 +76,9 @@ def _text(path: Path, where: str) -> str:
     try:
         text = readable(path).read_bytes().decode("utf-8-sig")
     except OSError as error:
-        raise InputError(f"{where}: cannot be read ({error.strerror or error})") from None
+        raise InputError(where, problem=f"cannot be read ({error.strerror or error})") from None
     except UnicodeDecodeError as error:
-        raise InputError(f"{where}: UTF-8 text is required, byte {error.start} is not") from None
+        raise InputError(where, problem=f"UTF-8 text is required, byte {error.start} is not") from None
     declared = _ENCODING.match(text)
     if declared and declared[1].lower() not in {"utf-8", "utf8", "us-ascii", "ascii"}:
         raise InputError(where, "UTF-8", f"encoding {declared[1]!r}")
@@ -124,10 +126,10 @@ def _require_numbers(element: Any, numbers: tuple[tuple[str, str, int, bool], ..
         if len(values) != count or not all(math.isfinite(v) and abs(v) <= LARGEST_OF_ARM for v in values):
             what = "a finite number is" if count == 1 else f"{count} finite numbers are"
             received = "none" if given is None else repr(given)
-            raise InputError(f"{here}: {tag} {attribute}: {what} required, received {received}")
+            raise InputError(here, problem=f"{tag} {attribute}: {what} required, received {received}")
         if attribute == "rpy" and max(map(abs, values)) > LARGEST_ANGLE:
             turns = "angles in rad, at most a turn, are required"
-            raise InputError(f"{here}: {tag} rpy: {turns}, received {given!r}; did you mean degrees?")
+            raise InputError(here, problem=f"{tag} rpy: {turns}, received {given!r}; did you mean degrees?")
 
 
 def _at(where: str, element: Any) -> str:
@@ -220,7 +222,7 @@ def path_to(tree: Tree, tip: str | None) -> list[Any]:
         path = [joint for joint in _up(tree, tip) if joint.type in MOVING][::-1]
     if not path:
         before = f" before link {tip!r}" if tip else ""
-        raise InputError(f"{tree.where}: a joint that moves is required{before}, received none")
+        raise InputError(tree.where, problem=f"a joint that moves is required{before}, received none")
     if follower := next((joint for joint in path if joint.mimic is not None), None):
         raise InputError(
             f"{tree.where}: joint {follower.name!r}",
@@ -320,7 +322,7 @@ def _robot(text: bytes, where: str) -> Any:
         # Neither meshes nor a scene: nothing else is opened.
         return yourdfpy.URDF.load(io.BytesIO(text), load_meshes=False, build_scene_graph=False).robot
     except (yourdfpy.URDFError, KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{where}: not a valid URDF ({str(error).splitlines()[0]})") from None
+        raise InputError(where, problem=f"not a valid URDF ({str(error).splitlines()[0]})") from None
 
 
 def _frames(tree: Tree, link: str, moving: list[Any]) -> dict[str, Placement]:

@@ -195,8 +195,9 @@ def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
                 if channel in channels
             )
             raise InputError(
-                f"{log.path}: a column for {needed} is required; map it in [columns] of {rig.path}"
-                f"{_WITHOUT_CLOCK if choice == ('time',) else ''}; the log has {few(log.columns)}"
+                log.path,
+                problem=f"a column for {needed} is required; map it in [columns] of {rig.path}"
+                f"{_WITHOUT_CLOCK if choice == ('time',) else ''}; the log has {few(log.columns)}",
             )
     return sources
 
@@ -268,8 +269,9 @@ def require_columns(log: Log, rig: ArmRig) -> None:
         if names[-1] in log.columns:
             of = f"the {counted(len(rig.joints), 'joint')} of {rig.chain.name}"
             raise InputError(
-                f"{log.path}: {channel}: columns of {of} are required, the log has"
-                f" {names[-1]!r} for a joint {rig.number(len(rig.joints))} that the arm does not have"
+                f"{log.path}: {channel}",
+                problem=f"columns of {of} are required, the log has"
+                f" {names[-1]!r} for a joint {rig.number(len(rig.joints))} that the arm does not have",
             )
 
 
@@ -281,7 +283,8 @@ def _require_all(log: Log, rig: ArmRig, channel: str, names: list[str]) -> None:
     some = f", received {there} of {counted(len(names), 'joint')}" if there else ""
     of = f"joint {rig.number(j)} of {rig.chain.name}"
     raise InputError(
-        f"{log.path}: {channel}: column {names[j]!r} is required for {of}"
+        f"{log.path}: {channel}",
+        problem=f"column {names[j]!r} is required for {of}"
         f" (columns count from first = {rig.first}){some}, the log has {few(log.columns)}"
-        f"{meant(names[j], log.columns)}"
+        f"{meant(names[j], log.columns)}",
     )

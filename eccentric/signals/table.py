@@ -111,9 +111,10 @@ def _named(
     if rig.holdout.intervals_s and not np.any(rows):
         given = few(f"[{start:g}, {end:g}]" for start, end in rig.holdout.intervals_s)
         raise InputError(
-            f"{rig.path}: holdout_intervals_s: an interval with rows of the log is required; the log goes "
+            rig.path,
+            problem=f"holdout_intervals_s: an interval with rows of the log is required; the log goes "
             f"from {np.min(t):.6g} to {np.max(t):.6g} s, received {given}: "
-            "is time in s, and the log complete?"
+            "is time in s, and the log complete?",
         )
     if rig.holdout.intervals_s:
         parts.append(f"{len(rig.holdout.intervals_s)} intervals from the rig file")
@@ -268,12 +269,14 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         numbers = {c: int(np.count_nonzero(np.isfinite(x))) for c, x in values.items()}
         worst = min(numbers, key=lambda c: numbers[c])
         if not numbers[worst]:
-            raise InputError(f"{log.path}: column {found.sources[worst].text!r} ({worst}) has no numbers")
+            raise InputError(
+                log.path, problem=f"column {found.sources[worst].text!r} ({worst}) has no numbers"
+            )
         first = log.place(int(np.flatnonzero(~kept)[0]))
         most = found.sources[worst].text
         what = f"no number in {rejected} of {log.rows} rows (first: {first}; most: {most!r})"
         if rejected > MOST_REJECTED * log.rows:
-            raise InputError(f"{log.path}: {what}; at most {MOST_REJECTED:.0%} may be missing")
+            raise InputError(log.path, problem=f"{what}; at most {MOST_REJECTED:.0%} may be missing")
         severity = "warning" if rejected > MUCH_LOST * log.rows else "note"
         findings.append(
             Finding("missing", worst, f"{log.path}: {what}: such rows are dropped", rejected, severity)
@@ -356,7 +359,7 @@ def _runs(
     if len(stuck):
         k = int(stuck[0])
         raise InputError(
-            f"{log.path}: {log.place(int(rows[k + 1]))}: time stamps must increase, "
-            f"received {t[k + 1]:.9g} s after {t[k]:.9g} s"
+            f"{log.path}: {log.place(int(rows[k + 1]))}",
+            problem=f"time stamps must increase, received {t[k + 1]:.9g} s after {t[k]:.9g} s",
         )
     return np.cumsum(begins) - 1, tuple(called)

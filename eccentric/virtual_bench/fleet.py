@@ -163,7 +163,7 @@ def _require(**given: float) -> None:
                 name, f"a number from {least[name]:g} to {most.get(name, given['joints']):g}", f"{value:g}"
             )
     if given["degrading"] + given["bad_sensors"] > given["joints"]:
-        raise InputError("degrading: no more joints than the fleet has are required to change")
+        raise InputError("degrading", problem="no more joints than the fleet has are required to change")
 
 
 def _joint(random: Generator, name: str, seed: int) -> FleetJoint:
@@ -294,10 +294,10 @@ def write_fleet(plan: FleetPlan, path: str | Path, progress: Callable[[float], N
     try:
         arrow, parquet = (importlib.import_module(name) for name in ("pyarrow", "pyarrow.parquet"))
     except ImportError:
-        raise InputError('fleet: pyarrow is required: pip install "eccentric[fleet]"') from None
+        raise InputError("fleet", problem='pyarrow is required: pip install "eccentric[fleet]"') from None
     target = own_folder(path)
     if target.exists() and any(target.iterdir()):
-        raise InputError(f"{path}: a new or empty folder is required")
+        raise InputError(path, problem="a new or empty folder is required")
     total = len(plan.joints) * len(plan.periods)
     with whole_folder(path, "bench --fleet") as new:
         for done, (joint, period) in enumerate(plan.logs()):

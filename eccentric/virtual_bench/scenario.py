@@ -111,7 +111,7 @@ def on_reference(scenario: Scenario, time: np.ndarray, speed: np.ndarray, start_
     if time.ndim != 1 or time.shape != speed.shape or len(time) < 2:
         raise InputError("reference", "as many speeds as times", f"{speed.shape}, {time.shape}", plural=True)
     if time[0] != 0.0 or not np.all(np.diff(time) > 0.0) or not np.all(np.isfinite(speed)):
-        raise InputError("reference: times that rise from 0, and finite speeds, are required")
+        raise InputError("reference", problem="times that rise from 0, and finite speeds, are required")
     return replace(scenario, course=followed(time, speed), seed=scenario.seed + 1, start_angle=start_angle)
 
 
@@ -119,7 +119,9 @@ def known_effect(name: str) -> tuple[str, str | None]:
     """Split `family[variant]`; InputError, listing what there is, if the bench has no such effect."""
     match = re.fullmatch(r"(\w+)(?:\[(.+)\])?", str(name))
     if match is None or match[1] not in EFFECTS:
-        raise InputError(f"effect {name}: one of {', '.join(EFFECTS)} is required" + meant(name, EFFECTS))
+        raise InputError(
+            f"effect {name}", problem=f"one of {', '.join(EFFECTS)} is required" + meant(name, EFFECTS)
+        )
     family, variant = match[1], match[2]
     variants = VARIANTS.get(family, ())
     if variant is not None and not variants:

@@ -69,7 +69,7 @@ class Choice:
         for name in self.functions:
             if name not in offered:
                 known = f"one of {', '.join(offered)} is required"
-                raise InputError(f"functions: {known}, received {name!r}{meant(name, offered)}")
+                raise InputError("functions", problem=f"{known}, received {name!r}{meant(name, offered)}")
         return tuple(
             output
             for output in outputs
@@ -322,8 +322,9 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
     if program.fixed and not program.ungiven.isdisjoint(program.coefficients):
         absent = " and ".join(q.name for q in model.parameters if q.default is None)
         raise InputError(
-            f"fixed: a value of {absent} is required, which {program.name} has no default for: emit it with"
-            " parameters, or choose functions that need none of them"
+            "fixed",
+            problem=f"a value of {absent} is required, which {program.name} has no default for: emit it with"
+            " parameters, or choose functions that need none of them",
         )
     return program
 

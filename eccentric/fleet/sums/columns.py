@@ -134,8 +134,9 @@ def _require_motor(rig: Rig, machine: Machine, known: Collection[str], measured_
     if missing := sorted(letters - set(known)):
         said, verb = rig.axis.said, "are" if len(missing) > 1 else "is"
         raise InputError(
-            f"{rig.path}: [known] {' and '.join(map(said, missing))} {verb} required by a fleet driven by"
-            f" {said(measured_by)}, received none"
+            rig.path,
+            problem=f"[known] {' and '.join(map(said, missing))} {verb} required by a fleet driven by"
+            f" {said(measured_by)}, received none",
         )
 
 
@@ -146,8 +147,9 @@ def require_rig(rig: Rig) -> Model:
     if rig.unknown or rig.estimate:
         open_ = rig.axis.said(few(sorted({*rig.unknown, *rig.estimate})))
         raise InputError(
-            f"{rig.path}: values are required by a fleet, {open_} is left to be estimated: fit one log of"
-            " the joint and enter what it finds"
+            rig.path,
+            problem=f"values are required by a fleet, {open_} is left to be estimated: fit one log of"
+            " the joint and enter what it finds",
         )
     if rig.alignment.input_delay_s:
         raise InputError(

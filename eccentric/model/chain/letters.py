@@ -96,7 +96,7 @@ def with_bodies(chain: Chain, values: Mapping[str, float]) -> Chain:
     left = dict(values)
     bodies = _without_rounding([_body(chain, j, left) for j in range(len(chain.joints))])
     if left:
-        raise InputError(f"bodies: {next(iter(left))} is of no body of {chain.name}")
+        raise InputError("bodies", problem=f"{next(iter(left))} is of no body of {chain.name}")
     for j, body in enumerate(bodies):
         _require_possible(j, body)
     payload = chain.payload
@@ -147,7 +147,7 @@ def _body(chain: Chain, j: int, left: dict[str, float]) -> Moments:
     for name in names:
         if name not in left:
             joints = f"the {len(chain.joints)} joints of {chain.name}"
-            raise InputError(f"bodies: {name} is required for {joints}")
+            raise InputError("bodies", problem=f"{name} is required for {joints}")
     return moments_from([exact(left.pop(name), name) for name in names])
 
 

@@ -104,7 +104,7 @@ class Placement:
             rows = self.rotation.evalf(20)
             excess = (rows.T * rows - sp.eye(3)).norm() + abs(rows.det() - 1)
             if excess > _RIGHT:
-                raise InputError(f"{name}: rotation: columns that are a right-handed frame are required")
+                raise InputError(name, problem="rotation: columns that are a right-handed frame are required")
 
     @classmethod
     def turned(
@@ -249,7 +249,7 @@ class Body:
         if self.mass.is_number and self.mass < 0:
             raise InputError(f"{name}: mass", "0 or above", f"{float(self.mass):g} kg")
         if self.inertia != self.inertia.T:
-            raise InputError(f"{name}: inertia: a symmetric tensor is required")
+            raise InputError(name, problem="inertia: a symmetric tensor is required")
         if all(entry.is_number for entry in self.inertia):
             _require_possible(name, self.inertia)
 

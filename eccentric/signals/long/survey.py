@@ -308,8 +308,8 @@ class _Reader:
         if len(stuck := np.flatnonzero(t <= before)):
             k = int(stuck[0])
             raise InputError(
-                f"{batch.path}: {batch.place(int(rows[k]))}: time stamps must increase, "
-                f"received {t[k]:.9g} s after {before[k]:.9g} s"
+                f"{batch.path}: {batch.place(int(rows[k]))}",
+                problem=f"time stamps must increase, received {t[k]:.9g} s after {before[k]:.9g} s",
             )
 
     def _window(
@@ -328,7 +328,7 @@ class _Reader:
         found, path = self._found, self._found.stream.path
         if found.rejected > MOST_REJECTED * found.rows:
             what = f"no number in {found.rejected} of {found.rows} rows (first: {self._first_bad})"
-            raise InputError(f"{path}: {what}; at most {MOST_REJECTED:.0%} may be missing")
+            raise InputError(path, problem=f"{what}; at most {MOST_REJECTED:.0%} may be missing")
         whole: list[Window] = []
         for window in found.windows:
             short = window.finish - window.begin < WINDOW_S / 2.0

@@ -123,7 +123,8 @@ def planted(
             return found
     where = " or ".join(str(joint + 1) for joint in sorted(joints))
     raise InputError(
-        f"effect {request.family}: a course that shows it in joint {where} is required; try another seed"
+        f"effect {request.family}",
+        problem=f"a course that shows it in joint {where} is required; try another seed",
     )
 
 

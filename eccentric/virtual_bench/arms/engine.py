@@ -45,7 +45,7 @@ def require_mujoco() -> ModuleType:
         import mujoco
     except ImportError:
         raise InputError(
-            "arm: MuJoCo is required for the bench of arms: pip install 'eccentric[arms-bench]'"
+            "arm", problem="MuJoCo is required for the bench of arms: pip install 'eccentric[arms-bench]'"
         ) from None
     return mujoco
 

@@ -205,8 +205,9 @@ def known_joint_effect(name: str) -> tuple[str, str | None, int | None]:
     match = re.fullmatch(r"(\w+)(?:\[(.+?)\])?(?:@(\d+))?", name)
     if match is None or match[1] not in ARM_EFFECTS:
         raise InputError(
-            f"effect {name}: one of {', '.join(ARM_EFFECTS)} is required"
-            + meant(name.partition("@")[0], ARM_EFFECTS)
+            f"effect {name}",
+            problem=f"one of {', '.join(ARM_EFFECTS)} is required"
+            + meant(name.partition("@")[0], ARM_EFFECTS),
         )
     family, variant, joint = match[1], match[2], match[3]
     variants = ARM_VARIANTS.get(family, ())
