@@ -14,8 +14,9 @@ from eccentric.diagnosis import Diagnosis
 from eccentric.diagnosis.models import _with_the_constant_first
 from eccentric.diagnosis.search import Attribution, limits, unconfirmed
 from eccentric.diagnosis.search.candidate import Candidate
-from eccentric.diagnosis.search.verdict import decided, measurement_of, next_measurement
+from eccentric.diagnosis.search.verdict import NextMeasurement, decided, next_measurement
 from eccentric.effects import LOAD, Evidence, Kin, Words
+from eccentric.presentation.measurement_text import measurement_sentence
 from eccentric.signals import MANY_RUNS
 from tests.searched import N, candidate, search
 
@@ -43,7 +44,7 @@ def test_one_clear_effect_is_named() -> None:
     found = verdict({2: 3.0}, A, B, scale=20.0)
     (only,) = found.adopted
 
-    assert ("named", (), "") == (found.verdict, found.tied, found.next_measurement)
+    assert ("named", (), None) == (found.verdict, found.tied, found.next_measurement)
     assert ("mechanical", "a") == (only.balance, only.variant.candidate.id)
     assert only.coefficients == pytest.approx([3.0], rel=1e-9)
     assert only.share == pytest.approx(3.0 / 20.0, rel=1e-9)
@@ -88,7 +89,7 @@ def test_nothing_missing_is_said_where_nothing_is_worth_it() -> None:
     """There is no effect, no variable, no measurement; what was considered is listed all the same."""
     found = verdict({0: 4.0}, A, B)
 
-    assert ("nothing_missing", (), (), "") == (
+    assert ("nothing_missing", (), (), None) == (
         found.verdict, found.adopted, found.depends_on, found.next_measurement
     )  # fmt: skip
     assert {"a", "b"} == {c.id for c in found.candidates}
@@ -187,7 +188,7 @@ def test_what_a_smooth_term_still_takes_out_refuses_a_name(part: float, runs: in
     assert expected == found.verdict
     if expected == "unexplained":
         assert (("of_smooth:x",), ()) == (found.depends_on, found.tied)
-        assert found.next_measurement.startswith("Change the of s")
+        assert NextMeasurement("vary", "of_smooth:x") == found.next_measurement
 
 
 def test_a_smooth_term_alone_leaves_the_log_unexplained() -> None:
@@ -261,7 +262,7 @@ def test_a_name_is_taken_back() -> None:
     assert ("unexplained", (), ("of_a", "time"), ("a",)) == (
         found.verdict, found.tied, found.depends_on, found.unconfirmed
     )  # fmt: skip
-    assert "Change the of a alone, in five steps" in found.next_measurement
+    assert NextMeasurement("vary", "of_a") == found.next_measurement
 
 
 SPEED = Kin("speed", {"speed": "More speeds."})
@@ -271,27 +272,45 @@ def test_the_measurement_between_tied_families_is_theirs() -> None:
     """Tied families of one kin have the sentence of the kin, from the words of the candidates."""
     one, other = (replace(c, words=Words(kin=SPEED)) for c in (A, rival("b", 0.5)))
 
-    assert "More speeds." == verdict({2: 3.0}, one, other).next_measurement
+    assert "More speeds." == measurement_sentence(verdict({2: 3.0}, one, other).next_measurement)
+
+
+WORDS = {"a": Words(headline="what a is"), "b": Words()}
+BETWEEN = NextMeasurement("separate", between=tuple(WORDS.items()))
 
 
 @pytest.mark.parametrize(
     ("case", "tied", "variables", "expected"),
     [
-        ("unexplained", ["a"], ["link_angle", "time"], "Turn the link slowly at one constant speed"),
-        ("unexplained", [], [], "after an hour at rest"),
-        ("unexplained", [], ["acceleration"], "Leave J_m and J_l out"),
-        ("not_identifiable", ["a", "b"], [], "separates what a is from b: other speeds"),
-        ("not_identifiable", [], [], ""),
-        ("named", ["a"], ["time"], ""),
-        ("nothing_missing", [], [], ""),
+        ("unexplained", ["a"], ["link_angle", "time"], NextMeasurement("vary", "link_angle")),
+        ("unexplained", [], [], NextMeasurement("vary", "time")),
+        ("not_identifiable", ["a", "b"], [], BETWEEN),
+        ("not_identifiable", [], [], None),
+        ("named", ["a"], ["time"], None),
+        ("nothing_missing", [], [], None),
     ],
 )
 def test_the_next_measurement_is_that_of_the_verdict(
-    case: str, tied: list[str], variables: list[str], expected: str
+    case: str, tied: list[str], variables: list[str], expected: NextMeasurement | None
 ) -> None:
-    """Hold all but one variable constant; separate two families, by headline or id; or nothing."""
-    words = {"a": Words(headline="what a is"), "b": Words()}
-    said = next_measurement(case, [(name, words[name]) for name in tied], variables)
+    """Vary the variable that leads, or time; separate two families; or nothing."""
+    assert expected == next_measurement(case, [(name, WORDS[name]) for name in tied], variables)
+
+
+@pytest.mark.parametrize(
+    ("found", "expected"),
+    [
+        (NextMeasurement("vary", "of_a"), "Change the of a alone, in five steps"),
+        (BETWEEN, "separates what a is from b: other speeds"),
+        (replace(BETWEEN, constant_first=True), "Give k_i under [known] first"),
+        (NextMeasurement("correct"), "Correct the rig file or the log first."),
+        (NextMeasurement("hold_others"), "with the others held"),
+        (None, ""),
+    ],
+)
+def test_a_next_measurement_is_a_sentence(found: NextMeasurement | None, expected: str) -> None:
+    """It says what to do; families are called by their headline, else by their name."""
+    said = measurement_sentence(found)
 
     assert expected in said
     assert bool(expected) == bool(said)
@@ -304,14 +323,18 @@ def test_a_variable_is_the_leading_one() -> None:
     assert "velocity" == two.variable
 
 
+def _varied(variable: str) -> str:
+    return measurement_sentence(NextMeasurement("vary", variable))
+
+
 @pytest.mark.parametrize("variable", VARIABLES)
 def test_every_variable_has_a_measurement_that_a_person_can_do(variable: str) -> None:
     """It says what to do, in a sentence of its own: no two variables share one, none is a word in a frame."""
-    sentence = measurement_of(variable)
+    sentence = _varied(variable)
 
     assert (True, ".") == (sentence[0].isupper(), sentence[-1])
     assert "alone, in five steps" not in sentence
-    assert 1 == [measurement_of(other) for other in VARIABLES].count(sentence)
+    assert 1 == [_varied(other) for other in VARIABLES].count(sentence)
 
 
 @pytest.mark.parametrize(
@@ -350,8 +373,8 @@ def test_a_tie_under_load_asks_for_an_open_torque_constant_first(
     data: Any = SimpleNamespace(drive=SimpleNamespace(scale=scale, by_voltage=by_voltage))
 
     said = _with_the_constant_first(tie, offered, data).next_measurement
-    assert expected == said.startswith("Give k_i under [known] first")
-    assert said.endswith(tie.next_measurement)
+    assert tie.next_measurement is not None
+    assert replace(tie.next_measurement, constant_first=expected) == said
 
 
 @pytest.mark.parametrize(

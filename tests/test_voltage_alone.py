@@ -12,6 +12,7 @@ from eccentric.diagnosis import Diagnosis, diagnose
 from eccentric.identification import refit
 from eccentric.presentation import diagnosis_document
 from eccentric.presentation.html.gather import report_data
+from eccentric.presentation.measurement_text import measurement_sentence
 from tests.identified import FILTERED, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Array, Friction, Swing, log_of, sines, write_rig, write_runs
 
@@ -92,7 +93,7 @@ def test_load_dependent_friction_is_told_with_its_equal(with_load: Diagnosis) ->
     """Both families that give this log are listed and no other; one that separates them is proposed."""
     assert "not_identifiable" == with_load.attribution.verdict
     assert {"load_dependent", "gear_efficiency"} == set(with_load.attribution.tied)
-    assert "current" in with_load.attribution.next_measurement
+    assert "current" in measurement_sentence(with_load.attribution.next_measurement)
     assert is_found(with_load.models.extended, "load_eta", 0.15)
 
 

@@ -17,13 +17,8 @@ May import: `identification` and all rooms below it.
 from eccentric.diagnosis.contest import BASELINE, Contest, contest, contest_document, contest_lines
 from eccentric.diagnosis.limits import PROVABLE, ROUNDING
 from eccentric.diagnosis.loop import BASE, Asked, Diagnosis, diagnose, diagnosed, staged_log
-from eccentric.diagnosis.model_script import (
-    base_source,
-    extended_model,
-    is_result_name,
-    result_name,
-    script,
-)
+from eccentric.diagnosis.model_script import base_source, extended_model, is_result_name, result_name, script
+from eccentric.diagnosis.models import constant_first
 from eccentric.diagnosis.score import OverRuns, leave_runs_out, only_below, orders_of
 from eccentric.diagnosis.search import (
     IN_A_DRAW,
@@ -33,11 +28,13 @@ from eccentric.diagnosis.search import (
     STABLE,
     SURE,
     Candidate,
+    NextMeasurement,
     Screen,
     Variant,
     balances_of,
     bounded_solve,
     candidate_of,
+    next_measurement,
     refined,
     required_over,
     searched_loads,

@@ -10,7 +10,7 @@ import numpy as np
 from eccentric.core import InputError
 from eccentric.diagnosis.limits import FITTED, MOST_APART, OF_THE_MOTION
 from eccentric.diagnosis.score import BelowLowPass, Score, below_low_pass, leave_runs_out, score
-from eccentric.diagnosis.search import Attribution, unconfirmed
+from eccentric.diagnosis.search import Attribution, NextMeasurement, unconfirmed
 from eccentric.effects import LOAD, Effect
 from eccentric.identification import (
     LEAST_R_SQUARED,
@@ -122,7 +122,7 @@ def fitted_models(
     linear = refit(base, (), data, linear=True)
     models = Models(linear, paper, unbounded, extended)
     if models.misfit:
-        found = replace(unconfirmed(found), next_measurement="Correct the rig file or the log first.")
+        found = replace(unconfirmed(found), next_measurement=NextMeasurement("correct"))
         models = replace(models, extended=paper)
     balance = found.adopted[0].balance if models.adopted else "mechanical"
     scored = _scored(models, balance, data)
@@ -140,16 +140,18 @@ def fitted_models(
 
 def _with_the_constant_first(found: Attribution, offered: Sequence[Effect], data: FitData) -> Attribution:
     """A tie of effects under load, with the torque constant open: its value may settle it."""
+    return replace(found, next_measurement=constant_first(found.next_measurement, found.tied, offered, data))
+
+
+def constant_first(
+    found: NextMeasurement | None, tied: Sequence[str], offered: Sequence[Effect], data: FitData
+) -> NextMeasurement | None:
+    """The measurement for tied families, with whether an open torque constant is to be given before it."""
     under_load = {effect.family for effect in offered if effect.words.kin is LOAD}
-    if not found.tied or not under_load.issuperset(found.tied):
+    is_open = data.drive.scale is not None and not data.drive.by_voltage
+    if found is None or not tied or not is_open or not under_load.issuperset(tied):
         return found
-    if data.drive.scale is None or data.drive.by_voltage:
-        return found
-    first = (
-        "Give k_i under [known] first, from the data sheet: while it is open, an effect under load may"
-        " be a wrong constant."
-    )
-    return replace(found, next_measurement=f"{first} {found.next_measurement}")
+    return replace(found, constant_first=True)
 
 
 def _scored(models: Models, balance: str, data: FitData) -> Score:

@@ -12,7 +12,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from eccentric.diagnosis import Asked, Diagnosis, SearchRequest, diagnosed, required_over, staged
+from eccentric.diagnosis import (
+    Asked,
+    Diagnosis,
+    NextMeasurement,
+    SearchRequest,
+    diagnosed,
+    required_over,
+    staged,
+)
 from eccentric.effects import Effect
 from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.bodies import IdentifiedBodies
@@ -218,8 +226,4 @@ def _in_an_arm(found: Diagnosis) -> Diagnosis:
     of_inertia = attribution.verdict == "unexplained" and attribution.depends_on[:1] == ("acceleration",)
     if found.models.misfit or not of_inertia:
         return found
-    advice = (
-        "Accelerate and brake this joint at three rates with the others held, then move the others with this"
-        " one held: that separates its own inertia from theirs."
-    )
-    return replace(found, attribution=replace(attribution, next_measurement=advice))
+    return replace(found, attribution=replace(attribution, next_measurement=NextMeasurement("hold_others")))

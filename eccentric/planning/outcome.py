@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from eccentric.core import InputError
-from eccentric.diagnosis import Diagnosis
+from eccentric.diagnosis import Diagnosis, NextMeasurement
 from eccentric.identification import with_own
 from eccentric.model import TURNING, AxisKind
 from eccentric.planning.choice import Heavier, Pairs, chosen, expected, require_link, with_more_mass
@@ -38,7 +38,7 @@ class MeasurementPlan:
         heavier: the same with another mass on the link, where the motion is not enough and there is a mass.
         added: mass on the link [kg] that the motion is for, besides the rig's own.
         narrower: of one alone: coefficient -> expected standard error over that on the log.
-        otherwise: a measurement that needs more than a motion, "" where none is known.
+        otherwise: a measurement that needs more than a motion, None where nothing is open.
         follows: variables of the structure that no effect explains, for a log with some.
         elsewhere: ids of the named effects that the other balance shows.
         axis: what moves.
@@ -54,7 +54,7 @@ class MeasurementPlan:
     probability: float | None
     heavier: Heavier | None
     narrower: dict[str, float]
-    otherwise: str
+    otherwise: NextMeasurement | None
     follows: tuple[str, ...]
     axis: AxisKind = TURNING
     added: float = 0.0

@@ -11,8 +11,17 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import InputError, few, given_path, read_document
-from eccentric.diagnosis import Candidate, Diagnosis, Screen, Variant, staged_log
-from eccentric.effects import Effect
+from eccentric.diagnosis import (
+    Candidate,
+    Diagnosis,
+    NextMeasurement,
+    Screen,
+    Variant,
+    constant_first,
+    next_measurement,
+    staged_log,
+)
+from eccentric.effects import Effect, Words
 from eccentric.identification import FitData
 from eccentric.logs import LogSource
 from eccentric.model import Model
@@ -95,7 +104,7 @@ class Question:
         data: drive and signals of the log; model: the base model; friction: its coefficients, first fit.
         screen: the log's balance that shows the rivals, with their candidates and the declared values.
         effects: of the library, those that the candidates are made of among them.
-        otherwise: a measurement that needs more than a motion, "" where none is known.
+        otherwise: a measurement that needs more than a motion, None where nothing is open.
         follows: variables of the structure that no effect explains, for a log with some.
         elsewhere: ids of the named effects that the other balance shows: no motion is judged by them.
     """
@@ -106,7 +115,7 @@ class Question:
     friction: np.ndarray
     screen: Screen
     effects: tuple[Effect, ...]
-    otherwise: str = ""
+    otherwise: NextMeasurement | None = None
     follows: tuple[str, ...] = ()
     elsewhere: tuple[str, ...] = ()
 
@@ -200,6 +209,13 @@ def question_from(
         )
         for name in rivals
     ]
+    words = {e.id: e.words for e in stage.offered}
+    best = {c["family"]: words.get(c["id"], Words()) for c in said["candidates"]}
+    open_ = tuple(name for name in said["tied"] if name in best)
+    otherwise = next_measurement(
+        said["verdict"], [(name, best[name]) for name in open_], said["residual_depends_on"]
+    )
+    otherwise = constant_first(otherwise, open_, stage.offered, stage.data)
     follows = said["residual_depends_on"] if said["verdict"] == "unexplained" else ()
     return Question(
         shared(found),
@@ -208,7 +224,7 @@ def question_from(
         stage.friction,
         screen,
         effects,
-        said["next_measurement"],
+        otherwise,
         tuple(follows),
         tuple(name for name in adopted if shown[name] != balance.name),
     )
@@ -229,9 +245,7 @@ def _fitted(screen: Screen, candidates: Sequence[Candidate]) -> tuple[Variant, .
 def _require_known(said: Mapping[str, Any], where: str) -> None:
     if said.get("format") != FORMAT:
         raise InputError(where, f"a document of format {FORMAT}", f"{said.get('format')!r}")
-    needed = (
-        "fits_the_rig logs model verdict tied extended_by candidates residual_depends_on next_measurement"
-    )
+    needed = "fits_the_rig logs model verdict tied extended_by candidates residual_depends_on"
     if missing := [key for key in needed.split() if key not in said]:
         raise InputError(where, ", ".join(missing), "none: diagnose the logs again")
     given = [word for words in said.get("asked", {}).values() for word in words]

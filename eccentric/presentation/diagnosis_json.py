@@ -12,6 +12,7 @@ from eccentric.effects import Effect
 from eccentric.identification import Estimate, in_drive_unit
 from eccentric.model import TURNING
 from eccentric.presentation.diagnosis_text import diagnosis_sentence, tied_families
+from eccentric.presentation.measurement_text import measurement_sentence
 
 
 def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
@@ -50,7 +51,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         ],
         "extended_by": [effect.id for effect, _ in found.models.extended.effects],
         "residual_depends_on": list(a.depends_on),
-        "next_measurement": a.next_measurement,
+        "next_measurement": measurement_sentence(a.next_measurement),
         **_errors(found),
         "improvement": {
             "balance": found.score.balance,

@@ -23,6 +23,7 @@ from eccentric.diagnosis import (
 )
 from eccentric.effects import Correction, Effect, Words
 from eccentric.identification import Emitted, in_drive_unit
+from eccentric.presentation.measurement_text import measurement_sentence
 
 _NONE = "no effect of the library explains"
 
@@ -262,7 +263,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         out.append(f"the residual within runs is periodic in the motor angle; cycles per turn: {parts}")
     out += _calls(found)
     if a.next_measurement:
-        out.append(f"next: {a.next_measurement}")
+        out.append(f"next: {measurement_sentence(a.next_measurement)}")
     own = (*found.asked.logs, *found.channels.own_names)
     return [found.rig.axis.said(line, own) for line in out]
 

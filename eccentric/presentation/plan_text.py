@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.planning import DECIDES, HARDLY, RATE_HZ, WORTH_A_RUN, MeasurementPlan
+from eccentric.presentation.measurement_text import measurement_sentence
 
 
 def plan_lines(plan: MeasurementPlan) -> list[str]:
@@ -23,7 +24,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         said.append(f"Not part of this: {', '.join(plan.elsewhere)}, which the {balance} balance shows.")
     if plan.follows:
         said.append(f"Something depends on {', '.join(plan.follows)} that no effect explains.")
-        said += [f"What would show it: {plan.otherwise}"] if plan.otherwise else []
+        said += [f"What would show it: {measurement_sentence(plan.otherwise)}"] if plan.otherwise else []
     if plan.probability is not None:
         closest = min(plan.apart, key=lambda pair: plan.apart[pair])
         said.append(
@@ -46,7 +47,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
                 else f"{kg} would not decide either."
             )
         if plan.probability < DECIDES and plan.otherwise:
-            said.append(f"What would decide: {plan.otherwise}")
+            said.append(f"What would decide: {measurement_sentence(plan.otherwise)}")
     else:
         said += [
             f"  {name}: standard error falls to {100 * part:.0f} % of what the log gives"
@@ -99,7 +100,7 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
         "relative_std_error": plan.narrower,
         "added_kg": plan.added,
         "heavier": None if plan.heavier is None else vars(plan.heavier),
-        "otherwise": plan.otherwise,
+        "otherwise": measurement_sentence(plan.otherwise),
         "residual_depends_on": list(plan.follows),
         "elsewhere": list(plan.elsewhere),
         "parts": list(plan.parts),

@@ -34,4 +34,11 @@ from eccentric.diagnosis.search.limits import (
     SURE,
 )
 from eccentric.diagnosis.search.screen import Screen, fitted_variants
-from eccentric.diagnosis.search.verdict import Adopted, Attribution, attribute, unconfirmed
+from eccentric.diagnosis.search.verdict import (
+    Adopted,
+    Attribution,
+    NextMeasurement,
+    attribute,
+    next_measurement,
+    unconfirmed,
+)

@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 
 import numpy as np
 
@@ -21,68 +20,44 @@ from eccentric.diagnosis.search.attribution import Search
 from eccentric.diagnosis.search.candidate import Candidate, Variables, Variant
 from eccentric.diagnosis.search.screen import Fitted
 from eccentric.diagnosis.search.two_balances import search_all
-from eccentric.effects import Words, measurement_between
+from eccentric.effects import Words
 from eccentric.identification import BalanceDesign
 from eccentric.signals import MANY_RUNS
 
-# What to measure where structure remains that no effect explains: one sentence for each variable.
+# The measurement that would decide.
 
 
-_MEASUREMENTS = MappingProxyType(
-    {
-        "velocity": (
-            "Hold eight or more constant speeds over the range of use, each for several turns of the link, in"
-            " both directions."
-        ),
-        "direction": (
-            "Run the same constant speeds forwards and backwards in turn, the first pair again at the end."
-        ),
-        "link_angle": (
-            "Turn the link slowly at one constant speed, over five whole turns in each direction; repeat at"
-            " twice that speed."
-        ),
-        "motor_angle": (
-            "Turn at one slow, constant speed with at least fifty rows per motor turn, in both directions;"
-            " repeat at twice that speed."
-        ),
-        "gravity_load": "Repeat the log with half of the mass on the link, and with none.",
-        "transmitted_torque": (
-            "Accelerate and brake through the same speeds at three rates, then repeat with another mass on"
-            " the link."
-        ),
-        "acceleration": (
-            "Leave J_m and J_l out of the rig file: the log then identifies the inertia and shows what else"
-            " is left."
-        ),
-        "current": (
-            "Hold one slow, constant speed with three different masses on the link: the current changes, the"
-            " speed does not."
-        ),
-        "voltage": "Run the same constant speeds at two supply voltages, a fifth or more apart.",
-        "temperature": (
-            "Run the same speeds from a cold start until the motor is warm, and again while it cools, with"
-            " its temperature logged."
-        ),
-        "time": (
-            "Run the same course at once and again after an hour at rest, with the temperature logged if"
-            " possible."
-        ),
-        "history": (
-            "Start from rest after pauses of 1 s, 10 s and 100 s, and swing back and forth slowly over a few"
-            " degrees."
-        ),
-    }
-)
-"""Variable -> a measurement that a person can do."""
+@dataclass(frozen=True)
+class NextMeasurement:
+    """A measurement that would decide what is open; `presentation` has the words.
+
+    Attributes:
+        code: "correct", the rig file or the log, which do not fit each other; "vary", one variable with all
+            others held; "separate", two families that explain the log equally well; "hold_others",
+            accelerate a joint of an arm with the others held, then the other way round.
+        variable: what is varied; a user's own effect may name any.
+        between: the families, each with the words of its best member.
+        constant_first: whether giving the torque constant, which is open, may decide without it.
+    """
+
+    code: str
+    variable: str = ""
+    between: tuple[tuple[str, Words], ...] = ()
+    constant_first: bool = False
 
 
-def measurement_of(variable: str) -> str:
-    """What to measure where the residual follows a variable; a user's own effect may name any."""
-    name = variable.replace("_", " ")
-    own = (
-        f"Change the {name} alone, in five steps up and down, at the same constant speed in both directions."
-    )
-    return _MEASUREMENTS.get(variable, own)
+def next_measurement(
+    verdict: str, tied: Sequence[tuple[str, Words]], variables: Sequence[str]
+) -> NextMeasurement | None:
+    """The measurement that would decide; None where nothing is open.
+
+    tied: families that explain the log equally well, each with the words of its best member.
+    """
+    if verdict == "unexplained":
+        return NextMeasurement("vary", variables[0] if variables else "time")
+    if verdict != "not_identifiable" or not tied:
+        return None
+    return NextMeasurement("separate", between=(tied[0], tied[1] if len(tied) > 1 else tied[0]))
 
 
 # The verdict.
@@ -137,7 +112,7 @@ class Attribution:
     best approximation, not to be reported as a name); tied: families that explain the log equally well;
     candidates: best first, those of the balance that the verdict is about before all others; depends_on:
     variables that the residual of the paper's model follows, strongest first;
-    next_measurement: one sentence, empty if nothing is open; searches: per balance;
+    next_measurement: None if nothing is open; searches: per balance;
     deviance: per balance, the gain of the best addition and the level that chance reaches (99 %);
     unconfirmed: adopted effects that did not predict the held-out part.
     """
@@ -147,7 +122,7 @@ class Attribution:
     tied: tuple[str, ...]
     candidates: tuple[Ranked, ...]
     depends_on: tuple[str, ...]
-    next_measurement: str
+    next_measurement: NextMeasurement | None
     searches: dict[str, Search]
     deviance: dict[str, tuple[float, float]]
     unconfirmed: tuple[str, ...] = ()
@@ -198,9 +173,9 @@ def decided(searches: dict[str, Search], runs: int = 1) -> Attribution:
         if search.ranked
     }
     words = {entry.family: entry.words for entry in listed}
-    sentence = next_measurement(verdict, [(family, words[family]) for family in tied], follows)
+    following = next_measurement(verdict, [(family, words[family]) for family in tied], follows)
     return Attribution(
-        verdict, tuple(adopted), tuple(tied), tuple(listed), follows, sentence, searches, deviance
+        verdict, tuple(adopted), tuple(tied), tuple(listed), follows, following, searches, deviance
     )
 
 
@@ -355,20 +330,4 @@ def _outlines(search: Search, smooth: Fitted) -> bool:
         len({candidate.family for candidate in own if candidate.variable == variable}) > 1
         and best.score > limits.HIDES * search.screen.floor
         and best.score - smooth.score > limits.CLEARS * (best.score - search.screen.floor)
-    )
-
-
-def next_measurement(verdict: str, tied: Sequence[tuple[str, Words]], variables: Sequence[str]) -> str:
-    """The measurement that would decide, in one sentence; empty where nothing is open.
-
-    tied: families that explain the log equally well, each with the words of its best member.
-    """
-    if verdict == "unexplained":
-        return measurement_of(variables[0] if variables else "time")
-    if verdict != "not_identifiable" or not tied:
-        return ""
-    first, second = tied[0], tied[1] if len(tied) > 1 else tied[0]
-    one, other = (words.headline or family for family, words in (first, second))
-    return measurement_between(first, second) or (
-        f"Log what separates {one} from {other}: other speeds, loads and directions than this log has."
     )

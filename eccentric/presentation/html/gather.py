@@ -42,6 +42,7 @@ from eccentric.presentation.html.data import (
 )
 from eccentric.presentation.html.equation import friction_equations, typesetter_of
 from eccentric.presentation.html.text import number, range_of
+from eccentric.presentation.measurement_text import measurement_sentence
 from eccentric.rigs import KNOWNS
 from eccentric.signals import Rows
 from eccentric.version import __version__
@@ -237,7 +238,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
             sentence=diagnosis_sentence(found),
             depends_on=attribution.depends_on,
             closest=" ".join(filter(None, [closest_sentence(found), sibling_sentence(found)])),
-            next_measurement=attribution.next_measurement,
+            next_measurement=measurement_sentence(attribution.next_measurement),
             fits_the_rig=found.models.fits_the_rig,
             confirmed=not attribution.unconfirmed,
             clear=tuple(effect.words.headline or effect.id for effect, _ in found.clear),
