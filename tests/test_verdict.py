@@ -16,6 +16,7 @@ from eccentric.diagnosis.search import Attribution, limits, unconfirmed
 from eccentric.diagnosis.search.candidate import Candidate
 from eccentric.diagnosis.search.verdict import NextMeasurement, decided, next_measurement
 from eccentric.effects import LOAD, Evidence, Kin, Words
+from eccentric.model import TURNING
 from eccentric.presentation.measurement_text import measurement_sentence
 from eccentric.signals import MANY_RUNS
 from tests.searched import N, candidate, search
@@ -272,7 +273,7 @@ def test_the_measurement_between_tied_families_is_theirs() -> None:
     """Tied families of one kin have the sentence of the kin, from the words of the candidates."""
     one, other = (replace(c, words=Words(kin=SPEED)) for c in (A, rival("b", 0.5)))
 
-    assert "More speeds." == measurement_sentence(verdict({2: 3.0}, one, other).next_measurement)
+    assert "More speeds." == measurement_sentence(verdict({2: 3.0}, one, other).next_measurement, TURNING)
 
 
 WORDS = {"a": Words(headline="what a is"), "b": Words()}
@@ -310,7 +311,7 @@ def test_the_next_measurement_is_that_of_the_verdict(
 )
 def test_a_next_measurement_is_a_sentence(found: NextMeasurement | None, expected: str) -> None:
     """It says what to do; families are called by their headline, else by their name."""
-    said = measurement_sentence(found)
+    said = measurement_sentence(found, TURNING)
 
     assert expected in said
     assert bool(expected) == bool(said)
@@ -324,7 +325,7 @@ def test_a_variable_is_the_leading_one() -> None:
 
 
 def _varied(variable: str) -> str:
-    return measurement_sentence(NextMeasurement("vary", variable))
+    return measurement_sentence(NextMeasurement("vary", variable), TURNING)
 
 
 @pytest.mark.parametrize("variable", VARIABLES)

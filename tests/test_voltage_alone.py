@@ -10,6 +10,7 @@ import pytest
 
 from eccentric.diagnosis import Diagnosis, diagnose
 from eccentric.identification import refit
+from eccentric.model import TURNING
 from eccentric.presentation import diagnosis_document
 from eccentric.presentation.html.gather import report_data
 from eccentric.presentation.measurement_text import measurement_sentence
@@ -93,7 +94,7 @@ def test_load_dependent_friction_is_told_with_its_equal(with_load: Diagnosis) ->
     """Both families that give this log are listed and no other; one that separates them is proposed."""
     assert "not_identifiable" == with_load.attribution.verdict
     assert {"load_dependent", "gear_efficiency"} == set(with_load.attribution.tied)
-    assert "current" in measurement_sentence(with_load.attribution.next_measurement)
+    assert "current" in measurement_sentence(with_load.attribution.next_measurement, TURNING)
     assert is_found(with_load.models.extended, "load_eta", 0.15)
 
 

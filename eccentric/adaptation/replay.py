@@ -64,8 +64,12 @@ def require_logged(channels: Channels, names: Iterable[str], log: str) -> None:
     lacking = [name for name in names if name in found and found[name] is None and name not in served]
     if lacking:
         there = [_CHANNELS[name] for name, x in found.items() if x is not None]
-        there += ["torque"] if by_torque else []
-        wanted = "current or torque" if lacking[0] == CURRENT else _CHANNELS[lacking[0]]
+        there += [channels.rig.axis.named("torque")] if by_torque else []
+        wanted = (
+            f"current or {channels.rig.axis.named('torque')}"
+            if lacking[0] == CURRENT
+            else _CHANNELS[lacking[0]]
+        )
         raise InputError(
             log,
             f"a column for {wanted}",

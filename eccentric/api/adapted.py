@@ -13,7 +13,6 @@ from eccentric.api.inputs import (
     LogSources,
     ModelSource,
     RigSource,
-    in_words_of,
     model_of,
     read_logs,
     sources_of,
@@ -59,25 +58,24 @@ def adapt(
     sources, rig = sources_of(log), read_rig(rig)
     if rig.added:
         raise InputError(rig.path, problem="[added]: a log of one mass is required to follow its parameters")
-    with in_words_of(rig, [*sources, parameters, model]):
-        read = read_logs(sources)
-        channels = read_channels(read, rig)
-        base = model_of(channels.rig.model if model is None else model)
-        names = ", ".join(log_names(read))
-        require_logged(channels, [CURRENT], names)
-        fitted = fit_channels(channels, channels.rig, base, names)
-        document: Any = fit_document(fitted, log_names(read))
-        warnings = tuple(document["warnings"])
-        if parameters is not None:
-            document = document_of(given_path(parameters, "parameters"))
-        given = read_parameters(document)
-        if not given.fits_the_rig:
-            raise InputError(
-                given.source, problem="parameters of a log that fits its rig are required to start from"
-            )
-        start = with_fitted(base, given, base.name)
-        driven = _with_current(fitted.problem.drive, given.values)
-        course = replayed(driven, start, document, asked, names)
+    read = read_logs(sources)
+    channels = read_channels(read, rig)
+    base = model_of(channels.rig.model if model is None else model)
+    names = ", ".join(log_names(read))
+    require_logged(channels, [CURRENT], names)
+    fitted = fit_channels(channels, channels.rig, base, names)
+    document: Any = fit_document(fitted, log_names(read))
+    warnings = tuple(document["warnings"])
+    if parameters is not None:
+        document = document_of(given_path(parameters, "parameters"))
+    given = read_parameters(document)
+    if not given.fits_the_rig:
+        raise InputError(
+            given.source, problem="parameters of a log that fits its rig are required to start from"
+        )
+    start = with_fitted(base, given, base.name)
+    driven = _with_current(fitted.problem.drive, given.values)
+    course = replayed(driven, start, document, asked, names)
     return AdaptResult(
         course=course,
         lines=tuple(course_lines(course, names)),
@@ -96,7 +94,12 @@ def _with_current(drive: Drive, values: Mapping[str, float]) -> Channels:
     if motor.measured_by != "torque":
         return channels
     if missing := sorted(drive.machine.torque_letters - set(values)):
-        raise InputError(f"parameters.{missing[0]}", "a value", "none", why="to follow a torque")
+        raise InputError(
+            f"parameters.{missing[0]}",
+            "a value",
+            "none",
+            why=f"to follow a {channels.rig.axis.term('torque')}",
+        )
     current = drive.machine.current_of_torque(values, motor.measured)
     return replace(channels, motor=replace(motor, current=current))
 

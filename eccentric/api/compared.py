@@ -14,7 +14,6 @@ from eccentric.api.inputs import (
     RigSource,
     by_name,
     given_path,
-    in_words_of,
     sources_of,
 )
 from eccentric.api.result import Printed, ResultTable, new_axes
@@ -57,10 +56,8 @@ def compare(
     own = None if effects is None else given_path(effects, "effects")
     named = [name for model in several if (name := by_name(model)) is not None]
     sources, rig = sources_of(logs), read_rig(rig)
-    with in_words_of(rig, sources):
-        found = contest(read_long(sources, rig, tell=reading), rig, named, own)
-    axis, names = rig.axis, (*rig.own_names, *found.logs)
-    found = replace(found, unit=axis.said(found.unit), warnings=axis.told(found.warnings, names))
+    found = contest(read_long(sources, rig, tell=reading), rig, named, own)
+    found = replace(found, unit=rig.axis.unit(found.unit))
     return CompareResult(
         contest=found,
         lines=tuple(contest_lines(found)),

@@ -14,7 +14,6 @@ from eccentric.api.inputs import (
     ModelSource,
     RigSource,
     by_name,
-    in_words_of,
     names_given,
     sources_of,
 )
@@ -108,9 +107,8 @@ def diagnose(
     paths = _scripts(offered, base)
     request = SearchRequest(*(names_given(names) for names in (including, without, only)))
     sources, rig = sources_of(logs), read_rig(rig)
-    with in_words_of(rig, sources):
-        read = read_long(sources, rig, tell=reading)
-        found = diagnose_logs(read, rig, base, offered, request, progress)
+    read = read_long(sources, rig, tell=reading)
+    found = diagnose_logs(read, rig, base, offered, request, progress)
     return result_of(found, {path.name: path.read_text(encoding="utf-8") for path in paths})
 
 

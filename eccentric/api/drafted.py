@@ -158,7 +158,7 @@ def draft_rig(
     title = name or Path(_longest(read).path).name.split(".")[0]
     if rate_hz is not None:
         draft = _without_time(draft, rate_hz)
-    proposals = tuple(replace(p, channel=draft.axis.said(p.channel)) for p in draft.proposals)
+    proposals = tuple(replace(p, channel=draft.axis.named(p.channel)) for p in draft.proposals)
     return RigDraft(toml_of(draft, title), proposals, draft.left_out, draft.doubts, draft.questions)
 
 
@@ -209,12 +209,11 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
     for log in read:
         found += [line for line in log_complaints(usable, log, draft, found) if line not in found]
     tried = _tried(read, usable, rest, found)
-    axis, own = usable.axis, (*usable.own_names, *log_names(read))
     guessed = () if draft is None else _still_guessed(draft, rest, usable.path)
-    lists = tried.complaints, tried.estimated, tried.warnings, (*guessed, *tried.doubts)
-    asked, estimated, warnings, doubts = (axis.told(lines, own) for lines in lists)
-    complaints = tuple(dict.fromkeys((*(one.text for one in found), *asked)))
-    return RigCheck(complaints, (), warnings) if complaints else RigCheck((), estimated, warnings, doubts)
+    complaints = tuple(dict.fromkeys((*(one.text for one in found), *tried.complaints)))
+    if complaints:
+        return RigCheck(complaints, (), tried.warnings)
+    return RigCheck((), tried.estimated, tried.warnings, (*guessed, *tried.doubts))
 
 
 def _still_guessed(draft: Draft, content: Mapping[str, Any], path: str) -> tuple[str, ...]:
@@ -224,7 +223,7 @@ def _still_guessed(draft: Draft, content: Mapping[str, Any], path: str) -> tuple
     return tuple(
         f"{path}: {entry.key} = {entry.value} is a guess from the log: {entry.doubt}"
         for entry, table in zip(lines, given, strict=True)
-        if table.get(draft.axis.said(entry.key)) == tomllib.loads(f"value = {entry.value}")["value"]
+        if table.get(draft.axis.named(entry.key)) == tomllib.loads(f"value = {entry.value}")["value"]
     )
 
 
@@ -278,18 +277,19 @@ def _tried(
             fit = fit_channels(channels, channels.rig, load_model(channels.rig.model), few(log_names(logs)))
         except InputError as error:
             letter = error.letter if isinstance(error, MissingValueError) else ""
-            here = tried.axis.said
+            axis = tried.axis
             if letter not in _TYPICAL or letter in tried.known:
                 # What follows from a complaint that is already made would only be noise.
                 return RigCheck((*missing, *([] if complaints else [str(error)])), (), ())
-            keys = {here(letter), *(known.key for known in knowns_of(tried.axis) if known.name == letter)}
+            here = axis.named(letter)
+            keys = {here, *(known.key for known in knowns_of(tried.axis) if known.name == letter)}
             if not any(one.table == "known" and one.key in keys for one in complaints):
                 missing.append(
-                    f"{rig.path}: [known] {letter} is required, as in"
-                    f' {letter} = "{_TYPICAL[letter]}", received none'
+                    f"{rig.path}: [known] {here} is required, as in"
+                    f' {here} = "{axis.unit(_TYPICAL[letter])}", received none'
                 )
             filled = True
-            given = {**given, "known": {**given.get("known", {}), here(letter): here(_TYPICAL[letter])}}
+            given = {**given, "known": {**given.get("known", {}), here: axis.unit(_TYPICAL[letter])}}
             continue
         # A value that was filled in, and a column or a gear that is wrong, contradict the log by themselves.
         wrong = {(one.table, one.key) for one in complaints}
@@ -324,7 +324,7 @@ def _doubted(beside: Sequence[Ratio], channels: Channels, rig: Rig) -> Iterator[
     for ratio in doubted:
         if {"k_i", "M g L"} <= letters and ratio.letter == ("k_i" if inertia else "M g L"):
             continue
-        which = "M and L" if ratio.letter == "M g L" else ratio.letter
+        which = "M and L" if ratio.letter == "M g L" else rig.axis.named(ratio.letter)
         yield f"{rig.path}: {_beside(ratio)}: check {which}{_unless(ratio)}"
 
 
@@ -365,7 +365,7 @@ def _of_the_diagnosis(channels: Channels, rig: Rig) -> Iterator[str]:
     motor = channels.motor
     missing = sorted({"R", "k_e"} - set(rig.known))
     if motor.measured_by == "current" and motor.voltage is not None and missing:
-        here = " and ".join(map(rig.axis.said, missing))
+        here = " and ".join(map(rig.axis.named, missing))
         yield (
             f"{rig.path}: a fit can use this rig; diagnose also requires [known] {here}, since current and"
             " voltage are mapped, or no voltage in [columns]"
@@ -383,12 +383,14 @@ def _with_mend(finding: Finding) -> str:
 
 def _determined(fit: Any, rig: Rig) -> list[str]:
     """Each estimate with its interval, and what of the motion it follows from."""
-    lines = []
+    lines, axis, inertia = [], rig.axis, rig.axis.term("inertia")
     meaning = {
         "J": "the acceleration", "J_m": "the acceleration", "J_l": "the acceleration",
-        "k_i": "gravity and inertia against the current", "M_l": "the load of the bearing", "L": "gravity",
+        "k_i": f"gravity and {inertia} against the current", "M_l": "the load of the bearing", "L": "gravity",
         "phi": "gravity", "T_load": "what is constant in both directions",
-        **dict.fromkeys(("1", "R/k_i"), "what the rig gives of gravity, inertia and load, against the drive"),
+        **dict.fromkeys(
+            ("1", "R/k_i"), f"what the rig gives of gravity, {inertia} and load, against the drive"
+        ),
         "theta_zero_rad": "the phase of gravity",
         "input_delay_s": "the lag of the motion", "voltage_offset_V": "what is constant in both directions",
     }  # fmt: skip
@@ -397,7 +399,8 @@ def _determined(fit: Any, rig: Rig) -> list[str]:
         # A scaled one, such as J/k_i or J*R/k_i, is of its own letter.
         letters = (name, *name.partition("/")[0].split("*"))
         source = next((meaning[x] for x in letters if x in meaning), "the friction of moving rows")
-        lines.append(f"{name} = {e.value:.4g} {e.unit}, 95 % interval {low:.4g} to {high:.4g}, from {source}")
-    lines += [f"{name}: estimated along with the fit" for name in sorted(rig.estimate)]
-    given = [known.name for known in knowns_of(rig.axis) if known.name in rig.known]
+        value = f"{axis.named(name)} = {e.value:.4g} {axis.unit(e.unit)}"
+        lines.append(f"{value}, 95 % interval {low:.4g} to {high:.4g}, from {source}")
+    lines += [f"{axis.named(name)}: estimated along with the fit" for name in sorted(rig.estimate)]
+    given = [axis.named(known.name) for known in knowns_of(axis) if known.name in rig.known]
     return [*lines, f"taken as the rig file says: {few(given)}"] if given else lines

@@ -12,7 +12,6 @@ from eccentric.api.inputs import (
     LogSources,
     ModelSource,
     RigSource,
-    in_words_of,
     model_of,
     origin_of,
     sources_of,
@@ -56,13 +55,12 @@ def fit(
             little motion for the model.
     """
     sources, rig = sources_of(logs), read_rig(rig)
-    with in_words_of(rig, sources):
-        read = read_long(sources, rig, FIT_POINTS, reading)
-        channels = read_channels(read, rig)
-        chosen = channels.rig.model if model is None else model
-        base = model_of(chosen)
-        names, axis = log_names(read), rig.axis
-        found = fit_channels(channels, channels.rig, base, ", ".join(names))
+    read = read_long(sources, rig, FIT_POINTS, reading)
+    channels = read_channels(read, rig)
+    chosen = channels.rig.model if model is None else model
+    base = model_of(chosen)
+    names, axis = log_names(read), rig.axis
+    found = fit_channels(channels, channels.rig, base, ", ".join(names))
     estimates = axis.estimates({**found.coefficients, **found.searched})
     document = fit_document(found, names)
     return FitResult(
@@ -74,7 +72,7 @@ def fit(
         correlation=Correlation.of(list(estimates), found.spread.matrix),
         rmse=found.rmse,
         r_squared=found.r_squared,
-        unit=axis.said(found.problem.unit),
+        unit=axis.unit(found.problem.unit),
         improvement=found.percent,
         improvement_interval=found.percent_interval,
         warnings=tuple(document["warnings"]),
@@ -115,7 +113,7 @@ class FitResult(Result):
     @property
     def parameters(self) -> dict[str, float]:
         """All parameters of the fitted model by the paper's letters, in SI."""
-        return {self.base.axis.said(x): value for x, value in read_parameters(self.document).values.items()}
+        return {self.base.axis.named(x): value for x, value in read_parameters(self.document).values.items()}
 
     @property
     def sentence(self) -> str:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from eccentric.core import InputError, given_path, is_arm_file, shown
+from eccentric.core import InputError, given_path, is_arm_file
 from eccentric.emission import FittedValues
 from eccentric.logs import Log, LogSource, read_log
 from eccentric.model import Model, arm, load_model, model_names, unlike, with_bodies
@@ -17,21 +16,6 @@ from eccentric.rigs import Rig, read_arm
 LogSources: TypeAlias = LogSource | Sequence[LogSource]
 RigSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Rig
 ModelSource: TypeAlias = str | os.PathLike[str] | Model
-
-
-@contextmanager
-def in_words_of(rig: Rig, logs: Sequence[object]) -> Iterator[None]:
-    """Errors in the words of the rig's axis; what a person has named, logs included, is left alone."""
-    try:
-        yield
-    except InputError as error:
-        given = (shown(Path(log)) for log in logs if isinstance(log, str | os.PathLike))
-        own = (*rig.own_names, *map(str, given))
-        texts = ("place", "expected", "got", "why", "problem", "hint")
-        spoken = {name: rig.axis.said(getattr(error, name), own) for name in texts}
-        if all(text == getattr(error, name) for name, text in spoken.items()):
-            raise
-        raise error.but(**spoken) from None
 
 
 def read_logs(logs: LogSources) -> list[Log]:

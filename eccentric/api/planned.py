@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, in_words_of, sources_of
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, sources_of
 from eccentric.api.result import Printed
 from eccentric.diagnosis import diagnose
 from eccentric.emission import template
@@ -73,23 +73,21 @@ def plan(
     bounds = read_bounds(limits, rig.axis)
     mass = 0.0 if added is None else read_mass(added, "--added")
     base = by_name(model)
-    with in_words_of(rig, sources):
-        if mass:
-            require_link(rig, base if isinstance(base, Model) else load_model(base or rig.model))
-        read = read_long(sources, rig, tell=reading)
-        if diagnosis is None:
-            found = diagnose(read, rig, base, tell=progress)
-            question, warnings = question_of(found), found.warnings
-        else:
-            question = question_from(diagnosis, read, rig, base)
-            channels = question.data.drive.channels
-            warnings = (*channels.intake.warnings, *question.data.drive.warnings)
-        made = planned(question, bounds, progress or (lambda _: None), mass)
-    own_names = (*map(str, sources), *question.data.drive.channels.own_names)
+    if mass:
+        require_link(rig, base if isinstance(base, Model) else load_model(base or rig.model))
+    read = read_long(sources, rig, tell=reading)
+    if diagnosis is None:
+        found = diagnose(read, rig, base, tell=progress)
+        question, warnings = question_of(found), found.warnings
+    else:
+        question = question_from(diagnosis, read, rig, base)
+        channels = question.data.drive.channels
+        warnings = (*channels.intake.warnings, *question.data.drive.warnings)
+    made = planned(question, bounds, progress or (lambda _: None), mass)
     return PlanResult(
         plan=made,
         lines=tuple(plan_lines(made)),
-        warnings=rig.axis.told(warnings, own_names),
+        warnings=tuple(warnings),
         document=plan_document(made),
     )
 
@@ -115,7 +113,7 @@ class PlanResult(Printed):
             "omega_m_rad_s": motion.omega,
             "alpha_m_rad_s2": motion.alpha,
         }
-        return {self.plan.axis.said(name): values for name, values in columns.items()}
+        return {self.plan.axis.named(name): values for name, values in columns.items()}
 
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write plan.json, reference.csv, reference.h and, with matplotlib, plan.png and plan.svg.
@@ -136,11 +134,15 @@ class PlanResult(Printed):
 
     def draw(self, figure: Figure) -> None:
         """Draw angle, speed, acceleration and current over time, each with its limits."""
-        motion, bounds = self.plan.motion, self.plan.bounds
+        motion, bounds, axis = self.plan.motion, self.plan.bounds, self.plan.axis
         rows = (
-            ("angle [rad]", motion.theta, bounds.angle),
-            ("speed [rad/s]", motion.omega, (-bounds.speed, bounds.speed)),
-            ("acceleration [rad/s²]", motion.alpha, (-bounds.acceleration, bounds.acceleration)),
+            (f"{axis.term('angle')} [{axis.unit('rad')}]", motion.theta, bounds.angle),
+            (f"speed [{axis.unit('rad/s')}]", motion.omega, (-bounds.speed, bounds.speed)),
+            (
+                f"acceleration [{axis.unit('rad/s²')}]",
+                motion.alpha,
+                (-bounds.acceleration, bounds.acceleration),
+            ),
             ("{} [{}]".format(*self.plan.strength), self.plan.current, (-bounds.current, bounds.current)),
         )
         for axes, (name, values, limits) in zip(figure.subplots(4, 1, sharex=True), rows, strict=True):
@@ -151,9 +153,9 @@ class PlanResult(Printed):
                 axes.axhline(limit, color="#d55e00", linestyle="--", linewidth=1.0)
             if limits and not near:
                 axes.set_title(f"limits {limits[0]:.4g} to {limits[1]:.4g}", loc="right", fontsize="small")
-            axes.set_ylabel(self.plan.axis.said(name))
+            axes.set_ylabel(name)
             axes.margins(x=0.0)
-        title = self.plan.axis.said("planned motion (motor side), limits dashed")
+        title = f"planned motion{self.plan.axis.term(' (motor side)')}, limits dashed"
         title += f", with {self.plan.added:g} kg added" if self.plan.added else ""
         figure.axes[0].set_title(title, loc="left", fontsize="medium")
         figure.axes[-1].set_xlabel("time [s]")
@@ -172,7 +174,7 @@ class PlanResult(Printed):
             command="eccentric plan",
             count=len(points),
             rate=FIRMWARE_HZ,
-            said=self.plan.axis.said,
+            said=self.plan.axis.text,
             added=f"{self.plan.added:g}" if self.plan.added else "",
             points=[[f"{x:.6e}" for x in point] for point in points],
         )

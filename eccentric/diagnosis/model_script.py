@@ -254,7 +254,7 @@ from eccentric.effects import Setting, library, load_effects{load[0]}
 from eccentric.model import load_model, with_values
 from eccentric.output import show
 
-# {found.rig.axis.said("The paper's model")}.
+# {found.rig.axis.text("The paper's model")}.
 model = load_model({_base(found)})
 {load[1]}
 # The span of the log, from which the ranges of the library of effects follow.

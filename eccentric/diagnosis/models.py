@@ -81,7 +81,8 @@ class Models:
     def misfit(self) -> str:
         """Why the log cannot be from this rig, "" if it can."""
         if self.r_squared < LEAST_R_SQUARED and not self.structured:
-            return f"R^2 of the drive torque {self.r_squared:.2f}"
+            axis = self.paper.data.drive.channels.rig.axis
+            return f"R^2 of the drive {axis.term('torque')} {self.r_squared:.2f}"
         fitted, rows = self.paper, self.paper.data.rows
         if "electrical" not in fitted.residuals:
             return ""

@@ -43,7 +43,7 @@ def _missing(rig: Rig, log: Log, told: Collection[Complaint]) -> Iterator[Compla
     sources = _sources(rig, log)
     refused = {one.key for one in told if one.table == "columns"}
     for channel, text in sources.items():
-        called = rig.axis.said(channel)
+        called = rig.axis.named(channel)
         if text in log.columns:
             if channel != "run":
                 try:
@@ -66,7 +66,7 @@ def _missing(rig: Rig, log: Log, told: Collection[Complaint]) -> Iterator[Compla
         ("theta_m", "theta_l", "omega_m", "omega_l"),
         ("current", "torque", "torque_l", "voltage"),
     ):
-        names = [rig.axis.said(channel) for channel in choice if channel in channels_of(rig.axis)]
+        names = [rig.axis.named(channel) for channel in choice if channel in channels_of(rig.axis)]
         if choice == ("time",) and rig.log.sample_rate_hz is not None:
             continue
         if refused.isdisjoint(names) and not any(channel in sources for channel in choice):
@@ -86,7 +86,7 @@ def _without_gain(rig: Rig, log: Log) -> Iterator[Complaint]:
             continue
         unit = read_name(plain, log.units.get(plain, "")).unit
         if gain := gain_of(channels_of(rig.axis)[channel][1], unit):
-            called = rig.axis.said(channel)
+            called = rig.axis.named(channel)
             column = json.dumps(source.text, ensure_ascii=False)
             line = (
                 f"{rig.path}: [columns] {called}: {plain!r} is in {unit} by its header: give the gain of the"
@@ -97,7 +97,7 @@ def _without_gain(rig: Rig, log: Log) -> Iterator[Complaint]:
 
 def _contradicted(rig: Rig, draft: Draft, told: Collection[str]) -> Iterator[Complaint]:
     """Channels and units that the log shows otherwise, where it leaves no doubt; `told` are done with."""
-    sources, here = rig.log.columns or {}, rig.axis.said
+    sources, here = rig.log.columns or {}, rig.axis.named
     by_column = {p.source: p for p in draft.proposals}
     for channel, source in sources.items():
         proposal = by_column.get(source.text.strip("`"))

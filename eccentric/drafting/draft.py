@@ -81,7 +81,7 @@ class Draft:
     def doubts(self) -> tuple[str, ...]:
         """What is not sure, one line each."""
         by_channel = [
-            f"{self.axis.said(p.channel)} = {p.column}: {p.doubt}" for p in self.proposals if p.doubt
+            f"{self.axis.named(p.channel)} = {p.column}: {p.doubt}" for p in self.proposals if p.doubt
         ]
         return (*by_channel, *(f"{e.key}: {e.doubt}" for e in self.entries if e.doubt))
 

@@ -35,7 +35,7 @@ def toml_of(draft: Draft, name: str) -> str:
         "",
     )
     if drive:
-        lines.append(f'drive = "{draft.axis.said(drive)}"')
+        lines.append(f'drive = "{draft.axis.named(drive)}"')
     lines += [line for entry in draft.entries if entry.table == "" for line in _entry(entry)]
     lines += ["", "[columns]"]
     for proposal in draft.proposals:
@@ -58,7 +58,7 @@ def _channel(proposal: Proposal, axis: AxisKind) -> Iterator[str]:
     if proposal.unit and proposal.unit not in (standard, standard.replace(" ", "")):
         value = f"{{ column = {column}, unit = {_quoted(proposal.unit)} }}"
     yield from _comments(proposal.evidence, proposal.doubt)
-    yield f"{axis.said(proposal.channel)} = {value}"
+    yield f"{axis.named(proposal.channel)} = {value}"
 
 
 def _entry(entry: RigLine) -> Iterator[str]:

@@ -16,7 +16,7 @@ from pathlib import Path
 import sympy as sp
 
 from eccentric.core import InputError, asks, run_script
-from eccentric.model import Change, Equation, Extension, Model, Quantity, extended
+from eccentric.model import AxisKind, Change, Equation, Extension, Model, Quantity, extended
 from eccentric.model import vocabulary as v
 
 # What the library of effects depends on: a case, known parameters, and the ranges that a log covers.
@@ -295,6 +295,15 @@ class Effect:
     shapes: tuple[Shape, ...] = ()
     words: Words = field(default_factory=Words)
     corrects: Correction | None = None
+
+    def told_for(self, axis: AxisKind) -> Effect:
+        """The effect with its words and its formula for an axis; its physics is the same."""
+        if not axis.words:
+            return self
+        own = self.words
+        apart = {other: axis.text(text) for other, text in own.tell_apart.items()}
+        named = {name: axis.text(getattr(own, name)) for name in ("headline", "title", "meaning", "hint")}
+        return replace(self, formula=axis.text(self.formula), words=replace(own, tell_apart=apart, **named))
 
     @property
     def id(self) -> str:

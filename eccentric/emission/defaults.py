@@ -121,8 +121,8 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     # Bodies that cannot exist are no better than a log that does not fit the rig.
     fits = content.get("fits_the_rig") is not False and bodies.get("possible") is not False
     contained = content.get("back_emf_in_friction") is True
-    unit = content.get(axis.said("torque_unit"), "N m")
-    unit = "N m" if unit == axis.said("N m") else unit
+    unit = content.get(axis.named("torque_unit"), "N m")
+    unit = "N m" if unit == axis.unit("N m") else unit
     if unit not in ("N m", "V", "A"):
         raise InputError(f"{where}: torque_unit", "N m, V or A", f"{unit!r}")
     of = content.get("model")

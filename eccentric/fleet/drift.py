@@ -118,7 +118,7 @@ def series_of(history: History, temperatures: Mapping[str, float]) -> Iterator[S
         yield one(heading.name, heading.unit, values, errors, size / level, LEAST_CHANGE)
     if np.all(np.isfinite(friction)):
         yield one(
-            FRICTION, history.axis.said("N m"), friction[:, 0], friction[:, 1], 1.0 / level, LEAST_CHANGE
+            FRICTION, history.axis.unit("N m"), friction[:, 0], friction[:, 1], 1.0 / level, LEAST_CHANGE
         )
     left = np.array([p.residual for p in periods])
     yield one(RESIDUAL, "1", np.log(left[:, 0]), left[:, 1] / left[:, 0], 1.0, LEAST_RESIDUAL)
@@ -381,15 +381,22 @@ def _least(rows: Sequence[tuple[Array, Array]], periods: Sequence[Period]) -> tu
 # Why a joint cannot be judged, or its answer is not to be believed: too few periods, or a rig of another.
 
 
+_NEAR = "inertia and gravity near those of the rig are required"
+_CONSTANTS = "masses, lengths, gear and torque constant"
+
+
 def doubts_of(history: History) -> list[FleetProblem]:
     """What speaks against the history of a joint. Of one without any period, its logs have said why."""
     found: list[tuple[str, str]] = []
-    count = len(history.periods)
+    count, axis = len(history.periods), history.axis
     if 0 < count < LEAST_PERIODS:
         text = f"{LEAST_PERIODS} periods with an answer are required to tell a change, received {count}"
         found.append((NOT_TESTED, text))
     if (level := level_of(history)) <= 0.0:
-        text = f"a positive mean friction torque is required, received {level:.3g} N m: a wrong sign?"
+        text = (
+            f"a positive mean friction {axis.term('torque')} is required, received"
+            f" {level:.3g} {axis.unit('N m')}: a wrong sign?"
+        )
         found.append(("no friction", text))
     place = next((k for k, heading in enumerate(history.headings) if heading.name == SCALE), None)
     if count and place is not None:
@@ -397,8 +404,8 @@ def doubts_of(history: History) -> list[FleetProblem]:
         reach = float(np.median([period.reach * period.errors[place] for period in history.periods]))
         if scale + reach < 1.0 / MOST_SCALE or scale - reach > MOST_SCALE:
             text = (
-                f"inertia and gravity near those of the rig are required, received {scale:.3g} times as much:"
-                " masses, lengths, gear and torque constant of another joint?"
+                f"{axis.term(_NEAR)}, received {scale:.3g} times as much:"
+                f" {axis.term(_CONSTANTS)} of another joint?"
             )
             found.append((OTHER_RIG, text))
-    return [FleetProblem(history.joint, "", "", kind, history.axis.said(text)) for kind, text in found]
+    return [FleetProblem(history.joint, "", "", kind, text) for kind, text in found]

@@ -173,11 +173,11 @@ def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
     changed, strongest = suspect.changed, suspect.changes[0]
     own = {change.series.name: change for change in suspect.changes}
     names, sensor = changed.names, False
-    before, after, unit = changed.before, changed.after, suspect.rig.axis.said("N m")
+    before, after, unit = changed.before, changed.after, suspect.rig.axis.unit("N m")
     if names:
         sensor = all(kind in NOT_FRICTION for kind in changed.kinds)
-        said = suspect.rig.axis.said
-        parts = [f"{said(_KINDS[kind])} ({name})" for kind, name in zip(changed.kinds, names, strict=True)]
+        term = suspect.rig.axis.term
+        parts = [f"{term(_KINDS[kind])} ({name})" for kind, name in zip(changed.kinds, names, strict=True)]
         what = " and ".join(parts)
     elif examined.gain_percent >= EFFECT_PERCENT:
         names, what = examined.families, "new: " + ", ".join(examined.effects)

@@ -110,7 +110,7 @@ def _with_own(known: Mapping[str, Any], own: Mapping[str, Any], axis: AxisKind) 
 
 def _letter(key: str, axis: AxisKind) -> str:
     """The letter of a key such as M_kg; a key that is none is left to the reader of rigs."""
-    names = ((known.name, {known.key, known.name, axis.said(known.name)}) for known in knowns_of(axis))
+    names = ((known.name, {known.key, known.name, axis.named(known.name)}) for known in knowns_of(axis))
     return next((name for name, keys in names if key in keys), key)
 
 

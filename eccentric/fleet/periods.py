@@ -95,8 +95,11 @@ def history_of(
         chosen = stack[:, :, [*kept, stack.shape[2] - 1]]
         if weak := dependent(merged(chosen)):
             names = ", ".join(headings[k].name for k in weak)
-            text = f"motion that tells {names} apart is required: more speeds, angles, both directions"
-            problems.append(FleetProblem(joint, period, "", "singular", axis.said(text)))
+            text = (
+                f"motion that tells {names} apart is required: more speeds,"
+                f" {axis.term('angles')}, both directions"
+            )
+            problems.append(FleetProblem(joint, period, "", "singular", text))
             continue
         found.append(_period(period, chosen, headings, coverage, windows))
     return History(joint, headings, tuple(found), axis), problems

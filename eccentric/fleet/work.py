@@ -276,8 +276,7 @@ def _one(job: Job) -> Stored | FleetProblem:
         log = job.log
         return Stored(log.period, log.name, log.size, log.changed, job.recipe, columns.headings, sums)
     except InputError as error:
-        text = job.rig.axis.said(str(error), (*job.rig.own_names, str(job.log.path)))
-        return problem_of(job, "cannot be used", text)
+        return problem_of(job, "cannot be used", str(error))
     except Exception as error:  # noqa: BLE001 - one file of thousands must not end the run
         return problem_of(job, "cannot be used", f"{job.log.path}: {type(error).__name__}: {error}")
 

@@ -70,15 +70,16 @@ def scale_of(drive: str, rig: Rig, machine: Machine) -> sp.Expr | None:
         "voltage": machine.torque_letters | machine.resistance_letters,
     }[drive]
     emf = machine.back_emf_letters if drive == "voltage" else frozenset[str]()
-    own, known = (motor | emf) - _OF_RIGS, set(rig.known)
+    own, known, axis = (motor | emf) - _OF_RIGS, set(rig.known), rig.axis
     missing = motor - known
     if lacking := sorted((own - known) | (missing if own & motor else set())):
         raise InputError(
             rig.path,
-            f"a value of {' and '.join(lacking)}",
+            f"a value of {' and '.join(map(axis.named, lacking))}",
             "none",
             why=(
-                f"to convert the {drive} to torque, since {' and '.join(sorted(own))}"
+                f"to convert the {axis.named(drive)} to {axis.term('torque')}, since"
+                f" {' and '.join(map(axis.named, sorted(own)))}"
                 f" {'is' if len(own) == 1 else 'are'} the model's own"
             ),
         )
@@ -89,9 +90,10 @@ def scale_of(drive: str, rig: Rig, machine: Machine) -> sp.Expr | None:
             return 1 / k_i
         raise MissingValueError(
             rig.path,
-            "[known] k_i",
+            f"[known] {axis.named('k_i')}",
             "neither",
-            why="to convert the current to torque (or its range in [unknown], to estimate it jointly)",
+            why=f"to convert the current to {axis.term('torque')} (or its range in [unknown],"
+            f" to estimate it jointly)",
             letter="k_i",
         )
     return None
@@ -111,8 +113,8 @@ def combinations_of(drive: Drive, rig: Rig, model: Model, scale: sp.Expr | None)
                 "[known] k_e",
                 "none",
                 why=(
-                    f"by {model.name}, which has no viscous friction in proportion to the motor"
-                    " velocity that would include the back-EMF"
+                    f"by {model.name}, which has no viscous friction in proportion to the"
+                    f" {rig.axis.term('motor velocity')} that would include the back-EMF"
                 ),
                 letter="k_e",
             )

@@ -176,9 +176,10 @@ class FitData:
     def require_rank(self, model: Model, where: str) -> None:
         """Raise InputError, `where` opening it, if the training rows leave coefficients of a model open."""
         columns = self.rows.mean(base_columns(model, self.signals))[self.rows.train]
-        names = [c.name for c in base_coefficients(model, self.signals)]
+        axis = self.drive.channels.rig.axis
+        names = [axis.named(c.name) for c in base_coefficients(model, self.signals)]
         with with_doubts(self.drive.channels.intake.findings):
-            require_rank(columns, names, where)
+            require_rank(columns, names, where, axis)
 
 
 def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:

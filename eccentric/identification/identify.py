@@ -49,7 +49,7 @@ from eccentric.identification.regression import (
     search,
 )
 from eccentric.identification.uncertainty import Estimate, Spread, improvement, r_squared, rms
-from eccentric.model import Model
+from eccentric.model import AxisKind, Model
 from eccentric.model import vocabulary as v
 from eccentric.rigs import ALIGNMENT, Rig, mass_alone
 from eccentric.signals import (
@@ -140,8 +140,9 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     beside = _beside_waves(problem, paper) if explained["paper"] < LEAST_R_SQUARED else 0.0
     if beside >= LEAST_R_SQUARED:
         said.append(
-            f"the model explains {explained['paper']:.0%} of the drive's square, with waves of the angle and"
-            f" steps of the speed beside it {beside:.0%}: diagnose finds what it lacks"
+            f"the model explains {explained['paper']:.0%} of the drive's square, with waves of the"
+            f" {problem.rig.axis.term('angle')} and steps of the speed beside it {beside:.0%}:"
+            f" diagnose finds what it lacks"
         )
     warnings = [*problem.warnings, *_warnings(problem, paper, profiles), *said]
     return Fit(
@@ -195,16 +196,20 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
     Raises InputError for columns that are dependent on this log, and for a drive that contradicts the motion.
     """
     found = search(problem)
-    names = [c.name for c in problem.coefficients]
+    axis = problem.rig.axis
+    names = [axis.named(c.name) for c in problem.coefficients]
     with with_doubts(problem.drive.channels.intake.findings):
-        require_rank(found.design.columns[problem.rows.train], names, where)
+        require_rank(found.design.columns[problem.rows.train], names, where, axis)
         for c, value in zip(problem.coefficients, found.values, strict=True):
             if c.role in positive and value <= 0.0:
-                load = f", and that of {LOAD}" if problem.rig.known.get(LOAD) else ""
-                signs = f"do the signs of {problem.drive.channels.motor.measured_by} and angle agree{load}?"
-                why = _delay_or_inertia(found.at) if c.role == "inertia" else ""
+                load = f", and that of {axis.named(LOAD)}" if problem.rig.known.get(LOAD) else ""
+                by = axis.named(problem.drive.channels.motor.measured_by)
+                signs = f"do the signs of {by} and {axis.term('angle')} agree{load}?"
+                why = _delay_or_inertia(found.at, axis) if c.role == "inertia" else ""
                 raise InputError(
-                    where, f"{c.name} ({c.role} of the drive) above 0", f"{value:.3g}: {why or signs}"
+                    where,
+                    f"{axis.named(c.name)} ({axis.term(c.role)} of the drive) above 0",
+                    f"{value:.3g}: {why or signs}",
                 )
     return found
 
@@ -265,41 +270,46 @@ def _estimates(
     return coefficients, searched
 
 
-def _delay_or_inertia(at: Mapping[str, float]) -> str:
+def _delay_or_inertia(at: Mapping[str, float], axis: AxisKind) -> str:
     """That an estimated delay takes the place of an inertia, "" where none is estimated."""
     if not at.get("input_delay_s"):
         return ""
+    inertia = axis.term("inertia")
     return (
         f"beside it input_delay_s = {at['input_delay_s']:.3g} s is estimated, and at one frequency a delay"
-        " and an inertia cannot be told apart: declare the inertia or the delay, or log several frequencies"
+        f" and an {inertia} cannot be told apart: declare the {inertia} or the delay, or log several"
+        " frequencies"
     )
 
 
 def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
-    found = []
+    found, axis = [], problem.rig.axis
     friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
     contradicted = any(f.doubts_the_rig for f in problem.drive.channels.intake.findings)
     if all(a == -1 for a in friction) and not contradicted:
         found.append(
             "the fit leaves no friction: do the signs of"
-            f" {problem.drive.channels.motor.measured_by} and angle agree?"
+            f" {axis.named(problem.drive.channels.motor.measured_by)} and {axis.term('angle')} agree?"
         )
     for c, active in zip(problem.coefficients, paper.active, strict=True):
         at_bound = c.role == "inertia" and active == -1
         if at_bound or (c.role == "inertia" and _one_frequency_for_both(problem)):
             where = "is at its bound" if at_bound else "may be wrong"
-            found += [f"{c.name} {where}: {why}" for why in [_delay_or_inertia(paper.at)] if why]
+            why = _delay_or_inertia(paper.at, axis)
+            found += [f"{axis.named(c.name)} {where}: {why}"] if why else []
     for s in problem.nonlinear:
         value = paper.at[s.name]
         if s.end_at(value):
             found.append(
-                f"{s.name} = {value:.4g}{'' if s.unit == '1' else f' {s.unit}'} is at the end of its range"
+                f"{axis.named(s.name)} ="
+                f" {value:.4g}{'' if s.unit == '1' else f' {axis.unit(s.unit)}'} is at the end of its range"
                 f" {s.lower:g} to {s.upper:g}"
             )
     for name, p in profiles.items():
         change = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
         found.append(
-            f"{name} is known only by a range: over it, the training error changes by {change:.1f} %"
+            f"{axis.named(name)} is known only by a range: over it, the training error changes"
+            f" by {change:.1f} %"
         )
     return found
 

@@ -241,13 +241,18 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     kept = seen_columns(model, {} if drive.channels.carried else rig.known)
     gone = [c.letter for k, c in enumerate(coefficients) if c.role == "friction" and k not in kept]
     if gone:
-        warnings.append(f"no unbalanced mass: {', '.join(gone)} have no effect and are omitted")
+        warnings.append(
+            f"no unbalanced mass: {', '.join(map(rig.axis.named, gone))} have no effect and are omitted"
+        )
     coefficients = [c for c in coefficients if c.letter not in gone]
     nonlinear = nonlinear_of(channels, rig, model, load_letters(model))
     searched = {s.name for s in nonlinear}
     idle = set(rig.unknown) - searched - bounded_letters(coefficients, drive.machine)
     idle |= rig.estimate - searched - {c.letter for c in coefficients}
-    warnings += [f"{name} has no effect on {model.name} driven by {by}" for name in sorted(idle)]
+    warnings += [
+        f"{rig.axis.named(name)} has no effect on {model.name} driven by {rig.axis.named(by)}"
+        for name in sorted(idle)
+    ]
     return Problem(
         drive,
         given,

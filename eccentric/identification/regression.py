@@ -34,6 +34,7 @@ from eccentric.identification.limits import (
     VALUE_CHANGE,
 )
 from eccentric.identification.uncertainty import Estimate, Spread, rms, spread
+from eccentric.model import TURNING, AxisKind
 from eccentric.signals import Filtered, Rows
 
 # Weighted linear least squares with bounds, and the rank of its design.
@@ -107,7 +108,7 @@ def _upright(triangle: Array) -> Array:
     return triangle * sign[..., None]
 
 
-def require_rank(design: Array, names: Sequence[str], where: str) -> None:
+def require_rank(design: Array, names: Sequence[str], where: str, axis: AxisKind = TURNING) -> None:
     """Raise InputError, naming the coefficients that cannot be separated, if columns are dependent.
 
     `where` opens the message: the log.
@@ -123,7 +124,7 @@ def require_rank(design: Array, names: Sequence[str], where: str) -> None:
         raise InputError(
             where,
             problem=f"{', '.join(members)} cannot be separated on this log: more different speeds"
-            " (or angles, in both directions) are required",
+            f" (or {axis.term('angles')}, in both directions) are required",
         )
 
 

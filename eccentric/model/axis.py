@@ -2,15 +2,15 @@
 
 The toolkit computes with one coordinate theta_m, its derivatives and the force along it, in SI. For a turning
 drive they are an angle [rad] and a torque [N m]; for a carriage a position [m] and a force [N]. The equations
-are the same; what a person, a file or a program reads is not. A record says what each is called, and names
-and texts are put into its words where they leave the toolkit.
+are the same; what a person, a file or a program reads is not. A record says what each is called: names,
+units and terms, from which files and sentences are filled.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, Protocol, TypeVar
 
@@ -18,8 +18,6 @@ import sympy as sp
 
 from eccentric.model.equation import Equation
 from eccentric.model.quantity import Quantity
-
-T = TypeVar("T")
 
 
 class _WithUnit(Protocol):
@@ -42,10 +40,11 @@ class AxisKind:
         name: in a rig file.
         model, screw: the bundled derivations for it, without and with a pitch of its screw; "" where the case
             of the rig decides.
-        letters: letter of a turning drive -> the name here.
+        letters: letter or name of a turning drive -> the name here.
+        endings: ending of a name, its unit -> the one here.
+        units: unit -> the one here.
         formulas: name here -> its form in a formula, where that is shorter.
-        words: words of a turning drive -> those here; what is left out of a name is "". The longest come
-            first, so that their parts are not taken alone.
+        words: terms of a turning drive -> those here; what is left out is "".
         absent: variables, as in the `depends_on` of an effect, that it does not have.
         foreign: families of effects that need an unbalanced mass or a gear with a gap of its own.
         wraps: whether its coordinate comes back after a turn, as an angle does.
@@ -55,6 +54,8 @@ class AxisKind:
     model: str = ""
     screw: str = ""
     letters: Mapping[str, str] = field(default_factory=dict)
+    endings: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
     formulas: Mapping[str, str] = field(default_factory=dict)
     words: Mapping[str, str] = field(default_factory=dict)
     absent: frozenset[str] = frozenset()
@@ -65,77 +66,48 @@ class AxisKind:
         """A kind is itself in every process."""
         return _kind_of, (self.name,)
 
-    def said(self, text: str, keep: Collection[str] = ()) -> str:
-        """A text of the toolkit in the words of this kind.
+    def named(self, name: str) -> str:
+        """A name of a turning drive, or a formula of names, under the names of this kind."""
+        return _NAME.sub(lambda match: self._one_named(match[0]), name) if self.letters else name
 
-        Args:
-            text: names, units, sentences.
-            keep: parts that are a person's own, such as names of files: they stay as they are. A column
-                called "torque" has a word of ours for a name, which stays in quotes only.
+    def _one_named(self, name: str) -> str:
+        if name in self.letters:
+            return self.letters[name]
+        ending = max((end for end in self.endings if name.endswith(end)), key=len, default="")
+        return name.removesuffix(ending) + self.endings[ending] if ending else name
+
+    def unit(self, unit: str) -> str:
+        """A unit of a turning drive in units of this kind: of a force for a torque, of a way for an angle."""
+        return _replaced(unit, self.units, self._of_units)
+
+    def term(self, term: str) -> str:
+        """A term of a turning drive, such as "torque", as it is called here, for a sentence."""
+        return self.words.get(term, term)
+
+    def text(self, text: str) -> str:
+        """A text that belongs to a model or an effect, such as a meaning, for this kind.
+
+        Only for texts as they stand in a file: a sentence is filled from `named`, `unit` and `term`, since
+        what a person has named must stay as it is.
         """
-        if self._pattern is None:
-            return text
-        ours = _any_of(name for name in keep if name in self._table)
-        own = _any_of(name for name in keep if name not in self._table)
-        spans = _QUOTED.split(text) if ours else [text]
-        return "".join(
-            span if k % 2 and ours and ours.search(span) else self._beside(span, own)
-            for k, span in enumerate(spans)
-        )
-
-    def _beside(self, text: str, own: re.Pattern[str] | None) -> str:
-        parts = own.split(text) if own else [text]
-        return "".join(part if k % 2 else self._put(part) for k, part in enumerate(parts))
-
-    def told(self, value: T, keep: Collection[str] = ()) -> T:
-        """A document, keys included, in the words of this kind; numbers are unchanged."""
-        if self._pattern is None:
-            return value
-        return self._told(value, keep)
-
-    def _told(self, value: Any, keep: Collection[str]) -> Any:
-        if isinstance(value, str):
-            return self.said(value, keep)
-        if isinstance(value, Mapping):
-            return {
-                self.said(k, keep): x if k in _NAMES and x in keep else self._told(x, keep)
-                for k, x in value.items()
-            }
-        if isinstance(value, list | tuple):
-            return type(value)(self._told(x, keep) for x in value)
-        return value
-
-    def record(self, value: T, keep: Collection[str] = ()) -> T:
-        """A record, and those in it, with its texts in the words of this kind; keys of mappings stay."""
-        return value if self._pattern is None else self._record(value, keep)
-
-    def _record(self, value: Any, keep: Collection[str]) -> Any:
-        if isinstance(value, str):
-            return self.said(value, keep)
-        if isinstance(value, Mapping):
-            return {k: self._record(x, keep) for k, x in value.items()}
-        if isinstance(value, list | tuple):
-            return type(value)(self._record(x, keep) for x in value)
-        if is_dataclass(value) and not isinstance(value, type | AxisKind):
-            return replace(
-                value, **{f.name: self._record(getattr(value, f.name), keep) for f in fields(value)}
-            )
-        return value
+        return _replaced(text, self._table, self._pattern)
 
     def estimates(self, found: Mapping[str, E]) -> dict[str, E]:
         """Estimates by name, or whatever has a unit, under the names and in the units of this kind."""
-        if self._pattern is None:
-            return dict(found)
-        return {self.said(name): replace(e, unit=self.said(e.unit)) for name, e in found.items()}
+        return {self.named(name): replace(e, unit=self.unit(e.unit)) for name, e in found.items()}
+
+    def keyed(self, document: Any, kept: tuple[str, ...] = ("added_kg",)) -> Any:
+        """A document with its keys under the names of this kind; `kept` have keys that a person has named."""
+        if isinstance(document, Mapping):
+            return {self.named(key): x if key in kept else self.keyed(x, kept) for key, x in document.items()}
+        if isinstance(document, list | tuple):
+            return type(document)(self.keyed(x, kept) for x in document)
+        return document
 
     def general(self, name: str) -> str:
         """The letter of a turning drive for a name of this kind."""
         # Of several letters with one name, the first.
         return next((letter for letter, here in self.letters.items() if here == name), name)
-
-    def _put(self, text: str) -> str:
-        table, pattern = self._table, self._pattern
-        return text if pattern is None else pattern.sub(lambda match: table[match[0]], text)
 
     @cached_property
     def _table(self) -> dict[str, str]:
@@ -145,19 +117,33 @@ class AxisKind:
             for k, x in self.words.items()
             if k[0].isascii() and k[0].isalpha()
         }
-        return {**capital, **self.words, **self.letters}
+        return {**capital, **self.words, **self.units, **self.endings, **self.letters}
 
     @cached_property
     def _pattern(self) -> re.Pattern[str] | None:
-        if not self._table:
-            return None
-        known = sorted(self._table, key=len, reverse=True)
-        # A word or letter of its own: not a part of a longer one. A suffix of a name begins with "_".
-        alone = (
-            ("" if name[0] in "_, " else r"(?<![A-Za-z0-9_])") + re.escape(name) + r"(?![A-Za-z0-9_])"
-            for name in known
-        )
-        return re.compile("|".join(alone))
+        return _any_of(self._table)
+
+    @cached_property
+    def _of_units(self) -> re.Pattern[str] | None:
+        return _any_of(self.units)
+
+
+_NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+def _any_of(table: Mapping[str, str]) -> re.Pattern[str] | None:
+    """A pattern of the keys, the longest first, each alone: not a part of a longer word. None without any."""
+    known = sorted(table, key=len, reverse=True)
+    # An ending of a name begins with "_".
+    alone = (
+        ("" if name[0] in "_, " else r"(?<![A-Za-z0-9_])") + re.escape(name) + r"(?![A-Za-z0-9_])"
+        for name in known
+    )
+    return re.compile("|".join(alone)) if table else None
+
+
+def _replaced(text: str, table: Mapping[str, str], pattern: re.Pattern[str] | None) -> str:
+    return text if pattern is None else pattern.sub(lambda match: table[match[0]], text)
 
 
 TURNING = AxisKind("turning")
@@ -196,24 +182,16 @@ LINEAR = AxisKind(
         "omega_m_rad_s": "velocity_m_s",
         "alpha_m_rad_s2": "acceleration_m_s2",
         "turns_per_rad": "turns_per_m",
+        "torque": "force",
+        "motor_angle": "position",
     },
+    endings={"_Nm": "_N", "_rad": "_m", "_rad_s": "_m_s", "_rad_s2": "_m_s2"},
+    units={"(N m)": "N", "N m": "N", "Nm": "N", "kg m^2": "kg", "rad": "m"},
     formulas={"position": "x", "velocity": "ẋ", "acceleration": "ẍ", "mass": "m"},
     words={
         # Units.
-        "N m": "N",
-        "(N m)": "N",
-        "Nm": "N",
-        "kg m^2": "kg",
         "newton metres": "newtons",
         "newton metre": "newton",
-        "rad": "m",
-        "rad^2": "m^2",
-        "rad^3": "m^3",
-        "N m/rad": "N/m",
-        "_Nm": "_N",
-        "_rad": "_m",
-        "_rad_s": "_m_s",
-        "_rad_s2": "_m_s2",
         # The drive.
         "torque constant": "force constant",
         "torque": "force",
@@ -236,7 +214,6 @@ LINEAR = AxisKind(
         "link velocity": "screw velocity",
         "screw angle": "screw angle",
         "angle of the screw": "angle of the screw",
-        "motor_angle": "position",
         "angle": "position",
         "angles": "positions",
         "rotation": "motion",
@@ -302,20 +279,6 @@ AXES = {kind.name: kind for kind in (TURNING, LINEAR)}
 """Name in a rig file -> kind."""
 
 
-def _any_of(names: Iterable[str]) -> re.Pattern[str] | None:
-    """A pattern of names as words of their own, the longest first; None without any."""
-    found = "|".join(re.escape(name) for name in sorted(filter(None, names), key=len, reverse=True))
-    return re.compile(rf"(?<!\w)({found})(?!\w)") if found else None
-
-
-_QUOTED = re.compile(
-    r"""((?<!\w)'[^'\n]*'(?!\w)|(?<!\w)"[^"\n]*"(?!\w)|`[^`\n]*`|(?<!\w)&#34;.*?&#34;(?!\w))"""
-)
-"""Quotes as text and as a page has them; an apostrophe follows a letter."""
-_NAMES = frozenset({"rig"})
-"""Keys of documents whose value a person has named."""
-
-
 def _kind_of(name: str) -> AxisKind:
     return AXES[name]
 
@@ -337,8 +300,8 @@ def spoken_quantity(axis: AxisKind, q: Quantity) -> Quantity:
     symbol = spoken_symbol(axis, q.symbol)
     letter = axis.formulas.get(symbol.name, "" if symbol != q.symbol else q.letter)
     default = q.default if q.default is None else in_letters_of(axis)(q.default)
-    said = {"unit": axis.said(q.unit), "meaning": axis.said(q.meaning)}
-    return replace(q, symbol=symbol, letter=letter, default=default, **said)
+    unit, meaning = axis.unit(q.unit), axis.text(q.meaning)
+    return replace(q, symbol=symbol, letter=letter, default=default, unit=unit, meaning=meaning)
 
 
 def spoken_equation(axis: AxisKind, equation: Equation) -> Equation:
@@ -348,8 +311,8 @@ def spoken_equation(axis: AxisKind, equation: Equation) -> Equation:
         equation,
         left=put(equation.left),
         right=put(equation.right),
-        unit=axis.said(unit) if isinstance(unit, str) else tuple(map(axis.said, unit)),
-        origin=axis.said(equation.origin),
+        unit=axis.unit(unit) if isinstance(unit, str) else tuple(map(axis.unit, unit)),
+        origin=axis.text(equation.origin),
     )
 
 

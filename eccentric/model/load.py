@@ -157,7 +157,7 @@ def with_values(
         InputError: a value does not belong to a parameter of the model, or has an invalid sign.
     """
     axis = model.axis
-    known = {q.name: axis.said(q.name) for q in model.parameters}
+    known = {q.name: axis.named(q.name) for q in model.parameters}
     if unknown := sorted(letter for letter in values if axis.general(letter) not in known):
         raise InputError(
             source,

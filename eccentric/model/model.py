@@ -265,7 +265,7 @@ def spoken(model: Model) -> Model:
 
     return replace(
         model,
-        title=axis.said(model.title),
+        title=axis.text(model.title),
         inputs=tuple(map(quantity, model.inputs)),
         parameters=tuple(map(quantity, model.parameters)),
         definitions=tuple(
@@ -275,7 +275,7 @@ def spoken(model: Model) -> Model:
         balances=tuple(
             replace(
                 balance,
-                unit=axis.said(balance.unit),
+                unit=axis.unit(balance.unit),
                 terms=tuple(
                     replace(term, coefficient=put(term.coefficient), basis=put(term.basis))
                     for term in balance.terms

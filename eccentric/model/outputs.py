@@ -198,7 +198,7 @@ def drive_interface(model: Model) -> Interface:
         [*model.inputs, *(state.quantity for state in model.states), v.dt],
         key=lambda q: (q.name == v.alpha_m.name, q.name == v.dt.name),
     )
-    inputs, said = tuple(map(Input, order)), model.axis.said
+    inputs, axis = tuple(map(Input, order)), model.axis
 
     def output(
         name: str,
@@ -214,7 +214,9 @@ def drive_interface(model: Model) -> Interface:
             by,
             (v.omega_m.symbol,),
         )
-        return Output(said(name), said(unit), said(meaning), inputs, lambda: expressions, **more)
+        return Output(
+            axis.named(name), axis.unit(unit), axis.text(meaning), inputs, lambda: expressions, **more
+        )
 
     def one(value: sp.Expr) -> tuple[tuple[str, sp.Expr]]:
         return (("", value),)
@@ -317,11 +319,11 @@ def drive_interface(model: Model) -> Interface:
         withheld = _WITHOUT_BACK_EMF
     if force is None:
         withheld |= {"normal_force"}
-    left_out = set(map(said, withheld))
+    left_out = set(map(axis.named, withheld))
     return Interface(
         tuple(one for one in listed if one.name not in left_out),
-        said(model.first_function),
-        {constant: said(name) for constant, name in _LABELLED.items()},
+        axis.named(model.first_function),
+        {constant: axis.named(name) for constant, name in _LABELLED.items()},
     )
 
 

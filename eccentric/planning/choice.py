@@ -82,7 +82,7 @@ def chosen(
         if (offer := kept(separation, [piece], bounds, LEAST_SCALE)) is not None
     ]
     if not offers:
-        raise InputError(_too_tight(separation, bounds))
+        raise _too_tight(separation, bounds)
     tell(f"{len(offers)} pieces of motion within the limits")
     taken: list[Offer] = []
     left = bounds.time - REST_S
@@ -92,11 +92,11 @@ def chosen(
         taken.append(best)
         left -= _length(best[0])
     sequences = [[piece for (piece,), _ in taken]]
-    different = {piece.words: piece for piece in sequences[0]}.values()
+    different = {(piece.pattern, piece.sizes): piece for piece in sequences[0]}.values()
     sequences += [[own] * max(int((bounds.time - REST_S) / _length([own])), 1) for own in different]
     found = [one for parts in sequences if (one := kept(separation, parts, bounds, 0.0)) is not None]
     if not found:
-        raise InputError(_too_tight(separation, bounds))
+        raise _too_tight(separation, bounds)
     parts, ground = max(found, key=lambda one: _worth(separation, [separation.log, one[1]]))
     tell("judging the motion")
     return parts, ground, judged(separation, ground)
@@ -129,8 +129,8 @@ def kept(
     return None
 
 
-def _too_tight(separation: Separation, bounds: Bounds) -> str:
-    """What makes every motion impossible, in a message: the slowest motion of all says by how much."""
+def _too_tight(separation: Separation, bounds: Bounds) -> InputError:
+    """What makes every motion impossible: the slowest motion of all says by how much."""
     top = SLOWEST_OF * bounds.speed
     rest = Segment("", np.concatenate([np.full(int(RATE_HZ), sign * top) for sign in (1.0, -1.0)]))
     met = separation.ground(joined([rest], bounds)).met
@@ -143,15 +143,20 @@ def _too_tight(separation: Separation, bounds: Bounds) -> str:
     least = (1.0 + OFF) * needed + noise
     key, name, unit = (FORCE, "force", "N") if bounds.by_force else ("current_A", "current", "A")
     if least > KEPT * bounds.current:
-        return (
-            f"limits: {key}: enough for load and friction of the slowest motion is required,"
-            f" {least / KEPT:.3g} {unit}"
-            f" with mass and friction {100 * OFF:.0f} % higher, received {bounds.current:g} {unit}"
+        return InputError(
+            f"limits: {key}",
+            "enough for load and friction of the slowest motion",
+            f"{bounds.current:g} {unit}",
+            why=f", {least / KEPT:.3g} {unit} with mass and friction {100 * OFF:.0f} % higher",
         )
-    return (
-        f"limits: speed, acceleration, {name} and angle that leave room for one motion are required, received"
-        f" {bounds.speed:g} rad/s, {bounds.acceleration:g} rad/s^2, {bounds.current:g} {unit}"
-        + ("" if bounds.angle is None else f", {bounds.angle[0]:g} to {bounds.angle[1]:g} rad")
+    axis = separation.question.data.drive.channels.rig.axis
+    speed, acceleration, angle = (axis.unit(unit) for unit in ("rad/s", "rad/s^2", "rad"))
+    return InputError(
+        "limits",
+        f"speed, acceleration, {name} and {axis.term('angle')} that leave room for one motion",
+        f"{bounds.speed:g} {speed}, {bounds.acceleration:g} {acceleration}, {bounds.current:g} {unit}"
+        + ("" if bounds.angle is None else f", {bounds.angle[0]:g} to {bounds.angle[1]:g} {angle}"),
+        plural=True,
     )
 
 

@@ -86,9 +86,9 @@ def read_bounds(
         content, where = read_document(path, "a limits file"), str(path)
     else:
         content, where = plain_entries(source, "limits"), "limits"
-    units = {axis.said(key): axis.said(unit) for key, unit in UNITS.items()}
+    units = {axis.named(key): axis.unit(unit) for key, unit in UNITS.items()}
     angle, speed, acceleration = (
-        axis.said(key) for key in ("angle_rad", "speed_rad_s", "acceleration_rad_s2")
+        axis.named(key) for key in ("angle_rad", "speed_rad_s", "acceleration_rad_s2")
     )
     by_force = not axis.wraps and FORCE in content
     if not axis.wraps:
@@ -191,10 +191,9 @@ class Segment:
     omega: Array
     sizes: tuple[float, ...] = ()
 
-    @property
-    def words(self) -> str:
+    def words(self, axis: AxisKind) -> str:
         """What it does."""
-        return self.pattern.format(*(f"{size:.3g}" for size in self.sizes))
+        return axis.text(self.pattern).format(*(f"{size:.3g}" for size in self.sizes))
 
     def scaled(self, factor: float) -> Segment:
         """The same motion, faster or slower, in the same time."""

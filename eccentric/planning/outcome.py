@@ -122,7 +122,7 @@ def planned(
         rivals=rivals,
         motion=motion,
         current=ground.current,
-        parts=tuple(segment.words for segment in segments),
+        parts=tuple(segment.words(axis) for segment in segments),
         bounds=bounds,
         apart=apart,
         same=same,
@@ -149,8 +149,8 @@ def _require_amperes(question: Question, bounds: Bounds) -> None:
         verb = "are" if len(missing) > 1 else "is"
         raise InputError(
             rig.path,
-            problem=f"[known] {' and '.join(map(rig.axis.said, missing))} {verb} required, received none:"
-            f" a {rig.axis.said(by)} alone gives no current to compare with the limit current_A",
+            problem=f"[known] {' and '.join(map(rig.axis.named, missing))} {verb} required, received none:"
+            f" a {rig.axis.named(by)} alone gives no current to compare with the limit current_A",
         )
 
 

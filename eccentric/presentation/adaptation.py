@@ -46,7 +46,7 @@ def course_lines(course: Replay, log: str) -> list[str]:
     if not _QUIETER < course.noise < _NOISIER:
         lines.append(
             f"the innovations are {course.noise:.2g} times the noise that the prior assumes"
-            f" ({course.assumed:.3g} {course.axis.said('N m')}): the standard errors are to be scaled alike"
+            f" ({course.assumed:.3g} {course.axis.unit('N m')}): the standard errors are to be scaled alike"
         )
     if course.correlation > _CORRELATED:
         lines.append(
@@ -71,7 +71,7 @@ def course_document(course: Replay, log: str) -> dict[str, Any]:
             "unusable": course.unusable,
         },
         "step_s": course.step,
-        course.axis.said("assumed_noise_Nm"): course.assumed,
+        course.axis.named("assumed_noise_Nm"): course.assumed,
         "innovation": {"over_assumed": course.noise, "correlation": course.correlation},
         "alarms": [{"t_s": t, "friction": kind} for t, kind in course.alarms],
         "t_s": course.t.tolist(),

@@ -50,8 +50,8 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
             for c in a.candidates
         ],
         "extended_by": [effect.id for effect, _ in found.models.extended.effects],
-        "residual_depends_on": list(a.depends_on),
-        "next_measurement": measurement_sentence(a.next_measurement),
+        "residual_depends_on": [axis.named(variable) for variable in a.depends_on],
+        "next_measurement": measurement_sentence(a.next_measurement, axis),
         **_errors(found),
         "improvement": {
             "balance": found.score.balance,
@@ -68,7 +68,13 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         },
         "unconfirmed": _unconfirmed(found),
         "data_quality": [
-            {"kind": f.kind, "channel": f.channel, "text": f.text, "rows": f.rows, "severity": f.severity}
+            {
+                "kind": f.kind,
+                "channel": axis.named(f.channel),
+                "text": f.text,
+                "rows": f.rows,
+                "severity": f.severity,
+            }
             for f in found.channels.intake.findings
         ],
         "periodic_per_motor_turn": [
@@ -86,7 +92,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "settled": not found.models.unsettled,
         "warnings": list(found.warnings),
     }
-    return axis.told(document, (*found.asked.logs, *found.channels.own_names))
+    return axis.keyed(document)
 
 
 def _below(found: Diagnosis) -> dict[str, Any] | None:
@@ -130,7 +136,7 @@ def _sibling(found: Diagnosis) -> dict[str, Any] | None:
 
 
 def _suffix(found: Diagnosis) -> str:
-    return found.unit.replace(" ", "")
+    return found.rig.axis.unit(found.unit).replace(" ", "")
 
 
 def _errors(found: Diagnosis) -> dict[str, Any]:
@@ -166,7 +172,7 @@ def _identified(found: Diagnosis) -> dict[str, Any]:
     said: dict[str, Any] = {name: getattr(aligned, name) for name in sorted(found.rig.estimate)}
     for name, e in fitted.estimates.items():
         if name not in of_the_model:
-            said[name] = {"value": e.value, **_uncertainty(e), "unit": e.unit}
+            said[name] = {"value": e.value, **_uncertainty(e), "unit": found.rig.axis.unit(e.unit)}
     return said
 
 
@@ -188,10 +194,10 @@ def _stability(found: Diagnosis, effect: Effect) -> dict[str, Any] | None:
 
 def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
     values = dict(next(own for e, own in found.models.extended.effects if e is effect))
-    parameters = {}
+    parameters, axis = {}, found.rig.axis
     for q in effect.parameters:
         estimate = found.models.extended.estimates.get(q.name)
-        unit = in_drive_unit(q.unit, found.unit)
+        unit = axis.unit(in_drive_unit(q.unit, found.unit))
         parameters[q.name] = {"value": values[q.name], **_uncertainty(estimate), "unit": unit}
     equation = effect.equation()
     return {
@@ -199,8 +205,8 @@ def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
         "family": effect.family,
         "headline": effect.words.headline,
         "balance": effect.balance,
-        "corrects": None if effect.corrects is None else effect.corrects.quantity.name,
-        "equation": f"{equation.left} = {sp.sstr(equation.right)}",
+        "corrects": None if effect.corrects is None else axis.named(effect.corrects.quantity.name),
+        "equation": axis.named(f"{equation.left} = {sp.sstr(equation.right)}"),
         "formula": effect.formula,
         "reference": effect.reference,
         "parameters": parameters,

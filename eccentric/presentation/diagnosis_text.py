@@ -23,6 +23,8 @@ from eccentric.diagnosis import (
 )
 from eccentric.effects import Correction, Effect, Words
 from eccentric.identification import Emitted, in_drive_unit
+from eccentric.model import spoken_quantity
+from eccentric.presentation.fit_text import band_line
 from eccentric.presentation.measurement_text import measurement_sentence
 
 _NONE = "no effect of the library explains"
@@ -30,7 +32,7 @@ _NONE = "no effect of the library explains"
 
 def diagnosis_sentence(found: Diagnosis) -> str:
     """One sentence that can be sent to a colleague."""
-    a, unit = found.attribution, found.unit
+    a, axis, unit = found.attribution, found.rig.axis, _unit(found)
     if a.verdict == "named":
         lacking = [effect for effect, _ in (*found.effects, *found.undecided)]
         these = "it" if len(lacking) == 1 else "them"
@@ -52,7 +54,7 @@ def diagnosis_sentence(found: Diagnosis) -> str:
             f"This log does not fit the rig ({misfit}): check units and signs before anything else."
             f"{_grave(found)}"
         )
-    depends = _listed([variable.replace("_", " ") for variable in a.depends_on])
+    depends = _listed([axis.term(variable.replace("_", " ")) for variable in a.depends_on])
     if a.unconfirmed:
         words = {c.id: c.words for c in a.candidates}
         names = _listed([_headline(words[name], name) for name in a.unconfirmed])
@@ -82,6 +84,11 @@ def diagnosis_sentence(found: Diagnosis) -> str:
     )
 
 
+def _unit(found: Diagnosis) -> str:
+    """The unit of the errors, for the axis."""
+    return found.rig.axis.unit(found.unit)
+
+
 def tied_families(found: Diagnosis) -> tuple[str, ...]:
     """The families that the log does not distinguish; none unless that is the verdict."""
     a = found.attribution
@@ -99,7 +106,7 @@ def closest_sentence(found: Diagnosis) -> str:
     percent, (low, high), where = best.percent, best.interval, ""
     if best.below is not None and only_below(best.interval, best.below):
         percent, (low, high) = best.below.percent, best.below.interval
-        where = f" below the {best.below.cut_hz:g} Hz low pass of the angle"
+        where = f" below the {best.below.cut_hz:g} Hz low pass of the {found.rig.axis.term('angle')}"
     where = _of_balance(found, best.balance) + where
     interval = f"95 % interval {low:.1f} to {high:.1f} %"
     if percent <= 0.0:
@@ -139,20 +146,20 @@ def _listed(names: Sequence[str]) -> str:
 
 def _gain(found: Diagnosis) -> str:
     """How the held-out error changes."""
-    score = found.score
+    score, unit, angle = found.score, _unit(found), found.rig.axis.term("angle")
     before, after = (score.rmse[score.balance][model] for model in ("paper", "extended"))
-    whole = _falls(before, after, found.unit, score.percent, score.interval)
+    whole = _falls(before, after, unit, score.percent, score.interval)
     of = " of the electrical balance" if score.balance == "electrical" else ""
     if score.below is None or not score.only_below:
         return f"the held-out error{of} {whole}"
     below = score.below
-    falls = _falls(below.before, below.after, found.unit, below.percent, below.interval)
+    falls = _falls(below.before, below.after, unit, below.percent, below.interval)
     goes, why = "goes", ""
     if score.interval[1] < 0.0:
         goes, why = "rises", ", since the low pass removes the acceleration that faster ripple causes"
     return (
-        f"the held-out error below the {below.cut_hz:g} Hz low pass of the angle {falls}; row by row it"
-        f" {goes} from {before:.4g} to {after:.4g} {found.unit}{why}"
+        f"the held-out error below the {below.cut_hz:g} Hz low pass of the {angle} {falls}; row by row it"
+        f" {goes} from {before:.4g} to {after:.4g} {unit}{why}"
     )
 
 
@@ -171,7 +178,7 @@ def _named(found: Diagnosis, effect: Effect) -> str:
     sure = f"probability {max(ranked, default=0.0):.2f}"
     values = effect.corrects and _values(found, effect, effect.corrects)
     if effect.corrects and values:
-        q, (true, declared) = effect.corrects.quantity, values
+        q, (true, declared) = spoken_quantity(found.rig.axis, effect.corrects.quantity), values
         return (
             f"the right value of {q.name}, {true:.4g} {q.unit} where the rig file has {declared:.4g}"
             f" ({effect.id}, {sure}){_or_else(found, effect)}"
@@ -229,7 +236,7 @@ def _grave(found: Diagnosis) -> str:
 
 def diagnosis_lines(found: Diagnosis) -> list[str]:
     """At most twenty-four lines for a terminal."""
-    a, adopted = found.attribution, found.models.adopted
+    a, adopted, axis = found.attribution, found.models.adopted, found.rig.axis
     out = [f"{few(found.asked.logs)}: {found.models.base.name}, verdict {a.verdict}"]
     if words := found.asked.request.words:
         out.append(f"as asked: {words}")
@@ -240,16 +247,16 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     ]
     for balance, models in found.score.rmse.items():
         shown = {name: error for name, error in models.items() if name != "extended" or adopted}
-        if found.rig.axis.model:  # the base model of a carriage is Coulomb + viscous friction
+        if axis.model:  # the base model of a carriage is Coulomb + viscous friction
             shown = {"base" if name == "paper" else name: x for name, x in shown.items() if name != "linear"}
-        out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(shown)}")
+        out.append(f"held-out RMSE, {balance} [{_unit(found)}]: {_errors(shown)}")
         if balance == "mechanical" and found.band is not None:
-            plain = "base" if found.rig.axis.model else "paper"
-            out.append(found.band.words("extended" if adopted else plain))
+            plain = "base" if axis.model else "paper"
+            out.append(band_line(found.band, axis, "extended" if adopted else plain))
     if adopted and (aliased := _aliased(found)):
         out.append(aliased)
     if found.score.over_runs is not None:
-        out += _over_runs(found.score.over_runs, found.unit)
+        out += _over_runs(found.score.over_runs, _unit(found), axis.term("angle"))
     out += filter(None, [closest_sentence(found), sibling_sentence(found)])
     if a.verdict == "unexplained" and found.models.fits_the_rig:
         out.append("closest candidates, none sufficient:")
@@ -260,12 +267,14 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         out += [f"  {c.probability:.2f} {_headline(c.words, c.id)}" for c in a.candidates[:4]]
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
-        out.append(f"the residual within runs is periodic in the motor angle; cycles per turn: {parts}")
+        out.append(
+            f"the residual within runs is periodic in the {axis.term('motor angle')}; cycles"
+            f" per turn: {parts}"
+        )
     out += _calls(found)
     if a.next_measurement:
-        out.append(f"next: {measurement_sentence(a.next_measurement)}")
-    own = (*found.asked.logs, *found.channels.own_names)
-    return [found.rig.axis.said(line, own) for line in out]
+        out.append(f"next: {measurement_sentence(a.next_measurement, axis)}")
+    return out
 
 
 def _calls(found: Diagnosis) -> list[str]:
@@ -275,11 +284,11 @@ def _calls(found: Diagnosis) -> list[str]:
     """
     fitted, name = found.models.extended, result_name(found)
     emitted, states = Emitted(fitted.model), [s.quantity.name for s in fitted.model.states]
-    first, said = extended_model(found).first_function, found.rig.axis.said
+    first, named = extended_model(found).first_function, found.rig.axis.named
 
     def call(function: str, given: Sequence[str]) -> str:
-        arguments = [*map(said, given), f"&{name}_default"]
-        return f"{name}_{said(function)}({', '.join(arguments)})"
+        arguments = [*map(named, given), f"&{name}_default"]
+        return f"{name}_{named(function)}({', '.join(arguments)})"
 
     given = [f"state.{a}" if a in states else a for a in emitted.inputs_of(first)]
     torque = call(first, given)
@@ -287,7 +296,8 @@ def _calls(found: Diagnosis) -> list[str]:
         if fitted.effects or found.asked.request.including:
             return [f"to call: {torque}"]
         base = found.models.base.name
-        whose = f"{base}, fitted anew" if is_result_name(base) else "the paper's model, fitted"
+        plain = found.rig.axis.term("the paper's model")
+        whose = f"{base}, fitted anew" if is_result_name(base) else f"{plain}, fitted"
         return [f"nothing was added; to call {whose}: {torque}"]
     stepped = [a for a in emitted.inputs_of("next_state") if a not in states]
     return [
@@ -310,7 +320,7 @@ def _aliased(found: Diagnosis) -> str:
 
 
 def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
-    shown = []
+    shown, axis = [], found.rig.axis
     for q in effect.parameters:
         estimate = found.models.extended.estimates.get(q.name)
         error = ""
@@ -318,8 +328,8 @@ def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
             endless = math.isinf(estimate.std_error)
             end = f", at the {estimate.bound_active} end of its range" if estimate.bound_active else ""
             error = " (not determined)" if endless else f" (std error {estimate.std_error:.2g}{end})"
-        unit = "" if q.unit == "1" else f" {in_drive_unit(q.unit, found.unit)}"
-        shown.append(f"{q.name} = {own[q.name]:.4g}{unit}{error}")
+        unit = "" if q.unit == "1" else f" {axis.unit(in_drive_unit(q.unit, found.unit))}"
+        shown.append(f"{axis.named(q.name)} = {own[q.name]:.4g}{unit}{error}")
     share = 100 * found.models.extended.shares.get(effect.id, 0.0)
     variants = stability_words(found, effect)
     where = f", {variants}" if variants else ""
@@ -348,7 +358,7 @@ def _errors(models: Mapping[str, float]) -> str:
     return ", ".join(f"{name} {value:.4g}" for name, value in models.items())
 
 
-def _over_runs(over: OverRuns, unit: str) -> list[str]:
+def _over_runs(over: OverRuns, unit: str, angle: str) -> list[str]:
     out = [f"each of {over.runs} runs predicted from the others [{unit}]: {_errors(over.rmse)}"]
     for name, (percent, (low, high), better) in over.gains.items():
         # Without a mass, or at its bounds, the paper's model is the linear one.
@@ -362,7 +372,7 @@ def _over_runs(over: OverRuns, unit: str) -> list[str]:
     if over.below is not None and over.gains["extended"][1][0] <= 0.0 < over.below[1][0]:
         percent, (low, high) = over.below
         out.append(
-            f"  below the low pass of the angle: {percent:.1f} % less error"
+            f"  below the low pass of the {angle}: {percent:.1f} % less error"
             f" (95 % interval of the gain {low:.1f} to {high:.1f} %)"
         )
     return out

@@ -45,7 +45,7 @@ from eccentric.identification import (
     k_e,
     own_letters,
 )
-from eccentric.model import TURNING
+from eccentric.model import TURNING, AxisKind
 from eccentric.rigs import ALIGNMENT, alignment_of, knowns_of
 
 if TYPE_CHECKING:
@@ -72,17 +72,19 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "model": problem.model.name,
         "rig": rig.name,
         "logs": list(logs),
-        "drive": channels.motor.measured_by,
-        "unit": problem.unit,
+        "drive": axis.named(channels.motor.measured_by),
+        "unit": axis.unit(problem.unit),
         "known": {name: value for name, value in rig.known.items() if name in known},
-        "coefficients": {name: _entry(e) for name, e in fit.coefficients.items() if name not in ALIGNMENT},
+        "coefficients": {
+            name: _entry(e, axis) for name, e in fit.coefficients.items() if name not in ALIGNMENT
+        },
         "correlation": _correlation(fit),
-        "combinations": {name: _entry(e) for name, e in fit.combinations.items()},
-        "identified": fit.identified[0],
-        "not_identified": fit.identified[1],
+        "combinations": {name: _entry(e, axis) for name, e in fit.combinations.items()},
+        "identified": [axis.named(name) for name in fit.identified[0]],
+        "not_identified": [axis.named(name) for name in fit.identified[1]],
         "unknown": {
             name: {
-                **_entry(fit.searched[name]),
+                **_entry(fit.searched[name], axis),
                 "range": list(rig.unknown[name]),
                 "range_end_hit": fit.searched[name].bound_active is not None,
                 "profile": {"values": list(p.values), "rmse_training": list(p.rmse)},
@@ -95,10 +97,10 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "back_emf_in_friction": any(k_e in c.expression.free_symbols for c in problem.coefficients),
         "current_known": _current_known(fit),
         "voltage_known": problem.drive.voltage_known,
-        "torque_unit": _torque_unit(fit),
+        "torque_unit": axis.unit(_torque_unit(fit)),
         "identified_range": identified_range(fit),
         "ranges": ranges(fit),
-        f"rmse_holdout_{problem.unit.replace(' ', '')}": dict(fit.rmse),
+        f"rmse_holdout_{axis.unit(problem.unit).replace(' ', '')}": dict(fit.rmse),
         "error_band": None if fit.band is None else vars(fit.band),
         "improvement": {"percent": fit.percent, "interval_95": list(fit.percent_interval)},
         "r_squared_holdout": dict(fit.r_squared),
@@ -118,24 +120,24 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         },
         "warnings": list(fit.warnings),
     }
-    return axis.told(document, (*logs, *channels.own_names))
+    return axis.keyed(document)
 
 
 def _correlation(fit: Fit) -> dict[str, Any]:
     """Correlation of the errors of coefficients and searched values."""
     matrix = correlation(fit.spread.matrix)
     return {
-        "names": [*fit.coefficients, *fit.searched],
+        "names": [fit.problem.rig.axis.named(name) for name in (*fit.coefficients, *fit.searched)],
         "matrix": [[float(x) if math.isfinite(x) else None for x in row] for row in matrix],
     }
 
 
-def _entry(e: Estimate) -> dict[str, Any]:
+def _entry(e: Estimate, axis: AxisKind) -> dict[str, Any]:
     return {
         "value": e.value,
         "std_error": None if e.widened else e.std_error,
         "interval_95": [x if math.isfinite(x) else None for x in e.interval],
-        "unit": e.unit,
+        "unit": axis.unit(e.unit),
         "bound_active": e.bound_active,
     }
 
@@ -144,7 +146,7 @@ def _alignment(fit: Fit) -> dict[str, Any]:
     rig = fit.problem.rig
     found = {**fit.coefficients, **fit.searched}
     return {
-        name: {**_entry(found[name]), "estimated": True}
+        name: {**_entry(found[name], rig.axis), "estimated": True}
         if name in found
         else {"value": getattr(rig.alignment, name), "estimated": False}
         for name in alignment_of(rig.axis)
@@ -174,7 +176,8 @@ def identified_range(fit: Fit) -> str:
     low, high = found["omega_m_rad_s"] or [0.0, 0.0]
     slow, fast = found["speed_m_rad_s"] or [0.0, 0.0]
     sides = "both directions" if low < 0.0 < high else "one direction"
-    text = f"motor speed {slow:.3g} to {fast:.3g} rad/s, {sides}"
+    axis = fit.problem.rig.axis
+    text = f"{axis.term('motor speed')} {slow:.3g} to {fast:.3g} {axis.unit('rad/s')}, {sides}"
     warm = found["temperature_C"]
     return f"{text}, temperature " + (f"{warm[0]:.3g} to {warm[1]:.3g} degC" if warm else "not logged")
 
@@ -185,22 +188,24 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
     A combination is assigned to one letter, and the others have a value that does not change it (B_lT = C_lT
     = 0; k_e = 0 with the back-EMF damping in B_m; k_i = 1 N m/A): the notes say so.
     """
-    problem = fit.problem
+    problem, axis = fit.problem, fit.problem.rig.axis
     fitted = {q.name for q in problem.model.friction_parameters}
     own = {name: value for name, value in own_letters(problem.model).items() if name not in fitted}
     values: dict[str, float | None] = {n: x for n, x in problem.rig.known.items() if n not in own}
     notes = dict.fromkeys(values, "known, from the rig")
     for name, e in fit.searched.items():
-        values[name], notes[name] = e.value, _words(e)
+        values[name], notes[name] = e.value, _words(e, axis)
     _put_scale(fit, values, notes)
     for c in problem.coefficients:
         if c.role not in ("friction", "inertia", "load"):
             continue
         e = _mechanical(fit, c.name)
-        values[c.parameter], notes[c.parameter] = e.value, _words(e)
+        values[c.parameter], notes[c.parameter] = e.value, _words(e, axis)
         if c.parameter != c.letter or k_e in c.expression.free_symbols:
             shown = _mechanical_name(fit, c.name)
-            notes[c.parameter] += "" if shown in (c.parameter, "J") else f"; contains all of {shown}"
+            notes[c.parameter] += (
+                "" if shown in (c.parameter, "J") else f"; contains all of {axis.named(shown)}"
+            )
     if problem.has("inertia") and problem.drive.machine.link:
         machine = problem.drive.machine
         values[machine.link] = 0.0
@@ -218,32 +223,32 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
             values[name], notes[name] = (1.0 if name in ("R", "k_i") else 0.0), "convention: not identified"
     if not problem.drive.voltage_known:
         for name in problem.drive.machine.back_emf_letters & set(fields):
-            values[name], notes[name] = 0.0, NO_BACK_EMF
+            values[name], notes[name] = 0.0, axis.text(NO_BACK_EMF)
     return {name: values[name] for name in fields}, {name: notes[name] for name in fields}
 
 
 def _put_scale(fit: Fit, values: dict[str, float | None], notes: dict[str, str]) -> None:
     """Set k_i and R so that their ratio is the identified scale; without one, 1 N m represents 1 V or 1 A."""
-    problem = fit.problem
+    problem, axis = fit.problem, fit.problem.rig.axis
     if problem.scale is None:
         return
     column = next((c for c in problem.coefficients if c.role == "scale"), None)
     s = fit.coefficients[column.name].value if column else 1.0
     text = (
-        _words(fit.coefficients[column.name])
+        _words(fit.coefficients[column.name], axis)
         if column
-        else f"no scale identified: N m represents {problem.unit}"
+        else f"no scale identified: {axis.unit('N m')} represents {problem.unit}"
     )
     if problem.unit == "A":
-        values["k_i"], notes["k_i"] = 1.0 / s, f"from 1/k_i {text}"
+        values["k_i"], notes["k_i"] = 1.0 / s, f"from 1/{axis.named('k_i')} {text}"
         return
     known = problem.rig.known
     if "k_i" not in known and "R" not in known:
-        values["k_i"], notes["k_i"] = 1.0, "convention: only R/k_i shows in a voltage"
+        values["k_i"], notes["k_i"] = 1.0, f"convention: only R/{axis.named('k_i')} shows in a voltage"
     if "R" in known:
-        values["k_i"], notes["k_i"] = known["R"] / s, f"from R/k_i {text}"
+        values["k_i"], notes["k_i"] = known["R"] / s, f"from R/{axis.named('k_i')} {text}"
     else:
-        values["R"], notes["R"] = s * (values["k_i"] or 1.0), f"from R/k_i {text}"
+        values["R"], notes["R"] = s * (values["k_i"] or 1.0), f"from R/{axis.named('k_i')} {text}"
 
 
 def _current_known(fit: Fit) -> bool:
@@ -270,9 +275,9 @@ def _mechanical(fit: Fit, name: str) -> Estimate:
     return fit.coefficients[name] if shown == name else fit.combinations[shown]
 
 
-def _words(e: Estimate) -> str:
+def _words(e: Estimate, axis: AxisKind) -> str:
     low, high = e.interval
     bound = f", at its {e.bound_active} bound" if e.bound_active else ""
     error = "" if e.widened else f", std error {e.std_error:.2g}"
-    unit = "" if e.unit == "1" else f" {e.unit}"
+    unit = "" if e.unit == "1" else f" {axis.unit(e.unit)}"
     return f"fitted: {e.value:.4g}{unit}{error}, 95 % interval {low:.4g} to {high:.4g}{bound}"

@@ -11,9 +11,13 @@ from numpy.typing import NDArray
 
 from eccentric.core import few
 from eccentric.identification import DRIVE_UNITS, LEAST_GAIN_PERCENT, MOST_POINTS, Estimate, Fit
-from eccentric.model import model_names
+from eccentric.model import AxisKind, model_names
+from eccentric.signals import Band
 
 _DRIVES = {unit: drive for drive, unit in DRIVE_UNITS.items()}
+
+
+_OF_A_LINK = ', mu, and the zero angle (theta_zero_rad = "estimate" estimates it)'
 
 
 def fit_sentence(fit: Fit) -> str:
@@ -21,15 +25,17 @@ def fit_sentence(fit: Fit) -> str:
 
     If the log does not fit the rig at all, the sentence says that instead.
     """
+    axis = fit.problem.rig.axis
     if not fit.fits_the_rig:
         return (
             f"This log does not fit the rig (R^2 {fit.r_squared['paper']:.2f}): check units and signs of the "
-            'columns, mu, and the zero angle (theta_zero_rad = "estimate" estimates it).'
+            f"columns{axis.term(_OF_A_LINK)}."
         )
     if fit.problem.is_baseline:
         part = 100.0 * (1.0 - fit.r_squared["paper"])
         return f"Coulomb + viscous friction, which the model is, leaves {part:.2g} % of the drive's variance."
-    subject = f"The model {called}" if (called := _called(fit)) != "paper" else "The paper's model"
+    own = axis.term("paper's model")
+    subject = f"The model {called}" if (called := _called(fit)) != "paper" else f"The {own}"
     low, high = fit.percent_interval
     gain, interval = _percent(fit.percent), f"95 % interval {_percent(low)} to {_percent(high)} %"
     if low > 0.0 and fit.percent >= LEAST_GAIN_PERCENT:
@@ -73,25 +79,32 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     problem, channels = fit.problem, fit.problem.drive.channels
     rows, axis = problem.rows, problem.rig.axis
     what = f"{np.count_nonzero(rows.train)} {rows.description} fitted"
-    head = f"{few(logs)}: {problem.model.name}, driven by {channels.motor.measured_by}; {what}, "
+    head = f"{few(logs)}: {problem.model.name}, driven by {axis.named(channels.motor.measured_by)}; {what}, "
     head += f"{np.count_nonzero(rows.score)} held out ({channels.selection.holdout.brief})"
     above = [head, *filter(None, (channels.excerpt, problem.rig.added_words))]
     table = estimate_table(axis.estimates({**fit.coefficients, **fit.searched}))
-    out = _scale_line(fit)
+    out = _scale_line(fit, axis)
     shown = {"paper": _called(fit)} if problem.is_baseline else {"linear": "linear", "paper": _called(fit)}
     errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())
     parts = ", ".join(f"{name} {fit.r_squared[which]:.4f}" for which, name in shown.items())
-    out.append(f"held-out RMSE [{problem.unit}]: {errors}; R^2 of the drive {_DRIVES[problem.unit]}: {parts}")
+    unit, drive = axis.unit(problem.unit), axis.term(_DRIVES[problem.unit])
+    out.append(f"held-out RMSE [{unit}]: {errors}; R^2 of the drive {drive}: {parts}")
     if fit.band is not None:
-        out.append(fit.band.words(shown["paper"]))
+        out.append(band_line(fit.band, axis, shown["paper"]))
     if problem.rig.sampling.moving_threshold_rad_s is None:
         threshold = channels.selection.moving_threshold_rad_s
-        out.append(f"rows count as moving above {threshold:.4g} rad/s (default of moving_threshold_rad_s)")
+        key = axis.named("moving_threshold_rad_s")
+        out.append(f"rows count as moving above {threshold:.4g} {axis.unit('rad/s')} (default of {key})")
     if fit.fits_the_rig:
-        out += _bounds_line(fit)
-    own = (*logs, *channels.own_names)
-    above, out = ([axis.said(line, own) for line in lines] for lines in (above, [*out, fit_sentence(fit)]))
-    return [*above, *table, *out]
+        out += _bounds_line(fit, axis)
+    return [*above, *table, *out, fit_sentence(fit)]
+
+
+def band_line(band: Band, axis: AxisKind, model: str) -> str:
+    """What a model leaves of the motion that it knows."""
+    return (
+        f"below the {band.cut_hz:g} Hz low pass of the {axis.term('angle')}, {model} leaves {band.below:.4g}"
+    )
 
 
 def estimate_table(shown: Mapping[str, Estimate]) -> list[str]:
@@ -109,16 +122,16 @@ def estimate_table(shown: Mapping[str, Estimate]) -> list[str]:
     return out
 
 
-def _scale_line(fit: Fit) -> list[str]:
+def _scale_line(fit: Fit, axis: AxisKind) -> list[str]:
     problem = fit.problem
     if problem.has("scale"):
         names = [name for name in fit.combinations if name not in fit.coefficients]
-        combined = (f"{name} = {fit.combinations[name].value:.4g}" for name in names)
-        return [f"in newton metres: {', '.join(combined)}"]
+        combined = (f"{axis.named(name)} = {fit.combinations[name].value:.4g}" for name in names)
+        return [f"in {axis.term('newton metres')}: {', '.join(combined)}"]
     if problem.scale is not None:
-        return [
-            f"no scale to newton metres (no inertia, gravity or load is known): all is times {problem.scale}"
-        ]
+        unit, inertia = axis.term("newton metres"), axis.term("inertia")
+        scale = axis.named(str(problem.scale))
+        return [f"no scale to {unit} (no {inertia}, gravity or load is known): all is times {scale}"]
     return []
 
 
@@ -130,13 +143,13 @@ def _bound(e: Estimate) -> str:
     return f"  ({e.bound_active} bound active)" if e.bound_active else ""
 
 
-def _bounds_line(fit: Fit) -> list[str]:
+def _bounds_line(fit: Fit, axis: AxisKind) -> list[str]:
     free, held = fit.rmse["paper_unbounded"], fit.rmse["paper"]
     if not fit.bounds_active:
         return []
     gain = 100.0 * (1.0 - free / held)
     at = "its bound" if len(fit.bounds_active) == 1 else "their bounds"
-    out = [f"{', '.join(fit.bounds_active)}: at {at}"]
+    out = [f"{axis.named(', '.join(fit.bounds_active))}: at {at}"]
     if any(e.widened for e in fit.coefficients.values()):
         out[0] += "; this widens the intervals of the estimates without a std error"
     if gain <= 0.0:
@@ -202,11 +215,11 @@ def compare(fit: Fit) -> Comparison:
         paper=predicted,
         linear=measured - linear.residual[rows],
         rmse={name: fit.rmse[name] for name in ("paper", "linear")},
-        model="paper's model" if problem.model.name in model_names() else problem.model.name,
+        model=axis.term("paper's model") if problem.model.name in model_names() else problem.model.name,
         quantity="friction" if problem.unit == "N m" else "friction (and back-EMF)",
-        unit=axis.said(problem.unit),
+        unit=axis.unit(problem.unit),
         title=f"{problem.rig.name}: held-out {problem.rows.description}",
-        velocity=axis.said("motor velocity [rad/s]"),
+        velocity=f"{axis.term('motor velocity')} [{axis.unit('rad/s')}]",
     )
 
 

@@ -120,12 +120,15 @@ def _panel(one: Drifting, axis: AxisKind) -> dict[str, Any]:
     s = one.shown.series
     values = np.exp(s.values) if s.name == RESIDUAL else s.values
     errors = values * s.errors if s.name == RESIDUAL else s.errors
-    words = {FRICTION: "mean friction torque [N m]", RESIDUAL: "what the model leaves, RMS [N m]"}
+    words = {
+        FRICTION: f"mean friction {axis.term('torque')} [{axis.unit('N m')}]",
+        RESIDUAL: f"what the model leaves, RMS [{axis.unit('N m')}]",
+    }
     return {
         "joint": one.joint,
         "href": one.report,
         "what": one.what,
-        "label": axis.said(words[s.name]) if s.name in words else f"{s.name} [{s.unit}]",
+        "label": words.get(s.name, f"{s.name} [{s.unit}]"),
         "svg": _small(values, 2.0 * errors, s.periods.index(one.since)),
         "first": s.periods[0],
         "last": s.periods[-1],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from eccentric.diagnosis import NextMeasurement
 from eccentric.effects import measurement_between
+from eccentric.model import AxisKind
 
 _MEASUREMENTS = {
     "velocity": (
@@ -60,12 +61,12 @@ _CONSTANT_FIRST = (
 )
 
 
-def measurement_sentence(found: NextMeasurement | None) -> str:
+def measurement_sentence(found: NextMeasurement | None, axis: AxisKind) -> str:
     """What to do, in a sentence or two; "" where nothing is open."""
     if found is None:
         return ""
     first = f"{_CONSTANT_FIRST} " if found.constant_first else ""
-    return first + _SENTENCES[found.code](found)
+    return axis.text(first + _SENTENCES[found.code](found))
 
 
 def _vary(found: NextMeasurement) -> str:

@@ -14,17 +14,25 @@ from eccentric.presentation.measurement_text import measurement_sentence
 def plan_lines(plan: MeasurementPlan) -> list[str]:
     """What a person reads."""
     first, *others = plan.rivals
+    axis, term = plan.axis, plan.axis.term
+    headlines = {r.family: axis.text(r.headline) for r in plan.rivals}
     if others:
         said = ["Open after the log, with probabilities:"]
-        said += [f"  {r.family}: {r.headline} ({100 * r.chance:.0f} %)" for r in plan.rivals]
+        said += [f"  {r.family}: {headlines[r.family]} ({100 * r.chance:.0f} %)" for r in plan.rivals]
     else:
-        said = [f"Nothing is left to decide; this motion narrows the intervals of {first.headline}"]
+        said = [f"Nothing is left to decide; this motion narrows the intervals of {headlines[first.family]}"]
     if plan.elsewhere:
         balance = "mechanical" if first.balance == "electrical" else "electrical"
         said.append(f"Not part of this: {', '.join(plan.elsewhere)}, which the {balance} balance shows.")
     if plan.follows:
-        said.append(f"Something depends on {', '.join(plan.follows)} that no effect explains.")
-        said += [f"What would show it: {measurement_sentence(plan.otherwise)}"] if plan.otherwise else []
+        said.append(
+            f"Something depends on {', '.join(map(axis.named, plan.follows))} that no effect explains."
+        )
+        said += (
+            [f"What would show it: {measurement_sentence(plan.otherwise, plan.axis)}"]
+            if plan.otherwise
+            else []
+        )
     if plan.probability is not None:
         closest = min(plan.apart, key=lambda pair: plan.apart[pair])
         said.append(
@@ -34,7 +42,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         if plan.probability < WORTH_A_RUN:
             said.append("No motion within the limits is likely to decide; this is the best of them.")
         said += [
-            f"{one} and {other} predict the same torque on log and motion, whichever is true:"
+            f"{one} and {other} predict the same {term('torque')} on log and motion, whichever is true:"
             " for a drive within these limits, a model with either will do."
             for one, other in plan.same
         ]
@@ -47,12 +55,12 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
                 else f"{kg} would not decide either."
             )
         if plan.probability < DECIDES and plan.otherwise:
-            said.append(f"What would decide: {measurement_sentence(plan.otherwise)}")
+            said.append(f"What would decide: {measurement_sentence(plan.otherwise, plan.axis)}")
     else:
         said += [
-            f"  {name}: standard error falls to {100 * part:.0f} % of what the log gives"
+            f"  {axis.named(name)}: standard error falls to {100 * part:.0f} % of what the log gives"
             if part < HARDLY
-            else f"  {name}: standard error hardly changes"
+            else f"  {axis.named(name)}: standard error hardly changes"
             for name, part in plan.narrower.items()
         ]
         if min(plan.narrower.values(), default=0.0) > HARDLY:
@@ -63,19 +71,23 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
             f"All of this is with {plan.added:g} kg more on the link: name the run under [added] in the rig"
             f' file (RUN = "{plan.added:g} kg"), and diagnose both logs.'
         )
-    said.append(f"Motion of {moved.seconds:.1f} s at {RATE_HZ:g} Hz, from rest at {moved.theta[0]:.4g} rad:")
+    said.append(
+        f"Motion of {moved.seconds:.1f} s at {RATE_HZ:g} Hz, from rest at {moved.theta[0]:.4g}"
+        f" {axis.unit('rad')}:"
+    )
     said += [f"  {len(tuple(same))} x {words}" for words, same in groupby(plan.parts)]
-    said.append("Largest values, beside the limits (motor side):")
+    said.append(f"Largest values, beside the limits{term(' (motor side)')}:")
     for word, values, limit, unit in (
-        ("speed", moved.omega, bounds.speed, "rad/s"),
-        ("acceleration", moved.alpha, bounds.acceleration, "rad/s^2"),
+        ("speed", moved.omega, bounds.speed, axis.unit("rad/s")),
+        ("acceleration", moved.alpha, bounds.acceleration, axis.unit("rad/s^2")),
         ("force" if bounds.by_force else "current", plan.current, bounds.current, plan.strength[1]),
     ):
         said.append(f"  {word} {np.max(np.abs(values)):.4g} of {limit:.4g} {unit}")
     if bounds.angle is not None:
         low, high = np.min(moved.theta), np.max(moved.theta)
-        said.append(f"  angle {low:.4g} to {high:.4g} of {bounds.angle[0]:.4g} to {bounds.angle[1]:.4g} rad")
-    return [plan.axis.said(line) for line in said]
+        ends = f"{bounds.angle[0]:.4g} to {bounds.angle[1]:.4g} {axis.unit('rad')}"
+        said.append(f"  {term('angle')} {low:.4g} to {high:.4g} of {ends}")
+    return said
 
 
 def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
@@ -100,8 +112,8 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
         "relative_std_error": plan.narrower,
         "added_kg": plan.added,
         "heavier": None if plan.heavier is None else vars(plan.heavier),
-        "otherwise": measurement_sentence(plan.otherwise),
-        "residual_depends_on": list(plan.follows),
+        "otherwise": measurement_sentence(plan.otherwise, plan.axis),
+        "residual_depends_on": [plan.axis.named(name) for name in plan.follows],
         "elsewhere": list(plan.elsewhere),
         "parts": list(plan.parts),
         "seconds": moved.seconds,
@@ -121,4 +133,4 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
             "angle_rad": [float(np.min(moved.theta)), float(np.max(moved.theta))],
         },
     }
-    return plan.axis.told(document)
+    return plan.axis.keyed(document)

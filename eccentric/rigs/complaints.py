@@ -105,7 +105,7 @@ def _home(place: Place, axis: AxisKind) -> str:
         letters |= {*_CASE}
     homes = (
         ("under [known]", ("known", "unknown"), letters),
-        ("under [columns]", ("columns",), {axis.said(channel) for channel in channels_of(axis)}),
+        ("under [columns]", ("columns",), {axis.named(channel) for channel in channels_of(axis)}),
         ("at the top, above all tables", ("",), keys_of(axis)),
     )
     if any(table in tables and key in keys for _, tables, keys in homes):

@@ -63,7 +63,7 @@ def keys_of(axis: AxisKind) -> dict[str, str]:
     """The keys of a rig file -> those of a turning drive, by which they are read."""
     if axis is TURNING:
         return {key: key for key in KEYS}
-    return {axis.said(key): key for key in KEYS if key not in _OF_A_TURN} | {
+    return {axis.named(key): key for key in KEYS if key not in _OF_A_TURN} | {
         key: key for key in _OF_A_CARRIAGE
     }
 
@@ -110,7 +110,7 @@ class Rig:
     def value(self, name: str) -> float:
         """Return a known quantity by the paper's letter; InputError, naming the rig, if it is unknown."""
         if name not in self.known:
-            letter = f"[known] {self.axis.said(name)}"
+            letter = f"[known] {self.axis.named(name)}"
             raise MissingValueError(self.path, letter, "none", why="here", letter=name)
         return self.known[name]
 
@@ -124,12 +124,6 @@ class Rig:
         """Which runs carry what besides M, in words; "" where none does."""
         carried = [f"{runs} carries {added.mass:g} kg" for runs, added in self.added.items()]
         return f"besides M, {', '.join(carried)}" if carried else ""
-
-    @property
-    def own_names(self) -> tuple[str, ...]:
-        """What a person has named: the file, the rig, its columns. The words of the axis leave them alone."""
-        columns = self.log.columns or {}
-        return (self.path, self.name, *(source.text for source in columns.values()))
 
     @property
     def model(self) -> str:
@@ -175,7 +169,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
     known, unknown, case = read_knowns(content, where, axis, constants)
     counts = _counts(content, where)
     columns, warnings = read_columns(content.get("columns"), f"{where}: [columns]", counts, axis)
-    drive, drives = content.get("drive"), {axis.said(drive): drive for drive in DRIVES}
+    drive, drives = content.get("drive"), {axis.named(drive): drive for drive in DRIVES}
     if drive is not None and (not isinstance(drive, str) or drive not in drives):
         raise InputError(
             f"{where}: drive",
@@ -204,7 +198,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
             ),
             low_pass_given="low_pass_hz" in content,
             moving_threshold_rad_s=_optional(
-                content, "moving_threshold_rad_s", where, open_below=False, called=axis.said
+                content, "moving_threshold_rad_s", where, open_below=False, called=axis.named
             ),
             average_over=_average(content.get("average_over"), f"{where}: average_over"),
         ),
@@ -253,7 +247,7 @@ def _of_a_carriage_alone(content: Mapping[str, Any]) -> str:
     """A key or channel that only the rig of a carriage has, "" for none."""
     columns = content.get("columns")
     keys = sorted(content.keys() & (keys_of(LINEAR).keys() - keys_of(TURNING).keys()))
-    channels = {LINEAR.said(name) for name in channels_of(LINEAR)} - channels_of(TURNING).keys()
+    channels = {LINEAR.named(name) for name in channels_of(LINEAR)} - channels_of(TURNING).keys()
     return next(iter([*keys, *sorted(channels & set(columns if isinstance(columns, dict) else ()))]), "")
 
 

@@ -94,7 +94,7 @@ def read_columns(
         return {standard[name]: ColumnSource(name) for name in names if name in standard}, ignored
     columns: dict[str, ColumnSource] = {}
     table = read_table(value, where)
-    by_name = {axis.said(channel): channel for channel in channels}
+    by_name = {axis.named(channel): channel for channel in channels}
     refuse_unknown(table, by_name, where)
     for name, source in table.items():
         channel, at = by_name[name], f"{where} {name}"
@@ -122,7 +122,7 @@ def read_columns(
                 where,
                 "a column of its own",
                 f"{source.text!r} for both",
-                why=f"for {axis.said(other)} and {axis.said(channel)}",
+                why=f"for {axis.named(other)} and {axis.named(channel)}",
                 keys=(other, channel),
             )
     return columns, []
@@ -161,7 +161,7 @@ _OF_KINDS = ("voltage", "current", "torque", "torque_l")
 def read_kinds(value: object, where: str, axis: AxisKind = TURNING) -> dict[str, str]:
     """The kinds of the channels of a drive; InputError for another channel or kind."""
     table = read_table(value, where)
-    by_name = {axis.said(channel): channel for channel in _OF_KINDS if channel in channels_of(axis)}
+    by_name = {axis.named(channel): channel for channel in _OF_KINDS if channel in channels_of(axis)}
     refuse_unknown(table, by_name, where)
     for name, kind in table.items():
         if kind not in KINDS:

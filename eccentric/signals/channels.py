@@ -85,7 +85,7 @@ def _kinds(points: _Points, rig: Rig, step: float) -> tuple[Mapping[str, str], l
     more = _evidence_of_hold(points, rig, by, step)
     if more < PROVED:
         return kinds, []
-    name = rig.axis.said(by)
+    name = rig.axis.named(by)
     said = (
         f"the {name} is held from row to row, {step:.3g} s each: that explains the motion better than samples"
         f' do, by {more:.2g} standard errors ([kinds] {name} = "sample" of the rig overrides this)'
@@ -216,7 +216,7 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
         rig, more = _with_room_for(lines, given, rig, points, logged_step(logged))
         said = more or said
     warnings += said
-    cut, doubts = rig.sampling.low_pass_hz, uneven(logged)
+    cut, doubts = rig.sampling.low_pass_hz, uneven(logged, rig.axis)
     step = logged_step(logged)
     kinds, said = _kinds(points, rig, step)
     warnings += said
@@ -228,7 +228,7 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
         points, cut, doubts = _points(refined(table, kinds), rig, quantum, POINTS_PER_ROW), math.inf, []
     elif kinds:
         points = dataclasses.replace(points, table=at_times(table, kinds))
-    motion, said = motion_of(points.t, points.theta, points.segment, cut)
+    motion, said = motion_of(points.t, points.theta, points.segment, cut, rig.axis)
     doubts = [*said, *doubts, *_rate_doubt(step, rig)]
     channels = dataclasses.replace(_channels(points, motion, rig, step * together), lines=lines)
     if together > 1:
@@ -270,12 +270,14 @@ def _suited(rig: Rig, points: _Points) -> tuple[Rig, list[str]]:
     fitted = points.moving & ~points.holdout.rows
     whole = np.bincount(points.segment, points.table.after_skipped) == 0
     rig, said = suited(rig, points.t, points.theta, points.segment, fitted, whole)
-    warnings = [said] if said else []
+    warnings, axis = [said] if said else [], rig.axis
     if math.isinf(rig.sampling.average_over) and not {"J_m", "J_l"} <= set(rig.known):
         # The small acceleration of a constant speed would absorb anything that the friction lacks.
         rig = dataclasses.replace(rig, known={"J_m": 0.0, "J_l": 0.0, **rig.known})
         warnings.append(
-            "means of runs cannot identify an inertia: J_m and J_l are taken as 0 unless the rig gives them"
+            f"means of runs cannot identify an {axis.term('inertia')}: {axis.named('J_m')} and"
+            f" {axis.named('J_l')}"
+            " are taken as 0 unless the rig gives them"
         )
     return rig, warnings
 
@@ -306,7 +308,8 @@ def _with_room_for(
     cut = max(given.sampling.low_pass_hz, min(LINE_MARGIN * high, RAISED / step))
     said = (
         f"a ripple of {lines[0]} per turn stands out of the drive: the low pass is set to {cut:.2g} Hz,"
-        " though the angle is noisy there (low_pass_hz and average_over of the rig override this)"
+        f" though the {given.axis.term('angle')} is noisy there (low_pass_hz and average_over"
+        f" of the rig override this)"
     )
     return dataclasses.replace(given, sampling=dataclasses.replace(given.sampling, low_pass_hz=cut)), [said]
 
@@ -382,22 +385,23 @@ def _rate_doubt(step: float, rig: Rig) -> list[str]:
 
 
 def _require_rows(channels: Channels, paths: Sequence[str], rig: Rig) -> None:
-    where, rows = few(paths), channels.selection
+    where, rows, axis = few(paths), channels.selection, rig.axis
     fitted, scored = np.count_nonzero(rows.fit_rows), np.count_nonzero(rows.score_rows)
     if not fitted or not scored:
         theta = channels.motion.theta_logged
         if np.ptp(theta) == 0.0:
             raise InputError(
                 where,
-                "an angle that changes",
+                f"an {axis.term('angle')} that changes",
                 (
-                    f"{theta[0]:.6g} rad at the motor in all rows: the encoder is stuck, or a wrong"
+                    f"{theta[0]:.6g} {axis.unit('rad')} at the motor in all rows: the encoder"
+                    f" is stuck, or a wrong"
                     " column is mapped"
                 ),
             )
         raise InputError(
             where,
-            f"moving rows (above {rows.moving_threshold_rad_s:.4g} rad/s at the motor)",
+            f"moving rows (above {rows.moving_threshold_rad_s:.4g} {axis.unit('rad/s')} at the motor)",
             f"{fitted} and {scored} under {rig.path}: {_cause(channels, rig)}",
             why=f"to fit and to hold out ({rows.holdout.brief})",
             plural=True,
@@ -412,11 +416,12 @@ def _cause(channels: Channels, rig: Rig) -> str:
         [np.abs(_speed_over(time.t[own], theta[own])) for own in rows_of_each(time.segment)]
     )
     fastest = float(np.quantile(speed, 0.95)) if len(speed) else 0.0
-    key = rig.axis.said("moving_threshold_rad_s")
+    axis, key = rig.axis, rig.axis.named("moving_threshold_rad_s")
+    quantum = f"{channels.motion.quantum_rad:.3g} {axis.unit('rad')}"
     if rig.sampling.moving_threshold_rad_s is None and rows.moving_threshold_rad_s > 0.5 * fastest > 0.0:
         return (
-            f"the threshold is a default, {QUANTA:g} steps of {channels.motion.quantum_rad:.3g} rad"
-            f" in {2e3 * HALF_SPAN_S:g} ms, and the drive turns at {fastest:.3g} rad/s:"
+            f"the threshold is a default, {QUANTA:g} steps of {quantum}"
+            f" in {2e3 * HALF_SPAN_S:g} ms, and the drive turns at {fastest:.3g} {axis.unit('rad/s')}:"
             f" write {key} = {0.25 * fastest:.2g}"
         )
     if np.any(rows.moving) and max(lasts) < END_S / END_PART:
@@ -424,7 +429,7 @@ def _cause(channels: Channels, rig: Rig) -> str:
             f"the longest stretch without a gap lasts {max(lasts):.3g} s, of which {END_PART:.0%} at either"
             " end is left to the filter, and rows near a reversal do not count: a longer record is required"
         )
-    return "are the units of time and angle right?"
+    return f"are the units of time and {rig.axis.term('angle')} right?"
 
 
 def _speed_over(t: Array, theta: Array) -> Array:

@@ -138,7 +138,7 @@ def used_columns(log: Log, rig: Rig) -> list[str]:
         if source.text in log.columns or channel == "run":
             column(source.text)
         else:
-            evaluate(source.text, column, f"{rig.path}: [columns] {rig.axis.said(channel)}")
+            evaluate(source.text, column, f"{rig.path}: [columns] {rig.axis.named(channel)}")
     return list(used)
 
 
@@ -190,7 +190,7 @@ def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
             continue  # the rate is the clock
         if not any(channel in sources for channel in choice):
             needed = " or ".join(
-                f"{rig.axis.said(channel)} (column {channels[channel][0]!r})"
+                f"{rig.axis.named(channel)} (column {channels[channel][0]!r})"
                 for channel in choice
                 if channel in channels
             )
@@ -206,7 +206,7 @@ def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
     if source.text in log.columns:
         raw = log.numbers(source.text)
     else:
-        where = f"{rig.path}: [columns] {rig.axis.said(channel)}"
+        where = f"{rig.path}: [columns] {rig.axis.named(channel)}"
         raw = evaluate(source.text, log.numbers, where)
         if raw.dtype == bool:
             raise InputError(where, "a number", f"{source.text!r}")
@@ -222,7 +222,7 @@ def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
 
 def _require_size(log: Log, rig: Rig, channel: str, source: ColumnSource, values: Array, size: Array) -> None:
     largest = int(np.argmax(size))
-    where = f"column {source.text!r} ({rig.axis.said(channel)})"
+    where = f"column {source.text!r} ({rig.axis.named(channel)})"
     unit = channels_of(rig.axis)[channel][1]
     if size[largest] > LARGEST:
         raise InputError(
@@ -247,7 +247,7 @@ def _condition(
     text = sources[channel].text
     if text in log.columns:
         return log.numbers(text)
-    return evaluate(text, log.numbers, f"{rig.path}: [columns] {rig.axis.said(channel)}").astype(float)
+    return evaluate(text, log.numbers, f"{rig.path}: [columns] {rig.axis.named(channel)}").astype(float)
 
 
 def _text(value: Any) -> str:

@@ -312,7 +312,8 @@ def suited(
     signal = math.sqrt(max(size**2 - noise**2, (TOO_NOISY * size) ** 2))
     cut = max(LOWEST_HZ, low_pass_hz * (QUIET * signal / noise) ** (2.0 / 5.0))
     said = (
-        f"at {low_pass_hz:g} Hz the steps and stamps of the angle make {noise / size:.0%} of the"
+        f"at {low_pass_hz:g} Hz the steps and stamps of the {rig.axis.term('angle')} make"
+        f" {noise / size:.0%} of the"
         f" acceleration: the low pass is set to {cut:.2g} Hz, and both sides are averaged over"
         f" {1.0 / cut:.2g} s (low_pass_hz and average_over of the rig override this)"
     )

@@ -184,11 +184,6 @@ class Channels:
         return "; ".join(found.text for found in self.intake.findings if found.kind == "excerpt")
 
     @property
-    def own_names(self) -> tuple[str, ...]:
-        """What a person has named: the rig and its file, runs, columns."""
-        return (*self.rig.own_names, *self.time.run_names)
-
-    @property
     def driven(self) -> Channels:
         """The same channels with the rows with the motor switched off marked unusable."""
         if not np.any(self.motor.off):

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
+from eccentric.model import TURNING, AxisKind
 from eccentric.signals import filters
 from eccentric.signals.filters import joined, rows_of_each, stretches
 from eccentric.signals.limits import (
@@ -51,17 +52,17 @@ TURN = 2.0 * math.pi
 
 _UNITS = {
     60.0 / TURN: "the speed is in rpm",
-    360.0 / TURN: "the speed is in deg/s, or the angle is in rad",
-    1.0 / TURN: "the speed is in rev/s, or the angle is in rad",
-    TURN / 360.0: "the angle is in deg",
-    TURN: "the angle is in rev",
+    360.0 / TURN: "the speed is in deg/s, or the {angle} is in {rad}",
+    1.0 / TURN: "the speed is in rev/s, or the {angle} is in {rad}",
+    TURN / 360.0: "the {angle} is in deg",
+    TURN: "the {angle} is in rev",
     1e3: "the time is in ms",
     1e6: "the time is in us",
 }
 
 
 def unwrapped(
-    t: Array, theta: Array, segment: Integers, run: Integers, mu: float | None
+    t: Array, theta: Array, segment: Integers, run: Integers, mu: float | None, axis: AxisKind = TURNING
 ) -> tuple[Array, str]:
     """Return the motor angle [rad] (n,) without wraps, and a warning, empty where there are none.
 
@@ -80,10 +81,12 @@ def unwrapped(
     if not found:
         degrees = [math.degrees(period) for period in periods.values()]
         if any(_unwrap(t, theta, segment, run, period)[1] for period in degrees):
-            return theta, "the angle jumps by 360 rad (or that over mu): is it in deg?"
+            jumps = f"by 360 {axis.unit('rad')} (or that over {axis.named('mu')})"
+            return theta, f"the {axis.term('angle')} jumps {jumps}: is it in deg?"
         return theta, ""
     largest, turns, smooth, count = min(found, key=lambda one: one[0])
-    text = f"the angle is wrapped at one turn of the {turns}, {count} times: it is unwrapped"
+    turn = axis.term(f"turn of the {turns}")
+    text = f"the {axis.term('angle')} is wrapped at one {turn}, {count} times: it is unwrapped"
     if largest > WRAP_HOLE * periods[turns]:
         text += f", uncertain at up to {largest / periods[turns]:.2g} turns from row to row"
     if turns == "motor" and "link" in periods:
@@ -144,7 +147,9 @@ def speed_factor(t: Array, theta: Array, omega: Array, segment: Integers) -> tup
     return float(x @ y) / size, float(x @ y) / math.sqrt(size * float(y @ y)) if np.any(y) else 0.0
 
 
-def speed_doubt(t: Array, theta: Array, omega: Array, segment: Integers, mu: float | None) -> str:
+def speed_doubt(
+    t: Array, theta: Array, omega: Array, segment: Integers, mu: float | None, axis: AxisKind = TURNING
+) -> str:
     """Return what is wrong with a logged speed [rad/s] (n,), by the slope of the angle; empty if nothing."""
     found = speed_factor(t, theta, omega, segment)
     if found is None:
@@ -152,25 +157,31 @@ def speed_doubt(t: Array, theta: Array, omega: Array, segment: Integers, mu: flo
     factor, correlation = found
     if abs(correlation) < LEAST_CORRELATION:
         return (
-            f"the logged speed does not follow the slope of the angle (correlation {correlation:.2f}): "
+            f"the logged speed does not follow the slope of the {axis.term('angle')}"
+            f" (correlation {correlation:.2f}): "
             "do both belong to one shaft?"
         )
     if LEAST_SPEED_FACTOR <= factor <= LARGEST_SPEED_FACTOR:
         return ""
-    cause = _cause(factor, mu)
-    return f"the logged speed is {factor:.4g} times the slope of the angle" + (f": {cause}?" if cause else "")
+    cause, angle = _cause(factor, mu, axis), axis.term("angle")
+    return f"the logged speed is {factor:.4g} times the slope of the {angle}" + (
+        f": {cause}?" if cause else ""
+    )
 
 
-def _cause(factor: float, mu: float | None) -> str:
+def _cause(factor: float, mu: float | None, axis: AxisKind) -> str:
     """Return the simplest and closest explanation of the factor; empty if there is none."""
     gears = {}
     if mu is not None and mu != 1.0:
         gears = dict.fromkeys((mu, 1.0 / mu), "they are on two sides of the gear")
-        gears |= dict.fromkeys((mu**2, mu**-2), f"mu = {mu:.4g} is the reciprocal of what it should be")
+        gears |= dict.fromkeys(
+            (mu**2, mu**-2), f"{axis.named('mu')} = {mu:.4g} is the reciprocal of what it should be"
+        )
     found = []
     for unit, gear in itertools.product((1.0, *_UNITS), (1.0, *gears)):
         words = [_UNITS.get(unit), gears.get(gear), "their signs differ" if factor < 0.0 else None]
-        said = [word for word in words if word]
+        terms = {"angle": axis.term("angle"), "rad": axis.unit("rad")}
+        said = [word.format(**terms) for word in words if word]
         off = abs(math.log(abs(factor) / (unit * gear)))
         if off <= NEAR_CAUSE:
             found.append((len(said), off, " and ".join(said)))
@@ -197,7 +208,9 @@ def of_the_motor(table: Table, rig: Rig) -> tuple[Table, list[str]]:
     """
     logged = motor_side(table, rig, "theta_m", "theta_l")
     omega = motor_side(table, rig, "omega_m", "omega_l")
-    theta, warnings = _integral(table, omega) if logged is None else (_smooth(table, rig, logged), [])
+    theta, warnings = (
+        _integral(table, omega, rig.axis) if logged is None else (_smooth(table, rig, logged), [])
+    )
     own = {"theta_m": theta} | ({} if omega is None else {"omega_m": omega})
     rest = {c: x for c, x in table.channels.items() if not c.startswith(("theta_", "omega_"))}
     return dataclasses.replace(table, channels=rest | own), warnings
@@ -210,18 +223,19 @@ def _smooth(table: Table, rig: Rig, theta: Array) -> Array:
     return unwrapped(t, theta, stretches(t, table.run), table.run, rig.known.get("mu"))[0]
 
 
-def _integral(table: Table, omega: Array | None) -> tuple[Array, list[str]]:
+def _integral(table: Table, omega: Array | None, axis: AxisKind) -> tuple[Array, list[str]]:
     if omega is None:
         raise AssertionError("read_table requires an angle or a speed")
     t = table.channels["time"]
     theta = joined(table.run, lambda rows: cumulative_trapezoid(omega[rows], t[rows], initial=0.0))
-    warnings = ["no angle is logged: it is the integral of the speed, from 0 at the start of each run"]
+    angle = axis.term("angle")
+    warnings = [f"no {angle} is logged: it is the integral of the speed, from 0 at the start of each run"]
     if stretches(t, table.run)[-1] > table.run[-1]:
-        warnings.append("the integrated angle is uncertain after a gap in time")
+        warnings.append(f"the integrated {angle} is uncertain after a gap in time")
     return theta, warnings
 
 
-def uneven(table: Table) -> list[str]:
+def uneven(table: Table, axis: AxisKind) -> list[str]:
     """Return warnings about uneven time steps; one across dropped rows does not count."""
     t = table.channels["time"]
     piece = stretches(t, table.run) + np.cumsum(table.after_dropped)
@@ -234,7 +248,7 @@ def uneven(table: Table) -> list[str]:
         return []
     text = (
         f"time steps are uneven ({odd} of {len(steps)} differ by more than {UNEVEN_STEP:.0%} from the usual "
-        f"{usual:.4g} s): for filtering, the angle is interpolated linearly"
+        f"{usual:.4g} s): for filtering, the {axis.term('angle')} is interpolated linearly"
     )
     return [text]
 

@@ -239,10 +239,6 @@ class Band:
         """Whether most of the error lies above the low pass, and is not noise."""
         return self.above > max(self.below, FILTERED * self.noise)
 
-    def words(self, model: str) -> str:
-        """What a model leaves of the motion that it knows."""
-        return f"below the {self.cut_hz:g} Hz low pass of the angle, {model} leaves {self.below:.4g}"
-
     @property
     def warning(self) -> str:
         """What to do about it; "" where nothing is wrong."""

@@ -243,7 +243,7 @@ def offered(
     """
     effects = [*library(setting), *(load_effects(own, setting) if own else ())]
     return tuple(
-        effect
+        effect.told_for(rig.axis)
         for effect in effects
         if setting.has(*effect.evidence.needs)
         and _in_a_balance(effect, data, balances)

@@ -84,7 +84,7 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
     fit = fit or {}
     axis = model.axis
     columns = regressor(spoken(model))
-    moving = max(_number(fit, axis.said("moving_threshold_rad_s")) or _MOVING[axis], _LEAST_SPEED[axis])
+    moving = max(_number(fit, axis.named("moving_threshold_rad_s")) or _MOVING[axis], _LEAST_SPEED[axis])
     values, bases, friction = _seen(model, _speed(fit, axis), moving)
     if not friction > 0.0:
         raise InputError(
@@ -105,7 +105,7 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
     deviations = np.sqrt(np.diag(covariance))
     lows = [-math.inf if c.bounds[0] is None else c.bounds[0] for c in columns]
     highs = [math.inf if c.bounds[1] is None else c.bounds[1] for c in columns]
-    noise = _number(fit, axis.said("rmse_holdout_Nm"), "paper")
+    noise = _number(fit, axis.named("rmse_holdout_Nm"), "paper")
     from_fit = "the fit" if fit.get("coefficients") else "no fit"
     return Prior(
         columns=columns,
@@ -127,11 +127,11 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
 def _require(model: Model) -> None:
     where = f"model {model.name}: an estimator of its friction"
     if not model.current_known or model.back_emf_in_friction or model.torque_unit != "N m":
-        said = model.axis.said("a fit with the current in amperes and torques in N m is required")
+        said = model.axis.text("a fit with the current in amperes and torques in N m is required")
         raise InputError(f"{where}: {said}")
     missing = [q.name for q in spoken(model).parameters if q.default is None]
     if missing:
-        since = model.axis.said("since it learns from what inertia leaves of the torque")
+        since = model.axis.text("since it learns from what inertia leaves of the torque")
         raise InputError(
             f"{where}: a value of {' and of '.join(missing)} is required, {since}:"
             " give them with --parameters"
@@ -150,7 +150,7 @@ def _number(fit: Mapping[str, Any], *keys: str) -> float:
 def _speed(fit: Mapping[str, Any], axis: AxisKind) -> float:
     """A medium speed: half the fastest of the fit [rad/s, or m/s]."""
     ranges = fit.get("ranges")
-    found = ranges.get(axis.said("speed_m_rad_s")) if isinstance(ranges, Mapping) else None
+    found = ranges.get(axis.named("speed_m_rad_s")) if isinstance(ranges, Mapping) else None
     fastest = found[1] if isinstance(found, list | tuple) and len(found) == 2 else None
     return fastest / 2 if isinstance(fastest, int | float) and 0 < fastest < math.inf else _SPEED[axis]
 

@@ -176,7 +176,7 @@ def view(model: Model, prior: Prior, asked: Adaptation, digest: str, source: str
             for which, name in (("step", "STEP"), ("lowest", "LOWEST"), ("highest", "HIGHEST"), ("x", "x"))
         },
         "inputs": inputs,
-        "said": model.axis.said,
+        "said": model.axis.text,
         "speed": spoken_quantity(model.axis, v.omega_m).name,
         "given": ", ".join(x["name"] for x in inputs),
         "typed": ", ".join(f"{x['name']}: Any" for x in inputs),

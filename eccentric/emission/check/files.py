@@ -91,7 +91,7 @@ def view(
         "precisions": _IN_DOUBLE if joints > _IN_FLOAT else _IN_BOTH,
         "inputs": [_input(known[x], axis) for x in inputs],
         "joints": joints,
-        "velocity": axis.said(v.omega_m.name),
+        "velocity": axis.named(v.omega_m.name),
         "states": [q.name for q in states],
         "samples": _SAMPLES,
         "largest": max(f.width for f in functions),
@@ -186,7 +186,7 @@ def views(model: Model, files: Mapping[str, str], *, arrays: bool = True) -> dic
     joints = joints_of(model)
     # What is called has the names of the axis.
     axis, model = model.axis, spoken(model)
-    acceleration = axis.said(v.alpha_m.name)
+    acceleration = axis.named(v.alpha_m.name)
     source, in_c = files[f"{model.name}.py"], files[f"{model.name}.c"]
     module = executed(files, model.name)
     # Firmware steps hidden states itself; only Python follows them through a log.

@@ -211,7 +211,7 @@ def spoken_program(program: Program, axis: AxisKind) -> Program:
         return value.xreplace({s: local(s) for s in value.free_symbols})
 
     def steps(assignments: Iterable[Assignment]) -> tuple[Assignment, ...]:
-        return tuple(Assignment(local(a.target), put(a.value), axis.said(a.note)) for a in assignments)
+        return tuple(Assignment(local(a.target), put(a.value), axis.text(a.note)) for a in assignments)
 
     def routine(r: Routine) -> Routine:
         return replace(
@@ -219,28 +219,28 @@ def spoken_program(program: Program, axis: AxisKind) -> Program:
             inputs=tuple(Input(spoken_quantity(axis, x.quantity), x.length) for x in r.inputs),
             assignments=steps(r.assignments),
             results=tuple(map(local, r.results)),
-            labels=tuple(map(axis.said, r.labels)),
-            requires=tuple(map(axis.said, r.requires)),
+            labels=tuple(map(axis.named, r.labels)),
+            requires=tuple(map(axis.named, r.requires)),
         )
 
     def helper(h: Helper) -> Helper:
         return replace(
-            h, argument=local(h.argument), assignments=steps(h.assignments), meaning=axis.said(h.meaning)
+            h, argument=local(h.argument), assignments=steps(h.assignments), meaning=axis.text(h.meaning)
         )
 
     return replace(
         program,
-        title=axis.said(program.title),
+        title=axis.text(program.title),
         parameters=tuple(spoken_quantity(axis, q) for q in program.parameters),
         prepare=steps(program.prepare),
         coefficients=tuple(map(local, program.coefficients)),
         routines=tuple(map(routine, program.routines)),
-        constants=tuple((name, tuple(map(axis.said, labels))) for name, labels in program.constants),
-        notes=axis.told(program.notes),
+        constants=tuple((name, tuple(map(axis.named, labels))) for name, labels in program.constants),
+        notes=tuple((axis.named(name), axis.text(note)) for name, note in program.notes),
         states=tuple((spoken_quantity(axis, q), put(initial)) for q, initial in program.states),
-        defaults=axis.said(program.defaults),
+        defaults=axis.text(program.defaults),
         helpers=tuple(map(helper, program.helpers)),
-        promises=tuple(map(axis.said, program.promises)),
+        promises=tuple(map(axis.text, program.promises)),
         axis=axis,
         needed_for={axis.letters.get(name, name): of for name, of in program.needed_for.items()},
         inertia=frozenset(axis.letters.get(name, name) for name in program.inertia),

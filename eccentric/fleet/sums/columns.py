@@ -78,12 +78,12 @@ class Columns:
     def headings(self) -> tuple[Heading, ...]:
         """The columns in their order."""
         gravity = self._model.balance("mechanical").sum_of("gravity") != 0
-        said = self._model.axis.said
+        axis = self._model.axis
         own = [Heading(c.name, c.unit, _kind(c.role, c.load)) for c in regressor(spoken(self._model))]
-        rotor = Heading(said(self._machine.rotor), said("kg m^2"), "inertia")
+        rotor = Heading(axis.named(self._machine.rotor), axis.unit("kg m^2"), "inertia")
         inertia = [rotor] if self._open_inertia else []
         scale = [] if self._open_inertia and not gravity else [Heading(SCALE, "1", "scale")]
-        return (*own, *inertia, *scale, Heading(OFFSET, said("N m"), "offset"))
+        return (*own, *inertia, *scale, Heading(OFFSET, axis.unit("N m"), "offset"))
 
     def torque(self, drive: Mapping[str, Array], omega: Array) -> Array:
         """The drive torque (m,) [N m] of what measures it, "torque", "current" or "voltage" (m,)."""
@@ -132,11 +132,11 @@ def _require_motor(rig: Rig, machine: Machine, known: Collection[str], measured_
     if measured_by == "voltage":
         letters |= machine.resistance_letters | machine.back_emf_letters
     if missing := sorted(letters - set(known)):
-        said, verb = rig.axis.said, "are" if len(missing) > 1 else "is"
+        named, verb = rig.axis.named, "are" if len(missing) > 1 else "is"
         raise InputError(
             rig.path,
-            problem=f"[known] {' and '.join(map(said, missing))} {verb} required by a fleet driven by"
-            f" {said(measured_by)}, received none",
+            problem=f"[known] {' and '.join(map(named, missing))} {verb} required by a fleet driven by"
+            f" {named(measured_by)}, received none",
         )
 
 
@@ -145,7 +145,7 @@ def require_rig(rig: Rig) -> Model:
     model = load_model(rig.model)
     require_case(rig, model)
     if rig.unknown or rig.estimate:
-        open_ = rig.axis.said(few(sorted({*rig.unknown, *rig.estimate})))
+        open_ = rig.axis.named(few(sorted({*rig.unknown, *rig.estimate})))
         raise InputError(
             rig.path,
             problem=f"values are required by a fleet, {open_} is left to be estimated: fit one log of"
@@ -158,7 +158,7 @@ def require_rig(rig: Rig) -> Model:
     if rig.log.kinds:
         raise InputError(f"{rig.path}: [kinds]", "none", few(rig.log.kinds), why="by a fleet")
     if missing := sorted(load_letters(model) - set(rig.known) - {"M_l"}):
-        letters = rig.axis.said(few(missing))
+        letters = rig.axis.named(few(missing))
         raise InputError(rig.path, f"[known] {letters}", "none", why=f"by {model.name}")
     # Without [columns] the header of each log decides what measures the drive.
     if drive := drive_channel(rig.log.columns or (), rig):

@@ -257,7 +257,7 @@ def _drive(channels: Mapping[str, Array], rig: Rig) -> tuple[str, Array]:
     """What measures the drive torque, by the rig, else the first that is logged, and its signal (n,)."""
     name = drive_channel(channels, rig)
     if name is None:
-        drives = rig.axis.said("current, torque or voltage")
+        drives = f"current, {rig.axis.term('torque')} or voltage"
         raise InputError(rig.path, f"a log with {drives}", "none")
     if name == "torque_l":
         return "torque", channels[name] * rig.value("mu")

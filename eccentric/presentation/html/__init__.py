@@ -23,7 +23,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from eccentric.diagnosis import Diagnosis
-from eccentric.emission import template
+from eccentric.emission import TemplateCache, template
 from eccentric.model import TURNING
 from eccentric.presentation.html.data import Parameter, ReportData
 from eccentric.presentation.html.figures import library, plot_report
@@ -41,15 +41,8 @@ def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
 
 
 def page(data: ReportData) -> str:
-    """The page, its text in the words of the axis."""
-    html = rendered("report", view(data, library()))
-    axis = data.source.axis
-    if axis is TURNING:
-        return html
-    head, begin, rest = html.partition("<main>")
-    text, end, scripts = rest.partition("</main>")
-    # No attribute of the templates is in single quotes.
-    return head + begin + axis.said(text.replace("&#39;", "'"), data.source.own) + end + scripts
+    """The page of these records."""
+    return rendered("report", view(data, library()))
 
 
 def arm_page(found: ArmDiagnosis) -> str:

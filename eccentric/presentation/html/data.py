@@ -162,7 +162,6 @@ class Source:
         version: of eccentric.
         plan: shell command that plans the next measurement; "" where there is none.
         axis: what moves: all texts are in its words.
-        own: names that a person has given, which are not.
         occasion: why this log was diagnosed, in a sentence; "" if somebody asked for it.
     """
 
@@ -174,7 +173,6 @@ class Source:
     version: str
     plan: str = ""
     axis: AxisKind = TURNING
-    own: tuple[str, ...] = ()
     occasion: str = ""
 
 

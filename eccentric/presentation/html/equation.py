@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.model import KINDS, Definition, Model, OpaqueStep, Term
+from eccentric.model import KINDS, TURNING, AxisKind, Definition, Model, OpaqueStep, Term
 from eccentric.model import vocabulary as v
 from eccentric.presentation.html.data import Formula
 from eccentric.presentation.html.formulas import Typesetter, aligned, equation, letter, plain
@@ -29,27 +29,37 @@ def typesetter_of(model: Model) -> Typesetter:
     return Typesetter([*model.inputs, *model.parameters, *followed])
 
 
-def friction_equations(model: Model, effects: Sequence[Any]) -> list[Formula]:
+def friction_equations(model: Model, effects: Sequence[Any], axis: AxisKind = TURNING) -> list[Formula]:
     """Friction torque of a model, what effects add to other terms, and the definitions both use.
 
     Args:
-        model: with the effects in it.
+        model: with the effects in it, under the names of the axis.
         effects: those in it; their terms are marked (class "added").
     """
     own = {term.name for effect in effects for terms in effect.change.terms.values() for term in terms}
     typeset = typesetter_of(model)
     friction = [term for term in model.balance("mechanical").terms if term.kind == "friction"]
-    shown = [_sum(typeset, "f", [(term, 1) for term in friction], own, "friction torque [N m, motor side]")]
+    shown = [
+        _sum(
+            typeset,
+            "f",
+            [(term, 1) for term in friction],
+            own,
+            axis.text("friction torque [N m, motor side]"),
+        )
+    ]
     used = [term.value for term in friction]
     for there in model.balances:
         others = [term for term in there.terms if term.name in own and term not in friction]
         if others:
             left, note = _ADDED[there.name]
-            shown.append(_sum(typeset, left, [(term, -KINDS[term.kind]) for term in others], own, note))
+            shown.append(
+                _sum(typeset, left, [(term, -KINDS[term.kind]) for term in others], own, axis.text(note))
+            )
             used += [term.value for term in others]
     replaced = {old: new for effect in effects for old, new in effect.change.replaces.items()}
     used += [new for effect in effects for new in effect.change.replaces.values()]
-    return [*shown, *_definitions(typeset, model, used, replaced)]
+    return [*shown, *_definitions(typeset, model, used, replaced, axis)]
 
 
 def _sum(
@@ -66,7 +76,11 @@ def _sum(
 
 
 def _definitions(
-    typeset: Typesetter, model: Model, used: Sequence[sp.Expr], replaced: Mapping[sp.Symbol, sp.Symbol]
+    typeset: Typesetter,
+    model: Model,
+    used: Sequence[sp.Expr],
+    replaced: Mapping[sp.Symbol, sp.Symbol],
+    axis: AxisKind,
 ) -> list[Formula]:
     """The definitions of the letters in expressions, down to inputs and parameters."""
     known = {d.symbol: d for d in model.definitions}
@@ -95,7 +109,7 @@ def _definitions(
         shown.append(Formula(aligned(rows), "; ".join(d.quantity.meaning for d in numbers)))
     if any(e.has(theta_l) for e in expressions):
         body = equation(typeset, typeset(theta_l), theta_m)
-        shown.append(Formula(body, f"{v.theta_l.meaning} [{v.theta_l.unit}]"))
+        shown.append(Formula(body, axis.text(f"{v.theta_l.meaning} [{v.theta_l.unit}]")))
     return shown
 
 

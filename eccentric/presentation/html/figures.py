@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from eccentric.model import TURNING, AxisKind
 from eccentric.presentation.html.arrays import BalanceResiduals, Channel, Curve
 from eccentric.presentation.html.data import ReportData
 from eccentric.presentation.html.panels import Panel, Trace, friction_panel, residual_panel
@@ -45,9 +46,8 @@ class Figures:
     their horizontal axis, each with the names, labels and marks of its `curves`.
     """
 
-    def __init__(self, said: Callable[[str], str] = str) -> None:
-        """`said` puts a text of ours into the words of the axis."""
-        self._said = said
+    def __init__(self, axis: AxisKind = TURNING) -> None:
+        self._axis = axis
         self._figures: list[dict[str, Any]] = []
         self._plots = 0
 
@@ -59,7 +59,7 @@ class Figures:
 
     def panel(self, panel: Panel, quantity: str, unit: str) -> list[str]:
         """Means over a channel with bars from the 10 % to the 90 % quantile of their rows; the plot's id."""
-        against = f" × {self._said('sgn ω')}" if panel.against_motion else ""
+        against = f" × sgn {self._axis.term('ω')}" if panel.against_motion else ""
         curves = [
             self._curve(name, bars=name in _WITH_BARS, mark=10 if name == "measured" else 5)
             | {"hidden": name == "linear"}
@@ -99,7 +99,7 @@ class Figures:
         )
 
     def _curve(self, name: str, *, bars: bool, mark: int) -> dict[str, Any]:
-        return {"name": name, "label": self._said(curve_name(name)), "bars": bars, "mark": mark}
+        return {"name": name, "label": curve_name(name, self._axis), "bars": bars, "mark": mark}
 
     def _add(
         self, columns: Mapping[str, Any], plots: Sequence[tuple[str, int, list[Any]]], **others: Any
@@ -158,17 +158,17 @@ def plot_report(data: ReportData, left: Any, right: Any) -> None:
     and predicted friction over the motor velocity, or the residual if the balance contains no friction.
     Points are means over bins; bars extend from the 10 % to the 90 % quantile of their rows.
     """
-    balance, said = data.errors.balances[0], data.source.axis.said
+    balance, axis = data.errors.balances[0], data.source.axis
     order = {key: k for k, key in enumerate(data.conclusion.depends_on)}
     channels = sorted(balance.rows.channels, key=lambda c: order.get(c.key, len(order)))
     panels = (residual_panel(balance, channel) for channel in channels)
-    _draw(left, next((panel for panel in panels if panel is not None), None), balance, "residual", said)
+    _draw(left, next((panel for panel in panels if panel is not None), None), balance, "residual", axis)
     velocity = balance.rows.channel("velocity")
     friction = None if velocity is None else friction_panel(balance, velocity)
     if friction is not None:
-        _draw(right, friction, balance, balance.quantity, said)
+        _draw(right, friction, balance, balance.quantity, axis)
     else:
-        _draw(right, _residual(balance, velocity), balance, "residual", said)
+        _draw(right, _residual(balance, velocity), balance, "residual", axis)
     added = ", ".join(effect.id for effect in data.extended.effects) or data.conclusion.verdict.replace(
         "_", " "
     )
@@ -179,9 +179,7 @@ def _residual(balance: BalanceResiduals, channel: Channel | None) -> Panel | Non
     return None if channel is None else residual_panel(balance, channel)
 
 
-def _draw(
-    axes: Any, panel: Panel | None, balance: BalanceResiduals, quantity: str, said: Callable[[str], str]
-) -> None:
+def _draw(axes: Any, panel: Panel | None, balance: BalanceResiduals, quantity: str, axis: AxisKind) -> None:
     if panel is None:
         axes.set_axis_off()
         return
@@ -190,9 +188,9 @@ def _draw(
         if name in _WITH_BARS:
             axes.vlines(panel.at, curve.low, curve.high, color=color, alpha=0.35, linewidth=2.0)
         style = {"color": color, "linestyle": line, "marker": mark, "markersize": 3.0}
-        axes.plot(panel.at, curve.middle, label=said(curve_name(name)), **style)
-    against = " × sgn ω" if panel.against_motion else ""
+        axes.plot(panel.at, curve.middle, label=curve_name(name, axis), **style)
+    against = f" × sgn {axis.term('ω')}" if panel.against_motion else ""
     axes.set_xlabel(f"{panel.channel.label} [{panel.channel.unit}]")
-    axes.set_ylabel(said(f"{quantity}{against} [{balance.unit}]"))
+    axes.set_ylabel(f"{quantity}{against} [{balance.unit}]")
     axes.grid(linewidth=0.3)
     axes.legend(frameon=False, fontsize=8.0)

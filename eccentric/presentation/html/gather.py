@@ -16,7 +16,7 @@ import numpy as np
 from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Effect
 from eccentric.identification import DRIVE_UNITS, Refit, in_drive_unit
-from eccentric.model import spoken
+from eccentric.model import AxisKind, spoken
 from eccentric.presentation.diagnosis_text import (
     closest_sentence,
     diagnosis_sentence,
@@ -53,12 +53,11 @@ from eccentric.version import __version__
 Array = np.ndarray
 TURN = 2.0 * np.pi
 _QUARTER = TURN / 4
-_QUANTITIES = {"mechanical": "friction", "electrical": "torque of the voltage"}
 
 
 def balance_of(found: Diagnosis, name: str) -> BalanceResiduals:
     """Residuals at one scale of the drive, that of the extended model, as in the score."""
-    mechanical = name == "mechanical"
+    mechanical, axis = name == "mechanical", found.rig.axis
     models = found.models
     fits = {"linear": models.linear, "paper": models.paper, "extended": models.extended}
     residuals = {
@@ -69,8 +68,8 @@ def balance_of(found: Diagnosis, name: str) -> BalanceResiduals:
     )
     return BalanceResiduals(
         name=name,
-        quantity=_QUANTITIES[name],
-        unit=found.unit,
+        quantity="friction" if mechanical else f"{axis.term('torque')} of the voltage",
+        unit=axis.unit(found.unit),
         rows=_rows(found),
         paper=residuals["paper"],
         extended=residuals["extended"] if adopted else None,
@@ -91,9 +90,9 @@ def _drive(found: Diagnosis) -> DriveSignal:
         gain = scale
     elif name == "current":
         gain = float(drive.machine.current_of_torque(drive.known, 1.0))
-    return DriveSignal(
-        name, DRIVE_UNITS[name], np.where(found.data.off, np.nan, found.rows.mean(drive.signal())), gain
-    )
+    axis = found.rig.axis
+    label, unit = axis.named(name), axis.unit(DRIVE_UNITS[name])
+    return DriveSignal(label, unit, np.where(found.data.off, np.nan, found.rows.mean(drive.signal())), gain)
 
 
 def _scaled(found: Diagnosis, fit: Refit, x: Array) -> Array:
@@ -104,7 +103,7 @@ def _rows(found: Diagnosis) -> ResidualRows:
     channels, mu, rows = found.channels, found.setting.mu, found.rows
     axis = found.rig.axis
     # The screw of a carriage turns by an angle, whose unit is not one of length.
-    turn, radian = (TURN, "rad") if axis.wraps else (None, "radian")
+    turn, radian = (TURN, "rad") if axis.wraps else (None, "radian")  # "radian" is no unit of ours
     turns = axis.wraps or "pitch" in found.rig.known
     gravity = found.data.gravity if np.any(found.data.gravity) else None
     theta = channels.motion.theta_m if channels.phased else None
@@ -121,7 +120,7 @@ def _rows(found: Diagnosis) -> ResidualRows:
         ("time", "time in the run", "s", channels.time.elapsed, None),
     ]  # fmt: skip
     made = [
-        Channel(k, label, u, _mean(rows, x, period), period)
+        Channel(axis.named(k), axis.term(label), axis.unit(u), _mean(rows, x, period), period)
         for k, label, u, x, period in given
         if x is not None
     ]
@@ -159,7 +158,9 @@ def facts_of(found: Diagnosis) -> list[Fact]:
     uneven = f"; steps of {spread[0]:.4g} to {spread[1]:.4g} s" if np.ptp(spread) > 0.01 * usual else ""
     runs = len(channels.time.run_names)
     gaps = int(channels.time.segment[-1]) + 1 - runs
-    moving = f"faster than {channels.selection.moving_threshold_rad_s:.3g} rad/s, clear of reversals and ends"
+    axis, unit = found.rig.axis, found.rig.axis.unit(found.unit)
+    fastest = f"{channels.selection.moving_threshold_rad_s:.3g} {axis.unit('rad/s')}"
+    moving = f"faster than {fastest}, clear of reversals and ends"
     held = "; ".join(f"{a:.4g} to {b:.4g} s" for a, b in channels.selection.holdout.intervals_s[:8])
 
     def aligned(name: str, field: str, unit: str, factor: float = 1.0) -> Fact:
@@ -179,18 +180,20 @@ def facts_of(found: Diagnosis) -> list[Fact]:
         Fact("errors are computed on", found.rows.description),
         Fact("sampling", f"{1.0 / usual:.4g} Hz", f"{usual:.4g} s a row{uneven}"),
         Fact("gaps in time", f"{gaps}", "no filter runs across a gap" if gaps else ""),
-        Fact("drive measured by", channels.motor.measured_by),
-        Fact("step of the motor angle", f"{channels.motion.quantum_rad:.3g} rad"),
+        Fact("drive measured by", axis.named(channels.motor.measured_by)),
+        Fact(
+            f"step of the {axis.term('motor angle')}", f"{channels.motion.quantum_rad:.3g} {axis.unit('rad')}"
+        ),
         aligned("input delay", "input_delay_s", "ms", 1e3),
-        *([aligned("zero angle", "theta_zero_rad", "rad")] if found.rig.axis.wraps else []),
+        *([aligned("zero angle", "theta_zero_rad", "rad")] if axis.wraps else []),
     ]
     if channels.motor.voltage is not None:
         facts.append(aligned("voltage offset", "voltage_offset_V", "V"))
     facts += [
         Fact(
             "periodic inside runs",
-            f"{o.per_turn:.2f} per motor turn",
-            f"amplitude {o.amplitude:.3g} {found.unit}, {100 * o.share:.0f} % of the residual variance,"
+            f"{o.per_turn:.2f} per {axis.term('motor turn')}",
+            f"amplitude {o.amplitude:.3g} {unit}, {100 * o.share:.0f} % of the residual variance,"
             f" in {o.seen} of {o.stretches} stretches",
         )
         for o in found.orders
@@ -205,10 +208,9 @@ def facts_of(found: Diagnosis) -> list[Fact]:
     remark = (
         f"RMS of a row; the held-out error is {left / noise:.3g} times that" if noise > 0.0 else "none seen"
     )
-    return [*facts, Fact("noise of the sensors", f"{noise:.3g} {found.unit}", remark)]
+    return [*facts, Fact("noise of the sensors", f"{noise:.3g} {unit}", remark)]
 
 
-_WORSE = {"paper": "Coulomb and viscous friction", "extended": "the paper's"}
 _ORIGINS = ("effect", "friction", "bench", "rig", "model", "unseen")
 
 
@@ -220,25 +222,24 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
     attribution, score, findings = found.attribution, found.score, found.channels.intake.findings
     effects = [effect for effect, _ in found.models.extended.effects]
     names = sorted(score.rmse, key=lambda name: name != score.balance)
-    axis, own = found.rig.axis, (*found.asked.logs, *found.channels.own_names)
-    data = ReportData(
+    axis = found.rig.axis
+    return ReportData(
         source=Source(
             logs=found.asked.logs,
             rig=found.asked.rig,
             model=found.models.base.name,
-            model_title=found.models.base.title,
+            model_title=axis.text(found.models.base.title),
             command=_command(found),
             version=__version__,
             plan=_plan(found),
             axis=axis,
-            own=own,
         ),
         conclusion=Conclusion(
             verdict=attribution.verdict,
             sentence=diagnosis_sentence(found),
-            depends_on=attribution.depends_on,
+            depends_on=tuple(map(axis.named, attribution.depends_on)),
             closest=" ".join(filter(None, [closest_sentence(found), sibling_sentence(found)])),
-            next_measurement=measurement_sentence(attribution.next_measurement),
+            next_measurement=measurement_sentence(attribution.next_measurement, axis),
             fits_the_rig=found.models.fits_the_rig,
             confirmed=not attribution.unconfirmed,
             clear=tuple(effect.words.headline or effect.id for effect, _ in found.clear),
@@ -254,17 +255,16 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         extended=ExtendedModel(
             effects=tuple(_added(effect, found) for effect in effects),
             parameters=tuple(_parameters(found)),
-            equations=tuple(friction_equations(spoken(found.models.extended.model), effects)),
-            correlations=_correlations(found.models.extended),
+            equations=tuple(friction_equations(spoken(found.models.extended.model), effects, axis)),
+            correlations=_correlations(found.models.extended, axis),
         ),
         log=LogQuality(
             facts=tuple(facts_of(found)),
-            findings=findings,
+            findings=tuple(replace(f, channel=axis.named(f.channel)) for f in findings),
             warnings=tuple(text for text in found.warnings if text not in {f.text for f in findings}),
         ),
         files=tuple(files),
     )
-    return axis.record(data, own)
 
 
 def _candidates(found: Diagnosis) -> Iterator[CandidateRow]:
@@ -297,14 +297,22 @@ def _below(found: Diagnosis) -> Errors | None:
     below = found.score.below
     if below is None or not found.score.only_below:
         return None
-    name, rmse = f"below the {below.cut_hz:g} Hz low pass of the angle", (below.before, below.after)
+    axis = found.rig.axis
+    name, rmse = (
+        f"below the {below.cut_hz:g} Hz low pass of the {axis.term('angle')}",
+        (below.before, below.after),
+    )
     note = "Row by row, a model of ripple above the low pass adds error."
-    return Errors(name, found.unit, dict(zip(("paper", "extended"), rmse, strict=True)), below.interval, note)
+    return Errors(
+        name, axis.unit(found.unit), dict(zip(("paper", "extended"), rmse, strict=True)), below.interval, note
+    )
 
 
 def _further(found: Diagnosis) -> list[Errors]:
     """Errors that only some logs have: in the drive's unit, of free motion, over whole runs."""
-    score = found.score
+    score, axis = found.score, found.rig.axis
+    own_unit = axis.unit(found.unit)
+    worse = {"paper": "Coulomb and viscous friction", "extended": axis.term("the paper's")}
     models = {"linear", "paper"} | ({"extended"} if found.models.adopted else set())
 
     def of(rmse: Mapping[str, float]) -> dict[str, float]:
@@ -312,14 +320,14 @@ def _further(found: Diagnosis) -> list[Errors]:
 
     further = []
     if score.per_drive:
-        unit = {"voltage": "V", "current": "A", "torque": "N m"}[found.channels.motor.measured_by]
+        unit = axis.unit(DRIVE_UNITS[found.channels.motor.measured_by])
         further.append(Errors("mechanical balance, as measured", unit, of(score.per_drive)))
     if score.free:
         note = "These rows contain no electrical effect: only mechanical terms predict them."
-        further.append(Errors("with the motor switched off", found.unit, of(score.free), note=note))
+        further.append(Errors("with the motor switched off", own_unit, of(score.free), note=note))
     if over := score.over_runs:
         gains = [
-            f"Gain of the {name} model on {_WORSE[name]}: {number(percent, 3)} % (95 % interval"
+            f"Gain of the {name} model on {worse[name]}: {number(percent, 3)} % (95 % interval"
             f" {range_of((low, high), 3)} %), in {better} of {over.runs} runs."
             for name, (percent, (low, high), better) in over.gains.items()
             if name in models
@@ -331,7 +339,7 @@ def _further(found: Diagnosis) -> list[Errors]:
             ]
         )
         interval = over.gains["extended"][1] if "extended" in over.gains and "extended" in models else None
-        further.append(Errors("every run left out once", found.unit, of(over.rmse), interval, note))
+        further.append(Errors("every run left out once", own_unit, of(over.rmse), interval, note))
     return further
 
 
@@ -360,8 +368,9 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
             continue
         fitted = origin in {"effect", "friction", "bench"}
         unit = in_drive_unit(q.unit, found.unit) if fitted else q.unit
-        letter = typeset(letters[axis.said(q.name)].symbol)
-        row = Parameter(q.name, q.meaning, unit, value, origin, letter=letter)
+        own_letter = letters[axis.named(q.name)]
+        letter, unit = typeset(own_letter.symbol), axis.unit(unit)
+        row = Parameter(own_letter.name, own_letter.meaning, unit, value, origin, letter=letter)
         if e := estimates.get(q.name):
             error = e.std_error if math.isfinite(e.std_error) else None
             ends = e.interval if all(map(math.isfinite, e.interval)) else None
@@ -370,7 +379,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
     return sorted(rows, key=lambda row: _ORIGINS.index(row.origin))
 
 
-def _correlations(fit: Refit) -> Correlations | None:
+def _correlations(fit: Refit, axis: AxisKind) -> Correlations | None:
     """Those of the estimates that have an error: a bound leaves none."""
     error = np.sqrt(np.diag(fit.covariance))
     free = np.flatnonzero(np.isfinite(error) & (error > 0.0))
@@ -378,7 +387,7 @@ def _correlations(fit: Refit) -> Correlations | None:
         return None
     names = list(fit.estimates)
     own = fit.covariance[np.ix_(free, free)]
-    return Correlations(tuple(names[k] for k in free), own / np.outer(error[free], error[free]))
+    return Correlations(tuple(axis.named(names[k]) for k in free), own / np.outer(error[free], error[free]))
 
 
 def _plan(found: Diagnosis) -> str:

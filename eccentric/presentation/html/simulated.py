@@ -9,9 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from eccentric.model import TURNING, AxisKind
 from eccentric.presentation.html.arrays import BalanceResiduals
 from eccentric.presentation.html.limits import GAP_STEPS, STRETCH_S
-from eccentric.presentation.html.text import MODELS, number, run_name
+from eccentric.presentation.html.text import curve_name, number, run_name
 
 Array = np.ndarray
 _LEFT, _RIGHT, _GAP = 66.0, 954.0, 30.0
@@ -42,7 +43,7 @@ class Simulated:
     alternative: str
 
 
-def simulated(balance: BalanceResiduals) -> Simulated | None:
+def simulated(balance: BalanceResiduals, axis: AxisKind = TURNING) -> Simulated | None:
     """The drive and, below, what the models miss of it; None without a held-out stretch."""
     drive = balance.drive
     if drive is None:
@@ -85,7 +86,7 @@ def simulated(balance: BalanceResiduals) -> Simulated | None:
         for tick in _ticks(start, start + span)
     ]
     told = " and ".join(
-        f"{number(float(np.sqrt(np.mean(error**2))), 3)} {drive.unit} ({MODELS[kind]})"
+        f"{number(float(np.sqrt(np.mean(error**2))), 3)} {drive.unit} ({curve_name(kind, axis)})"
         for kind, error in errors.items()
     )
     run = balance.rows.run_names[int(balance.rows.run[index[0]])]
@@ -96,7 +97,7 @@ def simulated(balance: BalanceResiduals) -> Simulated | None:
         f" held-out stretch in which {most}, {where}. Below: what the models miss of it, {told} RMS."
         " Rows at standstill are left out."
     )
-    legend = [("measured", "measured"), *((kind, MODELS[kind]) for kind in errors)]
+    legend = [("measured", "measured"), *((kind, curve_name(kind, axis)) for kind in errors)]
     alternative = f"{drive.label}, measured and by the models, {where}; they miss {told} RMS."
     return Simulated(lines, grid, times, names, legend, round(top - 8.0), caption, alternative)
 

@@ -9,14 +9,15 @@ from html import escape
 import numpy as np
 
 from eccentric.diagnosis import LEAST_DEVIANCE, LEAST_SHARE
+from eccentric.model import AxisKind
 from eccentric.presentation.html.arrays import BalanceResiduals, RunErrors, runs_apart
 from eccentric.presentation.html.data import CandidateRow, Correlations, ReportData
 from eccentric.presentation.html.formulas import short_formula
 from eccentric.presentation.html.limits import CLOSE, MOST_NAMED
 from eccentric.presentation.html.panels import Panel, Trace
 
-MODELS = {"linear": "Coulomb + viscous", "paper": "paper's model", "extended": "extended model"}
-_CURVES = MODELS | {"before": MODELS["paper"], "after": MODELS["extended"], "effect": "fitted effect"}
+_MODELS = {"linear": "Coulomb + viscous", "paper": "paper's model", "extended": "extended model"}
+_CURVES = _MODELS | {"before": _MODELS["paper"], "after": _MODELS["extended"], "effect": "fitted effect"}
 VERDICTS = {
     "named": "effect named",
     "not_identifiable": "not identifiable on this log",
@@ -96,9 +97,9 @@ def correlation_words(found: Correlations) -> str:
     )
 
 
-def curve_name(curve: str) -> str:
-    """The name of a curve in a legend; the residual before is that of the paper's model."""
-    return _CURVES.get(curve, curve)
+def curve_name(curve: str, axis: AxisKind) -> str:
+    """The name of a model or a curve in a legend; the residual before is that of the paper's model."""
+    return axis.term(_CURVES.get(curve, curve))
 
 
 def range_of(interval: tuple[float, float], digits: int = 4) -> str:
@@ -123,21 +124,18 @@ def meaning_html(meaning: str) -> str:
     return escape(meaning) if article else short_formula(meaning)
 
 
-def figure_words(panel: Panel, unit: str) -> tuple[str, str]:
+def figure_words(panel: Panel, unit: str, axis: AxisKind) -> tuple[str, str]:
     """Caption and text alternative of a panel, by its numbers."""
-    label, curves = panel.channel.label, panel.curves
-    times = " × sgn ω" if panel.against_motion else ""
+    label, curves, plain = panel.channel.label, panel.curves, axis.term("the paper's model")
+    times = f" × sgn {axis.term('ω')}" if panel.against_motion else ""
     if "before" in curves:
         swing = (
             f"Over the {label} the means of the residual{times} vary by"
             f" {number(curves['before'].swing, 3)} {unit}"
         )
         if "after" in curves:
-            swing += (
-                " with the paper's model and by"
-                f" {number(curves['after'].swing, 3)} {unit} with the extended one"
-            )
-        what = "Residual" if "after" in curves else "Residual of the paper's model"
+            swing += f" with {plain} and by {number(curves['after'].swing, 3)} {unit} with the extended one"
+        what = "Residual" if "after" in curves else f"Residual of {plain}"
     else:
         middle = curves["measured"].middle
         missed = {
@@ -145,7 +143,7 @@ def figure_words(panel: Panel, unit: str) -> tuple[str, str]:
             for name in ("paper", "extended")
             if name in curves
         }
-        parts = [f"{number(value, 3)} {unit} ({MODELS[name]})" for name, value in missed.items()]
+        parts = [f"{number(value, 3)} {unit} ({curve_name(name, axis)})" for name, value in missed.items()]
         swing = f"Over the {label} the predicted means{times} are off by at most {' and '.join(parts)}"
         what = "Measured and predicted friction"
     rows = panel.rows[panel.rows > 0]
@@ -157,7 +155,7 @@ def figure_words(panel: Panel, unit: str) -> tuple[str, str]:
     return f"{swing}; {stands}.", f"{what} over the {label} {extent}. {swing}."
 
 
-def trace_words(found: Trace, balance: BalanceResiduals) -> tuple[str, str]:
+def trace_words(found: Trace, balance: BalanceResiduals, axis: AxisKind) -> tuple[str, str]:
     """Caption and text alternative of the time traces."""
     stands = (
         "every row is drawn"
@@ -167,7 +165,7 @@ def trace_words(found: Trace, balance: BalanceResiduals) -> tuple[str, str]:
     )
     cuts = f" The {len(found.cuts)} dotted lines mark where time was cut out." if len(found.cuts) else ""
     errors = ", ".join(
-        f"{MODELS[name]} {number(value, 3)} {balance.unit}" for name, value in balance.rmse.items()
+        f"{curve_name(name, axis)} {number(value, 3)} {balance.unit}" for name, value in balance.rmse.items()
     )
     caption = f"The {found.rows} held-out rows; {stands}.{cuts}"
     return caption, f"Measured and predicted {balance.quantity} along time. Held-out RMSE: {errors}."
@@ -188,7 +186,8 @@ def why(data: ReportData) -> list[str]:
             if len(pair) == 2:
                 sentences.append(_against(pair[0], pair[1], units.get(name, ""), bool(tied)))
         elif name in data.search.chance:
-            sentences.append(_chance(own[0], data.search.chance[name], data.conclusion.verdict))
+            torque = data.source.axis.term("torque")
+            sentences.append(_chance(own[0], data.search.chance[name], data.conclusion.verdict, torque))
     if (
         data.conclusion.verdict in {"named", "not_identifiable"}
         and sum(c.adopted for c in data.search.candidates) > 1
@@ -213,7 +212,7 @@ def _against(winner: CandidateRow, runner: CandidateRow, unit: str, tied: bool) 
     )
 
 
-def _chance(best: CandidateRow, chance: tuple[float, float], verdict: str) -> str:
+def _chance(best: CandidateRow, chance: tuple[float, float], verdict: str, torque: str) -> str:
     gained, level = chance
     sentence = (
         f"The best candidate of the {best.balance} balance is {best.called}; it improves the fit"
@@ -233,5 +232,6 @@ def _chance(best: CandidateRow, chance: tuple[float, float], verdict: str) -> st
         )
     return (
         f"{sentence}, more than chance ({number(level, 3)} in one log in a hundred), but removes less than"
-        f" {100.0 * LEAST_SHARE:g} % of the RMS torque: errors of the filters and of sampling have that size."
+        f" {100.0 * LEAST_SHARE:g} % of the RMS {torque}: errors of the filters and of"
+        f" sampling have that size."
     )

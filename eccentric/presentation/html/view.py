@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from eccentric.model import AxisKind
 from eccentric.presentation.html.arrays import BalanceResiduals, PartErrors, RunErrors, runs_of
 from eccentric.presentation.html.data import CandidateRow, Errors, Parameter, ReportData
 from eccentric.presentation.html.figures import Figures
@@ -13,9 +14,9 @@ from eccentric.presentation.html.limits import SHOWN_RUNS
 from eccentric.presentation.html.panels import friction_panel, residual_panel, trace
 from eccentric.presentation.html.simulated import simulated
 from eccentric.presentation.html.text import (
-    MODELS,
     VERDICTS,
     correlation_words,
+    curve_name,
     figure_words,
     headline,
     meaning_html,
@@ -44,10 +45,11 @@ _MARKS = {"named": "✓", "not_identifiable": "≈", "unexplained": "?", "nothin
 def view(data: ReportData, library: str) -> dict[str, Any]:
     """The variables of the templates; without the `library` that draws, figures are left out."""
     shown = [b for k, b in enumerate(data.errors.balances) if k == 0 or b.extended is not None]
-    figures = Figures(data.source.axis.said)
+    axis = data.source.axis
+    figures = Figures(axis)
     residuals = [(b, _residuals(figures, b, data)) for b in shown] if library else []
-    friction = [one for b in shown for one in _friction(figures, b)] if library else []
-    traces = [one for b in shown for one in _traces(figures, b)] if library else []
+    friction = [one for b in shown for one in _friction(figures, b, axis)] if library else []
+    traces = [one for b in shown for one in _traces(figures, b, axis)] if library else []
     return {
         "title": f"What does the model lack? {', '.join(data.source.logs)}",
         "headline": headline(data),
@@ -57,19 +59,23 @@ def view(data: ReportData, library: str) -> dict[str, Any]:
         "key_figures": _key_figures(data),
         "errors": _errors(data),
         "runs": _runs(data),
-        "simulated": simulated(data.errors.balances[0]) or next(filter(None, map(simulated, shown)), None),
+        "simulated": next((one for b in shown if (one := simulated(b, axis))), None),
         "correlations": _correlations(data),
         "residuals": [(f"{b.name} balance", b.unit, panels) for b, panels in residuals],
         "friction": friction,
         "traces": traces,
         "rows": data.errors.balances[0].rows.description,
-        "depends": ", ".join(map(plain_words, data.conclusion.depends_on)),
+        "depends": ", ".join(axis.term(plain_words(key)) for key in data.conclusion.depends_on),
         "candidates": _candidates(data),
         "why": why(data),
-        "parameters": [_parameter(p) for p in data.extended.parameters],
-        "effects": [(e, short_formula(e.formula), number(100.0 * e.share, 3)) for e in data.extended.effects],
+        "parameters": [_parameter(p, axis) for p in data.extended.parameters],
+        "effects": [
+            (e, axis.text(short_formula(e.formula)), number(100.0 * e.share, 3))
+            for e in data.extended.effects
+        ],
         "hints": _hints(data),
         "figures_json": figures.json(),
+        "term": axis.term,
         "bokeh": library,
     }
 
@@ -87,27 +93,30 @@ def _residuals(figures: Figures, balance: BalanceResiduals, data: ReportData) ->
         panel = residual_panel(balance, channel)
         if panel is not None:
             ids = figures.panel(panel, "residual", balance.unit)
-            found.append(_figure(ids, figure_words(panel, balance.unit)) | {"depends": channel.key in order})
+            found.append(
+                _figure(ids, figure_words(panel, balance.unit, data.source.axis))
+                | {"depends": channel.key in order}
+            )
     return found
 
 
-def _friction(figures: Figures, balance: BalanceResiduals) -> list[dict[str, Any]]:
+def _friction(figures: Figures, balance: BalanceResiduals, axis: AxisKind) -> list[dict[str, Any]]:
     found = []
     for key in ("velocity", "link_angle"):
         channel = balance.rows.channel(key)
         panel = channel and friction_panel(balance, channel)
         if panel:
             ids = figures.panel(panel, balance.quantity, balance.unit)
-            found.append(_figure(ids, figure_words(panel, balance.unit)))
+            found.append(_figure(ids, figure_words(panel, balance.unit, axis)))
     return found
 
 
-def _traces(figures: Figures, balance: BalanceResiduals) -> list[dict[str, Any]]:
+def _traces(figures: Figures, balance: BalanceResiduals, axis: AxisKind) -> list[dict[str, Any]]:
     found = trace(balance)
     if found is None:
         return []
     ids = figures.trace(found, balance.rows.run_names, balance.quantity, balance.unit)
-    return [_figure(ids, trace_words(found, balance))]
+    return [_figure(ids, trace_words(found, balance, axis))]
 
 
 def _key_figures(data: ReportData) -> list[tuple[str, str]]:
@@ -145,7 +154,7 @@ def _errors(data: ReportData) -> list[dict[str, Any]]:
     for errors, noise in given:
         own = max([*errors.rmse.values(), noise or 0.0, *_ends(errors)])
         tops[errors.unit] = max(tops.get(errors.unit, 0.0), own)
-    return [_bars(errors, noise, 1.02 * tops[errors.unit]) for errors, noise in given]
+    return [_bars(errors, noise, 1.02 * tops[errors.unit], data.source.axis) for errors, noise in given]
 
 
 def _ends(errors: Errors) -> list[float]:
@@ -155,12 +164,17 @@ def _ends(errors: Errors) -> list[float]:
     return [errors.rmse["paper"] * (1.0 - percent / 100.0) for percent in reversed(errors.interval)]
 
 
-def _bars(errors: Errors, noise: float | None, top: float) -> dict[str, Any]:
+def _bars(errors: Errors, noise: float | None, top: float, axis: AxisKind) -> dict[str, Any]:
     """A bar as long as `top` has full width; the interval of the improvement is a whisker on "extended"."""
     ends = _ends(errors)
     part = 100.0 / top if top > 0.0 else 0.0
     bars = [
-        {"model": model, "name": MODELS[model], "value": number(value), "width": f"{value * part:.2f}"}
+        {
+            "model": model,
+            "name": curve_name(model, axis),
+            "value": number(value),
+            "width": f"{value * part:.2f}",
+        }
         for model, value in errors.rmse.items()
     ]
     return {
@@ -253,7 +267,7 @@ def _candidate(c: CandidateRow, data: ReportData) -> dict[str, Any]:
         "standing": standing,
         "id": c.id,
         "headline": c.headline,
-        "formula": short_formula(c.formula),
+        "formula": data.source.axis.text(short_formula(c.formula)),
         "balance": c.balance,
         "rmse": f"{number(c.rmse)} {units.get(c.balance, '')}",
         "probability": f"{c.probability:.2f}",
@@ -262,14 +276,14 @@ def _candidate(c: CandidateRow, data: ReportData) -> dict[str, Any]:
     }
 
 
-def _parameter(p: Parameter) -> dict[str, str]:
+def _parameter(p: Parameter, axis: AxisKind) -> dict[str, str]:
     notes = [f"{p.bound} bound active"] if p.bound else []
     if p.widened and not p.bound:
         notes.append("widened by a bound")
     return {
         "name": p.name,
         "letter": p.letter,
-        "meaning": meaning_html(p.meaning),
+        "meaning": axis.text(meaning_html(p.meaning)),
         "value": number(p.value),
         "error": "" if p.std_error is None else number(p.std_error, 2),
         "interval": "" if p.interval is None else range_of(p.interval),

@@ -10,6 +10,7 @@ import numpy as np
 
 from eccentric.core import few
 from eccentric.logs import Excerpt, Log, LogSource, LogStream, log_stems, stream_log
+from eccentric.model import AxisKind
 from eccentric.rigs import ArmRig, Rig
 from eccentric.signals.converted import named_apart, require_columns, run_column
 from eccentric.signals.long.choice import ChosenWindows, choose
@@ -85,7 +86,7 @@ def _read_long(
         tell(1.0)
     spans = [_together(span for one in chosen for span in one.spans(k)) for k in range(len(streams))]
     unread = [Path(stream.path).name for stream, own in zip(streams, spans, strict=True) if not own]
-    note, missed = _said(chosen)
+    note, missed = _said(chosen, rigs[0].axis)
     if unread:
         note += f"; no window of {few(unread)} is among them"
     logs: list[Log] = []
@@ -158,7 +159,7 @@ def _read(surveys: Sequence[LogSurvey], spans: Sequence[tuple[int, int]], note: 
     return dataclasses.replace(log, excerpt=Excerpt(rows, rejected, begins, note, missed))
 
 
-def _said(chosen: Sequence[_Chosen]) -> tuple[str, str]:
+def _said(chosen: Sequence[_Chosen], axis: AxisKind) -> tuple[str, str]:
     """How much of the logs was chosen and why, and what is not in it; for several drives, of each."""
     every, windows = dict[tuple[int, str, int], float](), dict[tuple[int, str, int], float]()
     for one in chosen:
@@ -183,13 +184,13 @@ def _said(chosen: Sequence[_Chosen]) -> tuple[str, str]:
     missing = sum(one.choice.missing for one in chosen)
     seen = f"{states - missing} of the {states} states that the drive{'' if not of else 's'}"
     seen += f" {'was' if not of else 'were'} in are in them"
-    told = [_missed(one) for one in chosen]
+    told = [_missed(one, axis.term("angle")) for one in chosen]
     if of:
         told = [f"joint {j}: {text}" for j, text in enumerate(told, start=1) if text]
     return f"{size}: {why}; {seen}", "; ".join(filter(None, told))
 
 
-def _missed(chosen: _Chosen) -> str:
+def _missed(chosen: _Chosen, angle: str) -> str:
     """What is not in the windows of a drive; "" for nothing."""
     choice, windows = chosen.choice, chosen.windows
     missed = []
@@ -205,7 +206,7 @@ def _missed(chosen: _Chosen) -> str:
         shown = _shown([windows[k] for k in choice.blind])
         said.append(
             f"{len(choice.blind)} windows could not be assessed ({shown}), since their rows are too few or"
-            " too uneven in time, or the angle jumps: whether the windows that are used speak for them is"
+            f" too uneven in time, or the {angle} jumps: whether the windows that are used speak for them is"
             " not known"
         )
     return "; ".join(said)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.model import AxisKind
 from eccentric.signals.finding import Finding
 from eccentric.signals.quality.causes import (
     Logged,
@@ -75,14 +76,14 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
     bodies = {name: body for name, body in bodies.items() if body.explained >= EXPLAINED}
     against = [name for name, body in bodies.items() if _reversed(body)]
     if against:
-        yield _sign(against, bodies, means)
+        yield _sign(against, bodies, means, rig.axis)
         return
     # In case C1 a slow sine would explain any drift.
     logged = _logged(channels, rig)
     unit = "" if rig.case == "C1" else _angle_unit(means, logged)
     if unit:
         channel, name = logged.motion
-        text = f"the {drive} follows gravity if the {name} {unit}: correct the rig's [columns]"
+        text = f"the {rig.axis.term(drive)} follows gravity if the {name} {unit}: correct the rig's [columns]"
         yield Finding("wrong_unit", channel, text, means.rows, "warning")
         return
     ratios = [*electrical(means, rig)]
@@ -128,7 +129,7 @@ def _unsigned(m: Means, drive: str, rig: Rig) -> Finding | None:
     sign = np.sign(float(np.mean(x)))
     if np.mean(x * sign > 0.0) < ONE_SIGN or min(sizes) < SAME_SIZE * max(sizes):
         return None
-    name, side = rig.axis.said(drive), "positive" if sign > 0.0 else "negative"
+    name, side = rig.axis.named(drive), "positive" if sign > 0.0 else "negative"
     text = (
         f"the {name} is {side} in both directions, and of nearly the same size: its sign is missing, as that"
         " of a supply's current or of a duty cycle, or a constant load is not in the rig"
@@ -166,15 +167,17 @@ def _reversed(body: RigidBody) -> bool:
     return is_clear(inertia, i_error) and inertia < 0.0 and loss < 0.0
 
 
-def _sign(against: list[str], bodies: dict[str, RigidBody], m: Means) -> Finding:
+def _sign(against: list[str], bodies: dict[str, RigidBody], m: Means, axis: AxisKind) -> Finding:
     """Blame the drive that opposes the motion, or the angle if all do."""
+    angle = axis.term("angle")
     if len(against) == len(bodies) > 1:
-        channel, text = "theta_m", f"the angle runs against {' and '.join(against)}"
+        channel, text = "theta_m", f"the {angle} runs against {' and '.join(map(axis.named, against))}"
     else:
-        channel, text = against[0], f"{against[0]} runs against the motion"
+        channel, text = against[0], f"{axis.named(against[0])} runs against the motion"
     text += (
-        ": with these signs inertia and friction are negative; put a minus before its column in the rig"
-        f"{'' if channel == 'theta_m' else ' (or before that of the angle)'}"
+        f": with these signs {axis.term('inertia')} and friction are negative; put a minus"
+        f" before its column in the rig"
+        f"{'' if channel == 'theta_m' else f' (or before that of the {angle})'}"
     )
     return Finding("wrong_sign", channel, text, m.rows, "warning")
 
@@ -260,7 +263,10 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
         alone = ratio.name == "k_i" and any(r.name == "k_e" and r.near(1.0) for r in ratios)
         yield Finding("contradiction", ratio.letter, text, rows, "note" if alone else "warning", mend)
     if {"J", "M g L"} <= {ratio.name for ratio in off}:
-        text = "neither inertia nor gravity of the rig agrees with the log, which may be of another rig"
+        text = (
+            f"neither {rig.axis.term('inertia')} nor gravity of the rig agrees with the"
+            f" log, which may be of another rig"
+        )
         yield Finding("another_rig", c.motor.measured_by, text, rows, "warning")
 
 

@@ -36,7 +36,7 @@ class Logged:
     @property
     def motion(self) -> tuple[str, str]:
         """The channel of the motion, and what it is called."""
-        return ("theta_m", "angle") if self.angle else ("omega_m", "speed")
+        return ("theta_m", self.axis.term("angle")) if self.angle else ("omega_m", "speed")
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def common_cause(ratios: Sequence[Ratio], logged: Logged) -> Cause | None:
         made = [ratio for ratio in ratios if ratio.name in cause.ratios]
         if len(made) > 1 and all(ratio.near(cause.ratios.get(ratio.name, 1.0)) for ratio in ratios):
             return cause
-    return _gear(ratios, logged) or _scale(ratios, logged.drive)
+    return _gear(ratios, logged) or _scale(ratios, logged)
 
 
 def _gear(ratios: Sequence[Ratio], logged: Logged) -> Cause | None:
@@ -100,7 +100,7 @@ def _gear(ratios: Sequence[Ratio], logged: Logged) -> Cause | None:
     return Cause("contradiction", "mu", text, {})
 
 
-def _scale(ratios: Sequence[Ratio], drive: str) -> Cause | None:
+def _scale(ratios: Sequence[Ratio], logged: Logged) -> Cause | None:
     """Blame the scale of the drive or k_i for torques that are all off by one factor that no unit has."""
     torques = [ratio for ratio in ratios if ratio.name in ("J", "M g L")]
     if not torques or (scale := torques[0].value) <= 0.0 or torques[0].near(1.0):
@@ -112,19 +112,19 @@ def _scale(ratios: Sequence[Ratio], drive: str) -> Cause | None:
     resistance, constant = rest.get("R"), rest.get("k_i")
     if not all(ratio.near(1.0) for ratio in others):
         return None
-    by = f"off by a factor of {scale:.3g}"
+    drive, k_i, by = logged.drive, logged.axis.named("k_i"), f"off by a factor of {scale:.3g}"
     if drive == "current" and resistance is not None and constant is None and resistance.near(1.0 / scale):
         return Cause("wrong_unit", "current", f"the scale of the current is {by}", {}, scale)
     if resistance is not None and not resistance.near(1.0):
         return None
     if constant is not None:
         found = constant.near(1.0 / scale)
-        return Cause("contradiction", "k_i", f"k_i is {by}", {}, scale, "k_i") if found else None
+        return Cause("contradiction", "k_i", f"{k_i} is {by}", {}, scale, "k_i") if found else None
     if len(torques) < 2:
         return None
     if drive == "current" and resistance is not None:
-        return Cause("contradiction", "k_i", f"k_i is {by}", {}, scale, "k_i")
-    return Cause("contradiction", "k_i", f"the scale of the {drive}, or k_i, is {by}", {})
+        return Cause("contradiction", "k_i", f"{k_i} is {by}", {}, scale, "k_i")
+    return Cause("contradiction", "k_i", f"the scale of the {logged.axis.term(drive)}, or {k_i}, is {by}", {})
 
 
 def _causes(logged: Logged) -> list[Cause]:
@@ -169,7 +169,7 @@ def _prefixed(signal: str, factor: float, logged: Logged) -> Cause:
     if logged.drive == signal:
         made |= {"J": factor, "M g L": factor}
     prefix = "m" if factor > 1.0 else "k"
-    name = logged.motion[1] if signal == logged.motion[0] else signal
+    name = logged.motion[1] if signal == logged.motion[0] else logged.axis.term(signal)
     text = f"the {name} is in {prefix}{channels_of(logged.axis)[signal][1]}"
     return Cause("wrong_unit", signal, text, made, factor)
 
@@ -193,8 +193,10 @@ def mass_causes(ratio: Ratio, logged: Logged) -> list[Cause]:
     motion = logged.motion[0]
     causes = [_prefixed(name, factor, logged) for name in (motion, logged.drive) for factor in (1e3, 1e-3)]
     if logged.drive == "current":
-        by = "k_i is off by a factor of {:g}"
-        causes += [Cause("", "k_i", by.format(f), {"J": f}, f, "k_i") for f in (1e3, 1e-3)]
+        k_i = logged.axis.named("k_i")
+        causes += [
+            Cause("", "k_i", f"{k_i} is off by a factor of {f:g}", {"J": f}, f, "k_i") for f in (1e3, 1e-3)
+        ]
     return [cause for cause in causes if ratio.value > 0.0 and ratio.near(cause.ratios["J"])]
 
 
@@ -239,7 +241,7 @@ def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[
     # Gravity is the larger part of a torque; an inertia off by the same factor may not show.
     scaled = {"J": ratio.value}
     either = ratio.name == "M g L" and drive == "current" and not _refuted(scaled, every, scaled)
-    return (" (or is k_i off by this factor?)" if either else ""), None
+    return (f" (or is {logged.axis.named('k_i')} off by this factor?)" if either else ""), None
 
 
 # What to write into the rig file for a wrong unit, scale or value.
@@ -252,14 +254,18 @@ def with_unit(cause: Cause, rig: Rig) -> tuple[str, str]:
     """Return the text of a cause, for the unit that the rig declares, and the line that mends the rig."""
     if cause.letter:
         unit = next(known.unit for known in knowns_of(rig.axis) if known.name == cause.letter)
-        return cause.text, f'{cause.letter} = "{rig.known[cause.letter] / cause.factor:.3g} {unit}"'
+        return (
+            cause.text,
+            f'{rig.axis.named(cause.letter)} = "{rig.known[cause.letter] / cause.factor:.3g} {unit}"',
+        )
     if not cause.factor:
         return cause.text, ""
     source = (rig.log.columns or {}).get(cause.channel)
     standard, si = channels_of(rig.axis)[cause.channel]
+    channel = rig.axis.named(cause.channel)
     column = source.text if source is not None else standard
     if source is not None and source.gain is not None:
-        return _with_gain(cause, column, source.gain)
+        return _with_gain(cause, channel, column, source.gain)
     declared = source.unit.factor if source is not None and source.unit is not None else 1.0
     true = declared / cause.factor
     near = next((p for p in _PREFIXES if abs(math.log(true / p)) <= NEAR), None)
@@ -267,21 +273,21 @@ def with_unit(cause: Cause, rig: Rig) -> tuple[str, str]:
         plain = column if column.isidentifier() else f"`{column}`"
         scaled = json.dumps(f"{plain} * {true:.3g}", ensure_ascii=False)
         # Arithmetic is not told from an odd name here: the factor alone is said.
-        return cause.text, "" if set(column) & set("+-*/`") else f"{cause.channel} = {scaled}"
+        return cause.text, "" if set(column) & set("+-*/`") else f"{channel} = {scaled}"
     unit = f"{_PREFIXES[near]}{si}"
     unit = unit.replace("mN m", "mNm").replace("kN m", "kNm").replace("uN m", "uNm")
-    name = {"theta_m": "angle", "omega_m": "speed"}.get(cause.channel, cause.channel)
+    name = {"theta_m": rig.axis.term("angle"), "omega_m": "speed"}.get(cause.channel, channel)
     text = f"the {name} is in {unit}" + (f", not {source.unit.text}" if source and source.unit else "")
-    return text, f'{cause.channel} = {{ column = {json.dumps(column, ensure_ascii=False)}, unit = "{unit}" }}'
+    return text, f'{channel} = {{ column = {json.dumps(column, ensure_ascii=False)}, unit = "{unit}" }}'
 
 
-def _with_gain(cause: Cause, column: str, gain: ForceGain) -> tuple[str, str]:
+def _with_gain(cause: Cause, channel: str, column: str, gain: ForceGain) -> tuple[str, str]:
     """The same for a column that a gain converts: its unit stays, the gain is what differs."""
     true = f"{gain.value / cause.factor:.6g} {gain.unit}"
     unit = "" if gain.column is None else f'unit = "{gain.column}", '
-    text = f"the gain of the {cause.channel} is {true}, not {gain.value:.6g} {gain.unit}"
+    text = f"the gain of the {channel} is {true}, not {gain.value:.6g} {gain.unit}"
     line = f'column = {json.dumps(column, ensure_ascii=False)}, {unit}gain = "{true}"'
-    return text, f"{cause.channel} = {{ {line} }}"
+    return text, f"{channel} = {{ {line} }}"
 
 
 def readings(causes: Iterable[Cause], ratio: Ratio, rig: Rig) -> tuple[str, str]:
@@ -289,7 +295,7 @@ def readings(causes: Iterable[Cause], ratio: Ratio, rig: Rig) -> tuple[str, str]
     told = [with_unit(cause, rig) for cause in causes]
     # No carriage moves kilometres, and nobody logs in kiloamperes.
     told = [(said, mend) for said, mend in told if not re.search(r" in k[mAV]\b", said)]
-    value = f"{ratio.letter} is {ratio.found:.3g} {ratio.unit}", of_letter(ratio, rig)
+    value = f"{rig.axis.named(ratio.letter)} is {ratio.found:.3g} {ratio.unit}", of_letter(ratio, rig)
     said, mends = zip(*told, value, strict=True)
     return ", or ".join(said), " or ".join(mends)
 
@@ -297,4 +303,6 @@ def readings(causes: Iterable[Cause], ratio: Ratio, rig: Rig) -> tuple[str, str]
 def of_letter(ratio: Ratio, rig: Rig) -> str:
     """Return the line of the rig with the value of the log; empty for what is of several letters."""
     single = ("R", "k_e", "k_i", *(() if rig.axis.wraps else ("J",)))
-    return f'{ratio.letter} = "{ratio.found:.3g} {ratio.unit}"' if ratio.letter in single else ""
+    return (
+        f'{rig.axis.named(ratio.letter)} = "{ratio.found:.3g} {ratio.unit}"' if ratio.letter in single else ""
+    )

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.model import AxisKind
 from eccentric.signals.filters import stretches
 from eccentric.signals.finding import Finding
 from eccentric.signals.limits import LEAST_CORRELATION, MUCH_LOST
@@ -95,13 +96,14 @@ def record_findings(table: Table, channels: Channels) -> Iterator[Finding]:
     record = record_of(table, channels)
     yield from table.findings
     yield from _gaps(record, table.after_skipped)
+    axis = channels.rig.axis
     signals = {
         name: x for name, x in table.channels.items() if name in UNITS and not name.startswith("theta")
     }
     for name, x in signals.items():
-        yield from _clipped(name, x, record)
-        yield from _frozen(name, x, record)
-    yield from _frozen_angle(table, record)
+        yield from _clipped(name, x, record, axis)
+        yield from _frozen(name, x, record, axis)
+    yield from _frozen_angle(table, record, axis)
     yield from _speeds(channels)
 
 
@@ -130,7 +132,7 @@ def _runs(x: Array, segment: Integers) -> tuple[Integers, Integers]:
     return begins, np.diff(np.append(begins, len(x)))
 
 
-def _clipped(name: str, x: Array, c: Record) -> Iterator[Finding]:
+def _clipped(name: str, x: Array, c: Record, axis: AxisKind) -> Iterator[Finding]:
     """Yield a limit that the channel keeps reaching: equal values in a row there, and only there.
 
     A coarse or stepped channel has equally long runs of equal values elsewhere, a switched-off one at zero.
@@ -144,19 +146,21 @@ def _clipped(name: str, x: Array, c: Record) -> Iterator[Finding]:
         rows = int(np.sum(lengths[at]))
         if limit != 0.0 and np.count_nonzero(at) > 1 and rows > CLIPPED * len(x):
             text = (
-                f"{name} stays at its {word} value, {limit:.6g} {UNITS[name]}, in {rows} of {len(x)} rows "
+                f"{axis.named(name)} stays at its {word} value, {limit:.6g}"
+                f" {axis.unit(UNITS[name])}, in {rows} of {len(x)} rows "
                 f"({np.count_nonzero(at)} times): it is clipped there; measure with a wider range or less "
                 "drive, or exclude these rows with `use`"
             )
             yield Finding("saturated", name, text, rows, "warning")
 
 
-def _frozen(name: str, x: Array, c: Record) -> Iterator[Finding]:
+def _frozen(name: str, x: Array, c: Record, axis: AxisKind) -> Iterator[Finding]:
     """Yield a channel that keeps one value while the drive moves, which its own noise excludes."""
     moving = c.moving
     if np.any(moving) and np.ptp(x[moving]) == 0.0:
         text = (
-            f"{name} is {x[moving][0]:.6g} {UNITS[name]} in all moving rows: it is not recorded, or a wrong "
+            f"{axis.named(name)} is {x[moving][0]:.6g} {axis.unit(UNITS[name])} in all moving"
+            f" rows: it is not recorded, or a wrong "
             "column is mapped"
         )
         yield Finding("frozen", name, text, int(np.count_nonzero(moving)), "warning")
@@ -185,7 +189,7 @@ def _frozen(name: str, x: Array, c: Record) -> Iterator[Finding]:
 
     found = np.array([k for k in np.flatnonzero(long) if is_frozen(int(k))], dtype=np.int64)
     if len(found):
-        yield _stretch(name, x, c, begins[found], lengths[found], "while the drive moves")
+        yield _stretch(name, x, c, begins[found], lengths[found], "while the drive moves", axis)
 
 
 def _part(what: NDArray[np.bool_], rows: NDArray[np.bool_]) -> float:
@@ -199,19 +203,21 @@ def _steady(c: Record) -> NDArray[np.bool_]:
     return c.moving & (change < STEADY * np.nanquantile(np.abs(c.speed), TOP_SPEED))
 
 
-def _stretch(name: str, x: Array, c: Record, begins: Integers, lengths: Integers, why: str) -> Finding:
+def _stretch(
+    name: str, x: Array, c: Record, begins: Integers, lengths: Integers, why: str, axis: AxisKind
+) -> Finding:
     k = int(np.argmax(lengths))
     first, last = begins[k], begins[k] + lengths[k] - 1
     times = f"{len(begins)} times, the longest" if len(begins) > 1 else "once,"
     text = (
-        f"{name} keeps one value {why}, {times} {c.t[last] - c.t[first]:.3g} s at {x[first]:.6g} "
-        f"{UNITS[name]} from {c.t[first]:.6g} s: the sensor or its connection failed; "
+        f"{axis.named(name)} keeps one value {why}, {times} {c.t[last] - c.t[first]:.3g} s at {x[first]:.6g} "
+        f"{axis.unit(UNITS[name])} from {c.t[first]:.6g} s: the sensor or its connection failed; "
         "exclude these rows with `use`"
     )
     return Finding("frozen", name, text, int(np.sum(lengths)), "warning")
 
 
-def _frozen_angle(table: Table, c: Record) -> Iterator[Finding]:
+def _frozen_angle(table: Table, c: Record, axis: AxisKind) -> Iterator[Finding]:
     """Yield an angle that freezes and then catches up in one step, or freezes while a logged speed continues.
 
     A sticking link is at rest as well, but starts again without a jump.
@@ -233,7 +239,7 @@ def _frozen_angle(table: Table, c: Record) -> Iterator[Finding]:
         goes_on = np.abs(moved[ends] - moved[begins]) > BEHIND * usual
     found = long & (jumps | goes_on) & (usual > 0.0)
     if np.any(found):
-        yield _stretch(name, x, c, begins[found], lengths[found], "and then jumps or falls behind")
+        yield _stretch(name, x, c, begins[found], lengths[found], "and then jumps or falls behind", axis)
 
 
 def _speeds(c: Channels) -> Iterator[Finding]:
@@ -244,7 +250,8 @@ def _speeds(c: Channels) -> Iterator[Finding]:
     low, high = np.quantile(speed, NEARLY_ALL)
     if high < ONE_SPEED * low:
         text = (
-            f"nearly all moving rows are at one speed, {low:.4g} to {high:.4g} rad/s at the motor: Coulomb "
+            f"nearly all moving rows are at one speed, {low:.4g} to {high:.4g}"
+            f" {c.rig.axis.unit('rad/s')} at the motor: Coulomb "
             "and viscous friction cannot be distinguished; measure at several speeds, a factor of five apart"
         )
         yield Finding("one_speed", "omega_m", text, len(speed), "warning")
@@ -273,22 +280,22 @@ def _speed(table: Table, channels: Channels, rig: Rig) -> Iterator[Finding]:
     if name is None:
         return
     gear = rig.value("mu") if name == "theta_l" else 1.0
-    _, said = unwrapped(c.t, table.channels[name] / gear, c.segment, c.run, mu)
+    _, said = unwrapped(c.t, table.channels[name] / gear, c.segment, c.run, mu, rig.axis)
     if said:
         kind, severity = ("wrong_unit", "warning") if said.endswith("deg?") else ("wrapped", "note")
         yield Finding(kind, name, said, len(c.t), severity)
     if c.omega_logged is None:
         return
-    doubt = speed_doubt(c.t, c.theta, c.omega_logged, c.segment, mu)
+    doubt = speed_doubt(c.t, c.theta, c.omega_logged, c.segment, mu, rig.axis)
     told = speed_factor(c.t, c.theta, c.omega_logged, c.segment)
     if doubt and told:
         factor, correlation = told
         follows = abs(correlation) >= LEAST_CORRELATION
         kind = ("wrong_sign" if factor < 0.0 else "wrong_unit") if follows else "mismatch"
         name = "omega_m" if "omega_m" in table.channels else "omega_l"
-        yield Finding(kind, name, _advised(doubt), len(c.t), "warning")
+        yield Finding(kind, name, _advised(doubt, rig.axis), len(c.t), "warning")
 
 
-def _advised(doubt: str) -> str:
+def _advised(doubt: str, axis: AxisKind) -> str:
     """What is wrong with the logged speed, possibly as a question, and what to do."""
-    return f"{doubt}{' C' if doubt.endswith('?') else '; c'}orrect the rig's [columns] or mu"
+    return f"{doubt}{' C' if doubt.endswith('?') else '; c'}orrect the rig's [columns] or {axis.named('mu')}"

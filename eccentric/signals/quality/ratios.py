@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from eccentric.model import Model, load_model
+from eccentric.model import AxisKind, Model, load_model
 from eccentric.model import vocabulary as v
 from eccentric.signals.quality.limits import (
     AGREES,
@@ -239,10 +239,10 @@ class Ratio:
     agrees: float = AGREES
 
     @classmethod
-    def of(cls, name: str, found: float, error: float, given: float, text: str = "") -> Ratio:
+    def of(cls, name: str, found: float, error: float, given: float, axis: AxisKind, text: str = "") -> Ratio:
         """Make one from the value in the log, its uncertainty, and the value in the rig, in SI."""
-        unit = _UNITS[name.removesuffix(" by gravity")]
-        called = _CALLED.get(name, name)
+        unit = axis.unit(_UNITS[name.removesuffix(" by gravity")])
+        called = axis.named(_CALLED.get(name, name))
         said = text or f"{called} is {found:.3g} {unit} by the log and {given:.3g} by the rig"
         return cls(name, found / given, (found - error) / given, (found + error) / given, said, found, unit)
 
@@ -273,11 +273,11 @@ def electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
         return
     (r, r_error), (e, e_error) = found
     if "R" in rig.known:
-        yield replace(Ratio.of("R", r, r_error, rig.known["R"]), agrees=WARM)
+        yield replace(Ratio.of("R", r, r_error, rig.known["R"], rig.axis), agrees=WARM)
     elif 0.0 < r + r_error < LEAST_OHM:
         # Against nothing but what windings have: the next larger unit of a current is the only reading.
         text = f"R is {r:.3g} ohm by the log, less than the windings of such drives have"
-        yield Ratio.of("R", r, r_error, 1e3 * r, text)
+        yield Ratio.of("R", r, r_error, 1e3 * r, rig.axis, text)
     if "k_e" not in rig.known:
         return
     if "R" in rig.known and abs(r - rig.known["R"]) <= r_error:
@@ -285,7 +285,7 @@ def electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
         rest = m.drives["voltage"] - rig.known["R"] * m.drives["current"]
         a, covariance, _ = regressed(friction_of(m), rest)
         e, e_error = a[0], math.sqrt(covariance[0, 0]) * SIGMAS
-    yield replace(Ratio.of("k_e", e, e_error, rig.known["k_e"]), agrees=WARM)
+    yield replace(Ratio.of("k_e", e, e_error, rig.known["k_e"], rig.axis), agrees=WARM)
 
 
 def mechanical(body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]:
@@ -296,34 +296,34 @@ def mechanical(body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]:
     if inertia := inertia_of(rig):
         value, error = body.inertia
         if max(abs(value), inertia / scale) * body.alpha >= NOTICED * body.drive:
-            yield Ratio.of("J", scale * value, scale * error * SIGMAS, inertia)
+            yield Ratio.of("J", scale * value, scale * error * SIGMAS, inertia, rig.axis)
     if gravity := gravity_of(rig):
         value, error = body.gravity
-        yield Ratio.of("M g L", scale * value, scale * error * SIGMAS, gravity)
+        yield Ratio.of("M g L", scale * value, scale * error * SIGMAS, gravity, rig.axis)
 
 
 def motor_constant(m: Means, body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]:
     """Yield k_i where it differs from k_e by the voltage, or from a range, by more than motors do."""
-    back_emf = _armature(m)
+    back_emf, k_i, unit = _armature(m), rig.axis.named("k_i"), rig.axis.unit("N m/A")
     if "k_i" in rig.known:
         if back_emf is None or any(r.near(1.0) for r in mechanical(body, drive, rig)):
             return
         e, error = back_emf[1]
         given = rig.known["k_i"]
-        text = f"k_i is {e:.3g} N m/A by the voltage (in SI it equals k_e) and {given:.3g} by the rig"
-        found = Ratio.of("k_i", e, error, given, text)
+        text = f"{k_i} is {e:.3g} {unit} by the voltage (in SI it equals k_e) and {given:.3g} by the rig"
+        found = Ratio.of("k_i", e, error, given, rig.axis, text)
     elif "k_i" in rig.unknown and drive == "current" and (by_torque := _by_torque(body, rig)):
         k, error, source = by_torque
         if back_emf is not None and is_clear(back_emf[1][0], back_emf[1][1] / SIGMAS):
             e = back_emf[1][0]
-            text = f"k_i is {k:.3g} N m/A by {source} and {e:.3g} by the voltage (in SI it equals k_e)"
-            found = Ratio.of("k_i by gravity", k, error, e, text)
+            text = f"{k_i} is {k:.3g} {unit} by {source} and {e:.3g} by the voltage (in SI it equals k_e)"
+            found = Ratio.of("k_i by gravity", k, error, e, rig.axis, text)
         else:
             low, high = rig.unknown["k_i"]
             # A thousand times as much is in the range: the current is in mA, as far as a range can say it.
             end = 1e3 * k if k < low <= 1e3 * k <= high else low if k < low else high
-            text = f"k_i is {k:.3g} N m/A by {source}, outside {low:g} to {high:g} by the rig"
-            found = Ratio.of("k_i by gravity", k, error, end, text)
+            text = f"{k_i} is {k:.3g} {unit} by {source}, outside {low:g} to {high:g} by the rig"
+            found = Ratio.of("k_i by gravity", k, error, end, rig.axis, text)
             if low <= k <= high:
                 return
     else:
@@ -337,7 +337,9 @@ def constant_by_torque(body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]
     if drive == "current" and "k_i" in rig.known and (by_torque := _by_torque(body, rig)):
         k, error, source = by_torque
         given = rig.known["k_i"]
-        yield Ratio.of("k_i", k, error, given, f"k_i is {k:.3g} N m/A by {source} and {given:.3g} by the rig")
+        k_i, unit = rig.axis.named("k_i"), rig.axis.unit("N m/A")
+        text = f"{k_i} is {k:.3g} {unit} by {source} and {given:.3g} by the rig"
+        yield Ratio.of("k_i", k, error, given, rig.axis, text)
 
 
 def _armature(m: Means) -> tuple[tuple[float, float], tuple[float, float]] | None:
@@ -355,7 +357,7 @@ def _by_torque(body: RigidBody, rig: Rig) -> tuple[float, float, str] | None:
     """Return k_i for which gravity, else inertia, is the rig's: value, uncertainty, and which of them."""
     for given, (value, error), source in (
         (gravity_of(rig), body.gravity, "gravity"),
-        (inertia_of(rig), body.inertia, "inertia"),
+        (inertia_of(rig), body.inertia, rig.axis.term("inertia")),
     ):
         if given and is_clear(value, error) and value > 0.0:
             return given / value, given / value**2 * error * SIGMAS, source

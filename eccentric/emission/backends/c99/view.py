@@ -110,7 +110,7 @@ def view(program: Program, digest: str) -> dict[str, Any]:
         ],
         "exponential": any(e.has(sp.exp) for e in expressions),
         "name": program.name,
-        "said": program.axis.said,
+        "said": program.axis.text,
         "guard": program.name.upper(),
         "first": _first(program),
         "digest": f"0x{digest}UL",
@@ -167,7 +167,7 @@ def view(program: Program, digest: str) -> dict[str, Any]:
 
 def _first(program: Program) -> dict[str, str]:
     """The function to begin with: in a choice the first one, by its meaning."""
-    name, said = program.first, program.axis.said
+    name, said = program.first, program.axis.text
     known = {said(function): (said(doc), end) for function, (doc, end) in _FIRST.items()}
     if program.chosen or name not in known:
         meaning = next(r.meaning for r in program.routines if r.name == name)

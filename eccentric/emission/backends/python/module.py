@@ -69,7 +69,7 @@ def module(program: Program, dialect: Dialect) -> dict[str, Any]:
     own = [r.name for r in program.routines]
     return {
         "title": program.title,
-        "said": program.axis.said,
+        "said": program.axis.text,
         "public": [
             *sorted([name for name, _ in program.constants] + ["STATES"] * bool(program.states)),
             "Parameters",
@@ -103,7 +103,7 @@ def _parameter(q: Quantity, program: Program) -> dict[str, Any]:
 
 def _needed(q: Quantity, program: Program) -> str:
     """What a parameter without a value is needed for; "" where no function of the program takes it."""
-    said = program.axis.said
+    said = program.axis.text
     if q.name in program.needed_for:
         return f", needed for {program.needed_for[q.name]}"
     moving = any(q.name in routine.requires for routine in program.routines)
