@@ -64,13 +64,13 @@ def test_a_force_that_is_too_small_is_told_in_newtons() -> None:
 
 def test_limits_without_room_are_told_in_newtons() -> None:
     """Where no drive can be computed at all, each limit is named in its unit."""
-    nothing: Any = SimpleNamespace(ground=lambda _: SimpleNamespace(met=None))
-    said = LINEAR.said(choice._too_tight(nothing, read_bounds(LIMITS, LINEAR)))
+    channels = SimpleNamespace(rig=SimpleNamespace(axis=LINEAR))
+    question = SimpleNamespace(data=SimpleNamespace(drive=SimpleNamespace(channels=channels)))
+    nothing: Any = SimpleNamespace(ground=lambda _: SimpleNamespace(met=None), question=question)
+    error = choice._too_tight(nothing, read_bounds(LIMITS, LINEAR))
 
-    assert said == (
-        "limits: speed, acceleration, force and position that leave room for one motion are required,"
-        " received 0.4 m/s, 3 m/s^2, 500 N, 0 to 0.3 m"
-    )
+    assert (error.place, error.got) == ("limits", "0.4 m/s, 3 m/s^2, 500 N, 0 to 0.3 m")
+    assert error.expected == "speed, acceleration, force and position that leave room for one motion"
 
 
 @pytest.mark.slow

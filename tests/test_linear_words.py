@@ -219,7 +219,7 @@ def test_what_is_said_of_an_effect_can_be_done_with_a_carriage(effect: Effect) -
         *words.tell_apart.values(), *kin, *(q.meaning for q in own),
     ]  # fmt: skip
 
-    assert [text for text in map(LINEAR.said, said) if NONSENSE.search(text) or foreign(text)] == []
+    assert [text for text in map(LINEAR.text, said) if NONSENSE.search(text) or foreign(text)] == []
     assert [q.letter for q in own if f"{q.letter}_m" in effect.formula] == []
 
 
@@ -274,7 +274,22 @@ def test_an_angle_of_the_screw_is_no_length() -> None:
 )
 def test_names_units_and_words_follow(turning: str, linear: str) -> None:
     """Each text of a turning drive has one of a carriage; parts of other words are none."""
-    assert (LINEAR.said(turning), TURNING.said(turning)) == (linear, turning)
+    assert (LINEAR.text(turning), TURNING.text(turning)) == (linear, turning)
+
+
+def test_names_units_and_terms_are_looked_up_whole() -> None:
+    """In a formula each name, in a unit each part; a term only as a whole."""
+    said = (LINEAR.named("B_m*R/k_i + k_e"), LINEAR.named("rmse_Nm"), LINEAR.unit("N m s^2/rad^2"))
+    assert said == ("B*R/k_f + k_e", "rmse_N", "N s^2/m^2")
+    assert (LINEAR.term("torque"), LINEAR.term("the torque")) == ("force", "the torque")
+    assert (TURNING.named("k_i"), TURNING.unit("N m"), TURNING.term("torque")) == ("k_i", "N m", "torque")
+
+
+def test_the_keys_of_a_document_are_named_and_those_of_a_person_are_not() -> None:
+    """Runs that carry a mass have the names that a person gave them."""
+    given = {"rmse_Nm": {"omega_m_rad_s": "torque"}, "added_kg": {"torque": 1.0}}
+
+    assert LINEAR.keyed(given) == {"rmse_N": {"velocity_m_s": "torque"}, "added_kg": {"torque": 1.0}}
 
 
 def test_what_a_person_has_named_is_left_alone() -> None:
@@ -295,19 +310,15 @@ def test_what_a_person_has_named_is_left_alone() -> None:
 
 @pytest.mark.parametrize("name", ["torque", "angle", "Torque"])
 def test_a_column_with_a_word_of_ours_for_a_name_changes_no_sentence(name: str) -> None:
-    """It stays where it is quoted; everywhere else the word is ours, and the axis has another for it."""
+    """What a person has named is never looked up; every word of ours is that of the axis."""
     log = logged(8, seconds=8.0, runs=1)
     log = {"t_s": log["t_s"], "q_m": log["q_m"], name: log["u_V"]}
     columns = {"time": "t_s", "position": "q_m", "force": {"column": name, "gain": "35 N/V"}}
     found = eccentric.fit(log, RIG | {"name": name, "columns": columns})
-    said = f"\"{name} * 2\" is no torque, nor is {name!r} or `{name}`: the rig's torque and the log's angle"
 
     assert foreign(found.summary()) == []
     assert foreign(json.dumps({k: x for k, x in found.document.items() if k != "rig"})) == []
     assert (found.document["rig"], found.document["drive"]) == (name, "force")
-    assert LINEAR.said(said, [name]) == (
-        f"\"{name} * 2\" is no force, nor is {name!r} or `{name}`: the rig's force and the log's position"
-    )
     with pytest.raises(eccentric.InputError, match=f"'{name}'"):
         eccentric.fit({k: x for k, x in log.items() if k != name}, RIG | {"columns": columns})
 
@@ -329,4 +340,4 @@ def test_the_kind_of_an_axis_survives_a_copy() -> None:
 )
 def test_a_sentence_begins_with_a_capital_in_either_words(text: str, expected: str) -> None:
     """The first letter of what is replaced is that of what replaces it, large or small."""
-    assert expected == LINEAR.said(text)
+    assert expected == LINEAR.text(text)

@@ -41,6 +41,7 @@ class AxisKind:
         model, screw: the bundled derivations for it, without and with a pitch of its screw; "" where the case
             of the rig decides.
         letters: letter or name of a turning drive -> the name here.
+        channels: name of a signal -> the one here.
         endings: ending of a name, its unit -> the one here.
         units: unit -> the one here.
         formulas: name here -> its form in a formula, where that is shorter.
@@ -54,6 +55,7 @@ class AxisKind:
     model: str = ""
     screw: str = ""
     letters: Mapping[str, str] = field(default_factory=dict)
+    channels: Mapping[str, str] = field(default_factory=dict)
     endings: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     formulas: Mapping[str, str] = field(default_factory=dict)
@@ -71,8 +73,8 @@ class AxisKind:
         return _NAME.sub(lambda match: self._one_named(match[0]), name) if self.letters else name
 
     def _one_named(self, name: str) -> str:
-        if name in self.letters:
-            return self.letters[name]
+        if name in self.letters or name in self.channels:
+            return self.letters.get(name) or self.channels[name]
         ending = max((end for end in self.endings if name.endswith(end)), key=len, default="")
         return name.removesuffix(ending) + self.endings[ending] if ending else name
 
@@ -117,7 +119,7 @@ class AxisKind:
             for k, x in self.words.items()
             if k[0].isascii() and k[0].isalpha()
         }
-        return {**capital, **self.words, **self.units, **self.endings, **self.letters}
+        return {**capital, **self.words, **self.units, **self.endings, **self.channels, **self.letters}
 
     @cached_property
     def _pattern(self) -> re.Pattern[str] | None:
@@ -182,9 +184,8 @@ LINEAR = AxisKind(
         "omega_m_rad_s": "velocity_m_s",
         "alpha_m_rad_s2": "acceleration_m_s2",
         "turns_per_rad": "turns_per_m",
-        "torque": "force",
-        "motor_angle": "position",
     },
+    channels={"torque": "force", "motor_angle": "position"},
     endings={"_Nm": "_N", "_rad": "_m", "_rad_s": "_m_s", "_rad_s2": "_m_s2"},
     units={"(N m)": "N", "N m": "N", "Nm": "N", "kg m^2": "kg", "rad": "m"},
     formulas={"position": "x", "velocity": "ẋ", "acceleration": "ẍ", "mass": "m"},
