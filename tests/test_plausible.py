@@ -100,7 +100,7 @@ def test_a_speed_that_is_the_slope_is_no_doubt(factor: float) -> None:
     rng = np.random.default_rng(2)
     coarse = np.round(ANGLE / 0.05) * 0.05
     late = factor * np.interp(T - 0.01, T, SPEED) + rng.standard_normal(len(T))
-    assert speed_doubt(T, coarse, late, ONE, MU) == ""
+    assert speed_doubt(T, coarse, late, ONE, MU) == ("", False)
 
 
 CAUSES = {
@@ -127,7 +127,7 @@ CAUSES = {
 def test_the_factor_names_the_cause(name: str) -> None:
     """A speed in another unit, of the other side of the gear or of the other sign is named as such."""
     factor, expected = CAUSES[name]
-    said = speed_doubt(T, ANGLE, factor * SPEED, ONE, MU)
+    said, _ = speed_doubt(T, ANGLE, factor * SPEED, ONE, MU)
     parts = expected.split(".*")
     assert said.startswith(f"the logged speed is {parts[0]}")
     assert said.endswith(parts[-1])
@@ -135,11 +135,11 @@ def test_the_factor_names_the_cause(name: str) -> None:
 
 def test_a_speed_of_something_else_is_told() -> None:
     """A speed that does not correlate with the slope of the angle is of another shaft, or of other rows."""
-    said = speed_doubt(T, ANGLE, 40.0 * np.sin(2.3 * T), ONE, MU)
+    said, _ = speed_doubt(T, ANGLE, 40.0 * np.sin(2.3 * T), ONE, MU)
     assert said.startswith("the logged speed does not follow the slope of the angle (correlation ")
 
 
 @pytest.mark.parametrize("still", [0.0 * T, 0.0 * T[:3]], ids=["still", "short"])
 def test_where_nothing_moves_there_is_nothing_to_compare(still: Array) -> None:
     """At standstill, and in stretches of a few rows, nothing is said."""
-    assert speed_doubt(T[: len(still)], still, still + 1.0, ONE[: len(still)], MU) == ""
+    assert speed_doubt(T[: len(still)], still, still + 1.0, ONE[: len(still)], MU) == ("", False)

@@ -149,24 +149,24 @@ def speed_factor(t: Array, theta: Array, omega: Array, segment: Integers) -> tup
 
 def speed_doubt(
     t: Array, theta: Array, omega: Array, segment: Integers, mu: float | None, axis: AxisKind = TURNING
-) -> str:
-    """Return what is wrong with a logged speed [rad/s] (n,), by the slope of the angle; empty if nothing."""
+) -> tuple[str, bool]:
+    """Return what is wrong with a logged speed [rad/s] (n,), by the slope of the angle, and whether it asks.
+
+    The text is empty if nothing is wrong.
+    """
     found = speed_factor(t, theta, omega, segment)
     if found is None:
-        return ""
+        return "", False
     factor, correlation = found
+    angle = axis.term("angle")
     if abs(correlation) < LEAST_CORRELATION:
-        return (
-            f"the logged speed does not follow the slope of the {axis.term('angle')}"
-            f" (correlation {correlation:.2f}): "
-            "do both belong to one shaft?"
-        )
+        text = f"the logged speed does not follow the slope of the {angle} (correlation {correlation:.2f})"
+        return f"{text}: do both belong to one shaft?", True
     if LEAST_SPEED_FACTOR <= factor <= LARGEST_SPEED_FACTOR:
-        return ""
-    cause, angle = _cause(factor, mu, axis), axis.term("angle")
-    return f"the logged speed is {factor:.4g} times the slope of the {angle}" + (
-        f": {cause}?" if cause else ""
-    )
+        return "", False
+    cause = _cause(factor, mu, axis)
+    text = f"the logged speed is {factor:.4g} times the slope of the {angle}"
+    return (f"{text}: {cause}?", True) if cause else (text, False)
 
 
 def _cause(factor: float, mu: float | None, axis: AxisKind) -> str:

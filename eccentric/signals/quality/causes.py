@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -250,6 +249,24 @@ def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[
 _PREFIXES = {1.0: "", 1e-3: "m", 1e-6: "u", 1e3: "k"}
 
 
+def _read_as(cause: Cause, rig: Rig) -> tuple[float, str | None]:
+    """Return the factor to SI that a column has by a cause, and the prefix of that unit, None for none."""
+    source = (rig.log.columns or {}).get(cause.channel)
+    declared = source.unit.factor if source is not None and source.unit is not None else 1.0
+    true = declared / cause.factor
+    return true, next((_PREFIXES[p] for p in _PREFIXES if abs(math.log(true / p)) <= NEAR), None)
+
+
+def _is_far(cause: Cause, rig: Rig) -> bool:
+    """Whether a cause reads a column in a unit that nobody logs in: kilometres, kiloamperes, kilovolts."""
+    source = (rig.log.columns or {}).get(cause.channel)
+    if cause.letter or not cause.factor or (source is not None and source.gain is not None):
+        return False
+    prefix = _read_as(cause, rig)[1]
+    thousand = cause.factor < 1.0 if prefix is None else prefix == "k"
+    return thousand and channels_of(rig.axis)[cause.channel][1] in {"m", "A", "V"}
+
+
 def with_unit(cause: Cause, rig: Rig) -> tuple[str, str]:
     """Return the text of a cause, for the unit that the rig declares, and the line that mends the rig."""
     if cause.letter:
@@ -266,15 +283,13 @@ def with_unit(cause: Cause, rig: Rig) -> tuple[str, str]:
     column = source.text if source is not None else standard
     if source is not None and source.gain is not None:
         return _with_gain(cause, channel, column, source.gain)
-    declared = source.unit.factor if source is not None and source.unit is not None else 1.0
-    true = declared / cause.factor
-    near = next((p for p in _PREFIXES if abs(math.log(true / p)) <= NEAR), None)
-    if near is None:
+    true, prefix = _read_as(cause, rig)
+    if prefix is None:
         plain = column if column.isidentifier() else f"`{column}`"
         scaled = json.dumps(f"{plain} * {true:.3g}", ensure_ascii=False)
         # Arithmetic is not told from an odd name here: the factor alone is said.
         return cause.text, "" if set(column) & set("+-*/`") else f"{channel} = {scaled}"
-    unit = f"{_PREFIXES[near]}{si}"
+    unit = f"{prefix}{si}"
     unit = unit.replace("mN m", "mNm").replace("kN m", "kNm").replace("uN m", "uNm")
     name = {"theta_m": rig.axis.term("angle"), "omega_m": "speed"}.get(cause.channel, channel)
     text = f"the {name} is in {unit}" + (f", not {source.unit.text}" if source and source.unit else "")
@@ -292,9 +307,7 @@ def _with_gain(cause: Cause, channel: str, column: str, gain: ForceGain) -> tupl
 
 def readings(causes: Iterable[Cause], ratio: Ratio, rig: Rig) -> tuple[str, str]:
     """Return several possible causes of one ratio, the rig's own value last, and the line for each."""
-    told = [with_unit(cause, rig) for cause in causes]
-    # No carriage moves kilometres, and nobody logs in kiloamperes.
-    told = [(said, mend) for said, mend in told if not re.search(r" in k[mAV]\b", said)]
+    told = [with_unit(cause, rig) for cause in causes if not _is_far(cause, rig)]
     value = f"{rig.axis.named(ratio.letter)} is {ratio.found:.3g} {ratio.unit}", of_letter(ratio, rig)
     said, mends = zip(*told, value, strict=True)
     return ", or ".join(said), " or ".join(mends)

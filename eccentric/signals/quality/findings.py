@@ -280,22 +280,23 @@ def _speed(table: Table, channels: Channels, rig: Rig) -> Iterator[Finding]:
     if name is None:
         return
     gear = rig.value("mu") if name == "theta_l" else 1.0
-    _, said = unwrapped(c.t, table.channels[name] / gear, c.segment, c.run, mu, rig.axis)
+    logged = table.channels[name] / gear
+    theta, said = unwrapped(c.t, logged, c.segment, c.run, mu, rig.axis)
     if said:
-        kind, severity = ("wrong_unit", "warning") if said.endswith("deg?") else ("wrapped", "note")
+        kind, severity = ("wrong_unit", "warning") if theta is logged else ("wrapped", "note")
         yield Finding(kind, name, said, len(c.t), severity)
     if c.omega_logged is None:
         return
-    doubt = speed_doubt(c.t, c.theta, c.omega_logged, c.segment, mu, rig.axis)
+    doubt, asks = speed_doubt(c.t, c.theta, c.omega_logged, c.segment, mu, rig.axis)
     told = speed_factor(c.t, c.theta, c.omega_logged, c.segment)
     if doubt and told:
         factor, correlation = told
         follows = abs(correlation) >= LEAST_CORRELATION
         kind = ("wrong_sign" if factor < 0.0 else "wrong_unit") if follows else "mismatch"
         name = "omega_m" if "omega_m" in table.channels else "omega_l"
-        yield Finding(kind, name, _advised(doubt, rig.axis), len(c.t), "warning")
+        yield Finding(kind, name, _advised(doubt, asks, rig.axis), len(c.t), "warning")
 
 
-def _advised(doubt: str, axis: AxisKind) -> str:
+def _advised(doubt: str, asks: bool, axis: AxisKind) -> str:
     """What is wrong with the logged speed, possibly as a question, and what to do."""
-    return f"{doubt}{' C' if doubt.endswith('?') else '; c'}orrect the rig's [columns] or {axis.named('mu')}"
+    return f"{doubt}{' C' if asks else '; c'}orrect the rig's [columns] or {axis.named('mu')}"
