@@ -17,8 +17,9 @@ from eccentric.api.inputs import (
     sources_of,
 )
 from eccentric.api.result import Printed, ResultTable, new_axes
-from eccentric.diagnosis import BASELINE, Contest, contest, contest_document, contest_lines
+from eccentric.diagnosis import BASELINE, Contest, contest
 from eccentric.model import Model
+from eccentric.presentation import contest_document, contest_lines
 from eccentric.rigs import read_rig
 from eccentric.signals import read_long
 

@@ -22,6 +22,7 @@ from eccentric.presentation import (
     arm_command,
     arm_diagnosis_document,
     arm_diagnosis_lines,
+    arm_diagnosis_sentence,
     arm_fit_document,
     arm_fit_lines,
     arm_page,
@@ -196,7 +197,7 @@ class ArmDiagnosisResult(Printed):
     @property
     def sentence(self) -> str:
         """The result in one sentence."""
-        return self.diagnosis.sentence
+        return arm_diagnosis_sentence(self.diagnosis)
 
     @property
     def fits_the_rig(self) -> bool:

@@ -9,11 +9,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from eccentric.core import InputError, few
+from eccentric.core import InputError
 from eccentric.diagnosis.stage import Stage, stage_of
 from eccentric.identification import DRIVE_UNITS, Refit, drive_noise, improvement, r_squared, refit, rms
 from eccentric.logs import Log, log_names
@@ -192,79 +191,3 @@ def _circuit(fit: Refit) -> float | None:
 def _in_drive_unit(fit: Refit, torque: np.ndarray) -> np.ndarray:
     """Models that identify different scales are compared in the unit of the drive."""
     return torque * (fit.scale or 1.0)
-
-
-def contest_document(found: Contest) -> dict[str, Any]:
-    """The contest as JSON, format eccentric-compare/1; the keys of an entry are those of `Entry`."""
-    unit = found.unit.replace(" ", "")
-    return {
-        "format": "eccentric-compare/1",
-        "logs": list(found.logs),
-        "rig": found.rig,
-        "baseline": BASELINE,
-        **({"excerpt": found.excerpt} if found.excerpt else {}),
-        "holdout": {"rule": found.holdout, "rows": found.rows},
-        f"noise_floor_{unit}": found.noise_floor,
-        "low_pass_hz": found.low_pass_hz,
-        "models": [
-            {
-                "name": e.name,
-                "effects": list(e.effects),
-                f"rmse_holdout_{unit}": e.rmse,
-                f"rmse_below_low_pass_{unit}": e.below,
-                f"rmse_holdout_electrical_{unit}": e.circuit,
-                "r_squared_holdout": e.r_squared,
-                "parameters": e.parameters,
-                "improvement": {"percent": e.percent, "interval_95": list(e.interval)},
-            }
-            for e in found.entries
-        ],
-        "warnings": list(found.warnings),
-    }
-
-
-def contest_lines(found: Contest) -> list[str]:
-    """The table for a terminal."""
-    optional = {
-        f"below {found.low_pass_hz:g} Hz [{found.unit}]": [e.below for e in found.entries],
-        f"of the circuit [{found.unit}]": [e.circuit for e in found.entries],
-    }
-    shown = {head: column for head, column in optional.items() if any(x is not None for x in column)}
-    rows = [["model", f"held-out RMSE [{found.unit}]", *shown, "R^2", "parameters", f"gain over {BASELINE}"]]
-    for k, e in enumerate(found.entries):
-        own = ["-" if column[k] is None else f"{column[k]:.4g}" for column in shown.values()]
-        rows.append([_called(e), f"{e.rmse:.4g}", *own, f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e)])
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    head = f"{few(found.logs)}: {found.rows} held-out rows ({found.holdout})"
-    table = [
-        "  ".join([row[0].ljust(widths[0]), *(x.rjust(w) for x, w in zip(row[1:], widths[1:], strict=True))])
-        for row in rows
-    ]
-    above = [head, *([found.excerpt] if found.excerpt else [])]
-    noise = f"noise of the sensors: {found.noise_floor:.3g} {found.unit}"
-    return [*above, *table, noise, *filter(None, [_first_below(found)])]
-
-
-def _first_below(found: Contest) -> str:
-    """What to make of another order below the low pass."""
-    first = found.entries[0]
-    best = min(found.entries, key=lambda e: np.inf if e.below is None else e.below)
-    if first.below is None or best.below == first.below:
-        return ""
-    return (
-        f"below {found.low_pass_hz:g} Hz {best.name} is the best; if it has a faster ripple, that adds error"
-        " row by row, since the low pass removes the acceleration that it causes"
-    )
-
-
-def _called(entry: Entry) -> str:
-    """The name, with the members that the families in it stand for."""
-    chosen = [effect for effect in entry.effects if f"+{effect}" not in entry.name]
-    return f"{entry.name} ({', '.join(chosen)})" if chosen else entry.name
-
-
-def _gain(entry: Entry) -> str:
-    if entry.name == BASELINE:
-        return "-"
-    low, high = entry.interval
-    return f"{entry.percent:.1f} % ({low:.1f} to {high:.1f} %)"

@@ -49,12 +49,6 @@ class SearchRequest:
     without: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
 
-    @property
-    def words(self) -> str:
-        """What was asked, in words; "" for nothing."""
-        parts = (("with", self.including), ("without", self.without), ("only", self.only))
-        return "; ".join(f"{word} {', '.join(names)}" for word, names in parts if names)
-
     def restricted(self, offered: Sequence[Effect]) -> tuple[Effect, ...]:
         """The effects that the search may choose from.
 

@@ -7,7 +7,7 @@ to gain more.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,24 +28,6 @@ from eccentric.joints.fitted import prepared, warnings_of
 from eccentric.joints.joint_model import DECLARED
 from eccentric.logs import LogSource
 from eccentric.rigs import ArmRig
-
-# A log that does not fit the rig of an arm, in words.
-
-
-def misfit_sentence(r_squared: Mapping[int, float]) -> str:
-    """What to check where the log of some joints is not of this arm; "" for none.
-
-    Args:
-        r_squared: R^2 of the drive on the held-out rows, by the numbers of these joints.
-    """
-    if not r_squared:
-        return ""
-    joints = ", ".join(f"{number} (R^2 {value:.2f})" for number, value in r_squared.items())
-    return (
-        f"This log does not fit the rig in joint{'s' * (len(r_squared) > 1)} {joints}: check units and signs"
-        " of the columns, k_i, and in the arm file mu, gravity, positions and bodies."
-    )
-
 
 _ORDER = ("named", "not_identifiable", "unexplained", "nothing_missing")
 
@@ -124,37 +106,6 @@ class ArmDiagnosis:
             "verdict": leading.verdict,
             "family": candidates[0].family if candidates else None,
         }
-
-    @property
-    def sentence(self) -> str:
-        """The result in one sentence, after another one if joints do not fit the rig."""
-        misfit = misfit_sentence(
-            {j.number: j.found.models.r_squared for j in self.joints if not j.fits_the_rig}
-        )
-        return " ".join(filter(None, [misfit, self._lacking]))
-
-    @property
-    def _lacking(self) -> str:
-        """What the joints lack whose log fits the rig; "" without such a joint."""
-        if self.named:
-            parts = []
-            for joint, effect in self.named:
-                what = f"{effect.words.headline} ({effect.id})" if effect.words.headline else effect.id
-                score = joint.found.score
-                before, after = (score.rmse[score.balance][model] for model in ("paper", "extended"))
-                change = f"held-out error {before:.4g} to {after:.4g} {joint.found.unit}"
-                parts.append(f"{what} in joint {joint.number} ({change})")
-            return f"The model of the arm lacks {'; '.join(parts)}."
-        open_ = [
-            f"joint {joint.number}: {joint.verdict.replace('_', ' ')}"
-            for joint in self.joints
-            if joint.fits_the_rig and joint.verdict != _ORDER[-1]
-        ]
-        if open_:
-            return f"No effect is named: {', '.join(open_)}."
-        if not self.fits_the_rig:
-            return ""
-        return "Nothing is missing in any joint that this log can show."
 
     @property
     def fits_the_rig(self) -> bool:

@@ -23,6 +23,9 @@ SEED = 1
 """Of the sums of sines: the same question gets the same plan."""
 
 
+_FRICTION = "the friction of the paper's model"
+
+
 @dataclass(frozen=True)
 class MeasurementPlan:
     """What to measure next.
@@ -92,7 +95,7 @@ def planned(
     if added:
         require_link(question.data.drive.channels.rig, question.model)
     rivals, separation = question.rivals, Separation(question, AddedMass(added) if added else None)
-    tell(f"open: {', '.join(rival.headline for rival in rivals)}")
+    tell(f"open: {', '.join(rival.headline or _FRICTION for rival in rivals)}")
     segments, ground, apart = chosen(separation, bounds, SEED, tell)
     motion = joined(segments, bounds)
     alone = len(rivals) == 1

@@ -36,7 +36,7 @@ class Rival:
     """One explanation of a log.
 
     Attributes:
-        family: the effect that it has in place of the others', "" for none; headline: the same in words.
+        family: the effect that it has in place of the others'; headline: that of the effect; "" for none.
         balance: the one that shows it.
         variants: the effects that all rivals have, then its own.
         coefficients: of the base, then of the variants, in the order of the balance's design.
@@ -79,7 +79,7 @@ def rival_of(screen: Screen, variants: tuple[Variant, ...], likely: float | None
     """The fit of the base model and these variants, the last of them its own; `likely` its probability."""
     coefficients = screen.fit(variants).coefficients
     if not variants:
-        return Rival("", "the friction of the paper's model", screen.balance.name, (), coefficients, 1.0)
+        return Rival("", "", screen.balance.name, (), coefficients, 1.0)
     own = variants[-1].candidate
     words = own.words.headline or own.family
     chance = max(likely or 0.0, LEAST_CHANCE)

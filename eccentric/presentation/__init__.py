@@ -2,6 +2,7 @@
 
     fit_text, fit_json                a Fit: lines and figure, document
     diagnosis_text, diagnosis_json    a Diagnosis
+    contest_text                      a Contest: models on the same rows
     html                              a Diagnosis as one HTML page
     arm_text, arm_json                the fit and the diagnosis of an arm
     plan_text                         a MeasurementPlan

@@ -7,7 +7,10 @@ from eccentric.presentation.arm_json import arm_diagnosis_document as arm_diagno
 from eccentric.presentation.arm_json import arm_fit_document as arm_fit_document
 from eccentric.presentation.arm_text import arm_command as arm_command
 from eccentric.presentation.arm_text import arm_diagnosis_lines as arm_diagnosis_lines
+from eccentric.presentation.arm_text import arm_diagnosis_sentence as arm_diagnosis_sentence
 from eccentric.presentation.arm_text import arm_fit_lines as arm_fit_lines
+from eccentric.presentation.contest_text import contest_document as contest_document
+from eccentric.presentation.contest_text import contest_lines as contest_lines
 from eccentric.presentation.diagnosis_json import diagnosis_document as diagnosis_document
 from eccentric.presentation.diagnosis_text import diagnosis_lines as diagnosis_lines
 from eccentric.presentation.diagnosis_text import diagnosis_sentence as diagnosis_sentence

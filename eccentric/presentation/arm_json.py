@@ -26,6 +26,7 @@ import numpy as np
 from eccentric.identification import Estimate
 from eccentric.joints import ArmDiagnosis, ArmFit, ArmLog, IdentifiedBodies, JointFit, gain_of
 from eccentric.model import identity_of, letters_of
+from eccentric.presentation.arm_text import arm_diagnosis_sentence
 from eccentric.presentation.diagnosis_json import diagnosis_document
 
 
@@ -48,7 +49,7 @@ def arm_diagnosis_document(found: ArmDiagnosis) -> dict[str, Any]:
         **_record(found.log, found.names, found.bodies),
         "fits_the_rig": found.fits_the_rig,
         "verdict": found.verdict,
-        "sentence": found.sentence,
+        "sentence": arm_diagnosis_sentence(found),
         "effects": [
             {
                 "joint": joint.number,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from eccentric.core import counted, few
 from eccentric.identification import Estimate
@@ -16,7 +16,6 @@ from eccentric.joints import (
     JointFit,
     arm_name,
     gain_of,
-    misfit_sentence,
     why_not_emitted,
 )
 from eccentric.model import Load
@@ -98,7 +97,7 @@ def arm_diagnosis_lines(found: ArmDiagnosis) -> list[str]:
                 f"joint {_called(joint.number, joint.name)}:",
                 *(f"  {x}" for x in _of_joint(joint)),
             ]
-    return [*lines, *_bodies(found.bodies), *_emitted(found), found.sentence]
+    return [*lines, *_bodies(found.bodies), *_emitted(found), arm_diagnosis_sentence(found)]
 
 
 def _excerpt(log: ArmLog) -> list[str]:
@@ -200,7 +199,7 @@ def _bodies(found: IdentifiedBodies | None) -> list[str]:
 
 def _sentence(found: ArmFit) -> str:
     """What the friction of the joints follows whose log fits the rig, after those whose log does not."""
-    misfit = misfit_sentence({j.number: j.r_squared for j in found.joints if not j.fits_the_rig})
+    misfit = _misfit({j.number: j.r_squared for j in found.joints if not j.fits_the_rig})
     return " ".join(filter(None, [misfit, _verdict([j for j in found.joints if j.fits_the_rig], not misfit)]))
 
 
@@ -220,3 +219,41 @@ def _verdict(joints: Sequence[JointFit], every: bool) -> str:
         parts.append(f"Coulomb and viscous friction is enough in {where}, as far as this log shows")
     said = "; ".join(parts)
     return f"{said[0].upper()}{said[1:]}." if said else ""
+
+
+def arm_diagnosis_sentence(found: ArmDiagnosis) -> str:
+    """The result in one sentence, after another one if joints do not fit the rig."""
+    misfit = _misfit({j.number: j.found.models.r_squared for j in found.joints if not j.fits_the_rig})
+    return " ".join(filter(None, [misfit, _lacking(found)]))
+
+
+def _lacking(found: ArmDiagnosis) -> str:
+    """What the joints lack whose log fits the rig; "" without such a joint."""
+    if found.named:
+        parts = []
+        for joint, effect in found.named:
+            what = f"{effect.words.headline} ({effect.id})" if effect.words.headline else effect.id
+            score = joint.found.score
+            before, after = (score.rmse[score.balance][model] for model in ("paper", "extended"))
+            change = f"held-out error {before:.4g} to {after:.4g} {joint.found.unit}"
+            parts.append(f"{what} in joint {joint.number} ({change})")
+        return f"The model of the arm lacks {'; '.join(parts)}."
+    open_ = [
+        f"joint {joint.number}: {joint.verdict.replace('_', ' ')}"
+        for joint in found.joints
+        if joint.fits_the_rig and joint.verdict != "nothing_missing"
+    ]
+    if open_:
+        return f"No effect is named: {', '.join(open_)}."
+    return "Nothing is missing in any joint that this log can show." if found.fits_the_rig else ""
+
+
+def _misfit(r_squared: Mapping[int, float]) -> str:
+    """What to check where the log of some joints is not of this arm, R^2 by their numbers; "" for none."""
+    if not r_squared:
+        return ""
+    joints = ", ".join(f"{number} (R^2 {value:.2f})" for number, value in r_squared.items())
+    return (
+        f"This log does not fit the rig in joint{'s' * (len(r_squared) > 1)} {joints}: check units and signs"
+        " of the columns, k_i, and in the arm file mu, gravity, positions and bodies."
+    )

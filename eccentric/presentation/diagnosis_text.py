@@ -16,6 +16,7 @@ from eccentric.diagnosis import (
     ROUNDING,
     Diagnosis,
     OverRuns,
+    SearchRequest,
     extended_model,
     is_result_name,
     only_below,
@@ -24,7 +25,7 @@ from eccentric.diagnosis import (
 from eccentric.effects import Correction, Effect, Words
 from eccentric.identification import Emitted, in_drive_unit
 from eccentric.model import spoken_quantity
-from eccentric.presentation.fit_text import band_line
+from eccentric.presentation.fit_text import added_line, band_line
 from eccentric.presentation.measurement_text import measurement_sentence
 
 _NONE = "no effect of the library explains"
@@ -82,6 +83,12 @@ def diagnosis_sentence(found: Diagnosis) -> str:
         f"Nothing is missing: no effect explains more of the residual ({left:.4g} {unit} held out;"
         f" the sensors' noise alone is {found.noise_floor:.4g} {unit}) than chance would."
     )
+
+
+def request_words(asked: SearchRequest) -> str:
+    """What was asked of a search; "" for nothing."""
+    parts = (("with", asked.including), ("without", asked.without), ("only", asked.only))
+    return "; ".join(f"{word} {', '.join(names)}" for word, names in parts if names)
 
 
 def _unit(found: Diagnosis) -> str:
@@ -238,9 +245,9 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     """At most twenty-four lines for a terminal."""
     a, adopted, axis = found.attribution, found.models.adopted, found.rig.axis
     out = [f"{few(found.asked.logs)}: {found.models.base.name}, verdict {a.verdict}"]
-    if words := found.asked.request.words:
+    if words := request_words(found.asked.request):
         out.append(f"as asked: {words}")
-    out += filter(None, (found.channels.excerpt, found.rig.added_words))
+    out += filter(None, (found.channels.excerpt, added_line(found.rig)))
     out.append(diagnosis_sentence(found))
     out += [
         _effect(found, effect, own) for effect, own in (*found.effects, *found.undecided, *found.clear)[:3]

@@ -15,7 +15,8 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
     """What a person reads."""
     first, *others = plan.rivals
     axis, term = plan.axis, plan.axis.term
-    headlines = {r.family: axis.text(r.headline) for r in plan.rivals}
+    plain = "the friction of " + term("the paper's model")
+    headlines = {r.family: r.headline or plain for r in plan.rivals}
     if others:
         said = ["Open after the log, with probabilities:"]
         said += [f"  {r.family}: {headlines[r.family]} ({100 * r.chance:.0f} %)" for r in plan.rivals]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from eccentric.joints import ArmDiagnosis, arm_name, why_not_emitted
+from eccentric.presentation.arm_text import arm_diagnosis_sentence
 from eccentric.presentation.html.text import VERDICTS, number, range_of
 
 NOTE = (
@@ -82,7 +83,7 @@ def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
         "title": f"What does the model of the arm lack? {', '.join(found.names)}",
         "verdict": found.verdict,
         "verdict_words": VERDICTS[found.verdict],
-        "sentence": found.sentence,
+        "sentence": arm_diagnosis_sentence(found),
         "note": f"{NOTE} {_emitted(found)}",
         "joints": joints,
         "bodies": bodies,

@@ -20,9 +20,11 @@ from eccentric.model import AxisKind, spoken
 from eccentric.presentation.diagnosis_text import (
     closest_sentence,
     diagnosis_sentence,
+    request_words,
     sibling_sentence,
     stability_words,
 )
+from eccentric.presentation.fit_text import added_line
 from eccentric.presentation.html.arrays import BalanceResiduals, Channel, DriveSignal, ResidualRows
 from eccentric.presentation.html.data import (
     AddedEffect,
@@ -201,8 +203,8 @@ def facts_of(found: Diagnosis) -> list[Fact]:
     if channels.excerpt:
         facts.insert(1, Fact("windows of a long log", f"{counts['used']} rows", channels.excerpt))
     if found.rig.added:
-        facts.insert(1, Fact("added masses", found.rig.added_words))
-    if words := found.asked.request.words:
+        facts.insert(1, Fact("added masses", added_line(found.rig)))
+    if words := request_words(found.asked.request):
         facts.insert(0, Fact("effects, as asked", words))
     noise, left = found.noise_floor, found.score.rmse["mechanical"]["extended"]
     remark = (
@@ -392,7 +394,7 @@ def _correlations(fit: Refit, axis: AxisKind) -> Correlations | None:
 
 def _plan(found: Diagnosis) -> str:
     """The command that plans the next measurement; "" after a narrowed search, or for a misfit."""
-    narrowed = found.asked.effects is not None or found.asked.request.words
+    narrowed = found.asked.effects is not None or request_words(found.asked.request)
     if narrowed or not found.models.fits_the_rig:
         return ""
     words = ["eccentric", "plan", *found.asked.logs, "--rig", found.asked.rig, "--limits", "limits.toml"]
