@@ -218,10 +218,10 @@ def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any])
 
 def _still_guessed(draft: Draft, content: Mapping[str, Any], path: str) -> tuple[str, ...]:
     """The values of a rig that a draft guesses from the log, which hardly shows them, one line each."""
-    lines = [entry for entry in draft.entries if entry.guessed]
+    axis, lines = draft.axis, [entry for entry in draft.entries if entry.guessed]
     given = [content.get(e.table, {}) if e.table else content for e in lines]
     return tuple(
-        f"{path}: {entry.key} = {entry.value} is a guess from the log: {entry.doubt}"
+        f"{path}: {axis.named(entry.key)} = {entry.value} is a guess from the log: {axis.text(entry.doubt)}"
         for entry, table in zip(lines, given, strict=True)
         if table.get(draft.axis.named(entry.key)) == tomllib.loads(f"value = {entry.value}")["value"]
     )

@@ -14,8 +14,7 @@ In: logs and a rig. Out: a `Diagnosis`.
 May import: `identification` and all rooms below it.
 """
 
-from eccentric.diagnosis.base_script import BASE, base_source
-from eccentric.diagnosis.contest import BASELINE, Contest, Entry, contest, contest_document, contest_lines
+from eccentric.diagnosis.contest import BASELINE, Contest, Entry, contest
 from eccentric.diagnosis.limits import PROVABLE, ROUNDING
 from eccentric.diagnosis.loop import BASE, Asked, Diagnosis, diagnose, diagnosed, staged_log
 from eccentric.diagnosis.model_script import base_source, extended_model, is_result_name, result_name, script

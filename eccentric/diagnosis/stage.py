@@ -30,7 +30,7 @@ from eccentric.identification import (
     loaded_model,
     with_model_current,
 )
-from eccentric.model import Model
+from eccentric.model import TURNING, AxisKind, Model
 from eccentric.model import vocabulary as v
 from eccentric.signals import LEAST_HELD_OUT, Channels, require_rows
 
@@ -217,7 +217,9 @@ def staged(plain: Model, base: Model, data: FitData, effects: Path | None, where
     every = offered(setting, effects, data, rig, base, names)
     instruments = instruments_of(data, base, friction)
     mechanical = next(balance for balance in balances if balance.name == "mechanical")
-    differing = runs_that_differ(mechanical, drive.torque(), friction, drive.channels.time.run_names)
+    differing = runs_that_differ(
+        mechanical, drive.torque(), friction, drive.channels.time.run_names, rig.axis
+    )
     return Stage(plain, base, data, balances, noise, friction, instruments, setting, differing, every)
 
 
@@ -235,11 +237,12 @@ def _require_supported(model: Model, channels: Channels) -> None:
             problem=f"diagnose requires a model without hidden states, received one with {names}"
             " (diagnose adds the effect that has them itself)",
         )
+    own = channels.rig.axis.term("the paper's")
     if any("electrical" in extension.change.terms for extension in model.extensions):
         raise InputError(
             model.name,
-            problem="diagnose requires a model with the paper's armature, received one extended by an"
-            " electrical effect (diagnose adds it itself)",
+            problem=f"diagnose requires a model with {own} armature, received one extended by an electrical"
+            " effect (diagnose adds it itself)",
         )
     mechanical = model.balance("mechanical")
     used = model.expand(mechanical.sum_of("friction", "conservative", "actuator")).free_symbols
@@ -262,7 +265,7 @@ def _first_friction(balances: Sequence[BalanceDesign]) -> Array:
 
 
 def runs_that_differ(
-    balance: BalanceDesign, torque: Array, friction: Array, names: Sequence[str]
+    balance: BalanceDesign, torque: Array, friction: Array, names: Sequence[str], axis: AxisKind = TURNING
 ) -> tuple[str, ...]:
     """A warning for each run of the training part whose friction or gain is unlike that of all the others.
 
@@ -275,6 +278,7 @@ def runs_that_differ(
         torque: drive torque on the samples (n,) [N m].
         friction: coefficients of its base, fitted on all runs.
         names: of the runs, by their numbers.
+        axis: of the drive.
     """
     rows = balance.rows
     own, pooled = rows.mean(torque), balance.columns @ friction
@@ -288,7 +292,7 @@ def runs_that_differ(
     factors = np.array(
         [np.linalg.lstsq(columns[rows.run == run], target[rows.run == run], rcond=None)[0] for run in runs]
     )
-    what = (("friction", "friction"), ("gain of the drive", "drive torque for the same load"))
+    what = (("friction", "friction"), ("gain of the drive", f"drive {axis.term('torque')} for the same load"))
     return tuple(
         f"run {names[int(runs[k])]}: its {name} differs from that of the other runs: {meaning} {value:.3g}"
         f" times that of all runs together, {low:.3g} to {high:.3g} times in the others; leave it out,"

@@ -111,7 +111,7 @@ class Problem:
         try:
             target, steps = residuals.design("mechanical", values, unknown)
         except ValueError as error:
-            raise error.within(self.rig.path) from None
+            raise InputError(self.rig.path, problem=str(error)) from None
         if self.has("inertia"):
             # The column is that of the whole inertia: a part that the rig knows is in it, not in the target.
             target = target + drive.machine.inertia({**values, rotor: 0.0}) * steps[:, -1]
@@ -211,7 +211,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
         several = len(lacking) > 1
         raise MissingValueError(
             rig.path,
-            f"[known] {few(lacking)}",
+            f"[known] {rig.axis.named(few(lacking))}",
             "none of them" if several else "neither",
             why=f"by {model.name}, or {'their ranges' if several else 'its range'} in [unknown]",
             plural=several,

@@ -268,9 +268,10 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
     if rejected:
         numbers = {c: int(np.count_nonzero(np.isfinite(x))) for c, x in values.items()}
         worst = min(numbers, key=lambda c: numbers[c])
+        channel = rig.axis.named(worst)
         if not numbers[worst]:
             raise InputError(
-                log.path, problem=f"column {found.sources[worst].text!r} ({worst}) has no numbers"
+                log.path, problem=f"column {found.sources[worst].text!r} ({channel}) has no numbers"
             )
         first = log.place(int(np.flatnonzero(~kept)[0]))
         most = found.sources[worst].text

@@ -202,7 +202,7 @@ def mass_causes(ratio: Ratio, logged: Logged) -> list[Cause]:
 def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[str, Cause | None]:
     """Return the explanation of one of the ratios, in brackets, "" if there is none, and what to blame."""
     drive, mu = logged.drive, logged.mu
-    causes = dict(_SINGLE.get(ratio.letter, {}))
+    causes = {f: logged.axis.text(words) for f, words in _SINGLE.get(ratio.letter, {}).items()}
     blamed: dict[str, Cause] = {}
     if ratio.name == "k_e":
         made = (_misread(words, factor, logged) for words, factor in _sides(logged).items())
