@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from eccentric.core import few
 from eccentric.identification import DRIVE_UNITS, LEAST_GAIN_PERCENT, MOST_POINTS, Estimate, Fit
 from eccentric.model import AxisKind, model_names
-from eccentric.rigs import Rig
 from eccentric.signals import Band
 
 _DRIVES = {unit: drive for drive, unit in DRIVE_UNITS.items()}
@@ -82,7 +81,7 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     what = f"{np.count_nonzero(rows.train)} {rows.description} fitted"
     head = f"{few(logs)}: {problem.model.name}, driven by {axis.named(channels.motor.measured_by)}; {what}, "
     head += f"{np.count_nonzero(rows.score)} held out ({channels.selection.holdout.brief})"
-    above = [head, *filter(None, (channels.excerpt, added_line(problem.rig)))]
+    above = [head, *filter(None, (channels.excerpt, problem.rig.added_words))]
     table = estimate_table(axis.estimates({**fit.coefficients, **fit.searched}))
     out = _scale_line(fit, axis)
     shown = {"paper": _called(fit)} if problem.is_baseline else {"linear": "linear", "paper": _called(fit)}
@@ -99,12 +98,6 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     if fit.fits_the_rig:
         out += _bounds_line(fit, axis)
     return [*above, *table, *out, fit_sentence(fit)]
-
-
-def added_line(rig: Rig) -> str:
-    """Which runs carry what besides M; "" where none does."""
-    carried = [f"{runs} carries {added.mass:g} kg" for runs, added in rig.added.items()]
-    return f"besides M, {', '.join(carried)}" if carried else ""
 
 
 def band_line(band: Band, axis: AxisKind, model: str) -> str:

@@ -120,6 +120,12 @@ class Rig:
         return {runs: added.mass for runs, added in self.added.items()}
 
     @property
+    def added_words(self) -> str:
+        """Which runs carry what besides M, in words; "" where none does."""
+        carried = [f"{runs} carries {added.mass:g} kg" for runs, added in self.added.items()]
+        return f"besides M, {', '.join(carried)}" if carried else ""
+
+    @property
     def model(self) -> str:
         """The name of the model for the case or the tilt."""
         if self.axis.model:

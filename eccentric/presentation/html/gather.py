@@ -24,7 +24,6 @@ from eccentric.presentation.diagnosis_text import (
     sibling_sentence,
     stability_words,
 )
-from eccentric.presentation.fit_text import added_line
 from eccentric.presentation.html.arrays import BalanceResiduals, Channel, DriveSignal, ResidualRows
 from eccentric.presentation.html.data import (
     AddedEffect,
@@ -203,7 +202,7 @@ def facts_of(found: Diagnosis) -> list[Fact]:
     if channels.excerpt:
         facts.insert(1, Fact("windows of a long log", f"{counts['used']} rows", channels.excerpt))
     if found.rig.added:
-        facts.insert(1, Fact("added masses", added_line(found.rig)))
+        facts.insert(1, Fact("added masses", found.rig.added_words))
     if words := request_words(found.asked.request):
         facts.insert(0, Fact("effects, as asked", words))
     noise, left = found.noise_floor, found.score.rmse["mechanical"]["extended"]
