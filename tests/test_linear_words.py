@@ -285,6 +285,14 @@ def test_names_units_and_terms_are_looked_up_whole() -> None:
     assert (TURNING.named("k_i"), TURNING.unit("N m"), TURNING.term("torque")) == ("k_i", "N m", "torque")
 
 
+def test_a_sentence_is_filled_from_terms() -> None:
+    """What stands in braces is a term, a unit or a name; a term that begins a sentence does so in either."""
+    sentence = "{Turn the link}: the {torque} constant {k_i} [{N m/A}] of the {drive}"
+
+    assert LINEAR.filled(sentence) == "Move the carriage: the force constant k_f [N/A] of the drive"
+    assert TURNING.filled(sentence) == sentence.replace("{", "").replace("}", "")
+
+
 def test_the_keys_of_a_document_are_named_and_those_of_a_person_are_not() -> None:
     """Runs that carry a mass have the names that a person gave them."""
     given = {"rmse_Nm": {"omega_m_rad_s": "torque"}, "added_kg": {"torque": 1.0}}

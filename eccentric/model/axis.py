@@ -84,7 +84,15 @@ class AxisKind:
 
     def term(self, term: str) -> str:
         """A term of a turning drive, such as "torque", as it is called here, for a sentence."""
-        return self.words.get(term, term)
+        small = term[:1].lower() + term[1:]
+        if term in self.words or small not in self.words:
+            return self.words.get(term, term)
+        here = self.words[small]
+        return here[:1].upper() + here[1:]
+
+    def filled(self, sentence: str) -> str:
+        """A sentence whose terms, units and names are in braces: "the {torque} constant {k_i} [{N m/A}]"."""
+        return sentence.format_map(_Filling(self))
 
     def text(self, text: str) -> str:
         """A text that belongs to a model or an effect, such as a meaning, for this kind.
@@ -128,6 +136,18 @@ class AxisKind:
     @cached_property
     def _of_units(self) -> re.Pattern[str] | None:
         return _any_of(self.units)
+
+
+class _Filling(dict[str, str]):
+    """What stands in the braces of a sentence -> what it is called on an axis."""
+
+    def __init__(self, axis: AxisKind) -> None:
+        super().__init__()
+        self._axis = axis
+
+    def __missing__(self, key: str) -> str:
+        term = self._axis.term(key)
+        return term if term != key else self._axis.unit(self._axis.named(key))
 
 
 _NAME = re.compile(r"[A-Za-z_]\w*")

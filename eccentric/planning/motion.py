@@ -193,7 +193,7 @@ class Segment:
 
     def words(self, axis: AxisKind) -> str:
         """What it does."""
-        return axis.text(self.pattern).format(*(f"{size:.3g}" for size in self.sizes))
+        return self.pattern.format(*(f"{size:.3g}" for size in self.sizes), rad=axis.unit("rad"))
 
     def scaled(self, factor: float) -> Segment:
         """The same motion, faster or slower, in the same time."""
@@ -244,7 +244,7 @@ def _speeds(
     if omega is not None:
         order = "falling" if falling else "rising"
         yield Segment(
-            f"constant speeds of alternate directions, {order}, {{}} to {{}} rad/s", omega, (low, high)
+            f"constant speeds of alternate directions, {order}, {{}} to {{}} {{rad}}/s", omega, (low, high)
         )
 
 
@@ -268,7 +268,7 @@ def _strokes(speed: float, hold: float, steep: float, seconds: float, bounds: Bo
     omega = _timed(signs * speed, lengths, steep)
     if omega is not None and len(omega) <= seconds * RATE_HZ + 1:
         word = f"held for {hold:.2g} s" if hold else "turned at once"
-        yield Segment(f"strokes in both directions at {{}} rad/s, {word}", omega, (speed,))
+        yield Segment(f"strokes in both directions at {{}} {{rad}}/s, {word}", omega, (speed,))
 
 
 def _reversals(reach: float, top: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Segment]:
@@ -284,7 +284,7 @@ def _reversals(reach: float, top: float, steep: float, seconds: float, bounds: B
     omega = amplitudes[which] * 0.5 * rate * np.sin(2.0 * np.pi * phase)
     alpha = amplitudes[which] * 0.5 * rate**2
     if np.max(np.abs(omega)) < top and np.max(alpha) < steep:
-        yield Segment("reversals that grow to {} rad", np.append(omega, 0.0), (end,))
+        yield Segment("reversals that grow to {} {rad}", np.append(omega, 0.0), (end,))
 
 
 def _sines(

@@ -8,31 +8,31 @@ from eccentric.model import AxisKind
 
 _MEASUREMENTS = {
     "velocity": (
-        "Hold eight or more constant speeds over the range of use, each for several turns of the link, in"
+        "Hold eight or more constant speeds over the range of use, each for several {turns of the link}, in"
         " both directions."
     ),
     "direction": (
         "Run the same constant speeds forwards and backwards in turn, the first pair again at the end."
     ),
     "link_angle": (
-        "Turn the link slowly at one constant speed, over five whole turns in each direction; repeat at"
+        "{Turn the link} slowly at one constant speed, over {five whole turns} in each direction; repeat at"
         " twice that speed."
     ),
     "motor_angle": (
-        "Turn at one slow, constant speed with at least fifty rows per motor turn, in both directions;"
+        "Turn at one slow, constant speed with at least fifty rows per {motor turn}, in both directions;"
         " repeat at twice that speed."
     ),
-    "gravity_load": "Repeat the log with half of the mass on the link, and with none.",
+    "gravity_load": "Repeat the log with half of the mass on the {link}, and with none.",
     "transmitted_torque": (
         "Accelerate and brake through the same speeds at three rates, then repeat with another mass on"
-        " the link."
+        " the {link}."
     ),
     "acceleration": (
-        "Leave J_m and J_l out of the rig file: the log then identifies the inertia and shows what else"
+        "{Leave J_m and J_l out} of the rig file: the log then identifies the {inertia} and shows what else"
         " is left."
     ),
     "current": (
-        "Hold one slow, constant speed with three different masses on the link: the current changes, the"
+        "Hold one slow, constant speed with three different masses on the {link}: the current changes, the"
         " speed does not."
     ),
     "voltage": "Run the same constant speeds at two supply voltages, a fifth or more apart.",
@@ -49,15 +49,15 @@ _MEASUREMENTS = {
         " degrees."
     ),
 }
-"""Variable -> a measurement that a person can do."""
+"""Variable -> a measurement that a person can do; its terms are in braces."""
 _CORRECT = "Correct the rig file or the log first."
 _HOLD_OTHERS = (
     "Accelerate and brake this joint at three rates with the others held, then move the others with this one"
-    " held: that separates its own inertia from theirs."
+    " held: that separates its own {inertia} from theirs."
 )
 _CONSTANT_FIRST = (
-    "Give k_i under [known] first, from the data sheet: while it is open, an effect under load may be a wrong"
-    " constant."
+    "Give {k_i} under [known] first, from the data sheet: while it is open, an effect under load may be a"
+    " wrong constant."
 )
 
 
@@ -65,29 +65,30 @@ def measurement_sentence(found: NextMeasurement | None, axis: AxisKind) -> str:
     """What to do, in a sentence or two; "" where nothing is open."""
     if found is None:
         return ""
-    first = f"{_CONSTANT_FIRST} " if found.constant_first else ""
-    return axis.text(first + _SENTENCES[found.code](found))
+    first = f"{axis.filled(_CONSTANT_FIRST)} " if found.constant_first else ""
+    return first + _SENTENCES[found.code](found, axis)
 
 
-def _vary(found: NextMeasurement) -> str:
-    name = found.variable.replace("_", " ")
-    own = (
+def _vary(found: NextMeasurement, axis: AxisKind) -> str:
+    if found.variable in _MEASUREMENTS:
+        return axis.filled(_MEASUREMENTS[found.variable])
+    name = axis.term(found.variable.replace("_", " "))
+    return (
         f"Change the {name} alone, in five steps up and down, at the same constant speed in both directions."
     )
-    return _MEASUREMENTS.get(found.variable, own)
 
 
-def _separate(found: NextMeasurement) -> str:
+def _separate(found: NextMeasurement, axis: AxisKind) -> str:
     first, second = found.between
     one, other = (words.headline or family for family, words in (first, second))
-    return measurement_between(first, second) or (
+    return axis.text(measurement_between(first, second)) or (
         f"Log what separates {one} from {other}: other speeds, loads and directions than this log has."
     )
 
 
 _SENTENCES = {
-    "correct": lambda found: _CORRECT,
+    "correct": lambda found, axis: _CORRECT,
     "vary": _vary,
     "separate": _separate,
-    "hold_others": lambda found: _HOLD_OTHERS,
+    "hold_others": lambda found, axis: axis.filled(_HOLD_OTHERS),
 }

@@ -14,7 +14,7 @@ from eccentric.presentation.html.data import Formula
 from eccentric.presentation.html.formulas import Typesetter, aligned, equation, letter, plain
 
 _ADDED = {
-    "mechanical": ("Delta tau", "torque of the drive in addition to friction [N m, motor side]"),
+    "mechanical": ("Delta tau", "{torque} of the drive in addition to friction [{N m}{, motor side}]"),
     "electrical": ("Delta u", "voltage in addition to that of the armature [V]"),
 }
 _MOTOR_SIDE = {
@@ -45,7 +45,7 @@ def friction_equations(model: Model, effects: Sequence[Any], axis: AxisKind = TU
             "f",
             [(term, 1) for term in friction],
             own,
-            axis.text("friction torque [N m, motor side]"),
+            axis.filled("friction {torque} [{N m}{, motor side}]"),
         )
     ]
     used = [term.value for term in friction]
@@ -54,7 +54,7 @@ def friction_equations(model: Model, effects: Sequence[Any], axis: AxisKind = TU
         if others:
             left, note = _ADDED[there.name]
             shown.append(
-                _sum(typeset, left, [(term, -KINDS[term.kind]) for term in others], own, axis.text(note))
+                _sum(typeset, left, [(term, -KINDS[term.kind]) for term in others], own, axis.filled(note))
             )
             used += [term.value for term in others]
     replaced = {old: new for effect in effects for old, new in effect.change.replaces.items()}
