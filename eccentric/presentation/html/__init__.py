@@ -23,8 +23,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from eccentric.diagnosis import Diagnosis
-from eccentric.emission import TemplateCache, template
-from eccentric.model import TURNING
+from eccentric.emission import template
 from eccentric.presentation.html.data import Parameter, ReportData
 from eccentric.presentation.html.figures import library, plot_report
 from eccentric.presentation.html.gather import report_data
