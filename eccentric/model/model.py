@@ -121,7 +121,7 @@ class Model:
     voltage_known: bool = True
     torque_unit: str = "N m"
     axis: AxisKind = TURNING
-    declares: Callable[[Model], Interface] | None = None
+    declares: Callable[[Model], Interface] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         states = (state.quantity for state in self.states)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 from scipy.linalg.lapack import dtbtrs
 
+from eccentric.model import TURNING, AxisKind
 from eccentric.rigs import Rig
 from eccentric.signals.limits import (
     COARSE,
@@ -216,7 +217,9 @@ def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, 
     return angle, velocity, acceleration, True
 
 
-def motion_of(t: Array, theta: Array, segment: Integers, cut_hz: float) -> tuple[Array, list[str]]:
+def motion_of(
+    t: Array, theta: Array, segment: Integers, cut_hz: float, axis: AxisKind = TURNING
+) -> tuple[Array, list[str]]:
     """Return angle, velocity, acceleration as rows of (3, n), filtered stretch by stretch, and warnings."""
     plain: list[int] = []
 
@@ -231,7 +234,7 @@ def motion_of(t: Array, theta: Array, segment: Integers, cut_hz: float) -> tuple
     if plain and math.isinf(cut_hz):
         warnings.append(
             "the log is too coarse for the low pass: velocity and acceleration are those of a spline "
-            "through the angle, averaged over windows of twelve steps"
+            f"through the {axis.term('angle')}, averaged over windows of twelve steps"
         )
     elif plain:
         warnings.append(
