@@ -180,12 +180,8 @@ def pooled(
         Coefficient(names[k], "bodies", letters_of(0)[k % COUNT].unit, -np.inf if k % COUNT else lower)
         for k in base.chosen
     ]
-    columns = np.hstack(
-        [
-            np.vstack([block.bodies[:, base.chosen] for block in blocks]),
-            block_diag(*(block.friction for block in blocks)),
-        ]
-    )
+    shared = np.vstack([block.bodies[:, base.chosen] for block in blocks])
+    columns = np.hstack([shared, block_diag(*(block.friction for block in blocks))])
     target = np.concatenate([block.target for block in blocks])
     weights = np.concatenate([np.full(len(block.target), block.weight**2) for block in blocks])
     every = (*bodies, *(c for block in blocks for c in block.coefficients))

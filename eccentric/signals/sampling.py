@@ -98,18 +98,14 @@ def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float
         values[:, entries] = weights_by_parts(t[columns[entries]] - middle[same, None], half)
     shape = (len(middle), len(t))
     mean, second = (csr_array((row, columns, pointer), shape=shape) for row in values)
-    every = np.ones(len(middle), dtype=bool)
-    return Rows(
-        t=middle,
-        run=run[first],
-        block=blocks_of(middle, segment[first], t),
-        train=every,
-        score=~every,
-        weights=np.ones(len(middle)),
-        description=f"windows of {window_s:.3g} s",
-        operator=mean,
-        rate_operator=second,
-    )
+    block, what = blocks_of(middle, segment[first], t), f"windows of {window_s:.3g} s"
+    return dataclasses.replace(_means(what, mean, middle, run[first], block), rate_operator=second)
+
+
+def _means(description: str, operator: csr_array, t: Array, run: Integers, block: Integers) -> Rows:
+    """Rows that are means, all of them for training."""
+    every = np.ones(len(t), dtype=bool)
+    return Rows(t, run, block, every, ~every, np.ones(len(t)), description, operator)
 
 
 def weights_by_parts(t: Array, half: float, rates: Sequence[int] = (0, 2), degree: int = 2) -> Array:
@@ -181,17 +177,9 @@ def hann_windows(time: Array, valid: Mask, segment: Integers, run: Integers, len
     pointer = np.r_[0, np.cumsum(width)]
     columns = np.concatenate(index)
     centre = columns[pointer[:-1] + width // 2]
-    every = np.ones(len(width), dtype=bool)
-    return Rows(
-        t=time[centre],
-        run=run[centre],
-        block=blocks_of(time[centre], label[centre], time),
-        train=every,
-        score=~every,
-        weights=np.ones(len(width)),
-        description=f"windows of {length_s:.3g} s",
-        operator=csr_array((np.concatenate(data), columns, pointer), shape=(len(width), len(time))),
-    )
+    operator = csr_array((np.concatenate(data), columns, pointer), shape=(len(width), len(time)))
+    block = blocks_of(time[centre], label[centre], time)
+    return _means(f"windows of {length_s:.3g} s", operator, time[centre], run[centre], block)
 
 
 LONGER = "no shorter window gives enough; a longer log is required"
@@ -396,15 +384,5 @@ def _run_means(channels: Channels, usable: Mask) -> Rows:
     index, pointer = np.concatenate([np.empty(0, int), *columns]), np.concatenate([[0], np.cumsum(sizes)])
     weights = np.repeat(1.0 / sizes, sizes)
     operator = csr_array((weights, index, pointer), shape=(len(runs), len(channels.time.t)))
-    all_of_them = np.ones(len(runs), dtype=bool)
-    return Rows(
-        t=operator @ channels.time.t,
-        run=runs,
-        block=np.arange(len(runs)),
-        train=all_of_them,
-        score=~all_of_them,
-        weights=np.ones(len(runs)),
-        description="whole runs",
-        operator=operator,
-        independent=True,
-    )
+    found = _means("whole runs", operator, operator @ channels.time.t, runs, np.arange(len(runs)))
+    return dataclasses.replace(found, independent=True)
