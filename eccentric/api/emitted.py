@@ -19,6 +19,7 @@ from eccentric.emission import (
     Choice,
     checked_name,
     document_of,
+    joints_of,
     read_parameters,
     with_fitted,
 )
@@ -80,7 +81,7 @@ def emit(
     if isinstance(model, str | os.PathLike):
         refuse_other_files(model)
     loaded = arm_of(model, fitted) if is_arm(model) else model_of(model)
-    if asked is not None and is_arm(model):
+    if asked is not None and joints_of(loaded):
         raise InputError("adapt", "a model of one joint", "an arm")
     name = checked_name(
         *((loaded.name, f"model {loaded.name}: its name") if prefix is None else (prefix, "prefix"))

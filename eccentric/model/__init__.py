@@ -37,7 +37,7 @@ from eccentric.model.functions import NumericFunction, PartValues, fingerprint, 
 from eccentric.model.load import in_general_letters, load_model, model_names, with_values
 from eccentric.model.model import Change, Extension, Model, spoken
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, differentiate, needed
-from eccentric.model.outputs import interface_of, moving, normal_force
+from eccentric.model.outputs import drive_interface, interface_of, moving, normal_force
 from eccentric.model.quantity import C_KEYWORDS, Definition, Quantity, State, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.steps import (
@@ -116,6 +116,7 @@ __all__ = [
     "at_rest",
     "differentiate",
     "drive_balances",
+    "drive_interface",
     "drives",
     "extended",
     "fingerprint",

@@ -105,14 +105,12 @@ _CENTRIFUGAL = v.M.symbol * v.L.symbol * (v.mu.symbol * v.omega_m.symbol) ** 2
 
 def promises(model: Model, names: Collection[str]) -> tuple[str, ...]:
     """One line for each bound that these functions of a model have."""
-    if model.declares is None:
-        return _of_functions(_of_drive(model), names)
-    lines = tuple(f"{name}: {bound}" for name, bound in _OF_ARM.items() if name in names)
-    return (*lines, *_WITH) if lines else ()
+    of_arm = [f"{name}: {bound}" for name, bound in _OF_ARM.items() if name in names]
+    return (*_of_functions(_of_drive(model), names), *of_arm, *(_WITH if of_arm else ()))
 
 
 def _of_drive(model: Model) -> tuple[str, ...]:
-    """Those of one drive; none if an effect changes the angle or adds to F_N."""
+    """Those of one drive; none without F_N, or if an effect changes the angle or adds to F_N."""
     inputs = {q.symbol for q in model.inputs}
     force = normal_force(model)
     if force is None:
