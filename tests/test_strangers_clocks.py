@@ -323,3 +323,17 @@ def test_a_run_that_the_rig_of_an_arm_does_not_name_does_not_count() -> None:
     for channels in found:
         assert ("run_0", "run_2", "run_3") == channels.time.run_names
         assert 3 * rows - 1 == len(channels.time.t)
+
+
+def test_windows_that_are_too_long_by_default_are_named_with_what_gives_more() -> None:
+    """A short log at 40 rows a second: the message has the default and the key, and its value works."""
+    rows = slice(0, 3600, 12)
+    noise = np.random.default_rng(2).normal(0.0, 1e-3, 300)
+    log = {"t": T[rows], "theta": THETA[rows], "i": CURRENT[rows] + noise}
+    with pytest.raises(
+        InputError, match=r"windows of .* a window is 12 steps by default, average_over = "
+    ) as caught:
+        eccentric.fit(log, rig=rig_of())
+    value = str(caught.value).rsplit('average_over = "', 1)[1].split('"')[0]
+
+    assert eccentric.fit(log, rig=rig_of(average_over=value)).estimates["C"].value > 0.0

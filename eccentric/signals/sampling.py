@@ -24,6 +24,7 @@ from eccentric.core import InputError
 from eccentric.rigs import Rig
 from eccentric.signals.filters import LowPass, rows_of_each
 from eccentric.signals.limits import (
+    LEAST_HELD_OUT,
     LEAST_RUN_PART,
     LEAST_STEPS,
     LEAST_WINDOW_ROWS,
@@ -195,9 +196,25 @@ def fit_rows(channels: Channels, rig: Rig) -> Rows:
     if rig.sampling.average_over:
         return rows_of(channels, rig)
     if channels.time.points_per_row > 1:
-        return _by_parts(channels)
+        found = _by_parts(channels)
+        if np.count_nonzero(found.train) >= LEAST_WINDOWS:
+            return found
+        return dataclasses.replace(found, remedy=_shorter(channels, rig))
     weights = _durations(channels.time.t, channels.time.segment, channels.time.logged_step_s)
     return dataclasses.replace(_samples(channels, rig), weights=weights, description="rows")
+
+
+def _shorter(channels: Channels, rig: Rig) -> str:
+    """An average of fewer steps than the default's windows, of which the log has enough."""
+    held = channels.selection.held_out
+    for steps in range(STEPS - 1, 1, -1):
+        over = steps * channels.time.logged_step_s
+        tried = dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, average_over=over))
+        fitted, scored = (len(_averages(channels, tried, part)) for part in (~held, held))
+        if fitted >= LEAST_WINDOWS and scored >= LEAST_HELD_OUT:
+            shorter = f'average_over = "{over:.2g} s"'
+            return f"a window is {STEPS} steps by default, {shorter} in {rig.path} gives {fitted}"
+    return LONGER
 
 
 def rows_of(channels: Channels, rig: Rig) -> Rows:
