@@ -108,7 +108,7 @@ def draft_of(log: Log) -> Draft:
     columns, texts = columns_of(log, rows)
     run, ends = find_runs(columns, texts, rows.stop)
     left = {name: c for name, c in columns.items() if run is None or name != run.column}
-    clock = find_clock({n: c for n, c in left.items() if not c.is_flag}, ends, log.path)
+    clock = find_clock({n: c for n, c in left.items() if not c.is_flag}, ends, log.path, texts)
     left.pop(clock.proposal.column)
     grid = grid_of(clock.raw * SECONDS[clock.unit], clock.breaks)
     if not grid.parts:

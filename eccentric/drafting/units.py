@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -103,7 +103,9 @@ def clock_in(log: Log) -> Clock:
     columns, texts = columns_of(log, slice(0, log.rows))
     run, ends = find_runs(columns, texts, log.rows)
     named = "" if run is None else run.column
-    return find_clock({n: c for n, c in columns.items() if n != named and not c.is_flag}, ends, log.path)
+    return find_clock(
+        {n: c for n, c in columns.items() if n != named and not c.is_flag}, ends, log.path, texts
+    )
 
 
 def by_rate(log: Log, rate_hz: float) -> Log:
@@ -119,8 +121,13 @@ def by_rate(log: Log, rate_hz: float) -> Log:
     return dataclasses.replace(log, columns={"time_s": np.arange(log.rows) / rate_hz, **log.columns})
 
 
-def find_clock(columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_], where: str) -> Clock:
-    """The clock among the columns; `ends` (n-1,) are those of named runs.
+def find_clock(
+    columns: Mapping[str, LoggedColumn],
+    ends: NDArray[np.bool_],
+    where: str,
+    texts: Iterable[str] = (),
+) -> Clock:
+    """The clock among the columns; `ends` (n-1,) are those of named runs, `texts` columns of text.
 
     Raises:
         InputError: no column rises from row to row.
@@ -130,6 +137,14 @@ def find_clock(columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_], whe
     if not found or found[0][0] <= 0.0:
         found, ends, said = _put_right(columns, ends)
     if not found:
+        spelled = [name for name in texts if read_name(name, "").quantity == "time"]
+        if spelled:
+            raise InputError(
+                where,
+                "numbers or times of day (14:05:00.5) for the time",
+                f"text in {few(map(repr, spelled))}",
+                plural=True,
+            )
         raise InputError(
             where,
             problem=f"a column that rises from row to row, the time, is required, the log has none"

@@ -81,6 +81,8 @@ TEXT = Format(
 JSON = Format(
     (".json",), "JSON, as Rhoban BAM and pandas write it", "json_file.read_json", (b"{", b"[{"), gzipped=True
 )
+_START = 4096
+"""Bytes that show what a file is."""
 _ZIP, _H5 = b"PK", b"\x89HDF\r\n\x1a\n"
 FORMATS: tuple[Format, ...] = (
     TEXT,
@@ -167,17 +169,30 @@ def format_of(path: Path) -> Format:
     # A table called .csv may begin with a brace.
     said = (one for one in FORMATS if one.begins and one.looks(start))
     found = next((one for one in said if not (one is JSON and ".csv" in name)), named)
+    if found is None and _is_table(start):
+        return TEXT
     if found is None:
         known = ", ".join(suffix for one in FORMATS for suffix in one.endings)
         raise InputError(path, f"a log of {known}", f"{path.suffix or 'no suffix'!r}")
     return found
 
 
+def _is_table(start: bytes) -> bool:
+    """Whether the first bytes of a file are text with rows of numbers."""
+    from eccentric.logs.layout import has_rows
+
+    try:
+        text = start.decode("utf-8-sig", "ignore" if len(start) == _START else "strict")
+    except UnicodeDecodeError:
+        return False
+    return "\0" not in text and has_rows(text.splitlines()[: -1 if len(start) == _START else None])
+
+
 def _start(path: Path) -> bytes:
     """The first bytes of a file, unpacked where it is compressed."""
     with path.open("rb") as file:
-        start = file.read(4096)
+        start = file.read(_START)
     if start[:2] == b"\x1f\x8b":
         with suppress(OSError, EOFError, zlib.error), gzip.open(path) as unpacked:
-            return unpacked.read(4096)
+            return unpacked.read(_START)
     return start

@@ -90,6 +90,12 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     return Layout(tuple(names), delimiter, first, units, clocks, notes)
 
 
+def has_rows(lines: Sequence[str]) -> bool:
+    """Whether some lines are rows of a table: three or more, of two or more numbers each."""
+    body = _body(lines)
+    return body is not None and len(body[2]) > 2 and len(body[2][0]) > 1
+
+
 def headless(
     path: object, line: str, number: int, width: int, delimiter: str, rows: Sequence[Sequence[str]]
 ) -> InputError:
