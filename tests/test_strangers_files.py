@@ -89,6 +89,15 @@ def test_units_and_meanings_below_the_header(read: Callable[..., Log]) -> None:
     assert ((), ("the header is line 2",)) == (units.notes, units.read_as)
 
 
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
+def test_a_table_in_utf_16(encoding: str, tmp_path: Path) -> None:
+    """As tools of Windows write it, with a mark of the order of bytes."""
+    text = "\ufeff" * encoding.endswith("be") + "t\tx\tv\n" + rows("\t", T, X, V)
+    (tmp_path / "log.csv").write_bytes(text.encode(encoding))
+
+    same(read_log(tmp_path / "log.csv"), t=T, x=X, v=V)
+
+
 def test_rows_with_a_delimiter_at_their_ends(read: Callable[..., Log]) -> None:
     """Some loggers end every row with a comma, and not the header."""
     same(read("t,x,v\n" + rows(",", T, X, V).replace("\n", ",\n")), t=T, x=X, v=V)

@@ -235,7 +235,9 @@ def _decoded(path: Path) -> tuple[str, tuple[str, ...]]:
     """The text of a file, as Latin-1 with a note where it is not UTF-8; UnicodeDecodeError for no text."""
     try:
         return text_of(path), ()
-    except UnicodeDecodeError:
+    except UnicodeDecodeError as error:
+        if error.object[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+            return text_of(path, "utf-16"), ()
         text = text_of(path, "cp1252")  # raises where Latin-1 of Windows has no character
         if _NO_TEXT.search(text):
             raise
