@@ -8,7 +8,9 @@ import shutil
 import subprocess
 import sys
 import webbrowser
+from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 import eccentric
 from eccentric.cli.arguments import coloured
@@ -66,9 +68,13 @@ def run(args: argparse.Namespace) -> int:
 
 def _described(file: str) -> int:
     """Print what a file is; 1 if it cannot be read as a log."""
+    from eccentric.logs import format_of
+
     try:
         print(eccentric.describe_log(file).summary())
     except InputError as error:
+        with suppress(InputError, OSError):
+            print(f"{file}: {format_of(Path(file)).title}, which is not read:")
         print(coloured(str(error), "error"))
         return 1
     return 0
