@@ -337,3 +337,17 @@ def test_windows_that_are_too_long_by_default_are_named_with_what_gives_more() -
     value = str(caught.value).rsplit('average_over = "', 1)[1].split('"')[0]
 
     assert eccentric.fit(log, rig=rig_of(average_over=value)).estimates["C"].value > 0.0
+
+
+def test_a_load_of_its_own_for_every_run_is_arithmetic() -> None:
+    """A weight on a drum, another one in each run, subtracted from the motor's torque."""
+    run = (T // 4.0).astype(int)
+    grams = np.array([0.0, 250.0, 500.0])[run]
+    load = grams * 9.81e-5
+    log = columns(t=T - 4.0 * run, run=run.astype(float), load_g=grams, i=CURRENT + load / 0.1)
+    mapped = {name: column for name, column in COLUMNS.items() if name != "current"} | {"run": "run"}
+    rig = rig_of(drive="torque", columns=mapped | {"torque": "0.1 * i - load_g * 9.81e-5"})
+    found = eccentric.fit(log, rig=rig).estimates
+
+    for letter, value in {"C": 0.03, "B": 0.005, "J": 0.001}.items():
+        assert abs(found[letter].value / value - 1.0) < 0.02
