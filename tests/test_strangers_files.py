@@ -89,6 +89,16 @@ def test_units_and_meanings_below_the_header(read: Callable[..., Log]) -> None:
     assert ((), ("the header is line 2",)) == (units.notes, units.read_as)
 
 
+def test_missing_values_in_the_first_rows_stay(read: Callable[..., Log]) -> None:
+    """Rows with "nan", "NA" and empty cells below lines of settings are rows."""
+    x = np.where(T < T[6], np.nan, X)
+    text = "Scope,3\nt,x,v\n" + rows(",", T, x, V).replace("nan", "NA", 2)
+    log = read(text.replace("nan", "", 2))
+
+    assert "line 3" == log.place(0)
+    same(log, t=T, x=x, v=V)
+
+
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
 def test_a_table_in_utf_16(encoding: str, tmp_path: Path) -> None:
     """As tools of Windows write it, with a mark of the order of bytes."""

@@ -62,6 +62,11 @@ def is_number(cell: str) -> bool:
     return (found is not None and found == found) or bool(cell.strip() and _COMMA.fullmatch(cell))  # noqa: PLR0124 - NaN
 
 
+def _may_be_number(cell: str) -> bool:
+    """Whether a cell is a number, or marks a missing one, as "nan" and an empty cell do."""
+    return number_of(cell) is not None or is_number(cell)
+
+
 def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     """Return where the table of a text is, by its first lines; None where they show none.
 
@@ -132,8 +137,8 @@ def _body(lines: Sequence[str]) -> tuple[str, int, list[list[str]]] | None:
         for width, rows in _by_width(split).items():
             if width == 1 and delimiter != ",":
                 continue  # a delimiter that no line has
-            numeric = [all(is_number(row[k]) or not row[k].strip() for row in rows) for k in range(width)]
-            filled = [any(row[k].strip() for row in rows) for k in range(width)]
+            numeric = [all(_may_be_number(row[k]) for row in rows) for k in range(width)]
+            filled = [any(is_number(row[k]) for row in rows) for k in range(width)]
             places = [k for k in range(width) if numeric[k] and filled[k]]
             clocks = [
                 k for k in range(width) if k not in places and all(_CLOCK.fullmatch(row[k]) for row in rows)
@@ -169,8 +174,8 @@ def _first(
     def is_row(row: Sequence[str]) -> bool:
         return (
             len(row) == width
-            and all(is_number(row[k]) or not row[k].strip() for k in places)
-            and any(row[k].strip() for k in places)
+            and all(_may_be_number(row[k]) for k in places)
+            and any(is_number(row[k]) for k in places)
             and all(_CLOCK.fullmatch(row[k]) for k in clocks)
         )
 
