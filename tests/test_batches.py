@@ -185,7 +185,7 @@ def test_a_row_with_too_few_values_is_missing(tmp_path: Path) -> None:
 
     read = damaged(change, tmp_path).read(["time_s"])
 
-    assert ["line 701"] == [read.place(k) for k in np.flatnonzero(np.isnan(read.numbers("time_s")))]
+    assert ["line 701"] == [read.place(int(k)) for k in np.flatnonzero(np.isnan(read.numbers("time_s")))]
 
 
 def test_many_rows_with_too_few_values_are_refused(tmp_path: Path) -> None:

@@ -74,7 +74,8 @@ def test_the_doctor_knows_every_extra_and_its_packages() -> None:
         extra: packages(extra) for extra in extras if extra not in {"logs", "docs", "test", "lint", "all"}
     }
 
-    assert {extra: set(names) for extra, (names, _) in doctor._EXTRAS.items()} == expected
+    known = doctor._EXTRAS | doctor._of_formats()
+    assert {extra: set(names) for extra, (names, _) in known.items()} == expected
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the shell's protocol needs file descriptors")

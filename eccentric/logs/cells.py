@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from eccentric.logs.assemble import MISSING, Column, column_of, number_of
+from eccentric.logs.limits import DAY_S
 
 POINT = "; a decimal point is required, as in 1.5"
 _COMMA = re.compile(r"\s*[-+]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][-+]?\d+)?\s*")
@@ -20,7 +21,6 @@ _CLOCK = re.compile(
     r"(?P<hour>\d{1,2}):(?P<minute>[0-5]\d)(?::(?P<second>[0-5]\d)(?P<fraction>[.,:]\d+)?)?"
     r"\s*(?:(?P<half>[AaPp])[Mm])?\s*"
 )
-_DAY = 86_400.0
 EXACT = 2**53
 """Whole numbers above this are not exact as floating point: nanoseconds since 1970 are in steps of 256."""
 
@@ -102,7 +102,7 @@ def _times_of_day(name: str, cells: Sequence[str]) -> tuple[Column, str, str]:
     rows = np.flatnonzero(np.isfinite(seconds))
     steps = np.diff(seconds[rows])
     # Half a day back is a day on; less is a clock that was set.
-    seconds[rows[1:]] += _DAY * np.cumsum(np.round(-steps / _DAY))
+    seconds[rows[1:]] += DAY_S * np.cumsum(np.round(-steps / DAY_S))
     first = cells[int(rows[0])].strip()
     return seconds - seconds[rows[0]], "s", f"{name}: times of day, as seconds from {first}"
 

@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from eccentric.core import InputError, readable
+from eccentric.logs.limits import FIRST_BYTES
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -81,8 +82,6 @@ TEXT = Format(
 JSON = Format(
     (".json",), "JSON, as Rhoban BAM and pandas write it", "json_file.read_json", (b"{", b"[{"), gzipped=True
 )
-_START = 4096
-"""Bytes that show what a file is."""
 _ZIP, _H5 = b"PK", b"\x89HDF\r\n\x1a\n"
 FORMATS: tuple[Format, ...] = (
     TEXT,
@@ -182,17 +181,17 @@ def _is_table(start: bytes) -> bool:
     from eccentric.logs.layout import has_rows
 
     try:
-        text = start.decode("utf-8-sig", "ignore" if len(start) == _START else "strict")
+        text = start.decode("utf-8-sig", "ignore" if len(start) == FIRST_BYTES else "strict")
     except UnicodeDecodeError:
         return False
-    return "\0" not in text and has_rows(text.splitlines()[: -1 if len(start) == _START else None])
+    return "\0" not in text and has_rows(text.splitlines()[: -1 if len(start) == FIRST_BYTES else None])
 
 
 def _start(path: Path) -> bytes:
     """The first bytes of a file, unpacked where it is compressed."""
     with path.open("rb") as file:
-        start = file.read(_START)
+        start = file.read(FIRST_BYTES)
     if start[:2] == b"\x1f\x8b":
         with suppress(OSError, EOFError, zlib.error), gzip.open(path) as unpacked:
-            return unpacked.read(_START)
+            return unpacked.read(FIRST_BYTES)
     return start

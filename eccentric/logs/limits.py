@@ -9,7 +9,12 @@ MOST_PARTS = 100
 DEEPEST_STRUCTURE = 20
 """Structures nested deeper than this are left out: logs have two or three levels."""
 
-# Where the table of a text file is.
+# What a file is, and where the table of a text file is.
+
+FIRST_BYTES = 4096
+"""Bytes that show of which format a file is: what names one is first, but for the files in an archive."""
+DAY_S = 86_400.0
+"""Times of day start again after so long."""
 
 SAMPLE_LINES = 20
 """Lines that show of which width the rows of a table are, and which of its columns are numbers."""

@@ -21,7 +21,8 @@ from eccentric.logs.foreign import reading, require_room_for_numbers
 from eccentric.logs.limits import MOST_PARTS
 
 _NUMBERS = {"boolean": "?", "int64": "<i8", "float": "<f4", "double": "<f8"}
-_START = 0
+_STARTS = b"\0"
+"""A record about the log itself that begins an entry."""
 
 
 @dataclass
@@ -74,7 +75,7 @@ def _entries(data: memoryview, path: Path) -> tuple[list[_Entry], list[str]]:
             if number in known:
                 known[number].times.append(time)
                 known[number].values.append(bytes(payload))
-        elif size and payload[0] == _START:
+        elif size and bytes(payload[:1]) == _STARTS:
             (own,) = struct.unpack_from("<I", payload, 1)
             name, rest = _text(payload[5:])
             kind, _ = _text(rest)
