@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
-from eccentric.drafting.limits import DERIVATIVE, SMOOTH_ROWS, SMOOTH_S, WRAP
+from eccentric.drafting.limits import COMPARED, DERIVATIVE, ROUGHLY, SMOOTH_ROWS, SMOOTH_S, WRAP
 from eccentric.drafting.words import Name, read_name
 from eccentric.logs import Log
 
@@ -224,13 +224,12 @@ def grid_of(seconds: Array, breaks: NDArray[np.bool_]) -> Grid:
 def pairs_of(grid: Grid, columns: list[LoggedColumn]) -> list[Pair]:
     """Every column that is the slope of another, best first."""
     inner, found = grid.inner(), []
-    for a in columns:
+    could = _could_be(grid, columns)
+    for k, a in enumerate(columns):
         slope = grid.smooth(a, 1, angle=True)[inner]
         if not np.any(slope):
             continue
-        for b in columns:
-            if a is b:
-                continue
+        for b in (columns[j] for j in np.flatnonzero(could[k]) if j != k):
             level = grid.smooth(b)[inner]
             both = float(np.std(slope) * np.std(level))
             r = float(np.mean((slope - slope.mean()) * (level - level.mean())) / both) if both > 0.0 else 0.0
@@ -239,6 +238,21 @@ def pairs_of(grid: Grid, columns: list[LoggedColumn]) -> list[Pair]:
                 factor = float(np.copysign(np.std(level) / np.std(slope), r))
                 found.append(Pair(a.text, b.text, factor, abs(r)))
     return sorted(found, key=lambda pair: -pair.r)
+
+
+def _could_be(grid: Grid, columns: list[LoggedColumn]) -> NDArray[np.bool_]:
+    """Where column k can have column j as its slope (n, n), by few points: each pair by itself takes long."""
+    points = np.flatnonzero(grid.inner())
+    points = points[:: max(1, len(points) // COMPARED)]
+    slopes = _normal(np.array([grid.smooth(c, 1, angle=True)[points] for c in columns]))
+    levels = _normal(np.array([grid.smooth(c)[points] for c in columns]))
+    return np.abs(slopes @ levels.T) >= DERIVATIVE - ROUGHLY
+
+
+def _normal(rows: Array) -> Array:
+    """Rows (n, m) without their means, of norm 1."""
+    free = rows - rows.mean(axis=1, keepdims=True)
+    return free / np.maximum(np.linalg.norm(free, axis=1, keepdims=True), 1e-300)
 
 
 def _window(grid: Array) -> int:

@@ -29,6 +29,7 @@ from eccentric.drafting.columns import (
     wrap_of,
 )
 from eccentric.drafting.drives import (
+    KINDS,
     UNSIGNED,
     coasts,
     find_drives,
@@ -206,6 +207,7 @@ def _moving(
     """The angle and the speed: a column and its slope, by their names, or what explains a third column."""
     signals = [c for c in free if c.name.signal]
     could = [c for c in signals if c.name.quantity not in _NAMED or _letter(c)]
+    could = _few(could, ("angle", "speed"))
     by_name = {c.text: c for c in could}
     pairs = [p for p in pairs_of(grid, could) if _is_motion(p, by_name, every)]
     if pairs:
@@ -227,10 +229,19 @@ def _moving(
     if angle is not None or speed is not None:
         return angle, speed, None, ""
     return (
-        *_explaining(grid, could, signals, where),
+        *_explaining(grid, could, _few(signals, KINDS), where),
         None,
         "no name: it is what explains the other columns best as a motion",
     )
+
+
+def _few(columns: list[LoggedColumn], quantities: Sequence[str]) -> list[LoggedColumn]:
+    """Of very many columns those with a name of one of the quantities, else those that are smoothest."""
+    if len(columns) <= limits.MANY:
+        return columns
+    named = [c for c in columns if c.name.quantity in quantities]
+    rough = {c.text: float(np.mean(np.abs(np.diff(c.values)))) / (c.range or 1.0) for c in columns}
+    return named or sorted(columns, key=lambda c: rough[c.text])[: limits.MANY]
 
 
 def _letter(column: LoggedColumn) -> bool:
@@ -301,11 +312,13 @@ def _without_copies(
     kept: list[LoggedColumn] = []
     why: dict[str, str] = {}
     inner = grid.inner()
+    # Of very many columns, those without a name are left out anyway where a drive has one.
+    named = len(rest) > limits.MANY and any(c.name.quantity in KINDS for c in rest)
     for column in rest:
         if column.name.quantity == "acceleration":
             why[column.text] = "the acceleration is taken from the angle"
             continue
-        for of, what in ((angle, "angle"), (speed, "speed")):
+        for of, what in () if named and not column.name.quantity else ((angle, "angle"), (speed, "speed")):
             if of is None or (column.name.quantity not in ("", what) and not _letter(column)):
                 continue
             x, y = (grid.smooth(one, angle=what == "angle")[inner] for one in (of, column))

@@ -24,6 +24,10 @@ DERIVATIVE = 0.9
 """Correlation from which a column is the slope of another: drives filter their speed, which lowers it."""
 UNNAMED = 0.97
 """The same for two columns without names, one of which could be a voltage."""
+COMPARED, ROUGHLY = 3000, 0.1
+"""Points on which pairs of columns are compared first, and how far their correlation is off there at most."""
+MANY = 40
+"""Columns from which those without a name are looked at only where none has one: each takes time."""
 COPY = 0.98
 """Correlation from which a column is another one in other units, or its set value."""
 SAME = 0.9999

@@ -26,7 +26,7 @@ _WORDS = {
     " courant",
     "voltage": "u uq vq voltage volt volts spannung umot vmot v klemmenspannung usq tension"
     " pidout pidoutput controlleroutput controloutput controlsignal manipulatedvariable stellgroesse",
-    "torque": "tau torque torq moment trq drehmoment tq mot_torque force kraft thrust f",
+    "torque": "tau torque torq moment trq drehmoment tq mot_torque force kraft thrust",
     "temperature": "temp temperature temperatures temperatur celsius tmot",
     "supply": "supply vsupply bus vbus vdc battery vbat batt dclink vin ubat zwischenkreis mains mainvoltage"
     " ubus ibus idc udc",
@@ -158,6 +158,8 @@ def read_name(text: str, unit: str = "") -> Name:
         named.append(("torque", "effort"))
     role = _role(plain, words, pairs)
     quantity, word = _chosen(named, found)
+    if not named and words[:1] == ["f"]:
+        quantity, word = "torque", "f"
     if not named and words[:1] == ["m"] and role in ("measured", "set"):
         quantity, word = "torque", "m"  # M_ist, M_soll
     if number := _OBJECT.search(plain):
