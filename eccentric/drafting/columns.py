@@ -224,6 +224,8 @@ def grid_of(seconds: Array, breaks: NDArray[np.bool_]) -> Grid:
 def pairs_of(grid: Grid, columns: list[LoggedColumn]) -> list[Pair]:
     """Every column that is the slope of another, best first."""
     inner, found = grid.inner(), []
+    if len(columns) < 2:
+        return []
     could = _could_be(grid, columns)
     for k, a in enumerate(columns):
         slope = grid.smooth(a, 1, angle=True)[inner]

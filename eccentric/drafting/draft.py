@@ -114,6 +114,11 @@ def draft_of(log: Log) -> Draft:
     grid = grid_of(clock.raw * SECONDS[clock.unit], clock.breaks)
     if not grid.parts:
         raise InputError(log.path, problem="a stretch of more rows without a gap in time is required")
+    if grid.step > 1.0 / limits.SLOWEST_HZ:
+        said = (
+            f"{1.0 / grid.step:.2g}: no acceleration is to be seen (is {clock.proposal.source!r} the time?)"
+        )
+        raise InputError(log.path, f"at least {limits.SLOWEST_HZ:g} rows a second", said, plural=True)
     temperature, supply = find_slow(list(left.values()))
     voltage = find_voltage(list(left.values()), supply)
     flags = [c for c in left.values() if c.is_flag]
