@@ -28,19 +28,20 @@ NAMES: dict[str, tuple[tuple[str, str], ...]] = {
         ("ActPos", "deg"), ("Position actual value (6064h)", "counts"), ("encoderPos", "counts"),
         ("Present Position", "counts"), ("pos_estimate", "rev"), ("phi_mess", "rad"), ("angle_deg", "deg"),
         ("Axis 1.NcToPlc.ActPos", "deg"), ("actual_q", "rad"), ("motor_angle", ""), ("Winkel [°]", "deg"),
-        ("observation.position", "rad"), ("x", "rad"),
+        ("observation.position", "rad"), ("x", "rad"), ("Lageistwert", "rad"), ("qpos", "rad"), ("jointpos", ""),
     ),
     "speed": (
         ("/joint_states/joint1/velocity", "rad/s"), ("velocity", ""), ("qd", "rad/s"), ("dq", "rad/s"),
         ("omega", "rad/s"), ("ActVelo", "deg/s"), ("Velocity actual value", "rpm"), ("rpm", "rpm"),
         ("motor_rpm", "rpm"), ("vel_estimate", "rev/s"), ("n_ist", "rpm"), ("actual_qd", "rad/s"),
-        ("Speed (RPM)", "rpm"), ("thetadot", "rad/s"), ("vel [Hz]", "rev/s"), ("v", "rad/s"),
+        ("Speed (RPM)", "rpm"), ("thetadot", "rad/s"), ("vel [Hz]", "rev/s"), ("v", "rad/s"), ("Drehzahlistwert", "rpm"), ("motorSpeedRPM", "rpm"), ("qvel", "rad/s"),
+        ("Velocity Actual Value Averaged", "rpm"),
     ),
     "current": (
         ("Iq_measured", "A"), ("iq", "A"), ("motor_current", "A"), ("current_mA", "mA"), ("i_act", "A"),
         ("Present Current", "mA"), ("actual_current", "A"), ("I_ist", "A"), ("Current actual value", ""),
         ("q-axis current [A]", "A"), ("ActCurrent", "A"), ("Motorstrom [A]", "A"), ("/motor/current", "A"),
-        ("i", "A"),
+        ("i", "A"), ("q_current", "A"), ("motorcurrent", "A"), ("Stromistwert [A]", "A"), ("armatureCurrent", "A"),
     ),
     "voltage": (
         ("voltage", "V"), ("Uq", "V"), ("motor_voltage", "V"), ("u", "V"), ("v_motor [V]", "V"),
@@ -49,7 +50,7 @@ NAMES: dict[str, tuple[tuple[str, str], ...]] = {
     "torque": (
         ("/joint_states/joint1/effort", "N m"), ("tau", "N m"), ("tau_measured", "N m"), ("ActTorque", "N m"),
         ("torque_actual", "N m"), ("tau_J", "N m"), ("Torque (Nm)", "N m"), ("M_ist", "N m"),
-        ("Drehmoment [Nm]", "N m"), ("trq_mNm", "mNm"),
+        ("Drehmoment [Nm]", "N m"), ("trq_mNm", "mNm"), ("Momentenistwert [Nm]", "N m"), ("effort[0]", "N m"),
     ),
     "temperature": (("motor_temp", "degC"), ("Present Temperature", "degC"), ("temperature [°C]", "degC")),
     "duty": (("pwm", ""), ("MotorPWM", ""), ("duty", "")),
@@ -62,8 +63,24 @@ NAMES: dict[str, tuple[tuple[str, str], ...]] = {
 """Name and unit that the values are in; "" for any, since the name says none and loggers differ."""
 SET = {
     "angle": ("q_d", "q_ref", "Position demand value", "SetPos", "theta_soll", "/joint_cmds/joint1/position"),
-    "speed": ("target_velocity", "SetVelo", "n_soll", "dq_d", "velocity_setpoint", "vel_ref"),
-    "current": ("Iq_setpoint", "target_current", "i_soll", "goal_current", "current_cmd [A]"),
+    "speed": (
+        "target_velocity",
+        "SetVelo",
+        "n_soll",
+        "dq_d",
+        "velocity_setpoint",
+        "vel_ref",
+        "/cmd_vel/angular/z",
+        "Drehzahlsollwert",
+    ),
+    "current": (
+        "Iq_setpoint",
+        "target_current",
+        "i_soll",
+        "goal_current",
+        "current_cmd [A]",
+        "Commanded Current",
+    ),
     "torque": ("torque_cmd", "tau_d", "target_torque", "SetTorque", "desired_effort", "tau_ref [Nm]"),
 }
 MODELS = (
@@ -72,7 +89,15 @@ MODELS = (
     "fitted", "residual",
 )  # fmt: skip
 ERRORS = ("position_error", "Following error", "e_pos_err", "PosDiff", "Schleppfehler", "tracking error")
-SLOW = ("bus_voltage", "dc_link_voltage", "actual_main_voltage", "battery [V]", "supply voltage")
+SLOW = (
+    "bus_voltage",
+    "dc_link_voltage",
+    "actual_main_voltage",
+    "battery [V]",
+    "supply voltage",
+    "input_voltage",
+    "current_in",
+)
 STEADY = ("max_torque", "current_limit", "torque limit [Nm]", "upper_limit")
 INDEX = ("frame_index", "seq", "sample", "header.seq", "episode_index")
 STAMPS = ("stamp", "/tf/header/stamp", "recv_time", "log_timestamp")

@@ -11,7 +11,16 @@ from numpy.typing import NDArray
 
 from eccentric.core import InputError, few
 from eccentric.drafting import limits
-from eccentric.drafting.balance import Explained, Gear, Moved, as_gravity, balance_of, gear_of, motion_from
+from eccentric.drafting.balance import (
+    GUESSED_UNITS,
+    Explained,
+    Gear,
+    Moved,
+    as_gravity,
+    balance_of,
+    gear_of,
+    motion_from,
+)
 from eccentric.drafting.carriage import (
     carriage_channels,
     carriage_entries,
@@ -173,6 +182,8 @@ def draft_of(log: Log) -> Draft:
     else:
         moving = []
         proposals = _channels(clock, run, found, evidence, pair, gear, doubt)
+        if found[0].gear and not gear.mu.doubt and any("counts per turn" in p.doubt for p in proposals):
+            gear = replace(gear, mu=replace(gear.mu, doubt=GUESSED_UNITS, guessed=True))
     named, unclear = find_flags(flags, grid, motion, drive)
     left_out |= unclear
     left_out |= {n: why for n, why in ratio.items() if not any(n in p.reads for p in drives)}
@@ -222,7 +233,9 @@ def _moving(
             a, b = by_name[p.angle].name, by_name[p.speed].name
             named = 0.3 * (a.quantity == "angle") + 0.3 * (b.quantity == "speed")
             second = 0.05 * (_SECOND.get(a.role, 0) + _SECOND.get(b.role, 0))
-            return p.r + named - second - 0.1 * (p.angle in slopes)
+            # Of two alike, the shorter name: a filter adds to it.
+            longer = 1e-3 * (len(a.text) + len(b.text))
+            return p.r + named - second - 0.1 * (p.angle in slopes) - longer
 
         best = max(pairs, key=worth)
         a, b = by_name[best.angle], by_name[best.speed]

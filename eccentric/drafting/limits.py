@@ -36,6 +36,8 @@ STILL = 0.05
 """Rows slower than this part of the 95th percentile of the speed count as standing."""
 WRAP = 0.5
 """A step above this part of the range is a wrap of the angle."""
+ODD_COUNTS = 0.2
+"""How much rarer an encoder has another number of counts per turn than one that is sold."""
 MOVES = 0.1
 """Travel of a joint over that of the one that travels furthest, from which it moves too: less is jitter."""
 TRIED = 8

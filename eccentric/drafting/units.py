@@ -406,6 +406,8 @@ def _shape(given: Shown, angle: str, unit: float) -> tuple[float, tuple[str, ...
         return weight, said
     if angle == "counts":
         weight *= 1.0 if column.is_whole else 1e-5
+        if unit and not nice_counts(TURN / unit, limits.FACTOR):
+            weight *= limits.ODD_COUNTS
         return weight * (1.0 if unit else 0.2), ("whole numbers",) if column.is_whole else ()
     if given.wrap:
         turns = given.wrap * unit / TURN

@@ -18,10 +18,10 @@ _WORDS = {
     "time": "t time times timestamp stamp zeit clock tick ticks uptime elapsed millis micros sec secs seconds"
     " nsec nanosec nanoseconds msec usec dt ts epoch utc date datetime tiempo temps tempo latency jitter",
     "angle": "theta angle ang pos position q winkel lage enc encoder rotation drehwinkel phi th stroke weg"
-    " angulo posicion posizione",
+    " angulo posicion posizione qpos observationstate",
     "speed": "omega w speed spd vel velo velocity drehzahl dq qd qdot thetadot dtheta rpm geschwindigkeit"
-    " n om vitesse velocidad velocita phidot dphi gyro angularvelocity",
-    "acceleration": "acc accel acceleration qdd ddq ddtheta beschleunigung a",
+    " n om vitesse velocidad velocita phidot dphi gyro angularvelocity qvel erpm",
+    "acceleration": "acc accel acceleration qdd ddq ddtheta beschleunigung qacc a",
     "current": "i iq current curr cur strom amps ampere amp amperage isense imot motorstrom isq corriente"
     " courant",
     "voltage": "u uq vq voltage volt volts spannung umot vmot v klemmenspannung usq tension"
@@ -29,7 +29,7 @@ _WORDS = {
     "torque": "tau torque torq moment trq drehmoment tq mot_torque force kraft thrust",
     "temperature": "temp temperature temperatures temperatur celsius tmot",
     "supply": "supply vsupply bus vbus vdc battery vbat batt dclink vin ubat zwischenkreis mains mainvoltage"
-    " ubus ibus idc udc",
+    " ubus ibus idc udc inputvoltage voltagein inputcurrent currentin",
     "duty": "pwm duty dutycycle motorpwm",
     "run": "run trial experiment versuch lauf series record test messung",
     "on": "enable enabled on active powered",
@@ -45,18 +45,19 @@ _OF_WORD = {word: quantity for quantity, words in _WORDS.items() for word in wor
 _ROLES = {
     "other": "quat quaternion orientation qx qy qz qw power energy work mass weight inertia constant ratio"
     " coefficient gain kp ki kd efficiency pressure humidity altitude latitude longitude strain mode status"
-    " id isd ud usd ld flux ialpha ibeta ualpha ubeta valpha vbeta phase mask layout offset",
+    " id isd ud usd ld flux ialpha ibeta ualpha ubeta valpha vbeta phase mask layout offset"
+    " daxis dcurrent dvoltage",
     "computed": "model modelled modeled predicted prediction predict pred computed calc calculated"
     " calculation simulated simulation sim fitted ideal theoretical theory expected rigid rnea"
     " coriolis gravity friction fric reibung feedforward ff compensation dahl stribeck lugre coulomb viscous"
     " maxwell gms leuven pinn nnfm lstm gru mlp rnn tcn cnn transformer svm svr gpr neural network xgboost"
     " residual resid residuum droop error err diff deviation delta lag abweichung schleppfehler"
     " schleppabstand regelabweichung external ext limit limits lim max min maximum minimum upper lower"
-    " threshold saturation tolerance",
+    " limited threshold saturation tolerance",
     "set": "goal target targ tgt cmd cmds cmnd command commanded commands ref refs reference set setp sp"
     " setpoint setvalue setpos setvelo settorque desired des soll sollwert demand demanded des wanted"
-    " request requested req planned plan trajectory traj profile nominal action actions",
-    "filtered": "filtered filt smoothed smooth lowpass clean gefiltert",
+    " request requested req planned plan trajectory traj profile nominal action actions ctrl",
+    "filtered": "filtered filt averaged avg smoothed smooth lowpass clean gefiltert",
     "estimated": "estimate estimated est hat observer observed obs kalman ekf ukf",
     "measured": "measured mess gemessen meas measurement mes actual act feedback fb fbk ist istwert sensed"
     " sensor real present raw observation actpos actvelo acttorque actcurrent",
@@ -147,14 +148,14 @@ def read_name(text: str, unit: str = "") -> Name:
     plain = text[: bracket.start()] + text[bracket.end() :] if bracket else text
     plain = f"{plain} {told}" if told else plain
     found, plain = (spelled(given), plain) if given else _suffix(plain)
-    words = [token.lower() for token in _TOKENS.findall(plain)]
+    words = [word for token in _TOKENS.findall(plain) for word in _parts(token.lower())]
     # "feed forward", "LuGre" and "set point" are one word each, as is a name in parts.
     pairs = [first + second for first, second in itertools.pairwise(words)]
     named = [(_OF_WORD[w], w) for w in (*words, *pairs) if w in _OF_WORD]
     joined = "".join(words)
     if joined in _OF_WORD:
         named.insert(0, (_OF_WORD[joined], joined))
-    if words and words[-1] == "effort":
+    if [w for w in words if not w.isdigit()][-1:] == ["effort"]:
         named.append(("torque", "effort"))
     role = _role(plain, words, pairs)
     quantity, word = _chosen(named, found)
@@ -168,6 +169,19 @@ def read_name(text: str, unit: str = "") -> Name:
         quantity = "other"
     side = "l" if _LINK & set(words) else "m" if _MOTOR & set(words) else ""
     return Name(text, quantity, found, side, role, word, weak=len(word) == 1 and not found)
+
+
+def _parts(word: str) -> tuple[str, ...]:
+    """A compound of two known words, as "motorcurrent", "cmdvel" and "Drehzahlsollwert"; else the word."""
+    if word in _OF_WORD or word in _OF_ROLE or len(word) < 6:
+        return (word,)
+    known = _OF_WORD.keys() | _OF_ROLE.keys() | _MOTOR | _LINK
+    for at in range(3, len(word) - 2):
+        # German compounds may have an "en" or "s" between the two.
+        for first in (word[:at], word[:at].removesuffix("en"), word[:at].removesuffix("s")):
+            if len(first) > 2 and first in known and word[at:] in known:
+                return first, word[at:]
+    return (word,)
 
 
 def _role(plain: str, words: Sequence[str], pairs: Sequence[str]) -> str:
@@ -232,13 +246,20 @@ def spelled(text: str) -> str:
     return one
 
 
+_ENDS = (
+    r"[\s_.-]+([^\s_.-]+_[^\s_.-]+)$",
+    r"[\s_.-]+([^\s_.-]+)$",
+    r"(?<=[a-z])([A-Z][a-z]+|[A-Z]{2,})$",
+)
+
+
 def _suffix(text: str) -> tuple[str, str]:
     """The unit at the end of a name, as in `q_rad`, `w_rad_s`, `i_A_2`, `linkAngleDeg`, and the rest."""
     match = re.fullmatch(r"(.*?)([\s_.-]*\d+)?", text)
     body, number = (match[1], match[2] or "") if match else (text, "")
     if body.lower() in ("rpm", "dps"):
         return spelled(body), text
-    for pattern in (r"[\s_.-]+([^\s_.-]+_[^\s_.-]+)$", r"[\s_.-]+([^\s_.-]+)$", r"(?<=[a-z])([A-Z][a-z]+)$"):
+    for pattern in _ENDS:
         tail = re.search(pattern, body)
         if tail is None:
             continue
