@@ -3,6 +3,7 @@
 import subprocess
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import cffi
 import jax
@@ -82,7 +83,7 @@ def test_c_prints_what_is_declared(tmp_path: Path) -> None:
     ffi = cffi.FFI()
     ffi.cdef("double declared_friction_power_double(double, double, void *);")
     ffi.cdef("extern char declared_default_double;")
-    library = ffi.dlopen(str(tmp_path / "declared.so"))
+    library: Any = ffi.dlopen(str(tmp_path / "declared.so"))
     expected = executed(files, "declared").friction_power(THETA, OMEGA)
     coefficients = ffi.addressof(library, "declared_default_double")
     found = [
