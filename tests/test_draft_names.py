@@ -181,6 +181,12 @@ def test_columns_left_out_for_one_reason_share_a_line() -> None:
         ("actual_main_voltage", "supply", "measured"),
         ("c1 vel [Hz]", "speed", ""),
         ("LuGre", "", "computed"),
+        ("Drehzahlsollwert", "speed", "set"),
+        ("motorcurrent", "current", ""),
+        ("cmdvel", "speed", "set"),
+        ("observation.effort(:,2)", "torque", "measured"),
+        ("d_axis_current", "current", "other"),
+        ("input_voltage", "supply", ""),
         ("torque_feed_forward", "torque", "computed"),
     ],
 )
