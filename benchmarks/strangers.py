@@ -12,6 +12,7 @@ import argparse
 import collections
 import fnmatch
 import math
+import re
 import sys
 import tomllib
 import traceback
@@ -55,9 +56,9 @@ def judged_log(folder: Path, about: Mapping[str, Any]) -> Verdict:
     except InputError as error:
         wanted = about.get("refused")
         if wanted is None:
-            return Verdict(name, LEFT, (str(error),))
+            return Verdict(name, LEFT, (_said(error, folder),))
         return Verdict(
-            name, REFUSED, (str(error), f"because: {wanted['because']}", f"mend: {wanted['mend']}")
+            name, REFUSED, (_said(error, folder), f"because: {wanted['because']}", f"mend: {wanted['mend']}")
         )
     except Exception as error:  # noqa: BLE001 - a traceback is what is looked for
         return Verdict(name, BROKEN, (traceback.format_exception_only(error)[-1].strip(),))
@@ -71,6 +72,11 @@ def judged_log(folder: Path, about: Mapping[str, Any]) -> Verdict:
     silent = [said for said, doubted in faults if not doubted]
     verdict = WRONG if silent else ASKED if faults else RIGHT
     return Verdict(name, verdict, tuple(said for said, _ in faults))
+
+
+def _said(error: InputError, folder: Path) -> str:
+    """A message without the place of the data."""
+    return str(error).replace(f"{folder}/", "")
 
 
 def _kind(channel: str) -> str:
@@ -179,7 +185,7 @@ def fitted_log(folder: Path, file: str, published: Sequence[Mapping[str, Any]]) 
     try:
         found = fit(folder / file, rig)
     except InputError as error:
-        return f"no fit: {error}"
+        return f"no fit: {_said(error, folder)}"
     except Exception as error:  # noqa: BLE001 - a traceback is what is looked for
         return f"TRACEBACK: {error}"
     said = []
@@ -225,10 +231,7 @@ def part(logs: Sequence[Verdict], faults: Sequence[Answer]) -> Part:
         "",
         "| log | draft | what differs | fit with the source's rig |",
         "|---|---|---|---|",
-        *(
-            f"| {one.name} | {one.verdict} | {_cell(one.reasons[:3])} | {_cell([one.fitted])} |"
-            for one in logs
-        ),
+        *(_row(one) for one in logs),
         "",
         f"Small inputs that once failed: {told} of {len(faults)} answer as wanted.",
         "",
@@ -244,6 +247,14 @@ def part(logs: Sequence[Verdict], faults: Sequence[Answer]) -> Part:
         },
         lines,
     )
+
+
+def _row(one: Verdict) -> str:
+    """Of a refusal what it says, without the values that it shows in brackets."""
+    reasons = one.reasons[:3]
+    if one.verdict in (REFUSED, LEFT):
+        reasons = (re.sub(r" ?\([^()]*\)", "", one.reasons[0].split(": ", 1)[-1]),)
+    return f"| {one.name} | {one.verdict} | {_cell(reasons)} | {_cell([one.fitted])} |"
 
 
 def _cell(texts: Sequence[str]) -> str:
