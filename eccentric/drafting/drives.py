@@ -61,7 +61,7 @@ def find_drives(
             left_out[column.text] = (
                 "it is constant"
                 if column.is_constant
-                else f"it is constant to {100 * column.varies:.2g} %, at {_middle(column):.4g}"
+                else f"it is constant to {100 * column.varies:.2g} % at {_middle(column):.4g}, too little for a drive"
             )
             continue
         balance = balance_of(motion, grid.smooth(column), periodic=False)
