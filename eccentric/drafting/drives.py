@@ -58,10 +58,9 @@ def find_drives(
             continue
         if column.varies <= limits.HARDLY:
             steady.append(column)
-            left_out[column.text] = (
-                "it is constant"
-                if column.is_constant
-                else f"it is constant to {100 * column.varies:.2g} % at {_middle(column):.4g}, too little for a drive"
+            part = f"{100 * column.varies:.2g} % at {_middle(column):.4g}"
+            left_out[column.text] = "it is constant" + (
+                "" if column.is_constant else f" to {part}, too little for a drive"
             )
             continue
         balance = balance_of(motion, grid.smooth(column), periodic=False)
