@@ -7,6 +7,7 @@ and a standstill lasts as long as the voltage is within +-c.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +53,7 @@ def _after(theta: float, w: float, u: float, rate: float, seconds: float) -> tup
 
 def log(
     rate_hz: float, held: bool, seed: int, noise_rad: float = 2e-4, seconds: float = 60.0
-) -> dict[str, NDArray[np.float64]]:
+) -> dict[str, NDArray[Any]]:
     """A log: a new level each 0.7 s, held from row to row, or ramps between them; noise on the angle."""
     rng, dt = np.random.default_rng(seed), 1.0 / rate_hz
     n, every = int(seconds * rate_hz) + 1, max(1, round(0.7 * rate_hz))

@@ -108,22 +108,23 @@ DATA = {
 }
 """Rooms whose sentences are data of their owner, or help."""
 LEFT = {
-    "api": (49, "complaints and doubts about a rig, why a joint of a fleet is a suspect, headings of tables"),
+    "api": (52, "complaints and doubts about a rig, why a joint of a fleet is a suspect, headings of tables"),
     "diagnosis": (31, "progress, comments of the emitted script, runs that differ, why a log does not fit"),
-    "drafting": (182, "evidence, doubts and questions of a draft"),
+    "drafting": (238, "evidence, doubts and questions of a draft"),
     "fleet": (37, "problems of logs and joints as they are stored in problems.csv, progress"),
-    "identification": (13, "warnings of a fit, what its rows are, the remark of k_e"),
+    "identification": (24, "warnings of a fit, what its rows are, the remark of k_e"),
     "joints": (29, "warnings of an arm, why it is not emitted, meanings of a joint's quantities"),
-    "logs": (62, "what a reader says of a file: read in part, converted, left out"),
+    "logs": (80, "what a reader says of a file: read in part, converted, left out"),
     "planning": (11, "what a piece of the motion does, progress"),
     "rigs": (18, "reasons within an error, warnings about a rig"),
-    "signals": (158, "findings, in sentences that errors of a fit have for a hint"),
+    "signals": (188, "findings, in sentences that errors of a fit have for a hint"),
 }
 """Rooms with sentences composed below `presentation`: how many, and which."""
 READ = {
     "api/drafted.py": "an error of a rig is a line of its check",
     "api/fleet.py": "why a joint was not diagnosed",
     "cli/__init__.py": "the line that is printed",
+    "cli/doctor.py": "what is wrong with a file is a line of its description",
     "drafting/against.py": "an error of a column is a line of the check",
     "drafting/draft.py": "why a column is no signal",
     "fleet/gathered.py": "why a joint has no rig, for problems.csv",
@@ -134,8 +135,15 @@ TEXTS = {
     # Data of its owner: of a model, an effect, a program, a draft that is a file.
     *("Words.headline", "Words.hint", "Words.meaning", "Words.title", "Rival.headline"),
     *("Model.title", "Quantity.meaning", "_Followed.meaning", "_Fitted.notes", "_Fitted.title"),
-    *("Function.meaning", "ArmFunction.meaning", "Routine.meaning", "Helper.meaning", "Assignment.note"),
-    *("Program.notes", "Program.title", "Backend.meaning", "FittedValues.notes", "RigDraft.text"),
+    *("Output.meaning", "Routine.meaning", "Helper.meaning", "Assignment.note"),
+    *(
+        "Program.notes",
+        "Program.title",
+        "Target.meaning",
+        "Format.title",
+        "FittedValues.notes",
+        "RigDraft.text",
+    ),
     # Text that is no sentence: of a unit, a column, a line of code, a name.
     *("Unit.text", "ColumnSource.text", "Line.text", "Line.note", "Name.text"),
     # What a person is told at the end, made of what follows.
@@ -144,6 +152,7 @@ TEXTS = {
     *("Finding.text", "Finding.mend", "Cause.text", "Ratio.text", "Rows.description", "Intake.warnings"),
     *("Drive.warnings", "Problem.warnings", "Fit.warnings", "Contest.warnings", "Contest.excerpt"),
     *("Diagnosis.differing", "Stage.differing", "Rig.warnings", "Complaint.text"),
+    *("Layout.notes", "LogDescription.notes", "JointColumns.doubt"),
     *("Read.notes", "InParts.notes", "LogStream.notes", "Log.notes", "Excerpt.note", "Excerpt.missed"),
     *("FleetProblem.text", "Examined.said"),
     *("Draft.facts", "Driven.doubt", "Driven.evidence", "Proposal.doubt", "Proposal.evidence"),

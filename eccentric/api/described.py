@@ -91,6 +91,6 @@ def _clock(log: Log) -> tuple[tuple[str, str, float] | None, str]:
     try:
         clock = clock_in(log)
     except InputError as error:
-        return None, str(error).removeprefix(f"{log.path}: ")
+        return None, error.inside(log.path).statement
     proposal = clock.proposal
     return (proposal.column, proposal.unit, clock.rate_hz), proposal.doubt

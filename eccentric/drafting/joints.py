@@ -22,7 +22,7 @@ _SIDES = re.compile(
 
 
 @dataclass(frozen=True)
-class Joint:
+class JointColumns:
     """The joint that is drafted.
 
     Attributes:
@@ -47,7 +47,7 @@ class Joint:
         return [c for c in rest if c not in left], {c.text: why for c in left}
 
 
-def joint_of(columns: Mapping[str, LoggedColumn], grid: Grid) -> Joint:
+def joint_of(columns: Mapping[str, LoggedColumn], grid: Grid) -> JointColumns:
     """The joint that moves: of several that do, one whose own drive varies, then the one that goes furthest.
 
     Where one drive has no joint, the joint whose motion explains it best.
@@ -68,7 +68,7 @@ def joint_of(columns: Mapping[str, LoggedColumn], grid: Grid) -> Joint:
                 by.setdefault(key, {}).setdefault(kind, columns[name])
     travel = moved["angle"] or moved["speed"]
     if not travel:
-        return Joint()
+        return JointColumns()
     move = [key for key, much in travel.items() if much > limits.MOVES]
     best = max(travel, key=lambda key: (key in move and key in driven, travel[key]))
     if len(move) > 1 and best not in driven:
@@ -81,7 +81,7 @@ def joint_of(columns: Mapping[str, LoggedColumn], grid: Grid) -> Joint:
     )
     others = {name: key for name, key in of.items() if key != best}
     own = frozenset(name for name, key in of.items() if key == best)
-    return Joint(best, others, own, doubt if also else "")
+    return JointColumns(best, others, own, doubt if also else "")
 
 
 def _could_drive(column: LoggedColumn) -> bool:

@@ -123,7 +123,7 @@ def joint_model(
     }
     letters = DriveSymbols(
         *symbols(v.omega_m, v.i, v.u, v.mu, v.R, v.k_i, v.k_e, v.B_m, v.C_m),
-        {load: (B.symbol, C.symbol) for load, (B, C) in by_load.items()},
+        by_load={load: (B.symbol, C.symbol) for load, (B, C) in by_load.items()},
     )
     moved = (
         ("rotor", "inertial", T_r.symbol, "(1)"),

@@ -120,7 +120,7 @@ def _evidence_of_hold(points: _Points, rig: Rig, by: str, step: float) -> float:
         columns += [np.sin(link), np.cos(link)]
     beside = windows.mean(np.column_stack(columns))
     held, sampled = (np.column_stack([windows.mean(x.channels[by]), beside]) for x in tables)
-    return evidence(windows, windows.rate_operator @ fine.theta, held, sampled)
+    return evidence(windows, windows.second_rate(fine.theta), held, sampled)
 
 
 # The windows of a long log at the rate that its low pass needs: means of a few rows each.

@@ -46,4 +46,4 @@ def with_doubts(findings: Sequence[Finding]) -> Iterator[None]:
         doubts = [finding.text for finding in findings if finding.doubts_the_rig]
         if type(error) is not InputError or not doubts:
             raise
-        raise InputError(f"{error}; {doubts[0]}") from None
+        raise error.hinted(doubts[0]) from None

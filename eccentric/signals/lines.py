@@ -51,9 +51,9 @@ def standing_lines(
         return ()
     link = [n * mu for n in range(1, LOW_ORDERS_OF_THE_LINK + 1)] if mu not in (None, 1.0) else []
     orders = [*range(1, LOW_ORDERS + 1), *link]
-    waves = np.exp(1j * np.outer(theta, orders))
+    phases = np.outer(theta, orders)
     way = np.sign(omega)
-    known = np.column_stack([np.ones_like(way), way, omega, waves.real, waves.imag])
+    known = np.column_stack([np.ones_like(way), way, omega, np.cos(phases), np.sin(phases)])
     rest = drive - known @ np.linalg.lstsq(known, drive, rcond=None)[0]
     count = BINS_PER_CYCLE * HIGHEST_LINE
     bins = np.bincount((theta / TURN % 1.0 * count).astype(int) % count, rest, count)

@@ -124,6 +124,12 @@ class Rows:
             self._passed[key] = part.signal, lost
         return self._passed[key][1]
 
+    def second_rate(self, x: Array) -> Array:
+        """The mean second rate of a signal (n,), from the signal alone (m,): of windows by parts."""
+        if self.rate_operator is None:
+            raise AssertionError("rows that are integrated by parts are required")
+        return self.rate_operator @ x
+
     def inside(self, samples: Mask) -> Mask:
         """Rows (m,) all of whose samples are in the mask (n,)."""
         if self.operator is None:

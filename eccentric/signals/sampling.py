@@ -371,10 +371,12 @@ def _noise_of_rate(channels: Channels, found: Rows) -> float:
     every = channels.time.points_per_row
     theta, segment = channels.motion.theta_logged[::every], channels.time.segment[::every]
     noise = white_noise(theta, segment) * math.sqrt(every)
-    rate = found.rate_operator[found.train]
-    weights = np.sqrt(np.asarray(rate.multiply(rate).sum(axis=1)).ravel())
+    rate = found.chosen(found.train).rate_operator
+    if rate is None:
+        return 0.0
+    squares = np.asarray(rate.multiply(rate).sum(axis=1)).ravel()
     size = rate @ channels.motion.theta_logged
-    return noise * float(np.sqrt(np.mean(weights**2) / np.mean(size**2)))
+    return noise * float(np.sqrt(np.mean(squares) / np.mean(size**2)))
 
 
 def _averages(channels: Channels, rig: Rig, part: Mask) -> Rows:

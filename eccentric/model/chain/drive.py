@@ -169,7 +169,7 @@ def _drive(found: Recursion, j: int) -> JointDrive:
         *symbols(inputs.omega_m, current, voltage),
         joint.mu,
         *symbols(R, k_i, k_e, B_m, C_m),
-        {load: (B.symbol, C.symbol) for load, (B, C) in by_load.items()},
+        by_load={load: (B.symbol, C.symbol) for load, (B, C) in by_load.items()},
     )
     moved = (
         ("rotor", "inertial", found.rotors[j], "(1)"),
