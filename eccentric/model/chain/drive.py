@@ -166,9 +166,7 @@ def _drive(found: Recursion, j: int) -> JointDrive:
         if followed.load in loads
     }
     letters = DriveSymbols(
-        *symbols(inputs.omega_m, current, voltage),
-        joint.mu,
-        *symbols(R, k_i, k_e, B_m, C_m),
+        *(*symbols(inputs.omega_m, current, voltage), joint.mu, *symbols(R, k_i, k_e, B_m, C_m)),
         by_load={load: (B.symbol, C.symbol) for load, (B, C) in by_load.items()},
     )
     moved = (
