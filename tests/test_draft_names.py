@@ -224,3 +224,25 @@ def test_set_values_alone_are_no_log() -> None:
         eccentric.draft_rig(
             {"t_s": b["time"], "q_ref": b["angle"], "qd_ref": b["speed"], "tau_cmd": b["torque"]}
         )
+
+
+@pytest.mark.parametrize(
+    ("speed", "duty"), [("speed_rad_s", "duty"), ("speed_rpm", "pwm_%"), ("v_mm_s", "duty")]
+)
+def test_a_duty_cycle_that_repeats_shows_no_gravity_without_an_angle(speed: str, duty: str) -> None:
+    """The angle is an integrated speed, which has no turn: nothing is said of a gear, and nothing fails."""
+    t = np.arange(0.0, 20.0, STEP)
+    omega = 12.0 + 2.0 * np.sin(0.7 * t)
+    turned = np.cumsum(omega) * STEP
+    part = 0.3 + 0.02 * omega + 0.1 * np.sin(turned) + np.random.default_rng(2).normal(0.0, 1e-3, len(t))
+    scale = 100.0 if "%" in duty else 1.0
+    log = {
+        "time_s": t,
+        speed: omega * (9.55 if "rpm" in speed else 1.0),
+        duty: scale * part,
+        "vbus": 24.0 + 0.0 * t,
+    }
+
+    text = eccentric.draft_rig(log).text
+    assert "times per turn" not in text
+    assert 'case = "C2"' not in text

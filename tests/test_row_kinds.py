@@ -41,6 +41,24 @@ def test_uneven_rows_are_weighted_by_how_long_they_last() -> None:
     assert found + curvature == pytest.approx([0.0, 6.0, 6.0, 0.0])
 
 
+def test_means_of_uneven_rows_are_read_at_their_times() -> None:
+    """Means of a cosine over rows of uneven length: nearer the cosine than the mean of two rows alike is."""
+    t = np.cumsum(0.02 * (1.0 + 0.4 * np.random.default_rng(4).uniform(-1.0, 1.0, 400)))
+    ends, w = np.append(t, t[-1] + 0.02), np.pi
+    means = np.diff(np.sin(w * ends)) / (w * np.diff(ends))
+    found = at_the_times(means, "mean", t, np.zeros(400, int))[3:-3]
+    alike = 0.5 * (means + np.r_[means[0], means[:-1]])[3:-3]
+    error, plain = (np.sqrt(np.mean((x - np.cos(w * t[3:-3])) ** 2)) for x in (found, alike))
+    assert error < 0.3 * plain
+
+
+def test_a_drive_that_is_nothing_is_refused_by_name() -> None:
+    """A coarse log whose voltage is 0 throughout: the message is that of any other log."""
+    still = log(25.0, held=True, seed=0) | {"voltage_V": np.zeros(1501)}
+    with pytest.raises(InputError, match="a voltage that drives the motor is required, received 0"):
+        read_channels([table(still)], read_rig(RIG))
+
+
 def test_no_row_reaches_across_a_gap() -> None:
     """The value before a gap does not act after it."""
     x = np.array([5.0, 5.0, 5.0, -5.0, -5.0, -5.0])

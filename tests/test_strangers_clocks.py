@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -141,7 +140,10 @@ def test_a_frozen_tail_is_dropped() -> None:
 
     same(frozen, time=T[:5500])
     assert {"frozen_tail": 500} == kinds(frozen)
-    assert "in the last 500 rows of a run no channel changes (first: row 5501)" in frozen.findings[0].text
+    assert (
+        "500 rows at the end of a run repeat the one before in every channel (first: row 5501)"
+        in frozen.findings[0].text
+    )
     assert {} == kinds(rest)
 
 
@@ -308,7 +310,6 @@ def test_a_clock_that_is_right_is_left_alone() -> None:
 
     assert found.t is t
     assert (True, 0, (0, 0.0)) == (bool(found.kept.all()), int(found.part.max()), found.packet)
-    assert [field.name for field in dataclasses.fields(found)] == ["t", "kept", "part", "packet"]
 
 
 def test_a_run_that_the_rig_of_an_arm_does_not_name_does_not_count() -> None:

@@ -349,3 +349,13 @@ def test_the_doctor_says_what_a_file_is(tmp_path: Path, capsys: pytest.CaptureFi
         in shown
     )
     assert "no.txt: a log with rows is required" in shown
+
+
+def test_another_date_is_the_next_day(read: Callable[..., Log]) -> None:
+    """Times that go on a day later are a day later; an hour above 23 is no time of day."""
+    lines = ["01.02.2024 10:00:00", "01.02.2024 10:00:01", "02.02.2024 10:00:02", "02.02.2024 10:00:03"]
+    found = read("t,x,v\n" + "".join(f"{t},{k},{k}\n" for k, t in enumerate(lines)))
+    odd = read("t,x,v\n" + "".join(f"{t},1,2\n" for t in ("23:00", "24:30", "30:00")))
+
+    assert [0.0, 1.0, 86402.0, 86403.0] == found.numbers("t").tolist()
+    assert "24:30" in odd.text("t").tolist()

@@ -110,7 +110,7 @@ DATA = {
 LEFT = {
     "api": (52, "complaints and doubts about a rig, why a joint of a fleet is a suspect, headings of tables"),
     "diagnosis": (31, "progress, comments of the emitted script, runs that differ, why a log does not fit"),
-    "drafting": (238, "evidence, doubts and questions of a draft"),
+    "drafting": (239, "evidence, doubts and questions of a draft"),
     "fleet": (37, "problems of logs and joints as they are stored in problems.csv, progress"),
     "identification": (24, "warnings of a fit, what its rows are, the remark of k_e"),
     "joints": (29, "warnings of an arm, why it is not emitted, meanings of a joint's quantities"),

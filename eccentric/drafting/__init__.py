@@ -9,10 +9,12 @@ rig its value or a question (`RigLine`), each with its evidence in words and any
     units       the time, its unit and the runs; units of angle and speed that agree
     balance     how far motion explains a column: friction, speed, inertia, gravity; the gear
     carriage    the load of a drive that moves a carriage
-    drives      current, torque or voltage; others: temperature, supply, duty cycles, flags
+    drives      current, torque or voltage
+    others      temperature, supply, duty cycles, flags
     questions   the other lines, and what no log shows
     proposal    a column and a unit for a channel, with the evidence
-    draft       all of it; written: as a rig file
+    draft       all of it
+    written     the draft as a rig file
     of_arm      the same for all joints of an arm, columns by pattern
     against     a rig file checked against the draft
     limits      every threshold, with its reason

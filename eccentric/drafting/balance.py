@@ -258,8 +258,9 @@ def as_gravity(
     seen = replace(given, period=gravity.period, turns=gravity.turns)
     gear = readings(seen)[0].gear
     if not gravity.both:
-        said = f"what repeats with the angle ({1.0 / gear:.3g} times per turn) is seen in one direction alone"
-        return given, gravity.without_gravity(), [f"{said}: as well ripple or friction as gravity"]
+        often = "once" if round(1.0 / gear, 2) == 1.0 else f"{1.0 / gear:.3g} times"
+        said = f"the drive repeats {often} per turn, seen in one direction only"
+        return given, gravity.without_gravity(), [f"{said}: it may be ripple or friction as well as gravity"]
     if 1.0 - SAME_SHAFT < gear < MOST_GEAR:
         return seen, gravity, []
     kind = next(kind for kind, balance in balances.items() if balance is gravity)

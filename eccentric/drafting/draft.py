@@ -149,11 +149,12 @@ def draft_of(log: Log) -> Draft:
     left_out |= others
     drives, balances, others = find_drives(grid, motion, rest, lasting=angle is not None)
     left_out |= others
-    drives, balances = _with_duty(drives, balances, voltage, grid, motion, left)
+    drives, balances = _with_duty(drives, balances, voltage, grid, motion, left, lasting=angle is not None)
     if not drives and not any(c is not None and c.name.quantity for c in (angle, speed)):
         raise InputError(
-            f"{log.path}: an angle or a speed, and a drive, are required; no name says that a column is one"
-            f" ({few(columns)}), and none follows another as a drive follows a motion"
+            log.path,
+            problem="an angle or a speed, and a drive, are required; no name says that a column is one"
+            f" ({few(columns)}), and none follows another as a drive follows a motion",
         )
     left_out = {n: why for n, why in left_out.items() if n not in {p.source for p in drives}}
     shown = Shown(
@@ -360,8 +361,10 @@ def _with_duty(
     grid: Grid,
     motion: Moved,
     left: Mapping[str, LoggedColumn],
+    *,
+    lasting: bool,
 ) -> tuple[list[Proposal], dict[str, Explained]]:
-    """A voltage that is a duty cycle times a supply, where none is logged."""
+    """A voltage that is a duty cycle times a supply, where none is logged; `lasting` as of `find_drives`."""
     if voltage is None or "voltage" in balances:
         return drives, balances
     y = np.ones(1)
@@ -372,7 +375,7 @@ def _with_duty(
         return drives, balances
     if any(without_sign(c, motion) for n, c in left.items() if n in voltage.reads[:1]):
         voltage = replace(voltage, doubt="; ".join(filter(None, (voltage.doubt, UNSIGNED))))
-    balance = balance_of(motion, y)
+    balance = balance_of(motion, y, periodic=lasting)
     if balance is not None:
         return [*drives, voltage], {**balances, "voltage": balance}
     if drives or not np.any(y):

@@ -170,7 +170,7 @@ def _steady(column: LoggedColumn) -> Proposal:
         else magnitudes(column, kind, largest)[0][0]
     )
     doubt = (
-        f"constant, {_middle(column):.4g} in all rows: friction and inertia cannot be told apart from one"
+        f"nearly constant, about {_middle(column):.4g}: friction and inertia cannot be told apart from one"
         f" {kind}, and a supply looks the same"
     )
     return Proposal(kind, column.text, unit, (f"{kind} by its name",), 0.4, doubt)

@@ -147,9 +147,9 @@ def find_clock(
             )
         raise InputError(
             where,
-            problem=f"a column that rises from row to row, the time, is required, the log has none"
-            f" ({few(columns, 5)}): where its rows are evenly apart, say how many are in a second, as in"
-            " --rate 500 (sample_rate_hz = 500 in a rig file)",
+            problem="a column that rises from row to row, the time, is required, the log has none"
+            f"{f' ({few(columns, 5)})' if columns else ''}: where its rows are evenly apart, say how many are"
+            " in a second, as in --rate 500 (sample_rate_hz = 500 in a rig file)",
         )
     score, column = found[0]
     steps = np.diff(column.values)
@@ -219,7 +219,7 @@ def _put_right(
 
 def _score(column: LoggedColumn, ends: NDArray[np.bool_]) -> float:
     steps = np.diff(column.values)[~ends]
-    if not len(steps) or column.is_constant:
+    if len(steps) < 2 or column.is_constant:
         return 0.0
     falls = int(np.count_nonzero(steps < 0.0))
     rising = np.count_nonzero(steps > 0.0) / len(steps)

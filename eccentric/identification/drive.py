@@ -277,8 +277,7 @@ class Drive:
 
     def back_emf(self, values: Mapping[str, float]) -> list[Filtered]:
         """The same of a torque: that from the voltage alone has the back-EMF in it."""
-        turning = np.where(self.off, 0.0, self.channels.motion.omega_m)
-        return [Filtered(self.machine.damping(values), turning)] if self.by_voltage else []
+        return [Filtered(self.machine.damping(values), self.channels.turning)] if self.by_voltage else []
 
     def torque(self, known: Mapping[str, float] | None = None, scale: float | None = None) -> Array:
         """The drive torque (n,) [N m], optionally for different values of k_e and scale."""

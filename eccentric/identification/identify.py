@@ -142,7 +142,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         said.append(
             f"the model explains {explained['paper']:.0%} of the drive's square, with waves of the"
             f" {problem.rig.axis.term('angle')} and steps of the speed beside it {beside:.0%}:"
-            f" diagnose finds what it lacks"
+            f" run diagnose to look for what is missing"
         )
     warnings = [*problem.warnings, *_warnings(problem, paper, profiles), *said]
     return Fit(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Sequence
@@ -18,7 +19,7 @@ _DATE = re.compile(r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
 _UNIT = re.compile(r"[\[(]?\s*[A-Za-zµμΩ°%/^·* \d.²³-]{0,12}\s*[\])]?")
 _CLOCK = re.compile(
     r"\s*(?:(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}|[A-Za-z]{3,9},?)[T ,]+)*"
-    r"(?P<hour>\d{1,2}):(?P<minute>[0-5]\d)(?::(?P<second>[0-5]\d)(?P<fraction>[.,:]\d+)?)?"
+    r"(?P<hour>[01]?\d|2[0-3]):(?P<minute>[0-5]\d)(?::(?P<second>[0-5]\d)(?P<fraction>[.,:]\d+)?)?"
     r"\s*(?:(?P<half>[AaPp])[Mm])?\s*"
 )
 EXACT = 2**53
@@ -36,9 +37,7 @@ def cells_to_column(name: str, cells: Sequence[str], *, decimal_comma: bool) -> 
         return _counter(name, cells, column)
     given = _given(cells)
     if given and all(map(_DATE.match, given)):
-        found = _dates(name, cells, column)
-        if found[1]:
-            return found
+        return _dates(name, cells, column)
     if given and all(map(_CLOCK.fullmatch, given)):
         return _times_of_day(name, cells)
     return column, "", ""
@@ -95,14 +94,16 @@ def _dates(name: str, cells: Sequence[str], column: Column) -> tuple[Column, str
 def _times_of_day(name: str, cells: Sequence[str]) -> tuple[Column, str, str]:
     """Times of day, with or without a date before them, as seconds from the first; midnight goes on.
 
-    The order of day and month does not matter: a date only says that a later row is on a later day.
+    The order of day and month does not matter: another date is the next day.
     """
     found = [_CLOCK.fullmatch(cell) for cell in cells]
     seconds = np.array([math.nan if one is None else _of_day(one) for one in found])
     rows = np.flatnonzero(np.isfinite(seconds))
     steps = np.diff(seconds[rows])
+    dates = [cells[k][: one.start("hour")].strip() for k in rows.tolist() if (one := found[k])]
+    later = np.array([now != before for before, now in itertools.pairwise(dates)], bool)
     # Half a day back is a day on; less is a clock that was set.
-    seconds[rows[1:]] += DAY_S * np.cumsum(np.round(-steps / DAY_S))
+    seconds[rows[1:]] += DAY_S * np.cumsum(np.where(later, 1.0, np.round(-steps / DAY_S)))
     first = cells[int(rows[0])].strip()
     return seconds - seconds[rows[0]], "s", f"{name}: times of day, as seconds from {first}"
 
@@ -124,9 +125,9 @@ def units_row(names: Sequence[str], first: Sequence[str], second: Sequence[str] 
     """
     if second is None or len(first) != len(names) or len(second) != len(names):
         return {}
-    numbers = [_is_number(cell) for cell in second]
+    numbers = [is_number(cell) for cell in second]
     said = [cell.strip() for cell in first]
-    if not any(numbers) or any(_is_number(cell) and cell for cell in said) or not any(said):
+    if not any(numbers) or any(is_number(cell) and cell for cell in said) or not any(said):
         return {}
     over_numbers = [cell for cell, number in zip(said, numbers, strict=True) if number]
     if not all(map(_UNIT.fullmatch, said)) or not any(over_numbers):
@@ -134,6 +135,7 @@ def units_row(names: Sequence[str], first: Sequence[str], second: Sequence[str] 
     return {name: cell.strip("[]() ") for name, cell in zip(names, said, strict=True) if cell.strip("[]()- ")}
 
 
-def _is_number(cell: str) -> bool:
+def is_number(cell: str) -> bool:
+    """Whether a cell is a number, with a decimal point or comma."""
     found = number_of(cell)
     return (found is not None and found == found) or bool(cell.strip() and _COMMA.fullmatch(cell))  # noqa: PLR0124 - NaN

@@ -12,7 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.logs.limits import FALLING, FEWEST_IN_PACKETS, LONGEST_BREAK, MOST_OUT_OF_ORDER
+from eccentric.logs.limits import (
+    FALLING,
+    FAR_AWAY,
+    FEWEST_AFTER,
+    FEWEST_IN_PACKETS,
+    LONGEST_BREAK,
+    MOST_OUT_OF_ORDER,
+)
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -79,8 +86,8 @@ def mended(t: Array) -> Mended:
 
 
 def _is_stale(t: Array) -> bool:
-    """Whether the first time is one of another recording: further away than all others last."""
-    return len(t) > LONGEST_BREAK and t[1] - t[0] > 10.0 * float(t[-1] - t[1]) > 0.0
+    """Whether the first time is one of another recording: many times as far away as all others last."""
+    return len(t) >= FEWEST_AFTER and t[1] - t[0] > FAR_AWAY * float(t[-1] - t[1]) > 0.0
 
 
 def _out_of_order(t: Array, k: int) -> slice | None:

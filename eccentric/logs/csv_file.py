@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from eccentric.core import InputError
 from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, overlaps
-from eccentric.logs.cells import EXACT, POINT, cells_to_column, plain_column, units_row
+from eccentric.logs.cells import EXACT, POINT, cells_to_column, is_number, plain_column, units_row
 from eccentric.logs.foreign import require_room_for_text
-from eccentric.logs.layout import Layout, is_number, layout_of, rows_of
+from eccentric.logs.layout import Layout, layout_of, rows_of
 from eccentric.logs.limits import (
     BATCH_ROWS,
     LAYOUT_LINES,

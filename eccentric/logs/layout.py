@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 
 from eccentric.core import InputError
 from eccentric.logs.assemble import number_of
+from eccentric.logs.cells import is_number
 from eccentric.logs.limits import FEWEST_LINES, PREAMBLE_LINES, SAMPLE_LINES
 from eccentric.logs.units import parse_unit
 
@@ -26,7 +27,6 @@ _SEEN = ("\t", ";", ",", BLANKS)
 _NAMES = frozenset({"name", "names", "channel", "channels", "channel name", "signal", "signal name"})
 _UNITS = frozenset({"unit", "units", "unit name", "channel unit"})
 _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]")
-_COMMA = re.compile(r"\s*[-+]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][-+]?\d+)?\s*")
 _CLOCK = re.compile(r".*\d:\d\d(:\d\d)?([.,]\d+)?\s*([AaPp][Mm])?\s*Z?|\s*\d{4}-\d\d-\d\d.*")
 _WORDS = {"\t": "tabs", ";": "semicolons", ",": "commas", BLANKS: "blanks"}
 
@@ -54,12 +54,6 @@ def rows_of(lines: Sequence[str] | Iterator[str], delimiter: str) -> Iterator[tu
         return
     reader = csv.reader(lines, delimiter=delimiter)
     yield from ((reader.line_num, row) for row in reader if row)
-
-
-def is_number(cell: str) -> bool:
-    """Whether a cell is a number, with a decimal point or comma."""
-    found = number_of(cell)
-    return (found is not None and found == found) or bool(cell.strip() and _COMMA.fullmatch(cell))  # noqa: PLR0124 - NaN
 
 
 def _may_be_number(cell: str) -> bool:

@@ -36,6 +36,9 @@ MOST_OUT_OF_ORDER = 5
 """Rows in a row whose time fits into no order are damaged; more than these are another recording."""
 FEWEST_IN_PACKETS = 0.01
 """Part of the rows from which shared stamps are the logger's way, and no accident."""
+FEWEST_AFTER, FAR_AWAY = 6, 10.0
+"""Rows of a recording whose first time is not its own, and how far away that is, in the time that all others
+last: a pause before the first row is shorter."""
 LONGEST_BREAK = 5.0
 """A packet that takes this many times its usual time is followed by a gap."""
 

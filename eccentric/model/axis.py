@@ -211,6 +211,7 @@ LINEAR = AxisKind(
     formulas={"position": "x", "velocity": "ẋ", "acceleration": "ẍ", "mass": "m"},
     words={
         # Units.
+        "a few degrees": "a few millimetres",
         "newton metres": "newtons",
         "newton metre": "newton",
         # The drive.

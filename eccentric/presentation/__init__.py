@@ -5,6 +5,7 @@
     contest_text                      a Contest: models on the same rows
     html                              a Diagnosis as one HTML page
     arm_text, arm_json                the fit and the diagnosis of an arm
+    measurement_text                  a NextMeasurement
     plan_text                         a MeasurementPlan
     adaptation                        a Replay
     fleet_html, fleet_files           what changed in a fleet

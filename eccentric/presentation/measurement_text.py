@@ -45,8 +45,8 @@ _MEASUREMENTS = {
         " possible."
     ),
     "history": (
-        "Start from rest after pauses of 1 s, 10 s and 100 s, and swing back and forth slowly over a few"
-        " degrees."
+        "Start from rest after pauses of 1 s, 10 s and 100 s, and swing back and forth slowly over"
+        " {a few degrees}."
     ),
 }
 """Variable -> a measurement that a person can do; its terms are in braces."""

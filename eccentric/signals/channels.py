@@ -305,11 +305,14 @@ def _with_room_for(
     low, high = np.quantile(often, (0.5, 0.9))
     if rig.sampling.low_pass_hz > low and not rig.sampling.average_over:
         return rig, []
-    cut = max(given.sampling.low_pass_hz, min(LINE_MARGIN * high, RAISED / step))
+    cut, noisy = (
+        max(given.sampling.low_pass_hz, min(LINE_MARGIN * high, RAISED / step)),
+        given.axis.term("angle"),
+    )
     said = (
-        f"a ripple of {lines[0]} per turn stands out of the drive: the low pass is set to {cut:.2g} Hz,"
-        f" though the {given.axis.term('angle')} is noisy there (low_pass_hz and average_over"
-        f" of the rig override this)"
+        f"a ripple of {lines[0]} per turn stands out of the drive: the low pass is set to {cut:.3g} Hz"
+        f"{f', though the {noisy} is noisy there' if rig.sampling.average_over else ''}"
+        " (low_pass_hz and average_over of the rig override this)"
     )
     return dataclasses.replace(given, sampling=dataclasses.replace(given.sampling, low_pass_hz=cut)), [said]
 

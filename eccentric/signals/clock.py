@@ -107,8 +107,8 @@ def frozen_tails(log: Log, labels: Integers, channels: Sequence[Array], kept: Ma
     if not count:
         return Stale(rows, ())
     text = (
-        f"{log.path}: in the last {counted(count, 'row')} of a run no channel changes (first:"
-        f" {log.place(int(np.flatnonzero(rows)[0]))}), in nearly all others some does: such rows are dropped"
+        f"{log.path}: {counted(count, 'row')} at the end of a run repeat the one before in every channel"
+        f" (first: {log.place(int(np.flatnonzero(rows)[0]))}): such rows are dropped"
     )
     return Stale(rows, (Finding("frozen_tail", "time", text, count, "warning"),))
 

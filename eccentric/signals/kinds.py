@@ -60,6 +60,9 @@ def at_the_times(x: Array, kind: str, t: Array, segment: Integers) -> Array:
             if is_even(t[rows]):
                 steps = np.ones_like(steps)
             own, last = np.r_[steps, steps[-1]], np.r_[steps[0], steps]
+            if kind == "mean":
+                # A mean lies half of its own row away from the time: the shorter row says more of it.
+                own, last = last, own
             earlier = np.r_[before[0], before[:-1]]
             out[rows] = (last * before + own * c) / (last + own)
             out[rows] -= _CURVATURE[kind] * (earlier - before - c + after)
@@ -140,7 +143,8 @@ def evidence(rows: Rows, target: Array, one: Array, other: Array) -> float:
     """
     likelihoods = []
     for columns in (one, other):
-        scaled = columns / np.linalg.norm(columns, axis=0)
+        size = np.linalg.norm(columns, axis=0)
+        scaled = columns / np.where(size > 0.0, size, 1.0)
         left = target - scaled @ np.linalg.lstsq(scaled, target, rcond=None)[0]
         variance = float(np.mean(left**2))
         if variance == 0.0:

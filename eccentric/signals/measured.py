@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,6 +149,12 @@ class Channels:
     intake: Intake
     rig: Rig
     lines: tuple[int, ...] = ()
+
+    @cached_property
+    def turning(self) -> Array:
+        """The speed of the motor [rad/s] (n,) where it is on, else 0; the same array each time."""
+        speed = self.motion.omega_m
+        return np.where(self.motor.off, 0.0, speed) if np.any(self.motor.off) else speed
 
     def smooth(self, x: Array) -> Array:
         """A signal (n,) after the low pass that the angle has passed."""

@@ -207,7 +207,7 @@ def fit_rows(channels: Channels, rig: Rig) -> Rows:
 def _shorter(channels: Channels, rig: Rig) -> str:
     """An average of fewer steps than the default's windows, of which the log has enough."""
     held = channels.selection.held_out
-    for steps in range(STEPS - 1, 1, -1):
+    for steps in range(STEPS - 1, LEAST_STEPS - 1, -1):
         over = steps * channels.time.logged_step_s
         tried = dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, average_over=over))
         fitted, scored = (len(_averages(channels, tried, part)) for part in (~held, held))

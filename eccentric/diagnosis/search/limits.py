@@ -138,8 +138,6 @@ their sides hide its floor, and what is taken out shifts them."""
 MOST_TURNS = 20_000.0
 """Longest range of the angle, in turns: no bearing keeps its phase for as long."""
 
-# Recordings that differ.
-
 # The level that chance reaches.
 
 LEVEL = 0.99
