@@ -311,11 +311,6 @@ class Effect:
         return f"{self.family}[{self.variant}]" if self.variant else self.family
 
     @property
-    def shows_in(self) -> tuple[str, ...]:
-        """The balances that it changes; that which shows it first is `balance`."""
-        return (self.balance, *(other for other in self.change.terms if other != self.balance))
-
-    @property
     def parameters(self) -> tuple[Quantity, ...]:
         """All its parameters: coefficients, then shapes."""
         return (*self.coefficients, *(shape.quantity for shape in self.shapes))
