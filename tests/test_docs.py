@@ -126,7 +126,7 @@ def test_the_first_page_says_where_a_change_goes() -> None:
         "where a new log format goes": ("FORMATS", "eccentric/logs/formats.py"),
         "where the verdict is decided": ("def decided", "eccentric/diagnosis/search/verdict.py"),
         "where C is printed": ("BACKEND = Backend(", "eccentric/emission/backends/c99/__init__.py"),
-        "where a new back end goes": ("BACKENDS", "eccentric/emission/backends/__init__.py"),
+        "where a new back end goes": ("TARGETS", "eccentric/core/targets.py"),
         "an effect: its equation and its description": ("Words(", "eccentric/effects/stribeck.py"),
         "where a new family of effects goes": ("FAMILIES", "eccentric/effects/__init__.py"),
     }

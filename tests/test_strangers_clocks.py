@@ -352,3 +352,18 @@ def test_a_load_of_its_own_for_every_run_is_arithmetic() -> None:
 
     for letter, value in {"C": 0.03, "B": 0.005, "J": 0.001}.items():
         assert abs(found[letter].value / value - 1.0) < 0.02
+
+
+def test_a_clock_that_mostly_falls_is_refused() -> None:
+    """A few damaged stamps are dropped; where every other one is, the log has no clock."""
+    with pytest.raises(
+        InputError, match="time stamps that increase are required, received 3000 of 6000 rows"
+    ):
+        table_of(columns(t=T * (-1.0) ** np.arange(len(T))))
+
+
+def test_a_recording_of_one_row_is_none() -> None:
+    """A clock that starts again in the last row: the row is dropped, and there is one run."""
+    found = table_of(columns(t=np.append(T[:-1], -1.0)))
+    same(found, time=T[:-1])
+    assert 1 == len(found.run_names)

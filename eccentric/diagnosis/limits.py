@@ -11,7 +11,7 @@ FITTED = 3
 MOST_APART = 100.0
 """Electrical residual over the larger of R i and k_e w: a k_e in V/rpm reaches ten, a voltage in mV 1000."""
 OF_THE_MOTION = {"motor_angle", "link_angle", "velocity", "direction"}
-"""What an effect may depend on to be most of what a drive does: ripple, and friction over the speed."""
+"""What an effect depends on first if it may be most of what a drive does: it is ripple, or over the speed."""
 PROVABLE = 3.0
 """A residual above this multiple of the sensors' noise has a cause, found or not."""
 

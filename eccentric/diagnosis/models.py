@@ -68,7 +68,7 @@ class Models:
         if not self.adopted or any(finding.doubts_the_rig for finding in findings):
             return False
         of_the_motion = all(
-            set(effect.evidence.depends_on) <= OF_THE_MOTION for effect, _ in self.extended.effects
+            effect.evidence.depends_on[0] in OF_THE_MOTION for effect, _ in self.extended.effects
         )
         return of_the_motion and _r_squared(self.extended) >= LEAST_R_SQUARED
 

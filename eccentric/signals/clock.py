@@ -8,10 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.core import counted, so_more
+from eccentric.core import InputError, counted, so_more
 from eccentric.logs import Log, mended
 from eccentric.signals.finding import Finding
-from eccentric.signals.limits import AT_ONCE, CHANGING, FROZEN_ROWS, FROZEN_TIMES, GAP_STEPS, MOST_NEW
+from eccentric.signals.limits import (
+    AT_ONCE,
+    CHANGING,
+    FEWEST_OF_A_RECORDING,
+    FROZEN_ROWS,
+    FROZEN_TIMES,
+    GAP_STEPS,
+    MOST_NEW,
+    MOST_REJECTED,
+)
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -44,12 +53,22 @@ def clock_of(log: Log, labels: Integers, t: Array, kept: Mask) -> ClockOfLog:
     for own in _stretches(labels, kept):
         found = mended(t[own])
         fine[own], part[own] = found.t, found.part
-        good[own] = found.kept
-        lost += own[~found.kept].tolist()
+        # A recording of one or two rows has no motion: its rows are damaged ones.
+        alone = np.bincount(found.part[found.kept], minlength=int(found.part[-1]) + 1) < FEWEST_OF_A_RECORDING
+        of_one = alone[found.part] & bool(found.part[-1])
+        good[own] = found.kept & ~of_one
+        lost += own[~good[own]].tolist()
         again += own[1:][np.diff(found.part) > 0].tolist()
         if found.packet[0]:
             packets.append((*found.packet, len(own)))
     said: list[Finding] = []
+    if len(lost) > MOST_REJECTED * np.count_nonzero(kept):
+        raise InputError(
+            f"{log.path}: {log.place(lost[0])}",
+            "time stamps that increase",
+            f"{len(lost)} of {counted(int(np.count_nonzero(kept)), 'row')} out of order or twice",
+            plural=True,
+        )
     if lost:
         text = (
             f"{log.path}: {counted(len(lost), 'row')} with a time out of order or twice (first:"

@@ -22,6 +22,8 @@ UNEVEN_STEP = 0.2
 
 # Rows that are damaged.
 
+FEWEST_OF_A_RECORDING = 3
+"""Rows of a recording after which time starts again: of fewer there is no acceleration."""
 FROZEN_ROWS, FROZEN_TIMES, CHANGING = 20, 5, 0.9
 """Rows at the end that repeat one: at least so many, so many times the most before them, in a log in which
 this part of the rows differs from the one before. The last digit of a sensor alone changes that often."""
@@ -130,6 +132,9 @@ LEAST_LINE_SHARE = 0.01
 """Least part of the square of what the low orders leave: less would hardly be seen in the error."""
 MOST_LINES = 3
 """Lines that are offered, the strongest: a motor's own and two more."""
+PARTS_OF_A_LOG, IN_PHASE = 8, 0.4
+"""Parts whose phases are compared, and their agreement: half for a line in half of the log, an eighth for
+none, and beyond two fifths by chance in 3 %."""
 LINE_MARGIN = 1.5
 """Of the low pass over the frequency of a line at high speed."""
 

@@ -16,11 +16,13 @@ from eccentric.signals.limits import (
     AROUND_A_LINE,
     BINS_PER_CYCLE,
     HIGHEST_LINE,
+    IN_PHASE,
     LEAST_LINE_SHARE,
     LEAST_TURNS,
     LOW_ORDERS,
     LOW_ORDERS_OF_THE_LINK,
     MOST_LINES,
+    PARTS_OF_A_LOG,
     PER_TURN,
     STANDS_OUT,
 )
@@ -53,7 +55,8 @@ def standing_lines(
     orders = [*range(1, LOW_ORDERS + 1), *link]
     phases = np.outer(theta, orders)
     way = np.sign(omega)
-    known = np.column_stack([np.ones_like(way), way, omega, np.cos(phases), np.sin(phases)])
+    rise = np.gradient(omega)
+    known = np.column_stack([np.ones_like(way), way, omega, rise, np.cos(phases), np.sin(phases)])
     rest = drive - known @ np.linalg.lstsq(known, drive, rcond=None)[0]
     count = BINS_PER_CYCLE * HIGHEST_LINE
     bins = np.bincount((theta / TURN % 1.0 * count).astype(int) % count, rest, count)
@@ -63,4 +66,16 @@ def standing_lines(
     share = 2.0 * power / len(rest)
     found = np.flatnonzero((power > STANDS_OUT * floor) & (share > LEAST_LINE_SHARE))
     found = found[found > LOW_ORDERS]
-    return tuple(int(n) for n in found[np.argsort(-power[found], kind="stable")][:MOST_LINES])
+    strongest = found[np.argsort(-power[found], kind="stable")][:MOST_LINES]
+    return tuple(int(n) for n in strongest if _keeps_phase(theta, rest, int(n)))
+
+
+def _keeps_phase(theta: Array, rest: Array, order: int) -> bool:
+    """Whether the parts of a log agree on the phase of a line, as what is fixed to the motor does.
+
+    What the motion itself leaves in the drive has another phase in each part. Of eight parts without a line,
+    the square of their sum is an eighth of eight times the sum of their squares.
+    """
+    waves = rest * np.exp(-1j * order * theta)
+    parts = np.array([np.sum(part) for part in np.array_split(waves, PARTS_OF_A_LOG)])
+    return abs(np.sum(parts)) ** 2 > IN_PHASE * PARTS_OF_A_LOG * float(np.sum(np.abs(parts) ** 2))
