@@ -99,7 +99,9 @@ def test_cogging_larger_than_friction_is_named(amplitude: float) -> None:
     channels = read_channels([log], read_rig(BARE_RIG))
     fitted = fit(channels, channels.rig, load_model(channels.rig.model))
     assert fitted.fits_the_rig
-    assert (fitted.r_squared["paper"] < 0.5) == any("waves of the angle" in text for text in fitted.warnings)
+    assert (fitted.r_squared["paper"] < 0.5) == any(
+        "periodic in the angle" in text for text in fitted.warnings
+    )
 
 
 def test_cogging_of_a_high_order_is_found_in_the_spectrum() -> None:

@@ -117,12 +117,13 @@ def test_a_ramp_is_not_taken_for_a_hold(noise_rad: float, seed: int) -> None:
             "rig: [kinds] voltage: one of sample, mean, held is required, received 'latched'",
         ),
         ({"theta_m": "held"}, "rig: [kinds]: unknown key 'theta_m'"),
+        ({"current": "held"}, "rig: [kinds] current: a channel of [columns] is required, received none"),
     ],
 )
 def test_other_kinds_are_refused(kinds: dict[str, str], message: str) -> None:
     """A kind that is none, and a channel that has none."""
     with pytest.raises(InputError) as error:
-        read_rig(RIG | {"kinds": kinds})
+        read_rig(RIG | {"kinds": kinds, "columns": ["time_s", "theta_m_rad", "voltage_V"]})
     assert message in str(error.value)
 
 

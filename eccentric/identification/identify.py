@@ -139,10 +139,11 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     explained = {name: r_squared(*pair) for name, pair in held_out.items()}
     beside = _beside_waves(problem, paper) if explained["paper"] < LEAST_R_SQUARED else 0.0
     if beside >= LEAST_R_SQUARED:
+        angle = problem.rig.axis.term("angle")
         said.append(
-            f"the model explains {explained['paper']:.0%} of the drive's square, with waves of the"
-            f" {problem.rig.axis.term('angle')} and steps of the speed beside it {beside:.0%}:"
-            f" run diagnose to look for what is missing"
+            f"the model explains {explained['paper']:.0%} of the drive's mean square; with terms that are"
+            f" periodic in the {angle} or follow the speed, {beside:.0%}: run diagnose to look for what is"
+            " missing"
         )
     warnings = [*problem.warnings, *_warnings(problem, paper, profiles), *said]
     return Fit(

@@ -176,6 +176,9 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
             f"one of {', '.join(drives)}",
             f"{drive!r}{meant(drive, drives) if isinstance(drive, str) else ''}",
         )
+    kinds = read_kinds(content.get("kinds", {}), f"{where}: [kinds]", axis)
+    if unmapped := sorted(set(kinds) - set(columns)) if columns is not None else []:
+        raise InputError(f"{where}: [kinds] {axis.named(unmapped[0])}", "a channel of [columns]", "none")
     alignment, estimate = _alignment(content, where)
     intervals = read_intervals(content.get("holdout_intervals_s", []), f"{where}: holdout_intervals_s")
     return Rig(
@@ -190,7 +193,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
             counts_per_rev=counts,
             sample_rate_hz=_optional(content, "sample_rate_hz", where),
             runs=read_names(content.get("runs", []), f"{where}: runs"),
-            kinds=read_kinds(content.get("kinds", {}), f"{where}: [kinds]", axis),
+            kinds=kinds,
         ),
         sampling=Sampling(
             low_pass_hz=read_number(

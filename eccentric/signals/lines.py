@@ -78,4 +78,5 @@ def _keeps_phase(theta: Array, rest: Array, order: int) -> bool:
     """
     waves = rest * np.exp(-1j * order * theta)
     parts = np.array([np.sum(part) for part in np.array_split(waves, PARTS_OF_A_LOG)])
-    return abs(np.sum(parts)) ** 2 > IN_PHASE * PARTS_OF_A_LOG * float(np.sum(np.abs(parts) ** 2))
+    together = float(abs(np.sum(parts)) ** 2)
+    return together > IN_PHASE * PARTS_OF_A_LOG * float(np.sum(np.abs(parts) ** 2))
