@@ -6,7 +6,7 @@ Run it to read the derivation: python derivations/c1_asymmetric.py
 import sympy as sp
 
 from eccentric.core import show
-from eccentric.model import Backward, Equation, Forward, Identity, load_model, symbols
+from eccentric.model import Backward, Equation, Forward, Identity, law_at_rest, load_model, symbols
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import directed
 
@@ -30,6 +30,8 @@ alike = {v.directed(q, d).symbol: q.symbol for q in split for d in ("pos", "neg"
 powers = sp.Matrix([omega_m**3, omega_m**2, omega_m, 1])
 
 POLYNOMIAL = ("N m s^3/rad^3", "N m s^2/rad^2", "N m s/rad", "N m")
+own = {d: {q.symbol: v.directed(q, d).symbol for q in split} for d in ("pos", "neg")}
+friction = symmetric.equation("friction").right
 equations = (
     *(symmetric.equation(name) for name in ("normal_force", "normal_force_motor", "friction", "resultant")),
     Equation(
@@ -61,6 +63,7 @@ equations = (
             ),
         ),
     ),
+    *law_at_rest(friction.subs(own["pos"]), v.J.symbol, friction.subs(own["neg"])),
 )
 
 model = directed(

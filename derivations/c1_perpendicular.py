@@ -6,7 +6,7 @@ Run it to read the derivation: python derivations/c1_perpendicular.py
 import sympy as sp
 
 from eccentric.core import show
-from eccentric.model import Equation, Identity, load_model, symbols
+from eccentric.model import Equation, Identity, law_at_rest, load_model, symbols
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import limit
 
@@ -148,6 +148,7 @@ equations = (
         ("N m s/rad", "N m"),
         "The coefficients of omega_m and 1.",
     ),
+    *law_at_rest(friction, J),
     Equation("gravity_torque", "(5)", v.G.symbol, gravity_torque, "N m", "There is no gravity torque."),
     Equation(
         "voltage_steady",

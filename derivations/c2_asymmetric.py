@@ -6,7 +6,7 @@ Run it to read the derivation: python derivations/c2_asymmetric.py
 import sympy as sp
 
 from eccentric.core import show
-from eccentric.model import Backward, Equation, Forward, Identity, load_model, symbols
+from eccentric.model import Backward, Equation, Forward, Identity, law_at_rest, load_model, symbols
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import directed
 
@@ -25,6 +25,8 @@ def one_direction(direction: str) -> sp.Expr:
 
 positive, negative = one_direction("pos"), one_direction("neg")
 alike = {v.directed(q, d).symbol: q.symbol for q in split for d in ("pos", "neg")}
+own = {d: {q.symbol: v.directed(q, d).symbol for q in split} for d in ("pos", "neg")}
+friction = symmetric.equation("friction").right
 equations = (
     *(
         symmetric.equation(name)
@@ -59,6 +61,7 @@ equations = (
             ),
         ),
     ),
+    *law_at_rest(friction.subs(own["pos"]), v.J.symbol, friction.subs(own["neg"])),
     symmetric.equation("gravity_torque"),
 )
 

@@ -12,6 +12,7 @@ from eccentric.model import (
     Identity,
     Magnitude,
     SquareDifference,
+    law_at_rest,
     load_model,
     meaning,
     symbols,
@@ -329,6 +330,7 @@ equations = (
             ),
         ),
     ),
+    *law_at_rest(friction, J),
     Equation("gravity_torque", "(5)", G, gravity_torque, "N m", "Gravity torque."),
     Equation("voltage", "(4)", u, R / k_i * (J * alpha_m + G + F), "V", "Voltage of the drive."),
 )

@@ -18,6 +18,7 @@ from eccentric.model import (
     Role,
     Sgn,
     Term,
+    law_at_rest,
     quantity,
     symbols,
 )
@@ -69,6 +70,7 @@ equations = (
             ),
         ),
     ),
+    *law_at_rest(plain, mass.symbol),
     Equation("current", "", i, current, "A", "The current that the motion requires."),
     Equation("voltage", "", u, armature.rhs, "V", "Kirchhoff, armature inductance neglected."),
     Equation(

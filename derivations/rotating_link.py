@@ -21,6 +21,7 @@ from eccentric.model import (
     Model,
     SquareDifference,
     drive_balances,
+    law_at_rest,
     meaning,
     symbols,
 )
@@ -310,6 +311,7 @@ equations = (
             ),
         ),
     ),
+    *law_at_rest(mechanical, J),
     Equation(
         "stable_normal_force",
         "",

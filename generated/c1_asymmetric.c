@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program ccea3d4d).
+ * (eccentric 0.1.0, program c865236c).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0xccea3d4dUL
+#if C1_ASYMMETRIC_PROGRAM != 0xc865236cUL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -596,10 +596,143 @@ void c1_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c1_asymmetri
     out[7] = c->C_neg;
 }
 
-void c1_asymmetric_coulomb_torque(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c)
+void c1_asymmetric_breakaway_torque(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c)
 {
-    out[0] = c->C_pos;
-    out[1] = c->C_neg;
+    out[0] = -c->C_neg;
+    out[1] = c->C_pos;
+}
+
+REAL_INLINE void c1_asymmetric_friction_budget_at(
+    real omega_m,
+    real *out,
+    const c1_asymmetric_coefficients *c)
+{
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    out[0] = -c->C_lN_neg_mu * F_N - c->C_neg;
+    out[1] = c->C_lN_pos_mu * F_N + c->C_pos;
+    const real part_1 = c->B_lN_pos_mu2 * F_N + c->B_pos;
+    const real part_2 = c->B_lN_neg_mu2 * F_N + c->B_neg;
+    out[2] = ((omega_m > REAL(0.0)) ? part_1 : part_2);
+}
+
+void c1_asymmetric_friction_budget(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    c1_asymmetric_friction_budget_at(omega_m, out, c);
+}
+
+void c1_asymmetric_friction_budget_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        c1_asymmetric_friction_budget_at(omega_m[k], &out[3u * k], &own);
+    }
+}
+
+REAL_INLINE void c1_asymmetric_friction_step_at(
+    real omega_m,
+    real torque,
+    real dt,
+    real *out,
+    const c1_asymmetric_coefficients *c)
+{
+    /* time step, at least the shortest [s] */
+    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    /* levels of dry friction [N m] */
+    const real upper = c->C_lN_pos_mu * F_N + c->C_pos;
+    const real slope_forward = c->B_lN_pos_mu2 * F_N + c->B_pos;
+    const real lower = -c->C_lN_neg_mu * F_N - c->C_neg;
+    const real slope_backward = c->B_lN_neg_mu2 * F_N + c->B_neg;
+    /* momentum at the end of the step, if there were no friction [N m s] */
+    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
+    const real over = momentum - elapsed * upper;
+    const real under = momentum - elapsed * lower;
+    /* its part that friction at rest does not take up [N m s] */
+    const real excess = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
+        over)));
+    const real damped = ((excess > REAL(0.0)) ? slope_forward : slope_backward);
+    const real base = REAL_GIVEN(c->J) + damped * elapsed;
+    const real velocity_after = excess / base;
+    const real level = ((excess > REAL(0.0)) ? upper : lower);
+    const real in_motion = damped * velocity_after + level;
+    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : ((excess == REAL(0.0)) ? momentum / elapsed : in_motion));
+}
+
+void c1_asymmetric_friction_step(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    c1_asymmetric_friction_step_at(omega_m, torque, dt, out, c);
+}
+
+void c1_asymmetric_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        c1_asymmetric_friction_step_at(omega_m[k], torque[k], dt[k], &out[2u * k], &own);
+    }
+}
+
+REAL_INLINE real c1_asymmetric_acceleration_at(
+    real omega_m,
+    real torque,
+    const c1_asymmetric_coefficients *c)
+{
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    /* levels of dry friction [N m] */
+    const real upper = c->C_lN_pos_mu * F_N + c->C_pos;
+    const real slope_forward = c->B_lN_pos_mu2 * F_N + c->B_pos;
+    const real lower = -c->C_lN_neg_mu * F_N - c->C_neg;
+    const real slope_backward = c->B_lN_neg_mu2 * F_N + c->B_neg;
+    const real over = torque - upper;
+    const real under = torque - lower;
+    const real starting = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
+        over)));
+    const real level = ((omega_m > REAL(0.0)) ? upper : lower);
+    const real part_1 = -omega_m * ((omega_m > REAL(0.0)) ? slope_forward : slope_backward);
+    const real moving = -level + part_1 + torque;
+    return ((omega_m == REAL(0.0)) ? starting : moving) / REAL_GIVEN(c->J);
+}
+
+ECCENTRIC_REAL c1_asymmetric_acceleration(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    const c1_asymmetric_coefficients *c)
+{
+    return c1_asymmetric_acceleration_at(omega_m, torque, c);
+}
+
+void c1_asymmetric_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_asymmetric_acceleration_at(omega_m[k], torque[k], &own);
+    }
 }
 
 ECCENTRIC_REAL c1_asymmetric_gravity_torque(const c1_asymmetric_coefficients *c)

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 3376ae92).
+ * (eccentric 0.1.0, program ca196b93).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x3376ae92UL
+#if C1_PERPENDICULAR_PROGRAM != 0xca196b93UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -465,9 +465,135 @@ void c1_perpendicular_friction_coefficients(ECCENTRIC_REAL *out, const c1_perpen
     out[3] = c->C;
 }
 
-ECCENTRIC_REAL c1_perpendicular_coulomb_torque(const c1_perpendicular_coefficients *c)
+void c1_perpendicular_breakaway_torque(ECCENTRIC_REAL *out, const c1_perpendicular_coefficients *c)
 {
-    return c->C;
+    out[0] = -c->C;
+    out[1] = c->C;
+}
+
+REAL_INLINE void c1_perpendicular_friction_budget_at(
+    real omega_m,
+    real *out,
+    const c1_perpendicular_coefficients *c)
+{
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    out[0] = -c->C - c->C_lN_mu * F_N;
+    out[1] = c->C + c->C_lN_mu * F_N;
+    out[2] = c->B + c->B_lN_mu2 * F_N;
+}
+
+void c1_perpendicular_friction_budget(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    c1_perpendicular_friction_budget_at(omega_m, out, c);
+}
+
+void c1_perpendicular_friction_budget_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        c1_perpendicular_friction_budget_at(omega_m[k], &out[3u * k], &own);
+    }
+}
+
+REAL_INLINE void c1_perpendicular_friction_step_at(
+    real omega_m,
+    real torque,
+    real dt,
+    real *out,
+    const c1_perpendicular_coefficients *c)
+{
+    /* time step, at least the shortest [s] */
+    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    /* levels of dry friction [N m] */
+    const real upper = c->C + c->C_lN_mu * F_N;
+    const real slope = c->B + c->B_lN_mu2 * F_N;
+    /* momentum at the end of the step, if there were no friction [N m s] */
+    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
+    const real over = momentum - elapsed * upper;
+    const real under = momentum - (-elapsed * upper);
+    /* its part that friction at rest does not take up [N m s] */
+    const real excess = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
+        over)));
+    const real base = REAL_GIVEN(c->J) + elapsed * slope;
+    const real velocity_after = excess / base;
+    const real level = ((excess > REAL(0.0)) ? upper : -upper);
+    const real in_motion = level + slope * velocity_after;
+    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : ((excess == REAL(0.0)) ? momentum / elapsed : in_motion));
+}
+
+void c1_perpendicular_friction_step(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    c1_perpendicular_friction_step_at(omega_m, torque, dt, out, c);
+}
+
+void c1_perpendicular_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        c1_perpendicular_friction_step_at(omega_m[k], torque[k], dt[k], &out[2u * k], &own);
+    }
+}
+
+REAL_INLINE real c1_perpendicular_acceleration_at(
+    real omega_m,
+    real torque,
+    const c1_perpendicular_coefficients *c)
+{
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    /* levels of dry friction [N m] */
+    const real upper = c->C + c->C_lN_mu * F_N;
+    const real slope = c->B + c->B_lN_mu2 * F_N;
+    const real over = torque - upper;
+    const real under = torque - (-upper);
+    const real starting = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
+        over)));
+    const real level = ((omega_m > REAL(0.0)) ? upper : -upper);
+    const real moving = -level - omega_m * slope + torque;
+    return ((omega_m == REAL(0.0)) ? starting : moving) / REAL_GIVEN(c->J);
+}
+
+ECCENTRIC_REAL c1_perpendicular_acceleration(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_acceleration_at(omega_m, torque, c);
+}
+
+void c1_perpendicular_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_perpendicular_acceleration_at(omega_m[k], torque[k], &own);
+    }
 }
 
 ECCENTRIC_REAL c1_perpendicular_gravity_torque(const c1_perpendicular_coefficients *c)

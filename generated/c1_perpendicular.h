@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 3376ae92).
+ * (eccentric 0.1.0, program ca196b93).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x3376ae92UL
+#define C1_PERPENDICULAR_PROGRAM 0xca196b93UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_perpendicular_mechanical_friction_torque_double. */
@@ -49,7 +49,13 @@
 #define c1_perpendicular_regressor ECCENTRIC_JOIN(c1_perpendicular_regressor_, ECCENTRIC_REAL)
 #define c1_perpendicular_regressor_n ECCENTRIC_JOIN(c1_perpendicular_regressor_n_, ECCENTRIC_REAL)
 #define c1_perpendicular_friction_coefficients ECCENTRIC_JOIN(c1_perpendicular_friction_coefficients_, ECCENTRIC_REAL)
-#define c1_perpendicular_coulomb_torque ECCENTRIC_JOIN(c1_perpendicular_coulomb_torque_, ECCENTRIC_REAL)
+#define c1_perpendicular_breakaway_torque ECCENTRIC_JOIN(c1_perpendicular_breakaway_torque_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_budget ECCENTRIC_JOIN(c1_perpendicular_friction_budget_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_budget_n ECCENTRIC_JOIN(c1_perpendicular_friction_budget_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_step ECCENTRIC_JOIN(c1_perpendicular_friction_step_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_step_n ECCENTRIC_JOIN(c1_perpendicular_friction_step_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_acceleration ECCENTRIC_JOIN(c1_perpendicular_acceleration_, ECCENTRIC_REAL)
+#define c1_perpendicular_acceleration_n ECCENTRIC_JOIN(c1_perpendicular_acceleration_n_, ECCENTRIC_REAL)
 #define c1_perpendicular_gravity_torque ECCENTRIC_JOIN(c1_perpendicular_gravity_torque_, ECCENTRIC_REAL)
 #define c1_perpendicular_voltage ECCENTRIC_JOIN(c1_perpendicular_voltage_, ECCENTRIC_REAL)
 #define c1_perpendicular_voltage_n ECCENTRIC_JOIN(c1_perpendicular_voltage_n_, ECCENTRIC_REAL)
@@ -276,11 +282,72 @@ void c1_perpendicular_regressor_n(
  */
 void c1_perpendicular_friction_coefficients(ECCENTRIC_REAL *out, const c1_perpendicular_coefficients *c);
 
-/** Magnitude of the friction torque at standstill, where it is set-valued.
+/** Levels of dry friction at rest: any torque between them holds the drive.
+ *  @param[out] out  2 values: lower, upper [N m]
  *  @param[in]  c  coefficients
- *  @return coulomb_torque [N m]
  */
-ECCENTRIC_REAL c1_perpendicular_coulomb_torque(const c1_perpendicular_coefficients *c);
+void c1_perpendicular_breakaway_torque(ECCENTRIC_REAL *out, const c1_perpendicular_coefficients *c);
+
+/** Levels of dry friction at this state, and the viscous coefficient.
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[out] out  3 values: lower, upper, viscous [N m, N m, N m s/rad]
+ *  @param[in]  c  coefficients
+ */
+void c1_perpendicular_friction_budget(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c);
+
+/** friction_budget over arrays of n samples, each with 3 of `out`. */
+void c1_perpendicular_friction_budget_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c);
+
+/** Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+ *  NaN unless dt is 0 or the parameters give J_m and J_l.
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  torque  torque on the motor side of everything but friction [N m]
+ *  @param[in]  dt  time step, positive [s]
+ *  @param[out] out  2 values: omega_m, friction [rad/s, N m]
+ *  @param[in]  c  coefficients
+ */
+void c1_perpendicular_friction_step(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c);
+
+/** friction_step over arrays of n samples, each with 2 of `out`. */
+void c1_perpendicular_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c);
+
+/** Acceleration by a torque, 0 at rest within the levels of dry friction.
+ *  NaN unless torque is 0 or the parameters give J_m and J_l.
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  torque  torque on the motor side of everything but friction [N m]
+ *  @param[in]  c  coefficients
+ *  @return acceleration [rad/s^2]
+ */
+ECCENTRIC_REAL c1_perpendicular_acceleration(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    const c1_perpendicular_coefficients *c);
+
+/** acceleration over arrays of n samples. */
+void c1_perpendicular_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c);
 
 /** Gravity torque G, eq (5).
  *  @param[in]  c  coefficients
@@ -289,7 +356,7 @@ ECCENTRIC_REAL c1_perpendicular_coulomb_torque(const c1_perpendicular_coefficien
 ECCENTRIC_REAL c1_perpendicular_gravity_torque(const c1_perpendicular_coefficients *c);
 
 /** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
- *  NaN with an acceleration, unless the parameters give J_m and J_l.
+ *  NaN unless alpha_m is 0 or the parameters give J_m and J_l.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
@@ -309,7 +376,7 @@ void c1_perpendicular_voltage_n(
     const c1_perpendicular_coefficients *c);
 
 /** Armature current i = (J alpha_m + G + f)/k_i.
- *  NaN with an acceleration, unless the parameters give J_m and J_l.
+ *  NaN unless alpha_m is 0 or the parameters give J_m and J_l.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
@@ -329,7 +396,7 @@ void c1_perpendicular_current_n(
     const c1_perpendicular_coefficients *c);
 
 /** Residual of the mechanical balance: k_i i - J alpha_m - G - f.
- *  NaN with an acceleration, unless the parameters give J_m and J_l.
+ *  NaN unless alpha_m is 0 or the parameters give J_m and J_l.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]

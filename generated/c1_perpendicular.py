@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program 3376ae92).
+# (eccentric 0.1.0, program ca196b93).
 # Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
@@ -27,10 +27,13 @@ __all__ = [
     "JACOBIAN",
     "REGRESSOR",
     "Parameters",
-    "coulomb_torque",
+    "acceleration",
+    "breakaway_torque",
     "current",
     "electrical_residual",
+    "friction_budget",
     "friction_coefficients",
+    "friction_step",
     "friction_torque",
     "friction_torque_gradient",
     "friction_torque_jacobian",
@@ -134,6 +137,8 @@ def _prepare(p, c):
 
 _INPUTS = {
     "omega_m": "motor velocity [rad/s]",
+    "torque": "torque on the motor side of everything but friction [N m]",
+    "dt": "time step, positive [s]",
     "alpha_m": "motor acceleration [rad/s^2]",
     "i": "armature current [A]",
     "u": "armature voltage [V]",
@@ -239,9 +244,71 @@ def friction_coefficients(c):
 
 
 @_model.function
-def coulomb_torque(c):
-    """Magnitude of the friction torque at standstill, where it is set-valued [N m]."""
-    return c.C
+def breakaway_torque(c):
+    """Levels of dry friction at rest: any torque between them holds the drive.
+
+    In N m; last axis (lower, upper).
+    """
+    result_lower = -c.C
+    return result_lower, c.C
+
+
+@_model.function
+def friction_budget(c, omega_m):
+    """Levels of dry friction at this state, and the viscous coefficient.
+
+    In N m, N m, N m s/rad; last axis (lower, upper, viscous).
+    """
+    # normal force on the axis of rotation [N], eq (8)
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    result_lower = -c.C - c.C_lN_mu * F_N
+    result_upper = c.C + c.C_lN_mu * F_N
+    result_viscous = c.B + c.B_lN_mu2 * F_N
+    return result_lower, result_upper, result_viscous
+
+
+@_model.function(needs=("J_m", "J_l"))
+def friction_step(c, omega_m, torque, dt):
+    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+
+    In rad/s, N m; last axis (omega_m, friction).
+    """
+    # time step, at least the shortest [s]
+    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
+    # normal force on the axis of rotation [N], eq (8)
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    # levels of dry friction [N m]
+    upper = c.C + c.C_lN_mu * F_N
+    slope = c.B + c.B_lN_mu2 * F_N
+    # momentum at the end of the step, if there were no friction [N m s]
+    momentum = c.J * omega_m + elapsed * torque
+    over = momentum - elapsed * upper
+    under = momentum - (-elapsed * upper)
+    # its part that friction at rest does not take up [N m s]
+    excess = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
+    base = c.J + elapsed * slope
+    velocity_after = excess / base
+    level = np.where(excess > 0.0, upper, -upper)
+    in_motion = level + slope * velocity_after
+    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
+    result_friction = np.where(dt < 1.0e-9, 0.0, np.where(excess == 0.0, momentum / elapsed, in_motion))
+    return result_omega_m, result_friction
+
+
+@_model.function(needs=("J_m", "J_l"))
+def acceleration(c, omega_m, torque):
+    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
+    # normal force on the axis of rotation [N], eq (8)
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    # levels of dry friction [N m]
+    upper = c.C + c.C_lN_mu * F_N
+    slope = c.B + c.B_lN_mu2 * F_N
+    over = torque - upper
+    under = torque - (-upper)
+    starting = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
+    level = np.where(omega_m > 0.0, upper, -upper)
+    moving = -level - omega_m * slope + torque
+    return np.where(omega_m == 0.0, starting, moving) / c.J
 
 
 @_model.function

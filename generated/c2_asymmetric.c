@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 4b57bccc).
+ * (eccentric 0.1.0, program 63f9d583).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x4b57bcccUL
+#if C2_ASYMMETRIC_PROGRAM != 0x63f9d583UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -334,10 +334,10 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     .C_lN_neg_mu_scale_N = (real)(8.0e-5),
     .mu2_scale_N = (real)(2.0e-4),
     .mu_scale_N = (real)(0.001),
-    .C_lN_pos_mu_weight_plus_C_m_pos = (real)(0.117872),
     .C_lN_neg_mu_weight_plus_C_m_neg = (real)(0.117872),
-    .L_M_g_mu2 = (real)(0.04905),
+    .C_lN_pos_mu_weight_plus_C_m_pos = (real)(0.117872),
     .J = (real)(ECCENTRIC_NOT_GIVEN),
+    .L_M_g_mu2 = (real)(0.04905),
     .B_lN_pos_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
     .B_lN_neg_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
     .B_m_pos_R_per_k_i = (real)(0.02),
@@ -389,10 +389,10 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     .C_lN_neg_mu_scale_N = 8.0e-5,
     .mu2_scale_N = 2.0e-4,
     .mu_scale_N = 0.001,
-    .C_lN_pos_mu_weight_plus_C_m_pos = 0.117872,
     .C_lN_neg_mu_weight_plus_C_m_neg = 0.117872,
-    .L_M_g_mu2 = 0.04905,
+    .C_lN_pos_mu_weight_plus_C_m_pos = 0.117872,
     .J = ECCENTRIC_NOT_GIVEN,
+    .L_M_g_mu2 = 0.04905,
     .B_lN_pos_R_mu2_scale_N_per_k_i = 4.0e-5,
     .B_lN_neg_R_mu2_scale_N_per_k_i = 4.0e-5,
     .B_m_pos_R_per_k_i = 0.02,
@@ -449,11 +449,11 @@ int c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coeff
     const double C_lN_neg_mu_scale_N = p->C_lN_neg * p->mu * scale_N.high;
     const double mu2_scale_N = p->mu * p->mu * scale_N.high;
     const double mu_scale_N = p->mu * scale_N.high;
-    const double C_lN_pos_mu_weight_plus_C_m_pos = p->C_lN_pos * p->mu * weight.high + p->C_m_pos;
     const double C_lN_neg_mu_weight_plus_C_m_neg = p->C_lN_neg * p->mu * weight.high + p->C_m_neg;
-    const double L_M_g_mu2 = p->L * p->M * p->g * p->mu * p->mu;
+    const double C_lN_pos_mu_weight_plus_C_m_pos = p->C_lN_pos * p->mu * weight.high + p->C_m_pos;
     const double J = ((p->J_l == ECCENTRIC_NOT_GIVEN) || (p->J_m == ECCENTRIC_NOT_GIVEN)) ?
         ECCENTRIC_NOT_GIVEN : (p->J_l * p->mu * p->mu + p->J_m);
+    const double L_M_g_mu2 = p->L * p->M * p->g * p->mu * p->mu;
     const double B_lN_pos_R_mu2_scale_N_per_k_i = p->B_lN_pos * p->R * p->mu * p->mu * scale_N.high / p->k_i;
     const double B_lN_neg_R_mu2_scale_N_per_k_i = p->B_lN_neg * p->R * p->mu * p->mu * scale_N.high / p->k_i;
     const double B_m_pos_R_per_k_i = p->B_m_pos * p->R / p->k_i;
@@ -502,10 +502,10 @@ int c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coeff
     c->C_lN_neg_mu_scale_N = (real)(C_lN_neg_mu_scale_N);
     c->mu2_scale_N = (real)(mu2_scale_N);
     c->mu_scale_N = (real)(mu_scale_N);
-    c->C_lN_pos_mu_weight_plus_C_m_pos = (real)(C_lN_pos_mu_weight_plus_C_m_pos);
     c->C_lN_neg_mu_weight_plus_C_m_neg = (real)(C_lN_neg_mu_weight_plus_C_m_neg);
-    c->L_M_g_mu2 = (real)(L_M_g_mu2);
+    c->C_lN_pos_mu_weight_plus_C_m_pos = (real)(C_lN_pos_mu_weight_plus_C_m_pos);
     c->J = (real)(J);
+    c->L_M_g_mu2 = (real)(L_M_g_mu2);
     c->B_lN_pos_R_mu2_scale_N_per_k_i = (real)(B_lN_pos_R_mu2_scale_N_per_k_i);
     c->B_lN_neg_R_mu2_scale_N_per_k_i = (real)(B_lN_neg_R_mu2_scale_N_per_k_i);
     c->B_m_pos_R_per_k_i = (real)(B_m_pos_R_per_k_i);
@@ -972,10 +972,211 @@ void c2_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c2_asymmetri
     out[7] = c->C_m_neg;
 }
 
-void c2_asymmetric_coulomb_torque(ECCENTRIC_REAL *out, const c2_asymmetric_coefficients *c)
+void c2_asymmetric_breakaway_torque(ECCENTRIC_REAL *out, const c2_asymmetric_coefficients *c)
 {
-    out[0] = c->C_lN_pos_mu_weight_plus_C_m_pos;
-    out[1] = c->C_lN_neg_mu_weight_plus_C_m_neg;
+    out[0] = -c->C_lN_neg_mu_weight_plus_C_m_neg;
+    out[1] = c->C_lN_pos_mu_weight_plus_C_m_pos;
+}
+
+REAL_INLINE void c2_asymmetric_friction_budget_at(
+    real omega_m,
+    real chord,
+    real *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
+    out[0] = -c->C_lN_neg_mu_scale_N * load - c->C_m_neg;
+    out[1] = c->C_lN_pos_mu_scale_N * load + c->C_m_pos;
+    const real part_1 = c->B_lN_pos_mu2_scale_N * load + c->B_m_pos;
+    const real part_2 = c->B_lN_neg_mu2_scale_N * load + c->B_m_neg;
+    out[2] = ((omega_m > REAL(0.0)) ? part_1 : part_2);
+}
+
+void c2_asymmetric_friction_budget(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    c2_asymmetric_friction_budget_at(omega_m, chord, out, c);
+}
+
+void c2_asymmetric_friction_budget_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_asymmetric_friction_budget_at(omega_m[first + k], chord[k], &out[3u * (first + k)], &own);
+        }
+    }
+}
+
+REAL_INLINE void c2_asymmetric_friction_step_at(
+    real omega_m,
+    real torque,
+    real dt,
+    real chord,
+    real *out,
+    const c2_asymmetric_coefficients *c)
+{
+    /* time step, at least the shortest [s] */
+    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
+    /* levels of dry friction [N m] */
+    const real upper = c->C_lN_pos_mu_scale_N * load + c->C_m_pos;
+    const real slope_forward = c->B_lN_pos_mu2_scale_N * load + c->B_m_pos;
+    const real lower = -c->C_lN_neg_mu_scale_N * load - c->C_m_neg;
+    const real slope_backward = c->B_lN_neg_mu2_scale_N * load + c->B_m_neg;
+    /* momentum at the end of the step, if there were no friction [N m s] */
+    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
+    const real over = momentum - elapsed * upper;
+    const real under = momentum - elapsed * lower;
+    /* its part that friction at rest does not take up [N m s] */
+    const real excess = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
+        over)));
+    const real damped = ((excess > REAL(0.0)) ? slope_forward : slope_backward);
+    const real base = REAL_GIVEN(c->J) + damped * elapsed;
+    const real velocity_after = excess / base;
+    const real level = ((excess > REAL(0.0)) ? upper : lower);
+    const real in_motion = damped * velocity_after + level;
+    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : ((excess == REAL(0.0)) ? momentum / elapsed : in_motion));
+}
+
+void c2_asymmetric_friction_step(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    c2_asymmetric_friction_step_at(omega_m, torque, dt, chord, out, c);
+}
+
+void c2_asymmetric_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_asymmetric_friction_step_at(omega_m[first + k], torque[first + k], dt[first + k], chord[k],
+                &out[2u * (first + k)], &own);
+        }
+    }
+}
+
+REAL_INLINE real c2_asymmetric_acceleration_at(
+    real omega_m,
+    real torque,
+    real chord,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
+    /* levels of dry friction [N m] */
+    const real upper = c->C_lN_pos_mu_scale_N * load + c->C_m_pos;
+    const real slope_forward = c->B_lN_pos_mu2_scale_N * load + c->B_m_pos;
+    const real lower = -c->C_lN_neg_mu_scale_N * load - c->C_m_neg;
+    const real slope_backward = c->B_lN_neg_mu2_scale_N * load + c->B_m_neg;
+    const real over = torque - upper;
+    const real under = torque - lower;
+    const real starting = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
+        over)));
+    const real level = ((omega_m > REAL(0.0)) ? upper : lower);
+    const real part_1 = -omega_m * ((omega_m > REAL(0.0)) ? slope_forward : slope_backward);
+    const real moving = -level + part_1 + torque;
+    return ((omega_m == REAL(0.0)) ? starting : moving) / REAL_GIVEN(c->J);
+}
+
+ECCENTRIC_REAL c2_asymmetric_acceleration(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    const c2_asymmetric_coefficients *c)
+{
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    return c2_asymmetric_acceleration_at(omega_m, torque, chord, c);
+}
+
+void c2_asymmetric_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_acceleration_at(omega_m[first + k], torque[first + k], chord[k],
+                &own);
+        }
+    }
 }
 
 REAL_INLINE real c2_asymmetric_gravity_torque_at(

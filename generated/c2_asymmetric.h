@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 4b57bccc).
+ * (eccentric 0.1.0, program 63f9d583).
  * Case C2 with friction that differs between the directions of motion.
  */
 /* Begin with c2_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x4b57bcccUL
+#define C2_ASYMMETRIC_PROGRAM 0x63f9d583UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_asymmetric_mechanical_friction_torque_double. */
@@ -49,7 +49,13 @@
 #define c2_asymmetric_regressor ECCENTRIC_JOIN(c2_asymmetric_regressor_, ECCENTRIC_REAL)
 #define c2_asymmetric_regressor_n ECCENTRIC_JOIN(c2_asymmetric_regressor_n_, ECCENTRIC_REAL)
 #define c2_asymmetric_friction_coefficients ECCENTRIC_JOIN(c2_asymmetric_friction_coefficients_, ECCENTRIC_REAL)
-#define c2_asymmetric_coulomb_torque ECCENTRIC_JOIN(c2_asymmetric_coulomb_torque_, ECCENTRIC_REAL)
+#define c2_asymmetric_breakaway_torque ECCENTRIC_JOIN(c2_asymmetric_breakaway_torque_, ECCENTRIC_REAL)
+#define c2_asymmetric_friction_budget ECCENTRIC_JOIN(c2_asymmetric_friction_budget_, ECCENTRIC_REAL)
+#define c2_asymmetric_friction_budget_n ECCENTRIC_JOIN(c2_asymmetric_friction_budget_n_, ECCENTRIC_REAL)
+#define c2_asymmetric_friction_step ECCENTRIC_JOIN(c2_asymmetric_friction_step_, ECCENTRIC_REAL)
+#define c2_asymmetric_friction_step_n ECCENTRIC_JOIN(c2_asymmetric_friction_step_n_, ECCENTRIC_REAL)
+#define c2_asymmetric_acceleration ECCENTRIC_JOIN(c2_asymmetric_acceleration_, ECCENTRIC_REAL)
+#define c2_asymmetric_acceleration_n ECCENTRIC_JOIN(c2_asymmetric_acceleration_n_, ECCENTRIC_REAL)
 #define c2_asymmetric_gravity_torque ECCENTRIC_JOIN(c2_asymmetric_gravity_torque_, ECCENTRIC_REAL)
 #define c2_asymmetric_gravity_torque_n ECCENTRIC_JOIN(c2_asymmetric_gravity_torque_n_, ECCENTRIC_REAL)
 #define c2_asymmetric_voltage ECCENTRIC_JOIN(c2_asymmetric_voltage_, ECCENTRIC_REAL)
@@ -147,10 +153,10 @@ typedef struct {
     ECCENTRIC_REAL C_lN_neg_mu_scale_N; /**< C_lN_neg mu scale_N */
     ECCENTRIC_REAL mu2_scale_N; /**< mu^2 scale_N */
     ECCENTRIC_REAL mu_scale_N; /**< mu scale_N */
-    ECCENTRIC_REAL C_lN_pos_mu_weight_plus_C_m_pos; /**< C_lN_pos mu weight + C_m_pos */
     ECCENTRIC_REAL C_lN_neg_mu_weight_plus_C_m_neg; /**< C_lN_neg mu weight + C_m_neg */
-    ECCENTRIC_REAL L_M_g_mu2; /**< L M g mu^2 */
+    ECCENTRIC_REAL C_lN_pos_mu_weight_plus_C_m_pos; /**< C_lN_pos mu weight + C_m_pos */
     ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
+    ECCENTRIC_REAL L_M_g_mu2; /**< L M g mu^2 */
     ECCENTRIC_REAL B_lN_pos_R_mu2_scale_N_per_k_i; /**< B_lN_pos R mu^2 scale_N/k_i */
     ECCENTRIC_REAL B_lN_neg_R_mu2_scale_N_per_k_i; /**< B_lN_neg R mu^2 scale_N/k_i */
     ECCENTRIC_REAL B_m_pos_R_per_k_i; /**< B_m_pos R/k_i */
@@ -338,11 +344,81 @@ void c2_asymmetric_regressor_n(
  */
 void c2_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c2_asymmetric_coefficients *c);
 
-/** Magnitude of the friction torque at standstill, where it is set-valued.
- *  @param[out] out  2 values: pos, neg [N m]
+/** Levels of dry friction at rest: any torque between them holds the drive.
+ *  @param[out] out  2 values: lower, upper [N m]
  *  @param[in]  c  coefficients
  */
-void c2_asymmetric_coulomb_torque(ECCENTRIC_REAL *out, const c2_asymmetric_coefficients *c);
+void c2_asymmetric_breakaway_torque(ECCENTRIC_REAL *out, const c2_asymmetric_coefficients *c);
+
+/** Levels of dry friction at this state, and the viscous coefficient.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[out] out  3 values: lower, upper, viscous [N m, N m, N m s/rad]
+ *  @param[in]  c  coefficients
+ */
+void c2_asymmetric_friction_budget(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c);
+
+/** friction_budget over arrays of n samples, each with 3 of `out`. */
+void c2_asymmetric_friction_budget_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c);
+
+/** Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+ *  NaN unless dt is 0 or the parameters give J_m and J_l.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  torque  torque on the motor side of everything but friction [N m]
+ *  @param[in]  dt  time step, positive [s]
+ *  @param[out] out  2 values: omega_m, friction [rad/s, N m]
+ *  @param[in]  c  coefficients
+ */
+void c2_asymmetric_friction_step(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c);
+
+/** friction_step over arrays of n samples, each with 2 of `out`. */
+void c2_asymmetric_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c);
+
+/** Acceleration by a torque, 0 at rest within the levels of dry friction.
+ *  NaN unless torque is 0 or the parameters give J_m and J_l.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  torque  torque on the motor side of everything but friction [N m]
+ *  @param[in]  c  coefficients
+ *  @return acceleration [rad/s^2]
+ */
+ECCENTRIC_REAL c2_asymmetric_acceleration(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    const c2_asymmetric_coefficients *c);
+
+/** acceleration over arrays of n samples. */
+void c2_asymmetric_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c);
 
 /** Gravity torque G, eq (5).
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
@@ -359,7 +435,7 @@ void c2_asymmetric_gravity_torque_n(
     const c2_asymmetric_coefficients *c);
 
 /** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
- *  NaN with an acceleration, unless the parameters give J_m and J_l.
+ *  NaN unless alpha_m is 0 or the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
@@ -382,7 +458,7 @@ void c2_asymmetric_voltage_n(
     const c2_asymmetric_coefficients *c);
 
 /** Armature current i = (J alpha_m + G + f)/k_i.
- *  NaN with an acceleration, unless the parameters give J_m and J_l.
+ *  NaN unless alpha_m is 0 or the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
@@ -405,7 +481,7 @@ void c2_asymmetric_current_n(
     const c2_asymmetric_coefficients *c);
 
 /** Residual of the mechanical balance: k_i i - J alpha_m - G - f.
- *  NaN with an acceleration, unless the parameters give J_m and J_l.
+ *  NaN unless alpha_m is 0 or the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]

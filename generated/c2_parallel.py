@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.1.0, program 93cd86f7).
+# (eccentric 0.1.0, program 48e0908e).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
@@ -27,10 +27,13 @@ __all__ = [
     "JACOBIAN",
     "REGRESSOR",
     "Parameters",
-    "coulomb_torque",
+    "acceleration",
+    "breakaway_torque",
     "current",
     "electrical_residual",
+    "friction_budget",
     "friction_coefficients",
+    "friction_step",
     "friction_torque",
     "friction_torque_gradient",
     "friction_torque_jacobian",
@@ -123,8 +126,8 @@ def _prepare(p, c):
     c.mu2_scale_N = p.mu * p.mu * c.scale_N.high
     c.mu_scale_N = p.mu * c.scale_N.high
     c.C_lN_mu_weight_plus_C_m = p.C_lN * p.mu * weight.high + p.C_m
-    c.L_M_g_mu2 = p.L * p.M * p.g * p.mu * p.mu
     c.J = J_l * p.mu * p.mu + J_m
+    c.L_M_g_mu2 = p.L * p.M * p.g * p.mu * p.mu
     c.B_lN_R_mu2_scale_N_per_k_i = p.B_lN * p.R * p.mu * p.mu * c.scale_N.high / p.k_i
     c.B_m_R_per_k_i_plus_k_e = p.B_m * p.R / p.k_i + p.k_e
     c.C_lN_R_mu_scale_N_per_k_i = p.C_lN * p.R * p.mu * c.scale_N.high / p.k_i
@@ -148,6 +151,8 @@ def _prepare(p, c):
 _INPUTS = {
     "theta_m": "motor angle [rad]",
     "omega_m": "motor velocity [rad/s]",
+    "torque": "torque on the motor side of everything but friction [N m]",
+    "dt": "time step, positive [s]",
     "alpha_m": "motor acceleration [rad/s^2]",
     "i": "armature current [A]",
     "u": "armature voltage [V]",
@@ -180,7 +185,7 @@ def _half_sine(c, from_top):
 
 
 def _load(c, theta_m, omega_m):
-    """Normal force over scale_N [rad^2/s^2], with what it takes; 10 functions call this."""
+    """Normal force over scale_N [rad^2/s^2], with what it takes; 13 functions call this."""
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.minimum(size, c.fastest)
@@ -297,9 +302,68 @@ def friction_coefficients(c):
 
 
 @_model.function
-def coulomb_torque(c):
-    """Magnitude of the friction torque at standstill, where it is set-valued [N m]."""
-    return c.C_lN_mu_weight_plus_C_m
+def breakaway_torque(c):
+    """Levels of dry friction at rest: any torque between them holds the drive.
+
+    In N m; last axis (lower, upper).
+    """
+    result_lower = -c.C_lN_mu_weight_plus_C_m
+    return result_lower, c.C_lN_mu_weight_plus_C_m
+
+
+@_model.function
+def friction_budget(c, theta_m, omega_m):
+    """Levels of dry friction at this state, and the viscous coefficient.
+
+    In N m, N m, N m s/rad; last axis (lower, upper, viscous).
+    """
+    load = _load(c, theta_m, omega_m)[0]
+    result_lower = -c.C_lN_mu_scale_N * load - c.C_m
+    result_upper = c.C_lN_mu_scale_N * load + c.C_m
+    result_viscous = c.B_lN_mu2_scale_N * load + c.B_m
+    return result_lower, result_upper, result_viscous
+
+
+@_model.function(needs=("J_m", "J_l"))
+def friction_step(c, theta_m, omega_m, torque, dt):
+    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+
+    In rad/s, N m; last axis (omega_m, friction).
+    """
+    # time step, at least the shortest [s]
+    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
+    load = _load(c, theta_m, omega_m)[0]
+    # levels of dry friction [N m]
+    upper = c.C_lN_mu_scale_N * load + c.C_m
+    slope = c.B_lN_mu2_scale_N * load + c.B_m
+    # momentum at the end of the step, if there were no friction [N m s]
+    momentum = c.J * omega_m + elapsed * torque
+    over = momentum - elapsed * upper
+    under = momentum - (-elapsed * upper)
+    # its part that friction at rest does not take up [N m s]
+    excess = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
+    base = c.J + elapsed * slope
+    velocity_after = excess / base
+    level = np.where(excess > 0.0, upper, -upper)
+    in_motion = level + slope * velocity_after
+    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
+    result_friction = np.where(dt < 1.0e-9, 0.0, np.where(excess == 0.0, momentum / elapsed, in_motion))
+    return result_omega_m, result_friction
+
+
+@_model.function(needs=("J_m", "J_l"))
+def acceleration(c, theta_m, omega_m, torque):
+    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
+    load = _load(c, theta_m, omega_m)[0]
+    # levels of dry friction [N m]
+    upper = c.C_lN_mu_scale_N * load + c.C_m
+    slope = c.B_lN_mu2_scale_N * load + c.B_m
+    over = torque - upper
+    under = torque - (-upper)
+    starting = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
+    level = np.where(omega_m > 0.0, upper, -upper)
+    moving = -level - omega_m * slope + torque
+    return np.where(omega_m == 0.0, starting, moving) / c.J
 
 
 @_model.function

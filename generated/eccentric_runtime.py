@@ -732,7 +732,7 @@ def _function(model: Model, kernel: Callable[..., Any], evaluated: _Kernel, need
         elif len(given) != count or named:
             given, parameters, out = _ordered(signature, given, parameters, out, named)
         if needs:
-            model.require(needs, given[-1], parameters)
+            model.require(needs, evaluated.names[-1], given[-1], parameters)
         on_floats = not given or type(given[0]) in numbers
         if on_floats and out is None and numbers.issuperset(map(type, given)):
             found = at(given, parameters)
@@ -796,13 +796,13 @@ class Model:
             received = f"{type(parameters).__module__}.{type(parameters).__qualname__}"
             raise TypeError(f"parameters: Parameters of this model are required, received {received}")
 
-    def require(self, names: Sequence[str], value: ArrayLike, parameters: Any) -> None:
-        """Require the inertia, which has no default, if there is an acceleration."""
+    def require(self, names: Sequence[str], last: str, value: ArrayLike, parameters: Any) -> None:
+        """Require the inertia, which has no default, unless the last input is 0 everywhere."""
         self.check(parameters)
         missing = [name for name in names if getattr(parameters or self.default, name) is None]
         if missing and np.any(np.asarray(value) != 0):
             raise ValueError(
-                f"{', '.join(missing)}: required in Parameters with an acceleration, received None"
+                f"{', '.join(missing)}: required in Parameters unless {last} is 0, received None"
             )
 
     def function(

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program ae0af83b).
+# (eccentric 0.1.0, program 7bcec3aa).
 # Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 """Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
@@ -27,10 +27,13 @@ __all__ = [
     "JACOBIAN",
     "REGRESSOR",
     "Parameters",
-    "coulomb_torque",
+    "acceleration",
+    "breakaway_torque",
     "current",
     "electrical_residual",
+    "friction_budget",
     "friction_coefficients",
+    "friction_step",
     "friction_torque",
     "friction_torque_gradient",
     "friction_torque_jacobian",
@@ -138,8 +141,8 @@ def _prepare(p, c):
     c.F_T_mu2_sin_phi = F_T * p.mu * p.mu * math.sin(p.phi)
     c.F_T_mu_sin_phi = F_T * p.mu * math.sin(p.phi)
     c.omega_star2 = omega_star.high * omega_star.high
-    c.L_M_g_p_mu2 = p.L * p.M * g_p.high * p.mu * p.mu
     c.J = J_l * p.mu * p.mu + J_m
+    c.L_M_g_p_mu2 = p.L * p.M * g_p.high * p.mu * p.mu
     c.B_lN_R_mu2_scale_N_per_k_i = p.B_lN * p.R * p.mu * p.mu * c.scale_N / p.k_i
     c.B_R_per_k_i_plus_k_e = c.B * p.R / p.k_i + p.k_e
     c.C_lN_R_mu_scale_N_per_k_i = p.C_lN * p.R * p.mu * c.scale_N / p.k_i
@@ -164,6 +167,8 @@ _INPUTS = {
     "theta_m": "motor angle [rad]",
     "omega_m": "motor velocity [rad/s]",
     "alpha_m": "motor acceleration [rad/s^2]",
+    "torque": "torque on the motor side of everything but friction [N m]",
+    "dt": "time step, positive [s]",
     "i": "armature current [A]",
     "u": "armature voltage [V]",
 }
@@ -195,7 +200,7 @@ def _half_sine(c, from_top):
 
 
 def _load(c, theta_m, omega_m, alpha_m):
-    """Normal force over scale_N [rad^2/s^2], with what it takes; 10 functions call this."""
+    """Normal force over scale_N [rad^2/s^2], with what it takes; 13 functions call this."""
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.minimum(size, c.fastest)
@@ -322,17 +327,75 @@ def friction_coefficients(c):
 
 
 @_model.function
-def coulomb_torque(c, theta_m, alpha_m):
-    """Magnitude of the friction torque at standstill, where it is set-valued [N m]."""
+def breakaway_torque(c, theta_m):
+    """Levels of dry friction at rest: any torque between them holds the drive.
+
+    In N m; last axis (lower, upper).
+    """
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     half_sine = _half_sine(c, from_top)
-    size = alpha_m * c.per_mu
     p = chord * chord * c.half_mu2_omega_star2 - c.omega_star2
-    part_1 = np.where(size > c.fastest2, c.fastest2, np.where(size < -c.fastest2, -c.fastest2, size))
-    q = part_1 + (-c.mu_omega_star2) * chord * half_sine
+    q = (-c.mu_omega_star2) * chord * half_sine
     magnitude = np.sqrt(p * p + q * q)
-    return c.C + c.C_lN_mu_scale_N * magnitude
+    result_lower = -c.C - c.C_lN_mu_scale_N * magnitude
+    result_upper = c.C + c.C_lN_mu_scale_N * magnitude
+    return result_lower, result_upper
+
+
+@_model.function
+def friction_budget(c, theta_m, omega_m, alpha_m):
+    """Levels of dry friction at this state, and the viscous coefficient.
+
+    In N m, N m, N m s/rad; last axis (lower, upper, viscous).
+    """
+    load = _load(c, theta_m, omega_m, alpha_m)[0]
+    result_lower = -c.C - c.C_lN_mu_scale_N * load
+    result_upper = c.C + c.C_lN_mu_scale_N * load
+    result_viscous = c.B + c.B_lN_mu2_scale_N * load
+    return result_lower, result_upper, result_viscous
+
+
+@_model.function(needs=("J_m", "J_l"))
+def friction_step(c, theta_m, omega_m, alpha_m, torque, dt):
+    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+
+    In rad/s, N m; last axis (omega_m, friction).
+    """
+    # time step, at least the shortest [s]
+    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
+    load = _load(c, theta_m, omega_m, alpha_m)[0]
+    # levels of dry friction [N m]
+    upper = c.C + c.C_lN_mu_scale_N * load
+    slope = c.B + c.B_lN_mu2_scale_N * load
+    # momentum at the end of the step, if there were no friction [N m s]
+    momentum = c.J * omega_m + elapsed * torque
+    over = momentum - elapsed * upper
+    under = momentum - (-elapsed * upper)
+    # its part that friction at rest does not take up [N m s]
+    excess = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
+    base = c.J + elapsed * slope
+    velocity_after = excess / base
+    level = np.where(excess > 0.0, upper, -upper)
+    in_motion = level + slope * velocity_after
+    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
+    result_friction = np.where(dt < 1.0e-9, 0.0, np.where(excess == 0.0, momentum / elapsed, in_motion))
+    return result_omega_m, result_friction
+
+
+@_model.function(needs=("J_m", "J_l"))
+def acceleration(c, theta_m, omega_m, alpha_m, torque):
+    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
+    load = _load(c, theta_m, omega_m, alpha_m)[0]
+    # levels of dry friction [N m]
+    upper = c.C + c.C_lN_mu_scale_N * load
+    slope = c.B + c.B_lN_mu2_scale_N * load
+    over = torque - upper
+    under = torque - (-upper)
+    starting = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
+    level = np.where(omega_m > 0.0, upper, -upper)
+    moving = -level - omega_m * slope + torque
+    return np.where(omega_m == 0.0, starting, moving) / c.J
 
 
 @_model.function

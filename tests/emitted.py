@@ -112,8 +112,10 @@ def width(name: str, function: str) -> tuple[int, ...]:
     """Return the shape of one result."""
     if function.startswith("polynomial"):
         return (4,)
-    if function == "coulomb_torque":
-        return (2,) if oracle.CASES[name].asymmetric else ()
+    if function in ("breakaway_torque", "friction_step"):
+        return (2,)
+    if function == "friction_budget":
+        return (3,)
     return (len(labels(name, function)),) if labels(name, function) else ()
 
 
@@ -128,6 +130,8 @@ def example_states(
         "alpha_m": generator.uniform(-200.0, 200.0, shape),
         "i": generator.uniform(-30.0, 30.0, shape),
         "u": generator.uniform(-50.0, 50.0, shape),
+        "torque": generator.uniform(-1.0, 1.0, shape),
+        "dt": generator.uniform(0.0, 0.01, shape),
     }
     return [np.asarray(columns[one], dtype) for one in oracle.inputs(name, function)]
 

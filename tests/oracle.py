@@ -30,13 +30,18 @@ K = 16
 
 
 class Point(NamedTuple):
-    """One state of the drive: motor angle, velocity and acceleration, armature current and voltage."""
+    """One state of the drive: motor angle, velocity and acceleration, armature current and voltage.
+
+    With it, the torque of all but friction and a time step.
+    """
 
     theta_m: Number
     omega_m: Number
     alpha_m: Number
     i: Number = mpf(0)
     u: Number = mpf(0)
+    torque: Number = mpf(0)
+    dt: Number = mpf(0)
 
 
 class Case(NamedTuple):
@@ -97,8 +102,9 @@ CASES = {
 FUNCTIONS = (
     "normal_force", "friction_torque", "mechanical_friction_torque", "friction_torque_gradient",
     "friction_torque_with_gradient",
-    "friction_torque_jacobian", "regressor", "friction_coefficients", "coulomb_torque", "gravity_torque",
-    "voltage", "current", "mechanical_residual", "electrical_residual",
+    "friction_torque_jacobian", "regressor", "friction_coefficients", "breakaway_torque", "friction_budget",
+    "friction_step", "acceleration", "gravity_torque", "voltage", "current", "mechanical_residual",
+    "electrical_residual",
 )  # fmt: skip
 
 DERIVATIVES = ("friction_torque_gradient", "friction_torque_with_gradient", "friction_torque_jacobian")
@@ -114,10 +120,8 @@ def inputs(name: str, function: str) -> tuple[str, ...]:
     """Return the inputs that a function depends on, in the order in which it takes them."""
     if function in ("friction_coefficients", "polynomial", "polynomial_neg"):
         return ()
-    if (
-        function == "coulomb_torque"
-    ):  # at standstill F_N is the weight, and what a beginning acceleration adds
-        return ("theta_m", "alpha_m") if CASES[name].accelerated else ()
+    if function == "breakaway_torque":  # at rest F_N is the weight
+        return ("theta_m",) if CASES[name].accelerated else ()
     position = () if name.startswith("c1_") else ("theta_m",)
     if function == "gravity_torque":
         return position
@@ -126,7 +130,8 @@ def inputs(name: str, function: str) -> tuple[str, ...]:
     if function == "mechanical_residual":
         return (*position, "omega_m", "i", "alpha_m")
     accelerated = CASES[name].accelerated or function in ("voltage", "current")
-    return (*position, "omega_m", "alpha_m") if accelerated else (*position, "omega_m")
+    beside = {"friction_step": ("torque", "dt"), "acceleration": ("torque",)}.get(function, ())
+    return (*position, "omega_m", *(("alpha_m",) if accelerated else ()), *beside)
 
 
 def number(value: Fraction) -> Number:
@@ -217,6 +222,30 @@ def coefficient(name: str, label: str, p: Parameters) -> Number:
     return own[label]
 
 
+def line(name: str, N: Number, sign: int, p: Parameters) -> tuple[Number, Number]:
+    """Return friction in one direction for a given load, a straight line: where it starts, and its slope."""
+    one, two = (friction_under_load(name, N, sign * w, p, back_emf=False) for w in (mpf(1), mpf(2)))
+    return 2 * one - two, sign * (two - one)
+
+
+def step(
+    x: Point, sides: dict[int, tuple[Number, Number]], sizes: dict[int, tuple[Number, Number]], J: Number
+) -> list[tuple[Number, Number]]:
+    """Return velocity and friction after a time step, by trying each direction of motion, then rest."""
+    if x.dt < mpf(10) ** -9:
+        return [(x.omega_m, 0), (mpf(0), 0)]
+    p = J * x.omega_m + x.dt * x.torque
+    p_size = J * abs(x.omega_m) + x.dt * abs(x.torque)
+    for sign, (level, slope) in sides.items():
+        end = (p - x.dt * level) / (J + x.dt * slope)
+        if sign * end > 0:
+            level_size, slope_size = map(abs, sizes[sign])
+            own = (p_size + x.dt * level_size + x.dt * slope_size * abs(end)) / (J + x.dt * slope)
+            return [(end, own), (level + slope * end, level_size + slope_size * abs(end) + slope * own)]
+    most = max(abs(level) for level, _ in sizes.values())
+    return [(mpf(0), (p_size + x.dt * most) / J), (p / x.dt, p_size / x.dt + most)]
+
+
 def expected(
     name: str, function: str, x: Point, p: Parameters, labels: Sequence[str] = ()
 ) -> list[tuple[Number, Number]]:
@@ -260,16 +289,24 @@ def expected(
         return [(value, abs(value)) for value in rows]
     if function == "friction_coefficients":
         return [(value, value) for value in (coefficient(name, label, p) for label in labels)]
-    if function == "coulomb_torque":
-        still = x._replace(omega_m=mpf(0))
-        return [
-            tuple(
-                # For a given load friction is a straight line on either side; this is where it starts.
-                abs(2 * friction_under_load(name, N, sign, p) - friction_under_load(name, N, 2 * sign, p))
-                for N in (case.normal_force(still, p), reaction(name, still, p)[2])
-            )
-            for sign in ((1, -1) if case.asymmetric else (1,))
-        ]
+    if function == "breakaway_torque":
+        still = x._replace(omega_m=mpf(0), alpha_m=mpf(0))
+        N, N_size = case.normal_force(still, p), reaction(name, still, p)[2]
+    sides, sizes = ({sign: line(name, load, sign, p) for sign in (-1, 1)} for load in (N, N_size))
+    levels = [(sides[sign][0], abs(sizes[sign][0])) for sign in (-1, 1)]
+    if function == "breakaway_torque":
+        return levels
+    if function == "friction_budget":
+        ahead = 1 if x.omega_m > 0 else -1
+        return [*levels, (sides[ahead][1], sizes[ahead][1])]
+    J = p.J_m + p.mu**2 * p.J_l
+    if function == "acceleration":
+        size = (abs(x.torque) + max(size for _, size in levels) + sizes[1][1] * abs(x.omega_m)) / J
+        if x.omega_m:
+            return [((x.torque - f) / J, size)]
+        return [((x.torque - min(max(x.torque, levels[0][0]), levels[1][0])) / J, size)]
+    if function == "friction_step":
+        return step(x, sides, sizes, J)
     assert function in DERIVATIVES
     value = [(F, F_size)] if function == "friction_torque_with_gradient" else []
     return value + [derivative(name, x, p, label) for label in labels[len(value) :]]

@@ -38,7 +38,7 @@ def signed(low: float, high: float) -> st.SearchStrategy[float]:
 
 
 @st.composite
-def zeros_of_the_force(draw: st.DrawFn, p: dict[str, float]) -> tuple[float, float, float, float, float]:
+def zeros_of_the_force(draw: st.DrawFn, p: dict[str, float]) -> tuple[float, ...]:
     """Draw a state near the zero of F_N: link upright at the critical velocity, within 1e-3."""
     off = st.just(0.0) | st.sampled_from([s * 10.0**-k for k in range(3, 8) for s in (-1, 1)])
     turns, sign = draw(st.integers(-2, 1)), draw(st.sampled_from((-1, 1)))
@@ -46,7 +46,7 @@ def zeros_of_the_force(draw: st.DrawFn, p: dict[str, float]) -> tuple[float, flo
     exact.g *= mpmath.cos(exact.phi)
     theta_l = (2 * turns + 1) * HALF_TURN + mpf(draw(off))
     omega_l = sign * paper.critical_velocity(exact) * (1 + mpf(draw(off)))
-    return float(theta_l / exact.mu), float(omega_l / exact.mu), 0.0, 1.0, -2.0
+    return float(theta_l / exact.mu), float(omega_l / exact.mu), 0.0, 1.0, -2.0, 0.1, 1e-3
 
 
 @st.composite
@@ -67,7 +67,9 @@ def states(
     """
     omega = signed(1e-3, 1e3) if moving else st.just(0.0) | signed(1e-3, 1e3)
     theta = st.just(0.0) | quarter_turns(p) | signed(1e-3, 1e4)
-    wide = st.tuples(theta, omega, st.just(0.0) | signed(1e-3, 1e4), signed(1e-3, 1e2), signed(1e-3, 1e3))
+    electric = (signed(1e-3, 1e2), signed(1e-3, 1e3))
+    stepped = (st.just(0.0) | signed(1e-3, 1e2), st.just(0.0) | signed(1e-6, 1e-1))
+    wide = st.tuples(theta, omega, st.just(0.0) | signed(1e-3, 1e4), *electric, *stepped)
     one = st.one_of(wide, wide, zeros_of_the_force(p))
     return st.lists(one.map(lambda x: Point(*(mpf(float(dtype(v))) for v in x))), min_size=1, max_size=size)
 

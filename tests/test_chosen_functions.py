@@ -104,7 +104,7 @@ def test_every_way_to_choose_compiles(tmp_path: Path) -> None:
     need("gcc")
 
     assert {""} == compiler_says(tmp_path / "with", "c2_asymmetric", "friction_torque_gradient")
-    assert {""} == compiler_says(tmp_path / "without", "c1_perpendicular", "coulomb_torque")
+    assert {""} == compiler_says(tmp_path / "without", "c1_perpendicular", "breakaway_torque")
 
 
 @pytest.mark.slow

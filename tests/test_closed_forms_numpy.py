@@ -73,11 +73,11 @@ def test_transversal_force_follows_link_weight(name: str) -> None:
     """Without a value of its own F_T is M_l g: at mu C_lT F_T + C_m the drive of a level link sticks."""
     values = {"M_l": 3.0, "g": 2.0} | ({"phi": np.pi / 2} if name == "rotating_link" else {})
 
-    still = [0.0 for _ in oracle.inputs(name, "coulomb_torque")]
+    still = [0.0 for _ in oracle.inputs(name, "breakaway_torque")]
 
-    actual = np.atleast_1d(module(name).coulomb_torque(*still, module(name).Parameters(**values)))
+    actual = module(name).breakaway_torque(*still, module(name).Parameters(**values))
 
-    assert actual == pytest.approx(np.full(len(actual), 0.2 * 0.08 * 6.0 + 0.008), rel=1e-14)
+    assert actual == pytest.approx(np.array([-1.0, 1.0]) * (0.2 * 0.08 * 6.0 + 0.008), rel=1e-14)
 
 
 # Derivatives where mpmath's differences do not reach: standstill and the apex.

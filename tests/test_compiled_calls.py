@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C co
 NAME = "c2_parallel"
 SHAPES = ((), (1,), (5,), (0,), (3, 4), (2, 1, 3))
 VALUES = (0.0, -0.0, 1.5, -31.4, 1e300, -1e39, 2.0**60, float("inf"), float("nan"), 5e-324, 3.0)
-FUNCTIONS = ("friction_torque", "friction_torque_gradient", "current", "coulomb_torque", "regressor")
+FUNCTIONS = ("friction_torque", "friction_torque_gradient", "current", "breakaway_torque", "regressor")
 
 
 Call = tuple[str, list[Any], dict[str, Any], Any]

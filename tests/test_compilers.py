@@ -151,7 +151,9 @@ int main(void)
 {
     c2_parallel_coefficients own;
     CALL;
-    return c2_parallel_coulomb_torque(&own) > 0;
+    ECCENTRIC_REAL levels[2];
+    c2_parallel_breakaway_torque(levels, &own);
+    return levels[1] > 0;
 }
 """
 

@@ -20,9 +20,9 @@ ROOT = Path(__file__).resolve().parent.parent
 
 @pytest.mark.parametrize("name", model_names())
 def test_an_emitted_module_is_short_and_plain(name: str) -> None:
-    """At most 500 lines, and neither the module nor its runtime executes text."""
+    """At most 570 lines, and neither the module nor its runtime executes text."""
     lines = (ROOT / "generated" / f"{name}.py").read_text(encoding="utf-8").splitlines()
-    assert len(lines) <= 500
+    assert len(lines) <= 570
 
     for file in (f"{name}.py", "eccentric_runtime.py"):
         tree = ast.parse((ROOT / "generated" / file).read_text(encoding="utf-8"))
@@ -47,14 +47,14 @@ LONGEST = {"presliding[lugre]", "gear_efficiency[transmitted]"}
     ids=lambda given: getattr(given, "id", given),
 )
 def test_a_module_with_one_effect_is_short(case: str, effect: Effect) -> None:
-    """What a diagnosis writes has at most 500 lines as well, whichever effect it names but for two.
+    """What a diagnosis writes has at most 570 lines as well, whichever effect it names but for two.
 
     An error of the gear, or of the encoder, needs the slopes of the normal force.
     """
     model = effect.extend(load_model(extended.BASE[case]), {q.name: 0.1 for q in effect.coefficients})
     text = render(model, backends=("numpy",))[f"{model.name}.py"]
 
-    assert len(text.splitlines()) <= (550 if effect.family in WITH_SLOPES else 500)
+    assert len(text.splitlines()) <= (610 if effect.family in WITH_SLOPES else 570)
 
 
 def test_no_line_of_a_module_with_effects_is_long() -> None:

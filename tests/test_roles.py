@@ -199,7 +199,8 @@ def test_what_follows_from_the_velocity_by_way_of_a_definition_is_none_at_stands
     )
     module, paper = load_module(model), load_module(load_model("c2_parallel"))
 
-    assert module.coulomb_torque(module.Parameters(C_fan=0.3)) == paper.coulomb_torque()
+    at_rest = module.breakaway_torque(module.Parameters(C_fan=0.3))
+    assert at_rest.tolist() == paper.breakaway_torque().tolist()
     assert module.mechanical_friction_torque(1.0, 2.0, module.Parameters(C_fan=0.3)) == pytest.approx(
         paper.mechanical_friction_torque(1.0, 2.0) + 0.3 * 8.0, rel=1e-14
     )

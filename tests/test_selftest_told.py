@@ -120,7 +120,7 @@ def test_a_changed_digit(tmp_path: Path, real: str) -> None:
             marks=() if (name, real) == few else pytest.mark.slow,
         )
         for place, function, few in (
-            (5, "coulomb_torque", ("first", "float")),
+            (7, "acceleration", ("first", "float")),
             (-1, "voltage", ("last", "double")),
         )
         for name, row in (("first", 0), ("last", -1))

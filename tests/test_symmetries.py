@@ -27,7 +27,7 @@ SYMMETRIC = [name for name in MODELS if not oracle.CASES[name].asymmetric]
 FORCE, TORQUE = (1, 1, -2, 0), (1, 2, -2, 0)
 DIMENSION = {
     "theta_m": (0, 0, 0, 0), "omega_m": (0, 0, -1, 0), "alpha_m": (0, 0, -2, 0),
-    "i": (0, 0, 0, 1), "u": (1, 2, -3, -1),
+    "i": (0, 0, 0, 1), "u": (1, 2, -3, -1), "torque": TORQUE, "dt": (0, 0, 1, 0),
     "mu": (0, 0, 0, 0), "phi": (0, 0, 0, 0),
     "M": (1, 0, 0, 0), "M_l": (1, 0, 0, 0), "L": (0, 1, 0, 0), "g": (0, 1, -2, 0), "F_T": FORCE,
     "R": (1, 2, -3, -2), "k_i": (1, 2, -2, -1), "k_e": (1, 2, -2, -1),
@@ -36,8 +36,9 @@ DIMENSION = {
     "B_m": (1, 2, -1, 0), "C_m": TORQUE, "B": (1, 2, -1, 0), "C": TORQUE,
 }  # fmt: skip
 RESIDUALS = ("mechanical_residual", "electrical_residual")
-RESULT = dict.fromkeys((*TORQUES, *RESIDUALS, "gravity_torque", "coulomb_torque"), TORQUE) | {
+RESULT = dict.fromkeys((*TORQUES, *RESIDUALS, "gravity_torque"), TORQUE) | {
     "normal_force": FORCE, "voltage": (1, 2, -3, -1), "current": (0, 0, 0, 1),
+    "acceleration": (0, 0, -2, 0),
 }  # fmt: skip
 
 
@@ -152,6 +153,9 @@ def test_scales_with_its_dimension(name: str, function: str) -> None:
         "friction_torque_jacobian": lambda: [F / factor(one) for one in emitted.JACOBIAN],
         "regressor": lambda: [F / factor(one) for one in emitted.REGRESSOR],
         "friction_coefficients": lambda: [factor(one) for one in emitted.REGRESSOR],
+        "breakaway_torque": lambda: [F, F],
+        "friction_budget": lambda: [F, F, F / factor("omega_m")],
+        "friction_step": lambda: [factor("omega_m"), F],
         "polynomial_neg": lambda: [F / factor("omega_m") ** k for k in (3, 2, 1, 0)],
         "polynomial": lambda: [F / factor("omega_m") ** k for k in (3, 2, 1, 0)],
     }

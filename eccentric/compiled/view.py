@@ -29,7 +29,6 @@ def _function(r: Routine) -> dict[str, Any]:
         "width": len(r.labels),
         "length": length_of(r),
         "inertia": int(bool(r.requires)),
-        # As in the emitted NumPy: if an inertia may be missing, the acceleration may be omitted.
-        "optional": int(bool(r.requires)),
+        "optional": int(r.last_is_optional),
         "plain": bool(r.inputs) and not r.labels and not r.requires and not length_of(r),
     }

@@ -40,6 +40,7 @@ from eccentric.model.output import Assignment, Expressions, Input, Interface, Ou
 from eccentric.model.outputs import drive_interface, interface_of, moving, normal_force
 from eccentric.model.quantity import C_KEYWORDS, Definition, Quantity, State, quantity, symbols
 from eccentric.model.regressor import Column, regressor
+from eccentric.model.rest import law_at_rest
 from eccentric.model.steps import (
     STEPS,
     Across,
@@ -125,6 +126,7 @@ __all__ = [
     "identity_of",
     "in_general_letters",
     "interface_of",
+    "law_at_rest",
     "letters_of",
     "load_model",
     "meaning",

@@ -193,7 +193,7 @@ def of_expression(expression: sp.Basic, units: Mapping[sp.Symbol, str]) -> Dimen
             expression,
             [p for p, value in zip(parts, _values(expression), strict=True) if not value.is_number],
         )
-    if isinstance(expression, sp.Add | steps.Magnitude):
+    if isinstance(expression, sp.Add | sp.Max | sp.Min | steps.Magnitude):
         return _same(expression, parts)
     if isinstance(expression, steps.Along | steps.Across):
         _same(expression, parts)

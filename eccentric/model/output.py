@@ -12,7 +12,7 @@ from functools import cache
 
 import sympy as sp
 
-from eccentric.model.quantity import Quantity, State
+from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Sgn
 
 
@@ -77,7 +77,8 @@ class Output:
         requires: parameters without a default that are needed where the last input is not zero.
         needs: parameters that nothing but electricity depends on: needed for this output, where they have no
             default.
-        advances: hidden states whose updates are its results, for a time step of any size.
+        without_time: result -> its value where no time passes; the others hold for a time step of any size.
+        advances: whether its results are hidden states one time step later: it is there with any other.
         on_request: whether it is there only if it is asked for by name.
     """
 
@@ -89,7 +90,8 @@ class Output:
     taken: frozenset[str] = frozenset()
     requires: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
-    advances: tuple[State, ...] = ()
+    without_time: Mapping[str, sp.Expr] = field(default_factory=dict)
+    advances: bool = False
     on_request: bool = False
 
 

@@ -18,6 +18,7 @@ from eccentric.model.model import Model
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, needed
 from eccentric.model.quantity import Definition, symbols
 from eccentric.model.regressor import regressor
+from eccentric.model.rest import acceleration, at_direction, budget, levels, step
 from eccentric.model.steps import (
     Backward,
     Bounded,
@@ -46,13 +47,13 @@ _DIRECTED = Sgn | Forward | Backward | Gated
 
 
 def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
-    """The limit of the friction torque as the velocity tends to 0 from above (1) or below (-1)."""
-    omega_m = v.omega_m.symbol
-    moved = _following(model, {v.omega_m.symbol})
+    """The limit of friction without acceleration as the velocity tends to 0 from above (1) or below (-1)."""
+    omega_m, still = v.omega_m.symbol, {v.omega_m.symbol: sp.Integer(0), v.alpha_m.symbol: sp.Integer(0)}
+    moved = _following(model, set(still))
     defined = {d.symbol: d.value for d in model.definitions if d.symbol in moved}
     for symbol in reversed(list(defined)):
         friction = friction.xreplace({symbol: defined[symbol]})
-    friction = friction.xreplace(moving(omega_m, direction)).xreplace({omega_m: sp.Integer(0)})
+    friction = at_direction(friction, omega_m, direction).xreplace(still)
     # At zero speed the steps reduce to plain numbers or to their other argument.
     friction = friction.replace(
         lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args)
@@ -185,8 +186,16 @@ def drive_interface(model: Model) -> Interface:
     inertial = model.inertia.free_symbols
     inertia = tuple(q.name for q in model.parameters if q.default is None and q.symbol in inertial)
     dependence = tuple(x for x in _inputs(model, resultant) if x.name in {"theta_m", "omega_m", "alpha_m"})
-    sides = (("pos", 1), ("neg", -1)) if friction.has(Forward) else (("", 1),)
-    at_rest = tuple((side, sign * standstill(model, friction, sign)) for side, sign in sides)
+    dry = levels(model, v.omega_m.symbol, tuple(t for t in mechanical.terms if t.kind == "friction"))
+    at_rest = (
+        ("lower", standstill(model, dry.at_rest(-1), -1)),
+        ("upper", standstill(model, dry.at_rest(1), 1)),
+    )
+    # What an acceleration takes of the torque; an effect on a bearing that follows it is friction.
+    others = [term for term in mechanical.terms if term.kind != "friction"]
+    moved_inertia = -sp.diff(sp.Add(*(KINDS[t.kind] * t.value for t in others)), v.alpha_m.symbol)
+    on_the_way, stepped = step(model, dry, moved_inertia)
+    on_its_way, accelerated = acceleration(model, dry, moved_inertia)
     units = {q.symbol: q.unit for q in model.inputs}
     spanned = "friction_torque" if model.back_emf_in_friction else "mechanical_friction_torque"
     force = normal_force(model)
@@ -194,10 +203,9 @@ def drive_interface(model: Model) -> Interface:
         "back-EMF damping included" if model.voltage_known else "here without back-EMF: R or k_e is not known"
     )
     definitions, scaled = _scaled(model)
-    order = sorted(
-        [*model.inputs, *(state.quantity for state in model.states), v.dt],
-        key=lambda q: (q.name == v.alpha_m.name, q.name == v.dt.name),
-    )
+    last = [v.alpha_m, v.torque, v.dt]
+    order = [q for q in (*model.inputs, *(state.quantity for state in model.states)) if q not in last]
+    order += [q for q in last if q in model.inputs or q is not v.alpha_m]
     inputs, axis = tuple(map(Input, order)), model.axis
 
     def output(
@@ -206,11 +214,13 @@ def drive_interface(model: Model) -> Interface:
         meaning: str,
         results: Iterable[tuple[str, sp.Expr]],
         by: tuple[sp.Symbol, ...] = (),
+        before: Iterable[Assignment] = (),
         **more: Any,
     ) -> Output:
+        own = (Assignment(a.target, a.value.xreplace(scaled), a.note) for a in before)
         expressions = Expressions(
             tuple((label, value.xreplace(scaled)) for label, value in results),
-            definitions,
+            (*definitions, *own),
             by,
             (v.omega_m.symbol,),
         )
@@ -276,10 +286,34 @@ def drive_interface(model: Model) -> Interface:
             ((column.name, column.coefficient) for column in columns),
         ),
         output(
-            "coulomb_torque",
+            "breakaway_torque",
             "N m",
-            "magnitude of the friction torque at standstill, where it is set-valued",
+            "levels of dry friction at rest: any torque between them holds the drive",
             at_rest,
+        ),
+        output(
+            "friction_budget",
+            "N m, N m, N m s/rad",
+            "levels of dry friction at this state, and the viscous coefficient",
+            budget(dry),
+            before=dry.definitions,
+        ),
+        output(
+            "friction_step",
+            "rad/s, N m",
+            "velocity after a time step and the friction torque in it",
+            stepped,
+            before=(*dry.definitions, *on_the_way),
+            requires=inertia,
+            without_time={v.omega_m.name: v.omega_m.symbol, "friction": sp.Integer(0)},
+        ),
+        output(
+            "acceleration",
+            "rad/s^2",
+            "acceleration by a torque, 0 at rest within the levels of dry friction",
+            accelerated,
+            before=(*dry.definitions, *on_its_way),
+            requires=inertia,
         ),
         output("gravity_torque", "N m", "gravity torque G, eq (5)", one(gravity)),
         output(
@@ -301,7 +335,11 @@ def drive_interface(model: Model) -> Interface:
         ),
     ]
     if model.states:
-        listed.append(output(STEP, *step_words(model), step_updates(model), advances=model.states))
+        listed.append(
+            output(
+                STEP, *step_words(model), step_updates(model), without_time=held_states(model), advances=True
+            )
+        )
     for direction, found in polynomials(model, resultant).items():
         name, side = {1: ("polynomial", "omega_m > 0"), -1: ("polynomial_neg", "omega_m < 0")}[direction]
         listed.append(
@@ -338,6 +376,11 @@ def step_words(model: Model) -> tuple[str, str]:
     """Unit and meaning of the hidden states one time step later."""
     units = ", ".join(state.quantity.unit for state in model.states)
     return units, "the hidden states one time step later"
+
+
+def held_states(model: Model) -> dict[str, sp.Expr]:
+    """Name and value of each hidden state where no time passes."""
+    return {state.quantity.name: state.symbol for state in model.states}
 
 
 def step_updates(model: Model) -> tuple[tuple[str, sp.Expr], ...]:

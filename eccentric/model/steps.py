@@ -84,6 +84,49 @@ class ByDirection(OpaqueStep):
         return sp.Piecewise((a, x > 0), (b, True))
 
 
+class Shrunk(OpaqueStep):
+    """Shrunk(x, low, high): what x has beyond a band around 0, from low to high, and exactly 0 within it."""
+
+    nargs = 3
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """1 by x outside the band, where it moves with the end of the band that it has passed."""
+        x, low, high = self.args
+        outside = Forward(x - high) + Backward(x - low)
+        return {1: outside, 2: -Backward(x - low), 3: -Forward(x - high)}[argindex]
+
+    def _eval_rewrite_as_meaning(self, x: sp.Expr, low: sp.Expr, high: sp.Expr, **_: Any) -> sp.Expr:
+        return sp.Piecewise((x - high, x > high), (x - low, x < low), (0, True))
+
+
+class Quotient(OpaqueStep):
+    """Quotient(a, b): a/b, divided where it is used: a parameter b may be 0 where nothing asks for it."""
+
+    nargs = 2
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """1/b and -a/b^2."""
+        a, b = self.args
+        return 1 / b if argindex == 1 else -a / b**2
+
+    def _eval_rewrite_as_meaning(self, a: sp.Expr, b: sp.Expr, **_: Any) -> sp.Expr:
+        return a / b
+
+
+class AtZero(OpaqueStep):
+    """AtZero(x, a, b): a where x = 0, else b."""
+
+    nargs = 3
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """0 by x; by a and b, whether it is that one."""
+        x, zero, one = self.args[0], sp.Integer(0), sp.Integer(1)
+        return {1: zero, 2: AtZero(x, one, zero), 3: AtZero(x, zero, one)}[argindex]
+
+    def _eval_rewrite_as_meaning(self, x: sp.Expr, a: sp.Expr, b: sp.Expr, **_: Any) -> sp.Expr:
+        return sp.Piecewise((a, sp.Eq(x, 0)), (b, True))
+
+
 class HalfCosine(OpaqueStep):
     """Half-turn cosine: sin of the half angle from the top, of size |cos(mu theta_m/2)|.
 

@@ -15,6 +15,7 @@ dt = quantity("dt", "s", "time step, positive", "", "positive", letter="Delta t"
 temperature = quantity("temperature", "K", "temperature in degC (differences count only)", letter="T")
 theta_m = quantity("theta_m", "rad", "motor angle", "(3)")
 omega_m = quantity("omega_m", "rad/s", "motor velocity", "(3)")
+omega_after = quantity("omega_after", "rad/s", "motor velocity after a time step", letter="omega_m^+")
 alpha_m = quantity("alpha_m", "rad/s^2", "motor acceleration", "(1)")
 theta_l = quantity("theta_l", "rad", "link angle, 0 where the mass hangs lowest", "(3)")
 omega_l = quantity("omega_l", "rad/s", "link velocity", "(3)")
@@ -65,6 +66,7 @@ u = quantity("u", "V", "armature voltage", "(2)")
 i = quantity("i", "A", "armature current", "(2)")
 
 # Torques and forces.
+torque = quantity("torque", "N m", "torque on the motor side of everything but friction", "(4)")
 tau_m = quantity("tau_m", "N m", "torque of the motor", "(2)")
 tau_l = quantity("tau_l", "N m", "torque on the link, link side", "(3)")
 f_m = quantity("f_m", "N m", "friction torque of the motor", "(10)")
@@ -72,6 +74,10 @@ f_l = quantity("f_l", "N m", "friction torque of the link, link side", "(9)")
 f = quantity("f", "N m", "mechanical friction torque f_m + mu f_l, motor side", "(6)")
 F = quantity("F", "N m", "resultant friction torque, back-EMF damping included, motor side", "(6)")
 G = quantity("G", "N m", "gravity torque, motor side", "(5)")
+f_upper = quantity("f_upper", "N m", "level of dry friction forwards, at least 0")
+f_lower = quantity("f_lower", "N m", "level of dry friction backwards, at most 0")
+b = quantity("b", "N m s/rad", "viscous coefficient at this state", "", "nonnegative")
+p = quantity("p", "N m s", "momentum after a time step, if there were no friction")
 F_N = quantity("F_N", "N", "normal force on the axis of rotation", "(8)", "nonnegative")
 
 # Quantities that follow from the parameters.

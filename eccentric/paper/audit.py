@@ -183,7 +183,7 @@ def global_minimum() -> str:
         where = f"{link_velocity[lowest]:.2f} rad/s, {link_angle[lowest]:.2f} rad"
         lines.append(
             f"   {text}: {at_zero:.4f} N m at ({omega_l:.6f} rad/s, pi),"
-            f" {module.coulomb_torque(parameters):.4f} N m as the velocity tends to 0;"
+            f" {module.breakaway_torque(parameters)[1]:.4f} N m as the velocity tends to 0;"
             f" minimum on a grid over the figure: {torque[lowest]:.4f} N m at ({where})."
         )
     return "\n".join([*lines, "   Reading: figure 4 is drawn with k_e converted, as its caption requires."])

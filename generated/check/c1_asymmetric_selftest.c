@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program ccea3d4d).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program c865236c).
  * Self-test of c1_asymmetric.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c1_asymmetric_selftest.c ../c1_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -78,22 +78,25 @@ static void evaluate(unsigned function, const real *x, real *out)
 {
     (void)x; /* none of these functions may have an input */
     switch (function) {
-    case 0: c1_asymmetric_coulomb_torque(out, &c); break;
-    case 1: out[0] = c1_asymmetric_current(x[0], x[3], &c); break;
-    case 2: out[0] = c1_asymmetric_electrical_residual(x[0], x[1], x[2], &c); break;
-    case 3: c1_asymmetric_friction_coefficients(out, &c); break;
-    case 4: out[0] = c1_asymmetric_friction_torque(x[0], &c); break;
-    case 5: c1_asymmetric_friction_torque_gradient(x[0], out, &c); break;
-    case 6: c1_asymmetric_friction_torque_jacobian(x[0], out, &c); break;
-    case 7: c1_asymmetric_friction_torque_with_gradient(x[0], out, &c); break;
-    case 8: out[0] = c1_asymmetric_gravity_torque(&c); break;
-    case 9: out[0] = c1_asymmetric_mechanical_friction_torque(x[0], &c); break;
-    case 10: out[0] = c1_asymmetric_mechanical_residual(x[0], x[1], x[3], &c); break;
-    case 11: out[0] = c1_asymmetric_normal_force(x[0], &c); break;
-    case 12: c1_asymmetric_polynomial(out, &c); break;
-    case 13: c1_asymmetric_polynomial_neg(out, &c); break;
-    case 14: c1_asymmetric_regressor(x[0], out, &c); break;
-    case 15: out[0] = c1_asymmetric_voltage(x[0], x[3], &c); break;
+    case 0: out[0] = c1_asymmetric_acceleration(x[0], x[4], &c); break;
+    case 1: c1_asymmetric_breakaway_torque(out, &c); break;
+    case 2: out[0] = c1_asymmetric_current(x[0], x[3], &c); break;
+    case 3: out[0] = c1_asymmetric_electrical_residual(x[0], x[1], x[2], &c); break;
+    case 4: c1_asymmetric_friction_budget(x[0], out, &c); break;
+    case 5: c1_asymmetric_friction_coefficients(out, &c); break;
+    case 6: c1_asymmetric_friction_step(x[0], x[4], x[5], out, &c); break;
+    case 7: out[0] = c1_asymmetric_friction_torque(x[0], &c); break;
+    case 8: c1_asymmetric_friction_torque_gradient(x[0], out, &c); break;
+    case 9: c1_asymmetric_friction_torque_jacobian(x[0], out, &c); break;
+    case 10: c1_asymmetric_friction_torque_with_gradient(x[0], out, &c); break;
+    case 11: out[0] = c1_asymmetric_gravity_torque(&c); break;
+    case 12: out[0] = c1_asymmetric_mechanical_friction_torque(x[0], &c); break;
+    case 13: out[0] = c1_asymmetric_mechanical_residual(x[0], x[1], x[3], &c); break;
+    case 14: out[0] = c1_asymmetric_normal_force(x[0], &c); break;
+    case 15: c1_asymmetric_polynomial(out, &c); break;
+    case 16: c1_asymmetric_polynomial_neg(out, &c); break;
+    case 17: c1_asymmetric_regressor(x[0], out, &c); break;
+    case 18: out[0] = c1_asymmetric_voltage(x[0], x[3], &c); break;
     default: break;
     }
 }
@@ -192,17 +195,20 @@ static real x_n[INPUTS][ARRAY], out_n[ARRAY * LARGEST_WIDTH];
 static void evaluate_array(unsigned function)
 {
     switch (function) {
-    case 1: c1_asymmetric_current_n(ARRAY, x_n[0], x_n[3], out_n, &c); break;
-    case 2: c1_asymmetric_electrical_residual_n(ARRAY, x_n[0], x_n[1], x_n[2], out_n, &c); break;
-    case 4: c1_asymmetric_friction_torque_n(ARRAY, x_n[0], out_n, &c); break;
-    case 5: c1_asymmetric_friction_torque_gradient_n(ARRAY, x_n[0], out_n, &c); break;
-    case 6: c1_asymmetric_friction_torque_jacobian_n(ARRAY, x_n[0], out_n, &c); break;
-    case 7: c1_asymmetric_friction_torque_with_gradient_n(ARRAY, x_n[0], out_n, &c); break;
-    case 9: c1_asymmetric_mechanical_friction_torque_n(ARRAY, x_n[0], out_n, &c); break;
-    case 10: c1_asymmetric_mechanical_residual_n(ARRAY, x_n[0], x_n[1], x_n[3], out_n, &c); break;
-    case 11: c1_asymmetric_normal_force_n(ARRAY, x_n[0], out_n, &c); break;
-    case 14: c1_asymmetric_regressor_n(ARRAY, x_n[0], out_n, &c); break;
-    case 15: c1_asymmetric_voltage_n(ARRAY, x_n[0], x_n[3], out_n, &c); break;
+    case 0: c1_asymmetric_acceleration_n(ARRAY, x_n[0], x_n[4], out_n, &c); break;
+    case 2: c1_asymmetric_current_n(ARRAY, x_n[0], x_n[3], out_n, &c); break;
+    case 3: c1_asymmetric_electrical_residual_n(ARRAY, x_n[0], x_n[1], x_n[2], out_n, &c); break;
+    case 4: c1_asymmetric_friction_budget_n(ARRAY, x_n[0], out_n, &c); break;
+    case 6: c1_asymmetric_friction_step_n(ARRAY, x_n[0], x_n[4], x_n[5], out_n, &c); break;
+    case 7: c1_asymmetric_friction_torque_n(ARRAY, x_n[0], out_n, &c); break;
+    case 8: c1_asymmetric_friction_torque_gradient_n(ARRAY, x_n[0], out_n, &c); break;
+    case 9: c1_asymmetric_friction_torque_jacobian_n(ARRAY, x_n[0], out_n, &c); break;
+    case 10: c1_asymmetric_friction_torque_with_gradient_n(ARRAY, x_n[0], out_n, &c); break;
+    case 12: c1_asymmetric_mechanical_friction_torque_n(ARRAY, x_n[0], out_n, &c); break;
+    case 13: c1_asymmetric_mechanical_residual_n(ARRAY, x_n[0], x_n[1], x_n[3], out_n, &c); break;
+    case 14: c1_asymmetric_normal_force_n(ARRAY, x_n[0], out_n, &c); break;
+    case 17: c1_asymmetric_regressor_n(ARRAY, x_n[0], out_n, &c); break;
+    case 18: c1_asymmetric_voltage_n(ARRAY, x_n[0], x_n[3], out_n, &c); break;
     default: break;
     }
 }

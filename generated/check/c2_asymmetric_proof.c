@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 4b57bccc).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 63f9d583).
  * Driver of a proof: for all inputs within the ranges below, no function of c2_asymmetric.c has undefined
  * behaviour, overflows or returns a NaN or an infinity, for the parameters set in main. Set your own there.
  * Run Frama-C's Eva: 0 alarms and 100 % of the logical properties are the proof, and the intervals that it
@@ -33,6 +33,12 @@
 #endif
 #ifndef RANGE_alpha_m
 #define RANGE_alpha_m -10000, 10000 /* motor acceleration [rad/s^2] */
+#endif
+#ifndef RANGE_torque
+#define RANGE_torque -10000, 10000 /* torque on the motor side of everything but friction [N m] */
+#endif
+#ifndef RANGE_dt
+#define RANGE_dt -100, 100 /* time step, positive [s] */
 #endif
 
 /* Eva's specification of fabs loses the relation between argument and result, and an interval that starts at
@@ -72,6 +78,10 @@ static void called(int function, const c2_asymmetric_coefficients *c)
     ECCENTRIC_REAL u_n[SAMPLES];
     const ECCENTRIC_REAL alpha_m = within(RANGE_alpha_m);
     ECCENTRIC_REAL alpha_m_n[SAMPLES];
+    const ECCENTRIC_REAL torque = within(RANGE_torque);
+    ECCENTRIC_REAL torque_n[SAMPLES];
+    const ECCENTRIC_REAL dt = within(RANGE_dt);
+    ECCENTRIC_REAL dt_n[SAMPLES];
     ECCENTRIC_REAL out[SAMPLES * 8];
     for (int k = 0; k < SAMPLES; ++k) {
         theta_m_n[k] = within(RANGE_theta_m);
@@ -79,40 +89,78 @@ static void called(int function, const c2_asymmetric_coefficients *c)
         i_n[k] = within(RANGE_i);
         u_n[k] = within(RANGE_u);
         alpha_m_n[k] = within(RANGE_alpha_m);
+        torque_n[k] = within(RANGE_torque);
+        dt_n[k] = within(RANGE_dt);
     }
     switch (function) {
     case 0:
-        c2_asymmetric_coulomb_torque(out, c);
+        out[0] = c2_asymmetric_acceleration(theta_m, omega_m, torque, c);
         //@ assert \is_finite(out[0]);
-        Frama_C_show_each_coulomb_torque(out[0]);
-        //@ assert \is_finite(out[1]);
-        Frama_C_show_each_coulomb_torque(out[1]);
+        Frama_C_show_each_acceleration(out[0]);
         break;
     case 1:
+        c2_asymmetric_acceleration_n(SAMPLES, theta_m_n, omega_m_n, torque_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_acceleration_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_acceleration_n(out[1]);
+        break;
+    case 2:
+        c2_asymmetric_breakaway_torque(out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_breakaway_torque(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_breakaway_torque(out[1]);
+        break;
+    case 3:
         out[0] = c2_asymmetric_current(theta_m, omega_m, alpha_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_current(out[0]);
         break;
-    case 2:
+    case 4:
         c2_asymmetric_current_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_current_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_current_n(out[1]);
         break;
-    case 3:
+    case 5:
         out[0] = c2_asymmetric_electrical_residual(omega_m, i, u, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_electrical_residual(out[0]);
         break;
-    case 4:
+    case 6:
         c2_asymmetric_electrical_residual_n(SAMPLES, omega_m_n, i_n, u_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_electrical_residual_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_electrical_residual_n(out[1]);
         break;
-    case 5:
+    case 7:
+        c2_asymmetric_friction_budget(theta_m, omega_m, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_budget(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_budget(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_budget(out[2]);
+        break;
+    case 8:
+        c2_asymmetric_friction_budget_n(SAMPLES, theta_m_n, omega_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_budget_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_budget_n(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_budget_n(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_budget_n(out[3]);
+        //@ assert \is_finite(out[4]);
+        Frama_C_show_each_friction_budget_n(out[4]);
+        //@ assert \is_finite(out[5]);
+        Frama_C_show_each_friction_budget_n(out[5]);
+        break;
+    case 9:
         c2_asymmetric_friction_coefficients(out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_coefficients(out[0]);
@@ -131,26 +179,44 @@ static void called(int function, const c2_asymmetric_coefficients *c)
         //@ assert \is_finite(out[7]);
         Frama_C_show_each_friction_coefficients(out[7]);
         break;
-    case 6:
+    case 10:
+        c2_asymmetric_friction_step(theta_m, omega_m, torque, dt, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_step(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_step(out[1]);
+        break;
+    case 11:
+        c2_asymmetric_friction_step_n(SAMPLES, theta_m_n, omega_m_n, torque_n, dt_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_step_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_step_n(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_step_n(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_step_n(out[3]);
+        break;
+    case 12:
         out[0] = c2_asymmetric_friction_torque(theta_m, omega_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque(out[0]);
         break;
-    case 7:
+    case 13:
         c2_asymmetric_friction_torque_n(SAMPLES, theta_m_n, omega_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_friction_torque_n(out[1]);
         break;
-    case 8:
+    case 14:
         c2_asymmetric_friction_torque_gradient(theta_m, omega_m, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_gradient(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_friction_torque_gradient(out[1]);
         break;
-    case 9:
+    case 15:
         c2_asymmetric_friction_torque_gradient_n(SAMPLES, theta_m_n, omega_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_gradient_n(out[0]);
@@ -161,7 +227,7 @@ static void called(int function, const c2_asymmetric_coefficients *c)
         //@ assert \is_finite(out[3]);
         Frama_C_show_each_friction_torque_gradient_n(out[3]);
         break;
-    case 10:
+    case 16:
         c2_asymmetric_friction_torque_jacobian(theta_m, omega_m, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_jacobian(out[0]);
@@ -180,7 +246,7 @@ static void called(int function, const c2_asymmetric_coefficients *c)
         //@ assert \is_finite(out[7]);
         Frama_C_show_each_friction_torque_jacobian(out[7]);
         break;
-    case 11:
+    case 17:
         c2_asymmetric_friction_torque_jacobian_n(SAMPLES, theta_m_n, omega_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_jacobian_n(out[0]);
@@ -215,7 +281,7 @@ static void called(int function, const c2_asymmetric_coefficients *c)
         //@ assert \is_finite(out[15]);
         Frama_C_show_each_friction_torque_jacobian_n(out[15]);
         break;
-    case 12:
+    case 18:
         c2_asymmetric_friction_torque_with_gradient(theta_m, omega_m, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_with_gradient(out[0]);
@@ -224,7 +290,7 @@ static void called(int function, const c2_asymmetric_coefficients *c)
         //@ assert \is_finite(out[2]);
         Frama_C_show_each_friction_torque_with_gradient(out[2]);
         break;
-    case 13:
+    case 19:
         c2_asymmetric_friction_torque_with_gradient_n(SAMPLES, theta_m_n, omega_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_with_gradient_n(out[0]);
@@ -239,55 +305,55 @@ static void called(int function, const c2_asymmetric_coefficients *c)
         //@ assert \is_finite(out[5]);
         Frama_C_show_each_friction_torque_with_gradient_n(out[5]);
         break;
-    case 14:
+    case 20:
         out[0] = c2_asymmetric_gravity_torque(theta_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_gravity_torque(out[0]);
         break;
-    case 15:
+    case 21:
         c2_asymmetric_gravity_torque_n(SAMPLES, theta_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_gravity_torque_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_gravity_torque_n(out[1]);
         break;
-    case 16:
+    case 22:
         out[0] = c2_asymmetric_mechanical_friction_torque(theta_m, omega_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_mechanical_friction_torque(out[0]);
         break;
-    case 17:
+    case 23:
         c2_asymmetric_mechanical_friction_torque_n(SAMPLES, theta_m_n, omega_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_mechanical_friction_torque_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_mechanical_friction_torque_n(out[1]);
         break;
-    case 18:
+    case 24:
         out[0] = c2_asymmetric_mechanical_residual(theta_m, omega_m, i, alpha_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_mechanical_residual(out[0]);
         break;
-    case 19:
+    case 25:
         c2_asymmetric_mechanical_residual_n(SAMPLES, theta_m_n, omega_m_n, i_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_mechanical_residual_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_mechanical_residual_n(out[1]);
         break;
-    case 20:
+    case 26:
         out[0] = c2_asymmetric_normal_force(theta_m, omega_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_normal_force(out[0]);
         break;
-    case 21:
+    case 27:
         c2_asymmetric_normal_force_n(SAMPLES, theta_m_n, omega_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_normal_force_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_normal_force_n(out[1]);
         break;
-    case 22:
+    case 28:
         c2_asymmetric_regressor(theta_m, omega_m, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_regressor(out[0]);
@@ -306,7 +372,7 @@ static void called(int function, const c2_asymmetric_coefficients *c)
         //@ assert \is_finite(out[7]);
         Frama_C_show_each_regressor(out[7]);
         break;
-    case 23:
+    case 29:
         c2_asymmetric_regressor_n(SAMPLES, theta_m_n, omega_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_regressor_n(out[0]);
@@ -341,12 +407,12 @@ static void called(int function, const c2_asymmetric_coefficients *c)
         //@ assert \is_finite(out[15]);
         Frama_C_show_each_regressor_n(out[15]);
         break;
-    case 24:
+    case 30:
         out[0] = c2_asymmetric_voltage(theta_m, omega_m, alpha_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_voltage(out[0]);
         break;
-    case 25:
+    case 31:
         c2_asymmetric_voltage_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_voltage_n(out[0]);
@@ -366,6 +432,6 @@ int main(void)
     if (c2_asymmetric_prepare(&p, &c) != 0) {
         return 1;
     }
-    called(Frama_C_interval(0, 25), &c);
+    called(Frama_C_interval(0, 31), &c);
     return 0;
 }

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 4b57bccc).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 63f9d583).
  * Self-test of c2_asymmetric.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c2_asymmetric_selftest.c ../c2_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -78,20 +78,23 @@ static void evaluate(unsigned function, const real *x, real *out)
 {
     (void)x; /* none of these functions may have an input */
     switch (function) {
-    case 0: c2_asymmetric_coulomb_torque(out, &c); break;
-    case 1: out[0] = c2_asymmetric_current(x[0], x[1], x[4], &c); break;
-    case 2: out[0] = c2_asymmetric_electrical_residual(x[1], x[2], x[3], &c); break;
-    case 3: c2_asymmetric_friction_coefficients(out, &c); break;
-    case 4: out[0] = c2_asymmetric_friction_torque(x[0], x[1], &c); break;
-    case 5: c2_asymmetric_friction_torque_gradient(x[0], x[1], out, &c); break;
-    case 6: c2_asymmetric_friction_torque_jacobian(x[0], x[1], out, &c); break;
-    case 7: c2_asymmetric_friction_torque_with_gradient(x[0], x[1], out, &c); break;
-    case 8: out[0] = c2_asymmetric_gravity_torque(x[0], &c); break;
-    case 9: out[0] = c2_asymmetric_mechanical_friction_torque(x[0], x[1], &c); break;
-    case 10: out[0] = c2_asymmetric_mechanical_residual(x[0], x[1], x[2], x[4], &c); break;
-    case 11: out[0] = c2_asymmetric_normal_force(x[0], x[1], &c); break;
-    case 12: c2_asymmetric_regressor(x[0], x[1], out, &c); break;
-    case 13: out[0] = c2_asymmetric_voltage(x[0], x[1], x[4], &c); break;
+    case 0: out[0] = c2_asymmetric_acceleration(x[0], x[1], x[5], &c); break;
+    case 1: c2_asymmetric_breakaway_torque(out, &c); break;
+    case 2: out[0] = c2_asymmetric_current(x[0], x[1], x[4], &c); break;
+    case 3: out[0] = c2_asymmetric_electrical_residual(x[1], x[2], x[3], &c); break;
+    case 4: c2_asymmetric_friction_budget(x[0], x[1], out, &c); break;
+    case 5: c2_asymmetric_friction_coefficients(out, &c); break;
+    case 6: c2_asymmetric_friction_step(x[0], x[1], x[5], x[6], out, &c); break;
+    case 7: out[0] = c2_asymmetric_friction_torque(x[0], x[1], &c); break;
+    case 8: c2_asymmetric_friction_torque_gradient(x[0], x[1], out, &c); break;
+    case 9: c2_asymmetric_friction_torque_jacobian(x[0], x[1], out, &c); break;
+    case 10: c2_asymmetric_friction_torque_with_gradient(x[0], x[1], out, &c); break;
+    case 11: out[0] = c2_asymmetric_gravity_torque(x[0], &c); break;
+    case 12: out[0] = c2_asymmetric_mechanical_friction_torque(x[0], x[1], &c); break;
+    case 13: out[0] = c2_asymmetric_mechanical_residual(x[0], x[1], x[2], x[4], &c); break;
+    case 14: out[0] = c2_asymmetric_normal_force(x[0], x[1], &c); break;
+    case 15: c2_asymmetric_regressor(x[0], x[1], out, &c); break;
+    case 16: out[0] = c2_asymmetric_voltage(x[0], x[1], x[4], &c); break;
     default: break;
     }
 }
@@ -190,18 +193,21 @@ static real x_n[INPUTS][ARRAY], out_n[ARRAY * LARGEST_WIDTH];
 static void evaluate_array(unsigned function)
 {
     switch (function) {
-    case 1: c2_asymmetric_current_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
-    case 2: c2_asymmetric_electrical_residual_n(ARRAY, x_n[1], x_n[2], x_n[3], out_n, &c); break;
-    case 4: c2_asymmetric_friction_torque_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
-    case 5: c2_asymmetric_friction_torque_gradient_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
-    case 6: c2_asymmetric_friction_torque_jacobian_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
-    case 7: c2_asymmetric_friction_torque_with_gradient_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
-    case 8: c2_asymmetric_gravity_torque_n(ARRAY, x_n[0], out_n, &c); break;
-    case 9: c2_asymmetric_mechanical_friction_torque_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
-    case 10: c2_asymmetric_mechanical_residual_n(ARRAY, x_n[0], x_n[1], x_n[2], x_n[4], out_n, &c); break;
-    case 11: c2_asymmetric_normal_force_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
-    case 12: c2_asymmetric_regressor_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
-    case 13: c2_asymmetric_voltage_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 0: c2_asymmetric_acceleration_n(ARRAY, x_n[0], x_n[1], x_n[5], out_n, &c); break;
+    case 2: c2_asymmetric_current_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 3: c2_asymmetric_electrical_residual_n(ARRAY, x_n[1], x_n[2], x_n[3], out_n, &c); break;
+    case 4: c2_asymmetric_friction_budget_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 6: c2_asymmetric_friction_step_n(ARRAY, x_n[0], x_n[1], x_n[5], x_n[6], out_n, &c); break;
+    case 7: c2_asymmetric_friction_torque_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 8: c2_asymmetric_friction_torque_gradient_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 9: c2_asymmetric_friction_torque_jacobian_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 10: c2_asymmetric_friction_torque_with_gradient_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 11: c2_asymmetric_gravity_torque_n(ARRAY, x_n[0], out_n, &c); break;
+    case 12: c2_asymmetric_mechanical_friction_torque_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 13: c2_asymmetric_mechanical_residual_n(ARRAY, x_n[0], x_n[1], x_n[2], x_n[4], out_n, &c); break;
+    case 14: c2_asymmetric_normal_force_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 15: c2_asymmetric_regressor_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 16: c2_asymmetric_voltage_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
     default: break;
     }
 }

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program ae0af83b).
+ * Generated: do not edit. Written beside rotating_link.c (program 7bcec3aa).
  * Driver of a proof: for all inputs within the ranges below, no function of rotating_link.c has undefined
  * behaviour, overflows or returns a NaN or an infinity, for the parameters set in main. Set your own there.
  * Run Frama-C's Eva: 0 alarms and 100 % of the logical properties are the proof, and the intervals that it
@@ -33,6 +33,12 @@
 #endif
 #ifndef RANGE_alpha_m
 #define RANGE_alpha_m -10000, 10000 /* motor acceleration [rad/s^2] */
+#endif
+#ifndef RANGE_torque
+#define RANGE_torque -10000, 10000 /* torque on the motor side of everything but friction [N m] */
+#endif
+#ifndef RANGE_dt
+#define RANGE_dt -100, 100 /* time step, positive [s] */
 #endif
 
 /* Eva's specification of fabs loses the relation between argument and result, and an interval that starts at
@@ -72,6 +78,10 @@ static void called(int function, const rotating_link_coefficients *c)
     ECCENTRIC_REAL u_n[SAMPLES];
     const ECCENTRIC_REAL alpha_m = within(RANGE_alpha_m);
     ECCENTRIC_REAL alpha_m_n[SAMPLES];
+    const ECCENTRIC_REAL torque = within(RANGE_torque);
+    ECCENTRIC_REAL torque_n[SAMPLES];
+    const ECCENTRIC_REAL dt = within(RANGE_dt);
+    ECCENTRIC_REAL dt_n[SAMPLES];
     ECCENTRIC_REAL out[SAMPLES * 6];
     for (int k = 0; k < SAMPLES; ++k) {
         theta_m_n[k] = within(RANGE_theta_m);
@@ -79,45 +89,89 @@ static void called(int function, const rotating_link_coefficients *c)
         i_n[k] = within(RANGE_i);
         u_n[k] = within(RANGE_u);
         alpha_m_n[k] = within(RANGE_alpha_m);
+        torque_n[k] = within(RANGE_torque);
+        dt_n[k] = within(RANGE_dt);
     }
     switch (function) {
     case 0:
-        out[0] = rotating_link_coulomb_torque(theta_m, alpha_m, c);
+        out[0] = rotating_link_acceleration(theta_m, omega_m, alpha_m, torque, c);
         //@ assert \is_finite(out[0]);
-        Frama_C_show_each_coulomb_torque(out[0]);
+        Frama_C_show_each_acceleration(out[0]);
         break;
     case 1:
-        rotating_link_coulomb_torque_n(SAMPLES, theta_m_n, alpha_m_n, out, c);
+        rotating_link_acceleration_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, torque_n, out, c);
         //@ assert \is_finite(out[0]);
-        Frama_C_show_each_coulomb_torque_n(out[0]);
+        Frama_C_show_each_acceleration_n(out[0]);
         //@ assert \is_finite(out[1]);
-        Frama_C_show_each_coulomb_torque_n(out[1]);
+        Frama_C_show_each_acceleration_n(out[1]);
         break;
     case 2:
+        rotating_link_breakaway_torque(theta_m, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_breakaway_torque(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_breakaway_torque(out[1]);
+        break;
+    case 3:
+        rotating_link_breakaway_torque_n(SAMPLES, theta_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_breakaway_torque_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_breakaway_torque_n(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_breakaway_torque_n(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_breakaway_torque_n(out[3]);
+        break;
+    case 4:
         out[0] = rotating_link_current(theta_m, omega_m, alpha_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_current(out[0]);
         break;
-    case 3:
+    case 5:
         rotating_link_current_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_current_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_current_n(out[1]);
         break;
-    case 4:
+    case 6:
         out[0] = rotating_link_electrical_residual(omega_m, i, u, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_electrical_residual(out[0]);
         break;
-    case 5:
+    case 7:
         rotating_link_electrical_residual_n(SAMPLES, omega_m_n, i_n, u_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_electrical_residual_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_electrical_residual_n(out[1]);
         break;
-    case 6:
+    case 8:
+        rotating_link_friction_budget(theta_m, omega_m, alpha_m, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_budget(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_budget(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_budget(out[2]);
+        break;
+    case 9:
+        rotating_link_friction_budget_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_budget_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_budget_n(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_budget_n(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_budget_n(out[3]);
+        //@ assert \is_finite(out[4]);
+        Frama_C_show_each_friction_budget_n(out[4]);
+        //@ assert \is_finite(out[5]);
+        Frama_C_show_each_friction_budget_n(out[5]);
+        break;
+    case 10:
         rotating_link_friction_coefficients(out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_coefficients(out[0]);
@@ -128,19 +182,37 @@ static void called(int function, const rotating_link_coefficients *c)
         //@ assert \is_finite(out[3]);
         Frama_C_show_each_friction_coefficients(out[3]);
         break;
-    case 7:
+    case 11:
+        rotating_link_friction_step(theta_m, omega_m, alpha_m, torque, dt, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_step(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_step(out[1]);
+        break;
+    case 12:
+        rotating_link_friction_step_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, torque_n, dt_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_step_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_step_n(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_step_n(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_step_n(out[3]);
+        break;
+    case 13:
         out[0] = rotating_link_friction_torque(theta_m, omega_m, alpha_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque(out[0]);
         break;
-    case 8:
+    case 14:
         rotating_link_friction_torque_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_friction_torque_n(out[1]);
         break;
-    case 9:
+    case 15:
         rotating_link_friction_torque_gradient(theta_m, omega_m, alpha_m, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_gradient(out[0]);
@@ -149,7 +221,7 @@ static void called(int function, const rotating_link_coefficients *c)
         //@ assert \is_finite(out[2]);
         Frama_C_show_each_friction_torque_gradient(out[2]);
         break;
-    case 10:
+    case 16:
         rotating_link_friction_torque_gradient_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_gradient_n(out[0]);
@@ -164,7 +236,7 @@ static void called(int function, const rotating_link_coefficients *c)
         //@ assert \is_finite(out[5]);
         Frama_C_show_each_friction_torque_gradient_n(out[5]);
         break;
-    case 11:
+    case 17:
         rotating_link_friction_torque_jacobian(theta_m, omega_m, alpha_m, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_jacobian(out[0]);
@@ -179,7 +251,7 @@ static void called(int function, const rotating_link_coefficients *c)
         //@ assert \is_finite(out[5]);
         Frama_C_show_each_friction_torque_jacobian(out[5]);
         break;
-    case 12:
+    case 18:
         rotating_link_friction_torque_jacobian_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_jacobian_n(out[0]);
@@ -206,7 +278,7 @@ static void called(int function, const rotating_link_coefficients *c)
         //@ assert \is_finite(out[11]);
         Frama_C_show_each_friction_torque_jacobian_n(out[11]);
         break;
-    case 13:
+    case 19:
         rotating_link_friction_torque_with_gradient(theta_m, omega_m, alpha_m, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_with_gradient(out[0]);
@@ -217,7 +289,7 @@ static void called(int function, const rotating_link_coefficients *c)
         //@ assert \is_finite(out[3]);
         Frama_C_show_each_friction_torque_with_gradient(out[3]);
         break;
-    case 14:
+    case 20:
         rotating_link_friction_torque_with_gradient_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_friction_torque_with_gradient_n(out[0]);
@@ -236,55 +308,55 @@ static void called(int function, const rotating_link_coefficients *c)
         //@ assert \is_finite(out[7]);
         Frama_C_show_each_friction_torque_with_gradient_n(out[7]);
         break;
-    case 15:
+    case 21:
         out[0] = rotating_link_gravity_torque(theta_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_gravity_torque(out[0]);
         break;
-    case 16:
+    case 22:
         rotating_link_gravity_torque_n(SAMPLES, theta_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_gravity_torque_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_gravity_torque_n(out[1]);
         break;
-    case 17:
+    case 23:
         out[0] = rotating_link_mechanical_friction_torque(theta_m, omega_m, alpha_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_mechanical_friction_torque(out[0]);
         break;
-    case 18:
+    case 24:
         rotating_link_mechanical_friction_torque_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_mechanical_friction_torque_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_mechanical_friction_torque_n(out[1]);
         break;
-    case 19:
+    case 25:
         out[0] = rotating_link_mechanical_residual(theta_m, omega_m, i, alpha_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_mechanical_residual(out[0]);
         break;
-    case 20:
+    case 26:
         rotating_link_mechanical_residual_n(SAMPLES, theta_m_n, omega_m_n, i_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_mechanical_residual_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_mechanical_residual_n(out[1]);
         break;
-    case 21:
+    case 27:
         out[0] = rotating_link_normal_force(theta_m, omega_m, alpha_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_normal_force(out[0]);
         break;
-    case 22:
+    case 28:
         rotating_link_normal_force_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_normal_force_n(out[0]);
         //@ assert \is_finite(out[1]);
         Frama_C_show_each_normal_force_n(out[1]);
         break;
-    case 23:
+    case 29:
         rotating_link_regressor(theta_m, omega_m, alpha_m, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_regressor(out[0]);
@@ -295,7 +367,7 @@ static void called(int function, const rotating_link_coefficients *c)
         //@ assert \is_finite(out[3]);
         Frama_C_show_each_regressor(out[3]);
         break;
-    case 24:
+    case 30:
         rotating_link_regressor_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_regressor_n(out[0]);
@@ -314,12 +386,12 @@ static void called(int function, const rotating_link_coefficients *c)
         //@ assert \is_finite(out[7]);
         Frama_C_show_each_regressor_n(out[7]);
         break;
-    case 25:
+    case 31:
         out[0] = rotating_link_voltage(theta_m, omega_m, alpha_m, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_voltage(out[0]);
         break;
-    case 26:
+    case 32:
         rotating_link_voltage_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
         //@ assert \is_finite(out[0]);
         Frama_C_show_each_voltage_n(out[0]);
@@ -340,6 +412,6 @@ int main(void)
     if (rotating_link_prepare(&p, &c) != 0) {
         return 1;
     }
-    called(Frama_C_interval(0, 26), &c);
+    called(Frama_C_interval(0, 32), &c);
     return 0;
 }

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program ae0af83b).
+ * Generated: do not edit. Written beside rotating_link.c (program 7bcec3aa).
  * Self-test of rotating_link.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. rotating_link_selftest.c ../rotating_link.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -78,20 +78,23 @@ static void evaluate(unsigned function, const real *x, real *out)
 {
     (void)x; /* none of these functions may have an input */
     switch (function) {
-    case 0: out[0] = rotating_link_coulomb_torque(x[0], x[4], &c); break;
-    case 1: out[0] = rotating_link_current(x[0], x[1], x[4], &c); break;
-    case 2: out[0] = rotating_link_electrical_residual(x[1], x[2], x[3], &c); break;
-    case 3: rotating_link_friction_coefficients(out, &c); break;
-    case 4: out[0] = rotating_link_friction_torque(x[0], x[1], x[4], &c); break;
-    case 5: rotating_link_friction_torque_gradient(x[0], x[1], x[4], out, &c); break;
-    case 6: rotating_link_friction_torque_jacobian(x[0], x[1], x[4], out, &c); break;
-    case 7: rotating_link_friction_torque_with_gradient(x[0], x[1], x[4], out, &c); break;
-    case 8: out[0] = rotating_link_gravity_torque(x[0], &c); break;
-    case 9: out[0] = rotating_link_mechanical_friction_torque(x[0], x[1], x[4], &c); break;
-    case 10: out[0] = rotating_link_mechanical_residual(x[0], x[1], x[2], x[4], &c); break;
-    case 11: out[0] = rotating_link_normal_force(x[0], x[1], x[4], &c); break;
-    case 12: rotating_link_regressor(x[0], x[1], x[4], out, &c); break;
-    case 13: out[0] = rotating_link_voltage(x[0], x[1], x[4], &c); break;
+    case 0: out[0] = rotating_link_acceleration(x[0], x[1], x[4], x[5], &c); break;
+    case 1: rotating_link_breakaway_torque(x[0], out, &c); break;
+    case 2: out[0] = rotating_link_current(x[0], x[1], x[4], &c); break;
+    case 3: out[0] = rotating_link_electrical_residual(x[1], x[2], x[3], &c); break;
+    case 4: rotating_link_friction_budget(x[0], x[1], x[4], out, &c); break;
+    case 5: rotating_link_friction_coefficients(out, &c); break;
+    case 6: rotating_link_friction_step(x[0], x[1], x[4], x[5], x[6], out, &c); break;
+    case 7: out[0] = rotating_link_friction_torque(x[0], x[1], x[4], &c); break;
+    case 8: rotating_link_friction_torque_gradient(x[0], x[1], x[4], out, &c); break;
+    case 9: rotating_link_friction_torque_jacobian(x[0], x[1], x[4], out, &c); break;
+    case 10: rotating_link_friction_torque_with_gradient(x[0], x[1], x[4], out, &c); break;
+    case 11: out[0] = rotating_link_gravity_torque(x[0], &c); break;
+    case 12: out[0] = rotating_link_mechanical_friction_torque(x[0], x[1], x[4], &c); break;
+    case 13: out[0] = rotating_link_mechanical_residual(x[0], x[1], x[2], x[4], &c); break;
+    case 14: out[0] = rotating_link_normal_force(x[0], x[1], x[4], &c); break;
+    case 15: rotating_link_regressor(x[0], x[1], x[4], out, &c); break;
+    case 16: out[0] = rotating_link_voltage(x[0], x[1], x[4], &c); break;
     default: break;
     }
 }
@@ -190,19 +193,22 @@ static real x_n[INPUTS][ARRAY], out_n[ARRAY * LARGEST_WIDTH];
 static void evaluate_array(unsigned function)
 {
     switch (function) {
-    case 0: rotating_link_coulomb_torque_n(ARRAY, x_n[0], x_n[4], out_n, &c); break;
-    case 1: rotating_link_current_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
-    case 2: rotating_link_electrical_residual_n(ARRAY, x_n[1], x_n[2], x_n[3], out_n, &c); break;
-    case 4: rotating_link_friction_torque_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
-    case 5: rotating_link_friction_torque_gradient_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
-    case 6: rotating_link_friction_torque_jacobian_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
-    case 7: rotating_link_friction_torque_with_gradient_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
-    case 8: rotating_link_gravity_torque_n(ARRAY, x_n[0], out_n, &c); break;
-    case 9: rotating_link_mechanical_friction_torque_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
-    case 10: rotating_link_mechanical_residual_n(ARRAY, x_n[0], x_n[1], x_n[2], x_n[4], out_n, &c); break;
-    case 11: rotating_link_normal_force_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
-    case 12: rotating_link_regressor_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
-    case 13: rotating_link_voltage_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 0: rotating_link_acceleration_n(ARRAY, x_n[0], x_n[1], x_n[4], x_n[5], out_n, &c); break;
+    case 1: rotating_link_breakaway_torque_n(ARRAY, x_n[0], out_n, &c); break;
+    case 2: rotating_link_current_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 3: rotating_link_electrical_residual_n(ARRAY, x_n[1], x_n[2], x_n[3], out_n, &c); break;
+    case 4: rotating_link_friction_budget_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 6: rotating_link_friction_step_n(ARRAY, x_n[0], x_n[1], x_n[4], x_n[5], x_n[6], out_n, &c); break;
+    case 7: rotating_link_friction_torque_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 8: rotating_link_friction_torque_gradient_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 9: rotating_link_friction_torque_jacobian_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 10: rotating_link_friction_torque_with_gradient_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 11: rotating_link_gravity_torque_n(ARRAY, x_n[0], out_n, &c); break;
+    case 12: rotating_link_mechanical_friction_torque_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 13: rotating_link_mechanical_residual_n(ARRAY, x_n[0], x_n[1], x_n[2], x_n[4], out_n, &c); break;
+    case 14: rotating_link_normal_force_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 15: rotating_link_regressor_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 16: rotating_link_voltage_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
     default: break;
     }
 }

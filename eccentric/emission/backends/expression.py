@@ -140,6 +140,12 @@ def _print(e: sp.Expr, language: Language) -> tuple[str, int]:
             for value, condition in e.args
         ]
         return language.branches(pairs), _CHOICE
+    if isinstance(e, sp.Max | sp.Min):  # of parameters
+        first, *others = e.args
+        other = others[0] if len(others) == 1 else e.func(*others)
+        relation = ">" if isinstance(e, sp.Max) else "<"
+        condition = f"{at(_SUM, first)} {relation} {at(_SUM, other)}"
+        return language.branches([(plain(first), condition), (plain(other), "")]), _CHOICE
     if e.is_Add:
         text = ""
         for term in e.as_ordered_terms():

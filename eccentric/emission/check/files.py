@@ -19,7 +19,7 @@ from eccentric.emission.check.selftest import Called
 from eccentric.emission.hot import executed
 from eccentric.emission.program import SHORTEST
 from eccentric.emission.templates import plain, template
-from eccentric.model import TURNING, AxisKind, Model, Quantity, interface_of, spoken
+from eccentric.model import TURNING, AxisKind, Model, Quantity, interface_of, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
 
 # The driver with which Frama-C's Eva proves that an emitted C source gives no overflow and no NaN.
@@ -35,12 +35,13 @@ _RANGES = {
     "alpha_m": (-1e4, 1e4),
     "i": (-_CURRENT, _CURRENT),
     "u": (-1e3, 1e3),
+    "torque": (-1e4, 1e4),
     "t": (0.0, 1e6),
     "temperature": (-60.0, 3e2),
     "dt": (-1e2, 1e2),
 }
 # Where a force is logged, k_f is 1 N/A, and a current is as large as the force.
-_OF_A_CARRIAGE = {**_RANGES, "i": (-1e6, 1e6)}
+_OF_A_CARRIAGE = {**_RANGES, "i": (-1e6, 1e6), "force": (-1e6, 1e6)}
 # Those of a hidden state, by its unit; it is not proved that the state stays within them. Averaged losses are
 # negative only by noise.
 _SLOPE = 2 * _CURRENT / float(SHORTEST)
@@ -86,6 +87,8 @@ def view(
     states = [state.quantity for state in model.states]
     known = {q.name: q for q in (*model.inputs, *states, v.dt)}
     known |= {q.name: q for q in (v.theta_m, v.omega_m, v.alpha_m, v.i, v.u, v.temperature)}
+    torque = spoken_quantity(axis, v.torque)
+    known[torque.name] = torque
     return {
         "command": proof_command(model.name, source, real="double" if joints > _IN_FLOAT else "float"),
         "precisions": _IN_DOUBLE if joints > _IN_FLOAT else _IN_BOTH,
@@ -186,7 +189,6 @@ def views(model: Model, files: Mapping[str, str], *, arrays: bool = True) -> dic
     joints = joints_of(model)
     # What is called has the names of the axis.
     axis, model = model.axis, spoken(model)
-    acceleration = axis.named(v.alpha_m.name)
     source, in_c = files[f"{model.name}.py"], files[f"{model.name}.c"]
     module = executed(files, model.name)
     # Firmware steps hidden states itself; only Python follows them through a log.
@@ -194,8 +196,7 @@ def views(model: Model, files: Mapping[str, str], *, arrays: bool = True) -> dic
     public = {name: getattr(module, name) for name in names}
     inputs = _inputs(() if joints else [q.name for q in model.inputs], public.values())
     functions = [
-        _function(model.name, name, function, inputs, arrays, joints, acceleration)
-        for name, function in public.items()
+        _function(model.name, name, function, inputs, arrays, joints) for name, function in public.items()
     ]
     defaults = _defaults(model)
     missing = [q.name for q in model.parameters if q.name not in defaults]
@@ -230,11 +231,10 @@ def _inputs(own: Iterable[str], functions: Iterable[Any]) -> list[str]:
     return list(dict.fromkeys([*own, *(x for function in functions for x in _taken(function))]))
 
 
-def _function(
-    prefix: str, name: str, function: Any, inputs: list[str], many: bool, joints: int, acceleration: str
-) -> Called:
+def _function(prefix: str, name: str, function: Any, inputs: list[str], many: bool, joints: int) -> Called:
     taken, length = _taken(function), joints or 1
-    sample = [1.0 if x != acceleration else 0.0 for x in taken]
+    # Of the last input, which may need an inertia that is not given, 0 alone is sure to have a value.
+    sample = [1.0] * (len(taken) - 1) + [0.0] * bool(taken)
     shape = np.shape(function(*([x] * joints if joints else x for x in sample)))
     places = [length * inputs.index(x) for x in taken]
     arguments = [f"{'&' if joints else ''}x[{k}]" for k in places]

@@ -263,16 +263,19 @@ _ELAPSED = Assignment(
 
 
 def _for_any_step(output: Output) -> tuple[Output, Expressions]:
-    """The output and its expressions; updates of hidden states that contain dt hold for any time step."""
-    given, states = output.expressions(), {state.quantity.name: state for state in output.advances}
-    if not any(state.update.has(_DT) for state in output.advances):
+    """The output and its expressions; those that contain dt hold for any time step."""
+    given = output.expressions()
+    values = [*(value for _, value in given.results), *(a.value for a in given.definitions)]
+    if not output.without_time or not any(value.has(_DT) for value in values):
         return output, given
+    elapsed = {_DT: _ELAPSED.target}
     results = tuple(
-        (name, Pick(_DT, BELOW, _LEAST, states[name].symbol, value.xreplace({_DT: _ELAPSED.target})))
+        (name, Pick(_DT, BELOW, _LEAST, output.without_time[name], value.xreplace(elapsed)))
         for name, value in given.results
     )
+    definitions = (replace(a, value=a.value.xreplace(elapsed)) for a in given.definitions)
     kept = replace(output, meaning=f"{output.meaning}, unchanged if dt is less than {SHORTEST} s")
-    return kept, replace(given, results=results, definitions=(*given.definitions, _ELAPSED))
+    return kept, replace(given, results=results, definitions=(_ELAPSED, *definitions))
 
 
 def build_program(model: Model, choice: Choice = WHOLE) -> Program:

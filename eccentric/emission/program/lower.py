@@ -217,6 +217,9 @@ class Lowering:
             steps.Forward: lambda x: self.named("is_forward", steps.Forward(x)),
             steps.Backward: lambda x: self.named("is_backward", steps.Backward(x)),
             steps.ByDirection: lambda x, a, b: Pick(x, ABOVE, sp.Integer(0), a, b),
+            steps.AtZero: lambda x, a, b: Pick(x, EQUAL, sp.Integer(0), a, b),
+            steps.Shrunk: self._shrunk,
+            steps.Quotient: Over,
             sp.Abs: Size,
             sp.Max: lambda *all_of: reduce(lambda a, b: self._either(a, ABOVE, AT_MOST, b), all_of),
             sp.Min: lambda *all_of: reduce(lambda a, b: self._either(a, AT_MOST, ABOVE, b), all_of),
@@ -298,6 +301,13 @@ class Lowering:
         if isinstance(x, Size):
             return AtMost(size, b)
         return Pick(size, ABOVE, b, b, Pick(size, BELOW, -b, -b, size))
+
+    def _shrunk(self, x: sp.Expr, low: sp.Expr, high: sp.Expr) -> sp.Expr:
+        zero = sp.Integer(0)
+        over, under = self.named("over", Minus(x, high)), self.named("under", Minus(x, low))
+        # Within the band it is 0, and NaN if one of the three is.
+        within = Times(zero, Minus(under, over))
+        return Pick(over, ABOVE, zero, over, Pick(under, BELOW, zero, under, within))
 
     def _gated(self, a: sp.Expr, b: sp.Expr) -> sp.Expr:
         zero, parameter = sp.Integer(0), a.free_symbols <= self._prepare.symbols

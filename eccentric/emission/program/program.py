@@ -123,6 +123,11 @@ class Routine:
     meaning: str
     requires: tuple[str, ...] = ()
 
+    @property
+    def last_is_optional(self) -> bool:
+        """Whether the last input is 0 if it is left out: an acceleration that takes an inertia."""
+        return bool(self.requires) and self.inputs[-1].quantity.unit.endswith("/s^2")
+
 
 @dataclass(frozen=True)
 class Helper:

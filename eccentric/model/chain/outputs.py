@@ -15,7 +15,7 @@ from eccentric.model.chain.inertial import inertial
 from eccentric.model.chain.recursion import Recursion, at_rest
 from eccentric.model.model import Model
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, differentiate, needed
-from eccentric.model.outputs import STEP, armature_parameters, step_updates, step_words
+from eccentric.model.outputs import STEP, armature_parameters, held_states, step_updates, step_words
 from eccentric.model.quantity import Definition, quantity
 from eccentric.model.steps import HalfCosine, HalfSine, meaning
 
@@ -127,7 +127,9 @@ class _Outputs:
         ]
         if model.states:
             step = self._of_moving(lambda: step_updates(model))
-            listed.append(self._output(STEP, *step_words(model), step, advances=model.states))
+            listed.append(
+                self._output(STEP, *step_words(model), step, without_time=held_states(model), advances=True)
+            )
         return tuple(listed)
 
     def _output(

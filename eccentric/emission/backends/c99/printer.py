@@ -131,6 +131,8 @@ _OPERATIONS: Mapping[type, Callable[..., mpmath.mpf]] = {
     sp.Mul: lambda *factors: mpmath.fprod(factors),
     sp.Pow: mpmath.power,
     sp.Abs: abs,
+    sp.Max: lambda a, *others: reduce(lambda x, y: max(y, x), others, a),
+    sp.Min: lambda a, *others: reduce(lambda x, y: min(y, x), others, a),
     sp.sin: mpmath.sin,
     sp.cos: mpmath.cos,
     sp.exp: mpmath.exp,

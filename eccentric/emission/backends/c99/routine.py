@@ -65,6 +65,7 @@ def routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, A
         "name": r.name,
         "unit": r.unit,
         "requires": " and ".join(r.requires),
+        "last": r.inputs[-1].quantity.name if r.inputs else "",
         "width": len(r.labels),
         "twin": _twin(program, twin) if twin else {},
         **_documentation(program, r, parts),

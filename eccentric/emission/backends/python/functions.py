@@ -341,7 +341,7 @@ def _shared(body: CodeBody) -> dict[str, Any]:
 
 def _routine(r: Routine, body: CodeBody, absent: Sequence[str]) -> dict[str, Any]:
     names = [x.quantity.name for x in r.inputs]
-    defaults = ["=0.0" if r.requires and x is r.inputs[-1] else "" for x in r.inputs]
+    defaults = ["=0.0" if r.last_is_optional and x is r.inputs[-1] else "" for x in r.inputs]
     vectors = {x.quantity.name: x.length for x in r.inputs if x.length is not None}
     unpacked = [
         f"({', '.join(s.name for s in x.symbols)},) = {x.quantity.name}" for x in r.inputs if x.length

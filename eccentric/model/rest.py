@@ -1,0 +1,383 @@
+"""Friction at rest: the levels that dry friction can take, and a step in time that holds a drive exactly.
+
+Dry friction is set-valued at rest: any torque between its two levels, whichever keeps the drive there. In
+motion it is the level of that direction. So it enters a time step by its levels, never by the sign of a
+velocity: with the momentum p that the drive would have without friction, J omega_m = p - dt f is solved for
+the velocity at the end of the step, in closed form (J. J. Moreau, in Nonsmooth Mechanics and Applications,
+CISM 302, 1988).
+
+What the levels and the viscous coefficient depend on, F_N and the fall of Stribeck friction too, is taken at
+the start of the step. So there is one solution for any time step, also where friction falls with the speed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+
+from eccentric.model import vocabulary as v
+from eccentric.model.balance import Role, Term
+from eccentric.model.equation import Equation, Identity
+from eccentric.model.model import Model
+from eccentric.model.output import Assignment
+from eccentric.model.steps import (
+    AtZero,
+    Backward,
+    ByDirection,
+    Forward,
+    Gated,
+    Magnitude,
+    Quotient,
+    Sgn,
+    Shrunk,
+)
+
+# The law in a derivation.
+
+
+def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = None) -> tuple[Equation, ...]:
+    """The equations of friction at rest, for friction that is linear in the velocity once F_N is given.
+
+    Args:
+        friction: the friction torque, with the sign of omega_m [N m].
+        inertia: on the motor side [kg m^2].
+        backward: that for omega_m < 0, if it has other coefficients.
+    """
+    omega_m = v.omega_m.symbol
+    f, T, dt, p, J = v.f.symbol, v.torque.symbol, v.dt.symbol, v.p.symbol, sp.Symbol("J", positive=True)
+    upper, lower, b, after = v.f_upper.symbol, v.f_lower.symbol, v.b.symbol, v.omega_after.symbol
+    sides = ((1, friction), (-1, friction if backward is None else backward))
+    values = [sp.expand(value.subs(sp.sign(omega_m), sign)) for sign, value in sides]
+    dry, viscous = ([sp.collect(x.coeff(omega_m, k), v.F_N.symbol) for x in values] for k in (0, 1))
+    # Momentum over the levels, and levels, as numbers whose signs are known.
+    e, high, low, c = sp.symbols("e high low c", positive=True)
+    ahead, back = e / (J + dt * c), -e / (J + dt * c)
+
+    def of_momentum(size: sp.Expr, end: sp.Expr, friction: sp.Expr) -> sp.Expr:
+        """J (end - start) - dt (T - friction), where J start + dt T is the momentum."""
+        return sp.simplify(J * end + dt * friction - size)
+
+    def never_negative(value: sp.Expr) -> sp.Expr:
+        value = sp.factor(value)
+        return value - sp.Abs(value)
+
+    step = sp.Piecewise(
+        ((p - dt * upper) / (inertia + dt * b), p > dt * upper),
+        ((p - dt * lower) / (inertia + dt * b), p < dt * lower),
+        (0, True),
+    )
+    names = ("f_upper", "f_lower", "b") if viscous[0] == viscous[1] else ("f_upper", "f_lower", "b^+", "b^-")
+    found = [*dry, *dict.fromkeys(viscous)]
+    return (
+        Equation(
+            "levels",
+            "",
+            sp.Matrix(sp.symbols(names)),
+            sp.Matrix(found),
+            ("N m", "N m", *["N m s/rad"] * (len(found) - 2)),
+            "Its dry part has a level for each direction of motion, and the rest is viscous, for the load at"
+            " this state.",
+        ),
+        Equation(
+            "set_valued",
+            "",
+            f,
+            sp.Piecewise(
+                (upper + b * omega_m, omega_m > 0),
+                (lower + b * omega_m, omega_m < 0),
+                (sp.Min(upper, sp.Max(lower, T)), True),
+            ),
+            "N m",
+            "At rest dry friction is any torque between its levels: it takes the torque T of all else as far"
+            " as they reach.",
+        ),
+        Equation(
+            "momentum",
+            "",
+            p,
+            inertia * omega_m + dt * T,
+            "N m s",
+            "Over a time step Delta t, T alone would give the drive this momentum; friction takes"
+            " Delta t f of it.",
+        ),
+        Equation(
+            "step",
+            "",
+            after,
+            step,
+            "rad/s",
+            "So the velocity at its end is, in closed form, with the levels at its start:",
+            (
+                Identity(
+                    "forwards, what friction takes of the momentum is its value at the end, times the step",
+                    of_momentum(dt * high + e, ahead, high + c * ahead),
+                ),
+                Identity(
+                    "and backwards",
+                    of_momentum(-dt * low - e, back, -low + c * back),
+                ),
+                Identity(
+                    "friction never drives: it has the sign of the velocity forwards",
+                    never_negative((high + c * ahead) * ahead),
+                ),
+                Identity("and backwards", never_negative((-low + c * back) * back)),
+                Identity(
+                    "the drive is never faster than it would be without friction, forwards",
+                    never_negative(sp.together((dt * high + e) / J - ahead)),
+                ),
+                Identity("and backwards", never_negative(sp.together(back - (-dt * low - e) / J))),
+                Identity(
+                    "both are continuous where the momentum leaves the levels",
+                    sp.Abs(ahead.subs(e, 0)) + sp.Abs(back.subs(e, 0)),
+                ),
+            ),
+        ),
+    )
+
+
+# The levels of a model.
+
+
+_SPEED = sp.Symbol("speed_of_motor", positive=True)
+"""The magnitude of the velocity while sums are split: divided by it, nothing is left of it."""
+_ENDINGS = {1: "_forward", -1: "_backward"}
+
+
+@dataclass(frozen=True)
+class Side:
+    """Friction in one direction of motion, by signs of the motor: as functions of the state.
+
+    Attributes:
+        dry: its level, with hidden states of presliding where they end in this direction [N m].
+        viscous: the rest over the velocity [N m s/rad].
+        held: the level with presliding where it is [N m].
+        damping: the rest over the velocity with presliding where it is [N m s/rad].
+        stiffness: how fast presliding builds the level up, times the time step dt [N m s/rad].
+    """
+
+    dry: sp.Expr
+    viscous: sp.Expr
+    held: sp.Expr
+    damping: sp.Expr
+    stiffness: sp.Expr
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Friction in both directions, and the definitions that differ between them."""
+
+    forward: Side
+    backward: Side
+    definitions: tuple[Assignment, ...]
+
+    def at_rest(self, direction: int) -> sp.Expr:
+        """The level in a direction, 1 or -1, written in the definitions of the model alone."""
+        level = (self.forward if direction > 0 else self.backward).dry
+        for a in reversed(self.definitions):
+            level = level.xreplace({a.target: a.value})
+        return level
+
+    @property
+    def presliding(self) -> bool:
+        """Whether friction builds up over a distance."""
+        return self.forward.stiffness != 0 or self.backward.stiffness != 0
+
+
+def at_direction(value: sp.Expr, omega_m: sp.Symbol, direction: int) -> sp.Expr:
+    """The value with the steps by the direction of omega_m decided: 1 forwards, -1 backwards."""
+    value = value.xreplace({
+        Sgn(omega_m): sp.Integer(direction),
+        Forward(omega_m): sp.Integer(direction > 0),
+        Backward(omega_m): sp.Integer(direction < 0),
+    })  # fmt: skip
+    value = value.replace(
+        lambda e: isinstance(e, ByDirection) and e.args[0] == omega_m,
+        lambda e: e.args[1 if direction > 0 else 2],
+    )
+    return value.replace(lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args))
+
+
+def levels(model: Model, omega_m: sp.Symbol, terms: tuple[Term, ...]) -> Levels:
+    """The levels of friction terms over the velocity omega_m, and the viscous coefficients.
+
+    A term with a factor omega_m is viscous, any other one dry. Both depend on the magnitude of the velocity.
+    """
+    renamed: dict[int, dict[sp.Symbol, sp.Expr]] = {1: {}, -1: {}}
+    copies: list[Assignment] = []
+    for d in model.definitions:
+        both = {s: _moving(d.value, omega_m, s).xreplace(renamed[s]) for s in renamed}
+        if both[1] == both[-1]:
+            continue
+        for s, value in both.items():
+            copy = sp.Symbol(d.quantity.name + _ENDINGS[s], **d.symbol.assumptions0)
+            renamed[s][d.symbol] = copy
+            copies.append(Assignment(copy, value.xreplace({_SPEED: sp.Abs(omega_m)})))
+    bristles = {state.symbol: state.update for state in model.states}
+    sides = {s: _side(omega_m, s, terms, renamed[s], bristles) for s in renamed}
+    return Levels(sides[1], sides[-1], tuple(copies))
+
+
+def _moving(value: sp.Expr, omega_m: sp.Symbol, direction: int) -> sp.Expr:
+    """The value at the speed _SPEED in this direction; what is even in a sum of squares has one spelling."""
+    value = at_direction(value, omega_m, direction).xreplace({omega_m: direction * _SPEED})
+    return value.replace(Magnitude, lambda p, q: Magnitude(-p if p.could_extract_minus_sign() else p, q))
+
+
+def _side(
+    omega_m: sp.Symbol,
+    direction: int,
+    terms: tuple[Term, ...],
+    renamed: Mapping[sp.Symbol, sp.Expr],
+    bristles: Mapping[sp.Symbol, sp.Expr],
+) -> Side:
+    found = [sp.Integer(0)] * 5
+    for term in terms:
+        value = _moving(term.value, omega_m, direction)
+        bent = value.free_symbols & set(bristles) if term.role is Role.PRESLIDING else set()
+        updates = {z: _moving(bristles[z], omega_m, direction) for z in bent}
+        # A bristle follows the distance by an exponential, which is over after a long time.
+        ends = {z: update.replace(_fades, lambda _: sp.Integer(0)) for z, update in updates.items()}
+        rate = sum(
+            (sp.diff(value, z) * sp.diff(update, _SPEED).subs(_SPEED, 0) for z, update in updates.items()),
+            sp.Integer(0),
+        )
+        parts = (*_split(value.xreplace(ends)), *_split(value))
+        stiffness = direction * rate if bent else sp.Integer(0)
+        found = [a + b for a, b in zip(found, (*parts, stiffness), strict=True)]
+    plain = {_SPEED: sp.Abs(omega_m)}
+    dry, viscous, held, damping, stiffness = (x.xreplace(renamed).xreplace(plain) for x in found)
+    # Friction never drives: neither its level nor its coefficient crosses zero.
+    dry, viscous, damping = (
+        direction * _at_least_zero(direction * dry),
+        *(_at_least_zero(direction * x) for x in (viscous, damping)),
+    )
+    return Side(dry, viscous, held if stiffness != 0 else dry, damping, stiffness)
+
+
+def _at_least_zero(value: sp.Expr) -> sp.Expr:
+    """The value, or 0 where it is negative."""
+    # A tilt is at most a right angle.
+    tilted = {f(v.phi.symbol): sp.Dummy(nonnegative=True) for f in (sp.sin, sp.cos)}
+    return value if value.xreplace(tilted).is_nonnegative else sp.Max(0, value)
+
+
+def _fades(e: sp.Basic) -> bool:
+    return isinstance(e, sp.exp) and e.has(v.dt.symbol)
+
+
+def _split(value: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """What has no factor of the speed, and the rest over the speed."""
+    dry, viscous = [], []
+    for addend in sp.Add.make_args(sp.expand_mul(value, deep=False)):
+        powers = addend.as_powers_dict()
+        if sp.sympify(powers.get(_SPEED, 0)).is_positive:
+            viscous.append(addend / _SPEED)
+        else:
+            dry.append(addend)
+    return sp.Add(*dry), sp.Add(*viscous)
+
+
+# What is emitted: the levels, and one time step of a drive between them.
+
+
+def budget(found: Levels) -> tuple[tuple[str, sp.Expr], ...]:
+    """Lower and upper level, and the viscous coefficient in the direction of motion."""
+    viscous = _chosen(v.omega_m.symbol, found.forward.viscous, found.backward.viscous)
+    return ("lower", found.backward.dry), ("upper", found.forward.dry), ("viscous", viscous)
+
+
+class _Steps:
+    """Assignments of one routine; called, it names a value that depends on the state."""
+
+    def __init__(self, model: Model) -> None:
+        self._fixed, self.listed = model.parameter_symbols, []
+        self._named: dict[sp.Expr, sp.Expr] = {}
+
+    def __call__(self, name: str, value: sp.Expr, note: str = "") -> sp.Expr:
+        if value.is_Atom or value.free_symbols <= self._fixed:
+            return value
+        if -value in self._named:
+            return -self._named[-value]
+        if value not in self._named:
+            self._named[value] = sp.Symbol(name, real=True)
+            self.listed.append(Assignment(self._named[value], value, note))
+        return self._named[value]
+
+    def sides(self, found: Levels) -> tuple[Side, Side]:
+        """Both sides, each of their values under a name."""
+        forward, backward = found.forward, found.backward
+        one = "slope" if forward.viscous == backward.viscous else "slope_forward"
+        return (
+            Side(
+                self("upper", forward.dry, "levels of dry friction [N m]"),
+                self(one, forward.viscous),
+                self("held_upper", forward.held, "levels of the bristles as they are bent [N m]"),
+                self("damping_forward", forward.damping),
+                self("stiffness_forward", forward.stiffness),
+            ),
+            Side(
+                self("lower", backward.dry),
+                self("slope_backward", backward.viscous),
+                self("held_lower", backward.held),
+                self("damping_backward", backward.damping),
+                self("stiffness_backward", backward.stiffness),
+            ),
+        )
+
+
+Stepped = tuple[tuple[Assignment, ...], tuple[tuple[str, sp.Expr], ...]]
+
+
+def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
+    """Velocity after a time step, and the friction torque in it, with what both are computed from.
+
+    While presliding builds up, friction is the smaller of two laws: that of the bristles, linear in the
+    velocity over the step, and that of sliding. The greater speed is the solution for the smaller of both.
+    """
+    omega_m, torque, dt = v.omega_m.symbol, v.torque.symbol, v.dt.symbol
+    named = _Steps(model)
+    forward, backward = named.sides(found)
+    without = "momentum at the end of the step, if there were no friction [N m s]"
+    momentum = named("momentum", inertia * omega_m + dt * torque, without)
+    excess = named(
+        "excess",
+        Shrunk(momentum, dt * backward.held, dt * forward.held),
+        "its part that friction at rest does not take up [N m s]",
+    )
+
+    def chosen(name: str) -> sp.Expr:
+        return _chosen(excess, getattr(forward, name), getattr(backward, name))
+
+    viscous = named("damped", chosen("viscous"))
+    if not found.presliding:
+        end = named("velocity_after", excess / (inertia + dt * viscous))
+        moving = named("in_motion", named("level", chosen("dry")) + viscous * end)
+    else:
+        bent_by = named(
+            "bent_by", chosen("damping") + chosen("stiffness"), "torque per velocity while bristles bend"
+        )
+        bent = named("bent", excess / (inertia + dt * bent_by), "velocity while bristles bend [rad/s]")
+        over = named("sliding", Shrunk(momentum, dt * backward.dry, dt * forward.dry))
+        slid = named("slid", over / (inertia + dt * viscous), "velocity while surfaces slide [rad/s]")
+        end = named("velocity_after", ByDirection(excess, sp.Max(bent, slid), sp.Min(bent, slid)))
+        first, second = chosen("held") + bent_by * end, chosen("dry") + viscous * end
+        moving = named("in_motion", ByDirection(excess, sp.Min(first, second), sp.Max(first, second)))
+    return tuple(named.listed), ((omega_m.name, end), ("friction", AtZero(excess, momentum / dt, moving)))
+
+
+def acceleration(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
+    """The acceleration by a torque, 0 at rest within the levels, with what it is computed from."""
+    omega_m, torque = v.omega_m.symbol, v.torque.symbol
+    named = _Steps(model)
+    forward, backward = named.sides(found)
+    starting = named("starting", Shrunk(torque, backward.held, forward.held))
+    dry, damping = (_chosen(omega_m, getattr(forward, x), getattr(backward, x)) for x in ("held", "damping"))
+    moving = named("moving", torque - named("level", dry) - omega_m * damping)
+    moved = AtZero(omega_m, starting, moving)
+    return tuple(named.listed), (("", Quotient(moved, inertia)),)
+
+
+def _chosen(by: sp.Expr, forward: sp.Expr, backward: sp.Expr) -> sp.Expr:
+    return forward if forward == backward else ByDirection(by, forward, backward)
