@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program c865236c).
+ * (eccentric 0.1.0, program ef9b6802).
  * Case C1 with friction that differs between the directions of motion.
  */
 /* Begin with c1_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0xc865236cUL
+#define C1_ASYMMETRIC_PROGRAM 0xef9b6802UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_asymmetric_mechanical_friction_torque_double. */
@@ -313,6 +313,8 @@ void c1_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c1_asymmetri
  *  @param[in]  c  coefficients
  */
 void c1_asymmetric_breakaway_torque(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);
+/* What it was called before: a call of that is an error, which names this one. */
+#define c1_asymmetric_coulomb_torque c1_asymmetric_coulomb_torque_is_now_breakaway_torque
 
 /** Levels of dry friction at this state, and the viscous coefficient.
  *  @param[in]  omega_m  motor velocity [rad/s]

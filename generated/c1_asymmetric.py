@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program c865236c).
+# (eccentric 0.1.0, program ef9b6802).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -357,6 +357,11 @@ def breakaway_torque(c):
     """
     result_lower = -c.C_neg
     return result_lower, c.C_pos
+
+
+def coulomb_torque(*_, **__):
+    """Now `breakaway_torque`."""
+    raise AttributeError("coulomb_torque: now breakaway_torque, which returns the lower and the upper level")
 
 
 @_model.function

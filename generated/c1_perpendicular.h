@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program ca196b93).
+ * (eccentric 0.1.0, program 30a62c3a).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0xca196b93UL
+#define C1_PERPENDICULAR_PROGRAM 0x30a62c3aUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_perpendicular_mechanical_friction_torque_double. */
@@ -287,6 +287,8 @@ void c1_perpendicular_friction_coefficients(ECCENTRIC_REAL *out, const c1_perpen
  *  @param[in]  c  coefficients
  */
 void c1_perpendicular_breakaway_torque(ECCENTRIC_REAL *out, const c1_perpendicular_coefficients *c);
+/* What it was called before: a call of that is an error, which names this one. */
+#define c1_perpendicular_coulomb_torque c1_perpendicular_coulomb_torque_is_now_breakaway_torque
 
 /** Levels of dry friction at this state, and the viscous coefficient.
  *  @param[in]  omega_m  motor velocity [rad/s]

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program ca196b93).
+# (eccentric 0.1.0, program 30a62c3a).
 # Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
@@ -251,6 +251,11 @@ def breakaway_torque(c):
     """
     result_lower = -c.C
     return result_lower, c.C
+
+
+def coulomb_torque(*_, **__):
+    """Now `breakaway_torque`."""
+    raise AttributeError("coulomb_torque: now breakaway_torque, which returns the lower and the upper level")
 
 
 @_model.function

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 63f9d583).
+ * (eccentric 0.1.0, program 9770cc1c).
  * Case C2 with friction that differs between the directions of motion.
  */
 /* Begin with c2_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x63f9d583UL
+#define C2_ASYMMETRIC_PROGRAM 0x9770cc1cUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_asymmetric_mechanical_friction_torque_double. */
@@ -349,6 +349,8 @@ void c2_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c2_asymmetri
  *  @param[in]  c  coefficients
  */
 void c2_asymmetric_breakaway_torque(ECCENTRIC_REAL *out, const c2_asymmetric_coefficients *c);
+/* What it was called before: a call of that is an error, which names this one. */
+#define c2_asymmetric_coulomb_torque c2_asymmetric_coulomb_torque_is_now_breakaway_torque
 
 /** Levels of dry friction at this state, and the viscous coefficient.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)

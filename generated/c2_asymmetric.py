@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program 63f9d583).
+# (eccentric 0.1.0, program 9770cc1c).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -384,6 +384,11 @@ def breakaway_torque(c):
     """
     result_lower = -c.C_lN_neg_mu_weight_plus_C_m_neg
     return result_lower, c.C_lN_pos_mu_weight_plus_C_m_pos
+
+
+def coulomb_torque(*_, **__):
+    """Now `breakaway_torque`."""
+    raise AttributeError("coulomb_torque: now breakaway_torque, which returns the lower and the upper level")
 
 
 @_model.function

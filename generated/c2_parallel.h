@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 48e0908e).
+ * (eccentric 0.1.0, program 0c9f759e).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 /* Begin with c2_parallel_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x48e0908eUL
+#define C2_PARALLEL_PROGRAM 0x0c9f759eUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_parallel_mechanical_friction_torque_double. */
@@ -327,6 +327,8 @@ void c2_parallel_friction_coefficients(ECCENTRIC_REAL *out, const c2_parallel_co
  *  @param[in]  c  coefficients
  */
 void c2_parallel_breakaway_torque(ECCENTRIC_REAL *out, const c2_parallel_coefficients *c);
+/* What it was called before: a call of that is an error, which names this one. */
+#define c2_parallel_coulomb_torque c2_parallel_coulomb_torque_is_now_breakaway_torque
 
 /** Levels of dry friction at this state, and the viscous coefficient.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)

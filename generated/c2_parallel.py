@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.1.0, program 48e0908e).
+# (eccentric 0.1.0, program 0c9f759e).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
@@ -309,6 +309,11 @@ def breakaway_torque(c):
     """
     result_lower = -c.C_lN_mu_weight_plus_C_m
     return result_lower, c.C_lN_mu_weight_plus_C_m
+
+
+def coulomb_torque(*_, **__):
+    """Now `breakaway_torque`."""
+    raise AttributeError("coulomb_torque: now breakaway_torque, which returns the lower and the upper level")
 
 
 @_model.function

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 7bcec3aa).
+ * (eccentric 0.1.0, program ef722e1e).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Begin with rotating_link_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x7bcec3aaUL
+#define ROTATING_LINK_PROGRAM 0xef722e1eUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in rotating_link_mechanical_friction_torque_double. */
@@ -363,6 +363,8 @@ void rotating_link_breakaway_torque(
     ECCENTRIC_REAL theta_m,
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
+/* What it was called before: a call of that is an error, which names this one. */
+#define rotating_link_coulomb_torque rotating_link_coulomb_torque_is_now_breakaway_torque
 
 /** breakaway_torque over arrays of n samples, each with 2 of `out`. */
 void rotating_link_breakaway_torque_n(

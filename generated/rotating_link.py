@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program 7bcec3aa).
+# (eccentric 0.1.0, program ef722e1e).
 # Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 """Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
@@ -341,6 +341,11 @@ def breakaway_torque(c, theta_m):
     result_lower = -c.C - c.C_lN_mu_scale_N * magnitude
     result_upper = c.C + c.C_lN_mu_scale_N * magnitude
     return result_lower, result_upper
+
+
+def coulomb_torque(*_, **__):
+    """Now `breakaway_torque`."""
+    raise AttributeError("coulomb_torque: now breakaway_torque, which returns the lower and the upper level")
 
 
 @_model.function

@@ -195,6 +195,7 @@ LINEAR = AxisKind(
         "friction_torque_gradient": "friction_force_gradient",
         "friction_torque_with_gradient": "friction_force_with_gradient",
         "friction_torque_jacobian": "friction_force_jacobian",
+        "coulomb_torque": "coulomb_force",
         "breakaway_torque": "breakaway_force",
         "gravity_torque": "load_force",
         "torque": "force",

@@ -80,6 +80,7 @@ class Output:
         without_time: result -> its value where no time passes; the others hold for a time step of any size.
         advances: whether its results are hidden states one time step later: it is there with any other.
         on_request: whether it is there only if it is asked for by name.
+        formerly: the name of what it took the place of: whoever calls that is told this one.
     """
 
     name: str
@@ -93,6 +94,7 @@ class Output:
     without_time: Mapping[str, sp.Expr] = field(default_factory=dict)
     advances: bool = False
     on_request: bool = False
+    formerly: str = ""
 
 
 @dataclass(frozen=True)

@@ -290,6 +290,7 @@ def drive_interface(model: Model) -> Interface:
             "N m",
             "levels of dry friction at rest: any torque between them holds the drive",
             at_rest,
+            formerly=axis.named("coulomb_torque"),
         ),
         output(
             "friction_budget",

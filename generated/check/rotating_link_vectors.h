@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 7bcec3aa).
+ * Generated: do not edit. Written beside rotating_link.c (program ef722e1e).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

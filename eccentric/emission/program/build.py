@@ -66,7 +66,10 @@ class Choice:
             InputError: there is no function of a chosen name.
         """
         offered = [output.name for output in outputs if not output.advances]
+        former = {output.formerly: output.name for output in outputs if output.formerly}
         for name in self.functions:
+            if name in former:
+                raise InputError("functions", former[name], f"{name!r}, its former name")
             if name not in offered:
                 known = f"one of {', '.join(offered)} is required"
                 raise InputError("functions", problem=f"{known}, received {name!r}{meant(name, offered)}")
@@ -387,6 +390,7 @@ def _routine(
         unit=output.unit,
         meaning=output.meaning,
         requires=output.requires,
+        formerly=output.formerly,
     )
 
 

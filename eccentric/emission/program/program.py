@@ -112,6 +112,7 @@ class Routine:
         unit: of the result.
         meaning: one line for the docstring.
         requires: parameters without a default that are needed where the last input is not zero.
+        formerly: the name of what it took the place of.
     """
 
     name: str
@@ -122,6 +123,7 @@ class Routine:
     unit: str
     meaning: str
     requires: tuple[str, ...] = ()
+    formerly: str = ""
 
     @property
     def last_is_optional(self) -> bool:

@@ -64,6 +64,7 @@ def routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, A
     return {
         "name": r.name,
         "unit": r.unit,
+        "formerly": r.formerly,
         "requires": " and ".join(r.requires),
         "last": r.inputs[-1].quantity.name if r.inputs else "",
         "width": len(r.labels),

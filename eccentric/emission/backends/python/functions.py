@@ -351,6 +351,7 @@ def _routine(r: Routine, body: CodeBody, absent: Sequence[str]) -> dict[str, Any
     options += [f"vectors={vectors}"] if vectors else []
     return {
         "name": r.name,
+        "formerly": r.formerly,
         "options": f"({', '.join(options)})" if options else "",
         "inputs": ["c", *(name + default for name, default in zip(names, defaults, strict=True))],
         "doc": _documentation(r),

@@ -1,0 +1,273 @@
+"""Friction at rest: what holds a drive holds it exactly, and a step never gains energy from friction.
+
+The reference for motion is an integration from event to event (a stop, a start) of the equations of the
+paper, written here once more.
+"""
+
+import inspect
+import itertools
+import math
+import subprocess
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import eccentric
+from eccentric.core import InputError
+from eccentric.effects import Effect
+from eccentric.emission.hot import load_module
+from eccentric.model import load_model
+from tests import extended, oracle
+from tests.emitted import MODELS, every_model, module, with_inertia
+from tests.hosts import need
+
+J_M, J_L = 2e-4, 0.04
+RANDOM = np.random.default_rng(8)
+
+
+def taken(function: Callable[..., object]) -> list[str]:
+    """Return the names of a function's inputs."""
+    return [x for x in inspect.signature(function).parameters if x not in {"parameters", "out"}]
+
+
+def drawn(names: list[str], count: int) -> dict[str, np.ndarray]:
+    """States in a drive's range, half of the time steps long."""
+    wide = {"theta_m": 40.0, "omega_m": 60.0, "alpha_m": 200.0, "torque": 0.5, "i": 5.0, "u": 20.0}
+    found = {name: wide.get(name, 1.0) * RANDOM.uniform(-1.0, 1.0, count) for name in names}
+    found["dt"] = 10.0 ** RANDOM.uniform(-4.0, -2.0, count)
+    found["temperature"] = RANDOM.uniform(15.0, 40.0, count)
+    return found
+
+
+def call(emitted: ModuleType, function: str, columns: dict[str, np.ndarray], p: object) -> np.ndarray:
+    """Return what a function gives for the columns that it takes."""
+    f = getattr(emitted, function)
+    return f(*(columns[name] for name in taken(f)), p)
+
+
+# Within the levels nothing moves.
+
+
+@every_model
+def test_torques_within_the_levels_move_nothing(name: str) -> None:
+    """A thousand drives at rest, a thousand steps each, every torque and time step drawn anew."""
+    emitted, p, drives = module(name), with_inertia(name), 1000
+    theta_m = RANDOM.uniform(-9.0, 9.0, drives)
+    at_rest = {"theta_m": theta_m, "omega_m": np.zeros(drives), "alpha_m": np.zeros(drives)}
+    lower, upper, _ = np.broadcast_to(call(emitted, "friction_budget", at_rest, p), (drives, 3)).T
+    omega_m = np.zeros(drives)
+    for _ in range(1000):
+        torque = lower + (upper - lower) * RANDOM.uniform(0.0, 1.0, drives)
+        step = at_rest | {"omega_m": omega_m, "torque": torque}
+        step["dt"] = 10.0 ** RANDOM.uniform(-4.0, -2.0, drives)
+        omega_m = call(emitted, "friction_step", step, p)[:, 0]
+        assert not omega_m.any()
+        assert not np.any(call(emitted, "acceleration", step, p))
+
+
+@every_model
+def test_a_step_takes_energy(name: str) -> None:
+    """Friction has the sign of the velocity, which is at most that without friction: a million steps."""
+    emitted, p = module(name), with_inertia(name)
+    J = p.J_m + p.mu**2 * p.J_l
+    columns = drawn(taken(emitted.friction_step), 1_000_000)
+    after, friction = call(emitted, "friction_step", columns, p).T
+    without = np.abs(J * columns["omega_m"] + columns["dt"] * columns["torque"]) / J
+
+    assert np.all(friction * after >= 0.0)
+    assert np.all(np.abs(after) <= without * (1.0 + 4.0 * np.finfo(float).eps))
+    assert np.any(after == 0.0)
+    assert np.any(after > 0.0)
+
+
+@pytest.mark.parametrize("dt", [0.0, -1e-3, 1e-12])
+def test_without_time_nothing_happens(dt: float) -> None:
+    """A first sample, a time that runs backwards and a repeated one change no velocity."""
+    after, friction = module("c2_parallel").friction_step(0.3, 2.0, 0.5, dt, with_inertia("c2_parallel"))
+
+    assert (after, friction) == (2.0, 0.0)
+
+
+def test_what_is_no_number_gives_none() -> None:
+    """A NaN is never taken for a drive at rest."""
+    p = with_inertia("c2_parallel")
+    for k in range(4):
+        given = [0.3, 2.0, 0.5, 1e-3]
+        given[k] = math.nan
+        assert np.isnan(module("c2_parallel").friction_step(*given, p)).all(), k
+
+
+# The levels are those of the friction torque.
+
+
+@pytest.mark.parametrize(
+    ("case", "effect"),
+    [
+        pytest.param(case, effect, id=f"{case}-{effect.id}", marks=() if k % 4 == 0 else pytest.mark.slow)
+        for case in extended.CASES
+        for k, effect in enumerate(extended.effects(case).values())
+        if not effect.evidence.repeats or effect.id in extended.ORDERS
+        if effect.family not in {"presliding", "backlash"}
+    ],
+)
+def test_in_motion_it_is_the_friction_torque(case: str, effect: Effect) -> None:
+    """Of the direction of motion, the level and the viscous part add up to it, whatever effect there is."""
+    values = {q.name: 1e-4 if "N m" in q.unit else 0.01 for q in effect.coefficients}
+    emitted = load_module(effect.extend(load_model(extended.BASE[case]), values))
+    p = emitted.Parameters(J_m=J_M, J_l=J_L)
+    columns = drawn(taken(emitted.mechanical_friction_torque) + taken(emitted.friction_budget), 500)
+    lower, upper, viscous = call(emitted, "friction_budget", columns, p).T
+
+    together = np.where(columns["omega_m"] > 0.0, upper, lower) + viscous * columns["omega_m"]
+    expected = call(emitted, "mechanical_friction_torque", columns, p)
+    assert together == pytest.approx(expected, rel=1e-12, abs=1e-15)
+    assert np.all(lower <= 0.0)
+    assert np.all(upper >= 0.0)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_breakaway_is_the_budget_at_rest(name: str) -> None:
+    """At rest and without acceleration."""
+    emitted, p = module(name), with_inertia(name)
+    at_rest = drawn(taken(emitted.friction_budget), 50) | {"omega_m": np.zeros(50), "alpha_m": np.zeros(50)}
+
+    budget = np.broadcast_to(call(emitted, "friction_budget", at_rest, p), (50, 3))
+    levels = np.broadcast_to(call(emitted, "breakaway_torque", at_rest, p), (50, 2))
+    assert levels == pytest.approx(budget[:, :2], rel=1e-13)
+
+
+def test_friction_does_not_drive() -> None:
+    """Where a ripple takes away more than there is, the level is cut at 0."""
+    effect = extended.effects("C2")["link_harmonic_friction[n=5]"]
+    emitted = load_module(
+        effect.extend(load_model("c2_parallel"), {q.name: 0.2 for q in effect.coefficients})
+    )
+    lower, upper, _ = emitted.friction_budget(np.linspace(0.0, 31.4, 2000), 3.0).T
+
+    assert upper.min() == 0.0
+    assert upper.max() > 0.3
+    assert np.array_equal(-lower, upper)
+
+
+# Motion: of first order beside an integration from event to event.
+
+
+def normal_force(theta_m: float, omega_m: float) -> float:
+    """Return the length of centrifugal force and weight [N]."""
+    p = extended
+    pull, weight = p.M * p.L * (p.MU * omega_m) ** 2, (p.M + p.M_L) * p.G
+    angle = p.MU * theta_m
+    return math.hypot(pull * math.sin(angle), pull * math.cos(angle) + weight)
+
+
+def torques(t: float, theta_m: float) -> float:
+    """A drive that swings, less gravity."""
+    p = extended
+    return 0.35 * math.sin(1.7 * t) - p.MU * p.M * p.G * p.L * math.sin(p.MU * theta_m)
+
+
+@cache
+def reference(until: float) -> tuple[float, float]:
+    """Angle and velocity at the end, from event to event; friction is that of Table 1."""
+    p, J = extended, J_M + extended.MU**2 * J_L
+    t, state, direction = 0.0, [2.0, 0.0], 0
+
+    def level(theta_m: float, omega_m: float) -> float:
+        return p.MU * 0.08 * normal_force(theta_m, omega_m) + 0.008
+
+    while t < until:
+        if direction == 0:  # until the torque leaves the levels
+            theta_m = state[0]
+            grid = np.linspace(t, until, 20_001)
+            beyond = [abs(torques(s, theta_m)) - level(theta_m, 0.0) for s in grid]
+            first = next((k for k, x in enumerate(beyond) if x > 0.0), None)
+            if first is None:
+                return theta_m, 0.0
+            low, high = grid[max(first - 1, 0)], grid[first]
+            for _ in range(60):
+                middle = (low + high) / 2.0
+                held = abs(torques(middle, theta_m)) <= level(theta_m, 0.0)
+                low, high = (middle, high) if held else (low, middle)
+            t, direction = high, int(math.copysign(1.0, torques(high, theta_m)))
+
+        def slope(s: float, y: np.ndarray, sign: int = direction) -> list[float]:
+            viscous = (p.MU**2 * 0.004 * normal_force(*y) + 0.0004) * y[1]
+            return [y[1], (torques(s, y[0]) - sign * level(*y) - viscous) / J]
+
+        def stopped(_: float, y: np.ndarray, sign: int = direction) -> float:
+            return sign * y[1] + 1e-13
+
+        stopped.terminal, stopped.direction = True, -1.0  # type: ignore[attr-defined]
+        found = solve_ivp(slope, (t, until), state, "DOP853", rtol=1e-11, atol=1e-12, events=stopped)
+        t, state = float(found.t[-1]), [float(found.y[0, -1]), float(found.y[1, -1])]
+        if found.status == 1:
+            state[1] = 0.0
+            torque = torques(t, state[0])
+            direction = int(math.copysign(1.0, torque)) if abs(torque) > level(*state) else 0
+    return state[0], state[1]
+
+
+def stepped(until: float, steps: int) -> tuple[float, float]:
+    """Return angle and velocity after so many emitted steps."""
+    emitted, p = module("c2_parallel"), with_inertia("c2_parallel")
+    theta_m, omega_m, dt = 2.0, 0.0, until / steps
+    for k in range(steps):
+        omega_m = float(emitted.friction_step(theta_m, omega_m, torques(k * dt, theta_m), dt, p)[0])
+        theta_m += dt * omega_m
+    return theta_m, omega_m
+
+
+@pytest.mark.parametrize("until", [1.0, 2.0, 3.0])
+def test_the_step_is_of_first_order(until: float) -> None:
+    """Half the time step, half the error of the angle: from rest, and past the first reversal."""
+    exact, _ = reference(until)
+    errors = [abs(stepped(until, round(1000 * until) * n)[0] - exact) for n in (1, 2, 4)]
+
+    assert abs(exact - 2.0) > 3.0
+    for coarse, fine in itertools.pairwise(errors):
+        assert coarse / fine == pytest.approx(2.0, rel=0.05)
+
+
+@pytest.mark.parametrize("steps", [6_000, 24_000])
+def test_a_stop_is_missed_by_a_step_at_most(steps: int) -> None:
+    """A drive stops at the end of a step: past several stops the error is still a few steps of travel."""
+    until = 6.0
+    exact, omega_m = reference(until)
+
+    assert abs(omega_m) > 1.0
+    assert abs(stepped(until, steps)[0] - exact) < 2.0 * until / steps * abs(omega_m)
+
+
+def test_the_reference_is_the_paper() -> None:
+    """The load written here is that of the closed forms."""
+    p = oracle.exact(extended.KNOWN)
+    for theta_m, omega_m in ((0.3, 20.0), (15.0, -40.0)):
+        expected = oracle.paper.normal_force_c2(oracle.mpf(theta_m), oracle.mpf(omega_m), p)
+        assert normal_force(theta_m, omega_m) == pytest.approx(float(expected), rel=1e-13)
+
+
+def test_the_former_name_names_the_new_one(tmp_path: Path) -> None:
+    """In Python, in C and at the command line's `--functions`."""
+    with pytest.raises(AttributeError, match="now breakaway_torque, which returns the lower and the upper"):
+        module("c2_parallel").coulomb_torque()
+    with pytest.raises(
+        InputError, match="breakaway_torque is required, received 'coulomb_torque', its former"
+    ):
+        eccentric.emit("c2_parallel", tmp_path / "out", functions=["coulomb_torque"])
+
+    need("gcc")
+    source = tmp_path / "main.c"
+    called = "int main(void) { return c2_parallel_coulomb_torque(&c2_parallel_default) > 0; }"
+    source.write_text(f'#include "c2_parallel.h"\n{called}\n')
+    folder = Path(module("c2_parallel").__file__).parent
+    said = subprocess.run(
+        ["gcc", "-std=c99", "-Werror", f"-I{folder}", "-c", source, "-o", tmp_path / "main.o"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert said.returncode != 0
+    assert "is_now_breakaway_torque" in said.stderr
