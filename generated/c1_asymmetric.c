@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program ef9b6802).
+ * (eccentric 0.1.0, program 07301b4d).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0xef9b6802UL
+#if C1_ASYMMETRIC_PROGRAM != 0x07301b4dUL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -662,10 +662,10 @@ REAL_INLINE void c1_asymmetric_friction_step_at(
     const real damped = ((excess > REAL(0.0)) ? slope_forward : slope_backward);
     const real base = REAL_GIVEN(c->J) + damped * elapsed;
     const real velocity_after = excess / base;
-    const real level = ((excess > REAL(0.0)) ? upper : lower);
-    const real in_motion = damped * velocity_after + level;
+    const real level = ((excess > REAL(0.0)) ? upper : ((excess < REAL(0.0)) ? lower : momentum / elapsed));
     out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : ((excess == REAL(0.0)) ? momentum / elapsed : in_motion));
+    const real part_1 = damped * velocity_after + level;
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
 }
 
 void c1_asymmetric_friction_step(
@@ -708,10 +708,12 @@ REAL_INLINE real c1_asymmetric_acceleration_at(
     const real under = torque - lower;
     const real starting = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
         over)));
-    const real level = ((omega_m > REAL(0.0)) ? upper : lower);
-    const real part_1 = -omega_m * ((omega_m > REAL(0.0)) ? slope_forward : slope_backward);
-    const real moving = -level + part_1 + torque;
-    return ((omega_m == REAL(0.0)) ? starting : moving) / REAL_GIVEN(c->J);
+    const real part_3 = torque - upper;
+    const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? -lower + torque :
+        starting));
+    const real part_4 = -omega_m * ((omega_m > REAL(0.0)) ? slope_forward : slope_backward);
+    const real part_1 = part_2 + part_4;
+    return part_1 / REAL_GIVEN(c->J);
 }
 
 ECCENTRIC_REAL c1_asymmetric_acceleration(

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program ef9b6802).
+# (eccentric 0.1.0, program 07301b4d).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -403,10 +403,9 @@ def friction_step(c, omega_m, torque, dt):
     damped = np.where(excess > 0.0, slope_forward, slope_backward)
     base = c.J + damped * elapsed
     velocity_after = excess / base
-    level = np.where(excess > 0.0, upper, lower)
-    in_motion = damped * velocity_after + level
+    level = np.where(excess > 0.0, upper, np.where(excess < 0.0, lower, momentum / elapsed))
     result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
-    result_friction = np.where(dt < 1.0e-9, 0.0, np.where(excess == 0.0, momentum / elapsed, in_motion))
+    result_friction = np.where(dt < 1.0e-9, 0.0, damped * velocity_after + level)
     return result_omega_m, result_friction
 
 
@@ -423,9 +422,8 @@ def acceleration(c, omega_m, torque):
     over = torque - upper
     under = torque - lower
     starting = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
-    level = np.where(omega_m > 0.0, upper, lower)
-    moving = -level + (-omega_m * np.where(omega_m > 0.0, slope_forward, slope_backward)) + torque
-    return np.where(omega_m == 0.0, starting, moving) / c.J
+    part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, -lower + torque, starting))
+    return (part_2 + (-omega_m * np.where(omega_m > 0.0, slope_forward, slope_backward))) / c.J
 
 
 @_model.function

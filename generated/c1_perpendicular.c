@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 30a62c3a).
+ * (eccentric 0.1.0, program 68205ec6).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x30a62c3aUL
+#if C1_PERPENDICULAR_PROGRAM != 0x68205ec6UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -526,10 +526,10 @@ REAL_INLINE void c1_perpendicular_friction_step_at(
         over)));
     const real base = REAL_GIVEN(c->J) + elapsed * slope;
     const real velocity_after = excess / base;
-    const real level = ((excess > REAL(0.0)) ? upper : -upper);
-    const real in_motion = level + slope * velocity_after;
+    const real level = ((excess > REAL(0.0)) ? upper : ((excess < REAL(0.0)) ? -upper : momentum / elapsed));
     out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : ((excess == REAL(0.0)) ? momentum / elapsed : in_motion));
+    const real part_1 = level + slope * velocity_after;
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
 }
 
 void c1_perpendicular_friction_step(
@@ -570,9 +570,11 @@ REAL_INLINE real c1_perpendicular_acceleration_at(
     const real under = torque - (-upper);
     const real starting = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
         over)));
-    const real level = ((omega_m > REAL(0.0)) ? upper : -upper);
-    const real moving = -level - omega_m * slope + torque;
-    return ((omega_m == REAL(0.0)) ? starting : moving) / REAL_GIVEN(c->J);
+    const real part_3 = torque - upper;
+    const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? torque + upper :
+        starting));
+    const real part_1 = -omega_m * slope + part_2;
+    return part_1 / REAL_GIVEN(c->J);
 }
 
 ECCENTRIC_REAL c1_perpendicular_acceleration(

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 9770cc1c).
+ * (eccentric 0.1.0, program 30ae58e7).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x9770cc1cUL
+#if C2_ASYMMETRIC_PROGRAM != 0x30ae58e7UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -1067,10 +1067,10 @@ REAL_INLINE void c2_asymmetric_friction_step_at(
     const real damped = ((excess > REAL(0.0)) ? slope_forward : slope_backward);
     const real base = REAL_GIVEN(c->J) + damped * elapsed;
     const real velocity_after = excess / base;
-    const real level = ((excess > REAL(0.0)) ? upper : lower);
-    const real in_motion = damped * velocity_after + level;
+    const real level = ((excess > REAL(0.0)) ? upper : ((excess < REAL(0.0)) ? lower : momentum / elapsed));
     out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : ((excess == REAL(0.0)) ? momentum / elapsed : in_motion));
+    const real part_1 = damped * velocity_after + level;
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
 }
 
 void c2_asymmetric_friction_step(
@@ -1136,10 +1136,12 @@ REAL_INLINE real c2_asymmetric_acceleration_at(
     const real under = torque - lower;
     const real starting = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
         over)));
-    const real level = ((omega_m > REAL(0.0)) ? upper : lower);
-    const real part_1 = -omega_m * ((omega_m > REAL(0.0)) ? slope_forward : slope_backward);
-    const real moving = -level + part_1 + torque;
-    return ((omega_m == REAL(0.0)) ? starting : moving) / REAL_GIVEN(c->J);
+    const real part_3 = torque - upper;
+    const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? -lower + torque :
+        starting));
+    const real part_4 = -omega_m * ((omega_m > REAL(0.0)) ? slope_forward : slope_backward);
+    const real part_1 = part_2 + part_4;
+    return part_1 / REAL_GIVEN(c->J);
 }
 
 ECCENTRIC_REAL c2_asymmetric_acceleration(

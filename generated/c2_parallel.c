@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 0c9f759e).
+ * (eccentric 0.1.0, program e0353d6b).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x0c9f759eUL
+#if C2_PARALLEL_PROGRAM != 0xe0353d6bUL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -948,10 +948,10 @@ REAL_INLINE void c2_parallel_friction_step_at(
         over)));
     const real base = REAL_GIVEN(c->J) + elapsed * slope;
     const real velocity_after = excess / base;
-    const real level = ((excess > REAL(0.0)) ? upper : -upper);
-    const real in_motion = level + slope * velocity_after;
+    const real level = ((excess > REAL(0.0)) ? upper : ((excess < REAL(0.0)) ? -upper : momentum / elapsed));
     out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : ((excess == REAL(0.0)) ? momentum / elapsed : in_motion));
+    const real part_1 = level + slope * velocity_after;
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
 }
 
 void c2_parallel_friction_step(
@@ -1015,9 +1015,11 @@ REAL_INLINE real c2_parallel_acceleration_at(
     const real under = torque - (-upper);
     const real starting = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
         over)));
-    const real level = ((omega_m > REAL(0.0)) ? upper : -upper);
-    const real moving = -level - omega_m * slope + torque;
-    return ((omega_m == REAL(0.0)) ? starting : moving) / REAL_GIVEN(c->J);
+    const real part_3 = torque - upper;
+    const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? torque + upper :
+        starting));
+    const real part_1 = -omega_m * slope + part_2;
+    return part_1 / REAL_GIVEN(c->J);
 }
 
 ECCENTRIC_REAL c2_parallel_acceleration(

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program ef722e1e).
+ * (eccentric 0.1.0, program 469f50e4).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0xef722e1eUL
+#if ROTATING_LINK_PROGRAM != 0x469f50e4UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -1170,10 +1170,10 @@ REAL_INLINE void rotating_link_friction_step_at(
         over)));
     const real base = REAL_GIVEN(c->J) + elapsed * slope;
     const real velocity_after = excess / base;
-    const real level = ((excess > REAL(0.0)) ? upper : -upper);
-    const real in_motion = level + slope * velocity_after;
+    const real level = ((excess > REAL(0.0)) ? upper : ((excess < REAL(0.0)) ? -upper : momentum / elapsed));
     out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : ((excess == REAL(0.0)) ? momentum / elapsed : in_motion));
+    const real part_2 = level + slope * velocity_after;
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_2);
 }
 
 void rotating_link_friction_step(
@@ -1248,9 +1248,11 @@ REAL_INLINE real rotating_link_acceleration_at(
     const real under = torque - (-upper);
     const real starting = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
         over)));
-    const real level = ((omega_m > REAL(0.0)) ? upper : -upper);
-    const real moving = -level - omega_m * slope + torque;
-    return ((omega_m == REAL(0.0)) ? starting : moving) / REAL_GIVEN(c->J);
+    const real part_4 = torque - upper;
+    const real part_3 = ((omega_m > REAL(0.0)) ? part_4 : ((omega_m < REAL(0.0)) ? torque + upper :
+        starting));
+    const real part_2 = -omega_m * slope + part_3;
+    return part_2 / REAL_GIVEN(c->J);
 }
 
 ECCENTRIC_REAL rotating_link_acceleration(

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program ef722e1e).
+# (eccentric 0.1.0, program 469f50e4).
 # Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 """Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
@@ -381,10 +381,9 @@ def friction_step(c, theta_m, omega_m, alpha_m, torque, dt):
     excess = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
     base = c.J + elapsed * slope
     velocity_after = excess / base
-    level = np.where(excess > 0.0, upper, -upper)
-    in_motion = level + slope * velocity_after
+    level = np.where(excess > 0.0, upper, np.where(excess < 0.0, -upper, momentum / elapsed))
     result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
-    result_friction = np.where(dt < 1.0e-9, 0.0, np.where(excess == 0.0, momentum / elapsed, in_motion))
+    result_friction = np.where(dt < 1.0e-9, 0.0, level + slope * velocity_after)
     return result_omega_m, result_friction
 
 
@@ -398,9 +397,8 @@ def acceleration(c, theta_m, omega_m, alpha_m, torque):
     over = torque - upper
     under = torque - (-upper)
     starting = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
-    level = np.where(omega_m > 0.0, upper, -upper)
-    moving = -level - omega_m * slope + torque
-    return np.where(omega_m == 0.0, starting, moving) / c.J
+    part_3 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, torque + upper, starting))
+    return (-omega_m * slope + part_3) / c.J
 
 
 @_model.function

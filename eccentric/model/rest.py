@@ -23,9 +23,9 @@ from eccentric.model.equation import Equation, Identity
 from eccentric.model.model import Model
 from eccentric.model.output import Assignment
 from eccentric.model.steps import (
-    AtZero,
     Backward,
     ByDirection,
+    BySign,
     Forward,
     Gated,
     Magnitude,
@@ -351,20 +351,21 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
         return _chosen(excess, getattr(forward, name), getattr(backward, name))
 
     viscous = named("damped", chosen("viscous"))
+    held = momentum / dt
     if not found.presliding:
         end = named("velocity_after", excess / (inertia + dt * viscous))
-        moving = named("in_motion", named("level", chosen("dry")) + viscous * end)
+        # At rest the viscous part is 0.
+        friction = named("level", BySign(excess, forward.dry, backward.dry, held)) + viscous * end
     else:
-        bent_by = named(
-            "bent_by", chosen("damping") + chosen("stiffness"), "torque per velocity while bristles bend"
-        )
+        bent_by = named("bent_by", chosen("damping") + chosen("stiffness"), "torque per velocity meanwhile")
         bent = named("bent", excess / (inertia + dt * bent_by), "velocity while bristles bend [rad/s]")
         over = named("sliding", Shrunk(momentum, dt * backward.dry, dt * forward.dry))
         slid = named("slid", over / (inertia + dt * viscous), "velocity while surfaces slide [rad/s]")
         end = named("velocity_after", ByDirection(excess, sp.Max(bent, slid), sp.Min(bent, slid)))
         first, second = chosen("held") + bent_by * end, chosen("dry") + viscous * end
-        moving = named("in_motion", ByDirection(excess, sp.Min(first, second), sp.Max(first, second)))
-    return tuple(named.listed), ((omega_m.name, end), ("friction", AtZero(excess, momentum / dt, moving)))
+        first, second = named("while_bending", first), named("while_sliding", second)
+        friction = BySign(excess, sp.Min(first, second), sp.Max(first, second), held)
+    return tuple(named.listed), ((omega_m.name, end), ("friction", friction))
 
 
 def acceleration(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
@@ -373,9 +374,8 @@ def acceleration(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
     named = _Steps(model)
     forward, backward = named.sides(found)
     starting = named("starting", Shrunk(torque, backward.held, forward.held))
-    dry, damping = (_chosen(omega_m, getattr(forward, x), getattr(backward, x)) for x in ("held", "damping"))
-    moving = named("moving", torque - named("level", dry) - omega_m * damping)
-    moved = AtZero(omega_m, starting, moving)
+    damping = _chosen(omega_m, forward.damping, backward.damping)
+    moved = BySign(omega_m, torque - forward.held, torque - backward.held, starting) - omega_m * damping
     return tuple(named.listed), (("", Quotient(moved, inertia)),)
 
 

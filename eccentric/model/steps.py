@@ -113,18 +113,18 @@ class Quotient(OpaqueStep):
         return a / b
 
 
-class AtZero(OpaqueStep):
-    """AtZero(x, a, b): a where x = 0, else b."""
+class BySign(OpaqueStep):
+    """BySign(x, a, b, c): a where x > 0, b where x < 0, else c."""
 
-    nargs = 3
+    nargs = 4
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """0 by x; by a and b, whether it is that one."""
-        x, zero, one = self.args[0], sp.Integer(0), sp.Integer(1)
-        return {1: zero, 2: AtZero(x, one, zero), 3: AtZero(x, zero, one)}[argindex]
+        """0 by x; by the others whether it is that one."""
+        x, none, one = self.args[0], sp.Integer(0), sp.Integer(1)
+        return none if argindex == 1 else BySign(x, *(one if k == argindex else none for k in (2, 3, 4)))
 
-    def _eval_rewrite_as_meaning(self, x: sp.Expr, a: sp.Expr, b: sp.Expr, **_: Any) -> sp.Expr:
-        return sp.Piecewise((a, sp.Eq(x, 0)), (b, True))
+    def _eval_rewrite_as_meaning(self, x: sp.Expr, a: sp.Expr, b: sp.Expr, c: sp.Expr, **_: Any) -> sp.Expr:
+        return sp.Piecewise((a, x > 0), (b, x < 0), (c, True))
 
 
 class HalfCosine(OpaqueStep):

@@ -207,6 +207,7 @@ class Lowering:
         self._done: dict[sp.Expr, sp.Symbol] = {}
         self._used: dict[str, int] = {}
         self.assignments: list[Assignment] = []
+        zero = sp.Integer(0)
         self._simple: dict[type, Callable[..., sp.Expr]] = {
             steps.Magnitude: self._magnitude,
             steps.Along: self._cosine_along,
@@ -217,7 +218,7 @@ class Lowering:
             steps.Forward: lambda x: self.named("is_forward", steps.Forward(x)),
             steps.Backward: lambda x: self.named("is_backward", steps.Backward(x)),
             steps.ByDirection: lambda x, a, b: Pick(x, ABOVE, sp.Integer(0), a, b),
-            steps.AtZero: lambda x, a, b: Pick(x, EQUAL, sp.Integer(0), a, b),
+            steps.BySign: lambda x, a, b, c: Pick(x, ABOVE, zero, a, Pick(x, BELOW, zero, b, c)),
             steps.Shrunk: self._shrunk,
             steps.Quotient: Over,
             sp.Abs: Size,
