@@ -271,3 +271,34 @@ def test_the_former_name_names_the_new_one(tmp_path: Path) -> None:
     )  # fmt: skip
     assert said.returncode != 0
     assert "is_now_breakaway_torque" in said.stderr
+
+
+# Presliding: friction builds up over a distance, and holds there.
+
+
+@pytest.mark.parametrize("variant", ["presliding", "presliding[lugre]"])
+def test_bristles_come_to_rest(variant: str) -> None:
+    """A constant torque below breakaway bends them to where they hold it; changing ones move them little."""
+    values = {"presliding_A": 0.06, "presliding_D": 1e-3}
+    effect = extended.effects("C2")[variant]
+    emitted = load_module(
+        effect.extend(load_model("c2_parallel"), {q.name: values[q.name] for q in effect.coefficients})
+    )
+    p, drives, dt = emitted.Parameters(J_m=J_M, J_l=J_L), 50, 1e-3
+    breakaway = emitted.breakaway_torque(p)[1]
+    reach = p.presliding_x
+    constant = breakaway * np.linspace(-0.7, 0.7, drives)
+    moved: list[np.ndarray] = []
+    for torques_at in (lambda: constant, lambda: breakaway * RANDOM.uniform(-0.7, 0.7, drives)):
+        theta_m, omega_m, z = np.zeros((3, drives))
+        for _ in range(20_000):
+            omega_m = emitted.friction_step(theta_m, omega_m, z, torques_at(), dt, p)[:, 0]
+            z = emitted.next_state(omega_m, z, dt, p)[:, 0]
+            theta_m = theta_m + dt * omega_m
+        moved += [theta_m, dt * omega_m]
+    bent, last, shaken, _ = moved
+
+    assert np.all(np.abs(last) < 1e-9 * reach)
+    assert np.all(bent * constant >= 0.0)
+    assert np.abs(bent).max() > 0.1 * reach
+    assert np.all(np.abs(shaken) < 0.1 * reach)
