@@ -116,21 +116,10 @@ def jax_times(drives: int, steps: int) -> tuple[float, float]:
     return _fastest(run(set_valued), 3), _fastest(run(naive), 3)
 
 
-def drift() -> list[str]:
-    """A table: a link that friction holds against gravity, by the ways to integrate it."""
+def ways() -> dict[str, Callable[[float, float], float]]:
+    """The velocity after a time step by motor angle and velocity, under gravity alone: ours first."""
     p = _parameters()
-    theta_m, inertia = STILL / p.mu, J_M + p.mu**2 * J_L
-    held = float(c2_parallel.breakaway_torque(p)[1])
-
-    def gravity(angle: Any) -> Any:
-        return float(c2_parallel.gravity_torque(angle, p))
-
-    def moved(step: Callable[[float, float], float]) -> float:
-        angle, velocity = theta_m, 0.0
-        for _ in range(round(HELD_S / DT)):
-            velocity = step(angle, velocity)
-            angle += DT * velocity
-        return abs(angle - theta_m) * p.mu * 1e3
+    inertia, held = J_M + p.mu**2 * J_L, float(c2_parallel.breakaway_torque(p)[1])
 
     def by_torque(width: float) -> Callable[[float, float], float]:
         def step(angle: float, velocity: float) -> float:
@@ -138,23 +127,37 @@ def drift() -> list[str]:
             if width:  # the usual remedy: a steep slope in place of the jump
                 viscous = float(c2_parallel.friction_budget(angle, velocity, p)[2])
                 friction = held * np.tanh(velocity / width) + viscous * velocity
-            return velocity + DT / inertia * (-gravity(angle) - friction)
+            return velocity - DT / inertia * (float(c2_parallel.gravity_torque(angle, p)) + friction)
 
         return step
 
     def ours(angle: float, velocity: float) -> float:
-        return float(c2_parallel.friction_step(angle, velocity, -gravity(angle), DT, p)[0])
+        torque = -float(c2_parallel.gravity_torque(angle, p))
+        return float(c2_parallel.friction_step(angle, velocity, torque, DT, p)[0])
 
-    rows = [
-        ("`friction_step`", moved(ours)),
-        ("explicit Euler with `mechanical_friction_torque`", moved(by_torque(0.0))),
-        *((f"the same, tanh(w/{w:g}) in place of the sign", moved(by_torque(w))) for w in (0.1, 1.0)),
-    ]
-    finished = [f"{method} {_reached(method, theta_m, inertia, p):.2g} s" for method in METHODS]
+    return {
+        "`friction_step`": ours,
+        "explicit Euler, sign of the velocity": by_torque(0.0),
+        **{f"the same, tanh(w/{w:g}) in place of the sign": by_torque(w) for w in (0.1, 1.0)},
+    }
+
+
+def drift() -> list[str]:
+    """A table: a link that friction holds against gravity, by the ways to integrate it."""
+    p = _parameters()
+    theta_m, held = STILL / p.mu, float(c2_parallel.breakaway_torque(p)[1])
+    rows = []
+    for name, step in ways().items():
+        angle, velocity = theta_m, 0.0
+        for _ in range(round(HELD_S / DT)):
+            velocity = step(angle, velocity)
+            angle += DT * velocity
+        rows.append((name, abs(angle - theta_m) * p.mu * 1e3))
+    finished = [f"{method} {_reached(method, theta_m, J_M + p.mu**2 * J_L, p):.2g} s" for method in METHODS]
     return [
         f"A link held by friction {STILL:g} rad from its lowest point: gravity takes"
-        f" {gravity(theta_m):.4f} N m of the {held:.4f} N m at which it breaks away. After {HELD_S:g} s in"
-        f" steps of {DT * 1e3:g} ms it has moved by:",
+        f" {float(c2_parallel.gravity_torque(theta_m, p)):.4f} N m of the {held:.4f} N m at which it breaks"
+        f" away. After {HELD_S:g} s in steps of {DT * 1e3:g} ms it has moved by:",
         "",
         "| | mrad |",
         "|---|---|",
