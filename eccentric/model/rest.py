@@ -239,21 +239,19 @@ def _side(
         updates = {z: _moving(bristles[z], omega_m, direction) for z in bent}
         # A bristle follows the distance by an exponential, which is over after a long time.
         ends = {z: update.replace(_fades, lambda _: sp.Integer(0)) for z, update in updates.items()}
-        rate = sum(
-            (sp.diff(value, z) * sp.diff(update, _SPEED).subs(_SPEED, 0) for z, update in updates.items()),
-            sp.Integer(0),
+        now = _split(value)
+        rates = (
+            direction * sp.diff(now[0], z) * sp.diff(update, _SPEED).subs(_SPEED, 0)
+            for z, update in updates.items()
         )
-        parts = (*_split(value.xreplace(ends)), *_split(value))
-        stiffness = direction * rate if bent else sp.Integer(0)
-        found = [a + b for a, b in zip(found, (*parts, stiffness), strict=True)]
+        parts = (*_split(value.xreplace(ends)), *now, sp.Add(*rates))
+        found = [a + b for a, b in zip(found, parts, strict=True)]
     plain = {_SPEED: sp.Abs(omega_m)}
     dry, viscous, held, damping, stiffness = (x.xreplace(renamed).xreplace(plain) for x in found)
     # Friction never drives: neither its level nor its coefficient crosses zero.
-    dry, viscous, damping = (
-        direction * _at_least_zero(direction * dry),
-        *(_at_least_zero(direction * x) for x in (viscous, damping)),
-    )
-    return Side(dry, viscous, held if stiffness != 0 else dry, damping, stiffness)
+    dry = direction * _at_least_zero(direction * dry)
+    viscous, damping = (_at_least_zero(direction * x) for x in (viscous, damping))
+    return Side(dry, viscous, held if stiffness != 0 else dry, damping, _at_least_zero(stiffness))
 
 
 def _at_least_zero(value: sp.Expr) -> sp.Expr:
