@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 68205ec6).
+ * (eccentric 0.1.0, program d86c9de5).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x68205ec6UL
+#if C1_PERPENDICULAR_PROGRAM != 0xd86c9de5UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -73,6 +73,12 @@ extern const char c1_perpendicular_double_constants[(sizeof(1.0) == sizeof(doubl
 REAL_INLINE real c1_perpendicular_sgn(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));
+}
+
+REAL_INLINE real c1_perpendicular_within(const real x, const real most)
+{
+    const real below = (x > most) ? most : x;
+    return (below < -most) ? -most : below;
 }
 
 const c1_perpendicular_parameters c1_perpendicular_default_parameters = {
@@ -519,16 +525,15 @@ REAL_INLINE void c1_perpendicular_friction_step_at(
     const real slope = c->B + c->B_lN_mu2 * F_N;
     /* momentum at the end of the step, if there were no friction [N m s] */
     const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
-    const real over = momentum - elapsed * upper;
-    const real under = momentum - (-elapsed * upper);
+    const real highest = elapsed * upper;
     /* its part that friction at rest does not take up [N m s] */
-    const real excess = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
-        over)));
+    const real excess = momentum - c1_perpendicular_within(momentum, highest) + REAL(0.0) * highest;
     const real base = REAL_GIVEN(c->J) + elapsed * slope;
     const real velocity_after = excess / base;
-    const real level = ((excess > REAL(0.0)) ? upper : ((excess < REAL(0.0)) ? -upper : momentum / elapsed));
+    const real unlimited = momentum / elapsed;
+    const real dry = c1_perpendicular_within(unlimited, upper);
     out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    const real part_1 = level + slope * velocity_after;
+    const real part_1 = dry + slope * velocity_after;
     out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
 }
 
@@ -566,10 +571,7 @@ REAL_INLINE real c1_perpendicular_acceleration_at(
     /* levels of dry friction [N m] */
     const real upper = c->C + c->C_lN_mu * F_N;
     const real slope = c->B + c->B_lN_mu2 * F_N;
-    const real over = torque - upper;
-    const real under = torque - (-upper);
-    const real starting = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
-        over)));
+    const real starting = torque - c1_perpendicular_within(torque, upper) + REAL(0.0) * upper;
     const real part_3 = torque - upper;
     const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? torque + upper :
         starting));

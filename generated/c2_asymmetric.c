@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 30ae58e7).
+ * (eccentric 0.1.0, program 849bd4e5).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x30ae58e7UL
+#if C2_ASYMMETRIC_PROGRAM != 0x849bd4e5UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -1059,17 +1059,18 @@ REAL_INLINE void c2_asymmetric_friction_step_at(
     const real slope_backward = c->B_lN_neg_mu2_scale_N * load + c->B_m_neg;
     /* momentum at the end of the step, if there were no friction [N m s] */
     const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
-    const real over = momentum - elapsed * upper;
-    const real under = momentum - elapsed * lower;
+    const real highest = elapsed * upper;
+    const real lowest = elapsed * lower;
     /* its part that friction at rest does not take up [N m s] */
-    const real excess = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
-        over)));
+    const real excess = momentum - ((momentum > highest) ? highest : ((momentum < lowest) ? lowest :
+        momentum)) + REAL(0.0) * (highest - lowest);
     const real damped = ((excess > REAL(0.0)) ? slope_forward : slope_backward);
     const real base = REAL_GIVEN(c->J) + damped * elapsed;
     const real velocity_after = excess / base;
-    const real level = ((excess > REAL(0.0)) ? upper : ((excess < REAL(0.0)) ? lower : momentum / elapsed));
+    const real unlimited = momentum / elapsed;
+    const real dry = ((unlimited > upper) ? upper : ((unlimited < lower) ? lower : unlimited));
     out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    const real part_1 = damped * velocity_after + level;
+    const real part_1 = damped * velocity_after + dry;
     out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
 }
 
@@ -1132,10 +1133,8 @@ REAL_INLINE real c2_asymmetric_acceleration_at(
     const real slope_forward = c->B_lN_pos_mu2_scale_N * load + c->B_m_pos;
     const real lower = -c->C_lN_neg_mu_scale_N * load - c->C_m_neg;
     const real slope_backward = c->B_lN_neg_mu2_scale_N * load + c->B_m_neg;
-    const real over = torque - upper;
-    const real under = torque - lower;
-    const real starting = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
-        over)));
+    const real starting = torque - ((torque > upper) ? upper : ((torque < lower) ? lower : torque)) +
+        REAL(0.0) * (upper - lower);
     const real part_3 = torque - upper;
     const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? -lower + torque :
         starting));

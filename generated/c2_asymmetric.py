@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program 30ae58e7).
+# (eccentric 0.1.0, program 849bd4e5).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -421,16 +421,21 @@ def friction_step(c, theta_m, omega_m, torque, dt):
     slope_backward = c.B_lN_neg_mu2_scale_N * load + c.B_m_neg
     # momentum at the end of the step, if there were no friction [N m s]
     momentum = c.J * omega_m + elapsed * torque
-    over = momentum - elapsed * upper
-    under = momentum - elapsed * lower
+    highest = elapsed * upper
+    lowest = elapsed * lower
     # its part that friction at rest does not take up [N m s]
-    excess = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
+    excess = (
+        momentum
+        - np.where(momentum > highest, highest, np.where(momentum < lowest, lowest, momentum))
+        + 0.0 * (highest - lowest)
+    )
     damped = np.where(excess > 0.0, slope_forward, slope_backward)
     base = c.J + damped * elapsed
     velocity_after = excess / base
-    level = np.where(excess > 0.0, upper, np.where(excess < 0.0, lower, momentum / elapsed))
+    unlimited = momentum / elapsed
+    dry = np.where(unlimited > upper, upper, np.where(unlimited < lower, lower, unlimited))
     result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
-    result_friction = np.where(dt < 1.0e-9, 0.0, damped * velocity_after + level)
+    result_friction = np.where(dt < 1.0e-9, 0.0, damped * velocity_after + dry)
     return result_omega_m, result_friction
 
 
@@ -443,9 +448,11 @@ def acceleration(c, theta_m, omega_m, torque):
     slope_forward = c.B_lN_pos_mu2_scale_N * load + c.B_m_pos
     lower = -c.C_lN_neg_mu_scale_N * load - c.C_m_neg
     slope_backward = c.B_lN_neg_mu2_scale_N * load + c.B_m_neg
-    over = torque - upper
-    under = torque - lower
-    starting = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
+    starting = (
+        torque
+        - np.where(torque > upper, upper, np.where(torque < lower, lower, torque))
+        + 0.0 * (upper - lower)
+    )
     part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, -lower + torque, starting))
     return (part_2 + (-omega_m * np.where(omega_m > 0.0, slope_forward, slope_backward))) / c.J
 

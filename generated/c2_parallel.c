@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program e0353d6b).
+ * (eccentric 0.1.0, program ad65e790).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0xe0353d6bUL
+#if C2_PARALLEL_PROGRAM != 0xad65e790UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -941,16 +941,15 @@ REAL_INLINE void c2_parallel_friction_step_at(
     const real slope = c->B_lN_mu2_scale_N * load + c->B_m;
     /* momentum at the end of the step, if there were no friction [N m s] */
     const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
-    const real over = momentum - elapsed * upper;
-    const real under = momentum - (-elapsed * upper);
+    const real highest = elapsed * upper;
     /* its part that friction at rest does not take up [N m s] */
-    const real excess = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
-        over)));
+    const real excess = momentum - c2_parallel_within(momentum, highest) + REAL(0.0) * highest;
     const real base = REAL_GIVEN(c->J) + elapsed * slope;
     const real velocity_after = excess / base;
-    const real level = ((excess > REAL(0.0)) ? upper : ((excess < REAL(0.0)) ? -upper : momentum / elapsed));
+    const real unlimited = momentum / elapsed;
+    const real dry = c2_parallel_within(unlimited, upper);
     out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    const real part_1 = level + slope * velocity_after;
+    const real part_1 = dry + slope * velocity_after;
     out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
 }
 
@@ -1011,10 +1010,7 @@ REAL_INLINE real c2_parallel_acceleration_at(
     /* levels of dry friction [N m] */
     const real upper = c->C_lN_mu_scale_N * load + c->C_m;
     const real slope = c->B_lN_mu2_scale_N * load + c->B_m;
-    const real over = torque - upper;
-    const real under = torque - (-upper);
-    const real starting = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
-        over)));
+    const real starting = torque - c2_parallel_within(torque, upper) + REAL(0.0) * upper;
     const real part_3 = torque - upper;
     const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? torque + upper :
         starting));

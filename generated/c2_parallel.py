@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.1.0, program e0353d6b).
+# (eccentric 0.1.0, program ad65e790).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
@@ -343,15 +343,15 @@ def friction_step(c, theta_m, omega_m, torque, dt):
     slope = c.B_lN_mu2_scale_N * load + c.B_m
     # momentum at the end of the step, if there were no friction [N m s]
     momentum = c.J * omega_m + elapsed * torque
-    over = momentum - elapsed * upper
-    under = momentum - (-elapsed * upper)
+    highest = elapsed * upper
     # its part that friction at rest does not take up [N m s]
-    excess = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
+    excess = momentum - np.clip(momentum, -highest, highest) + 0.0 * highest
     base = c.J + elapsed * slope
     velocity_after = excess / base
-    level = np.where(excess > 0.0, upper, np.where(excess < 0.0, -upper, momentum / elapsed))
+    unlimited = momentum / elapsed
+    dry = np.clip(unlimited, -upper, upper)
     result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
-    result_friction = np.where(dt < 1.0e-9, 0.0, level + slope * velocity_after)
+    result_friction = np.where(dt < 1.0e-9, 0.0, dry + slope * velocity_after)
     return result_omega_m, result_friction
 
 
@@ -362,9 +362,7 @@ def acceleration(c, theta_m, omega_m, torque):
     # levels of dry friction [N m]
     upper = c.C_lN_mu_scale_N * load + c.C_m
     slope = c.B_lN_mu2_scale_N * load + c.B_m
-    over = torque - upper
-    under = torque - (-upper)
-    starting = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
+    starting = torque - np.clip(torque, -upper, upper) + 0.0 * upper
     part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, torque + upper, starting))
     return (-omega_m * slope + part_2) / c.J
 

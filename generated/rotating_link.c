@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 469f50e4).
+ * (eccentric 0.1.0, program b9fabbfb).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x469f50e4UL
+#if ROTATING_LINK_PROGRAM != 0xb9fabbfbUL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -1163,16 +1163,15 @@ REAL_INLINE void rotating_link_friction_step_at(
     const real slope = c->B + c->B_lN_mu2_scale_N * load;
     /* momentum at the end of the step, if there were no friction [N m s] */
     const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
-    const real over = momentum - elapsed * upper;
-    const real under = momentum - (-elapsed * upper);
+    const real highest = elapsed * upper;
     /* its part that friction at rest does not take up [N m s] */
-    const real excess = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
-        over)));
+    const real excess = momentum - rotating_link_within(momentum, highest) + REAL(0.0) * highest;
     const real base = REAL_GIVEN(c->J) + elapsed * slope;
     const real velocity_after = excess / base;
-    const real level = ((excess > REAL(0.0)) ? upper : ((excess < REAL(0.0)) ? -upper : momentum / elapsed));
+    const real unlimited = momentum / elapsed;
+    const real dry = rotating_link_within(unlimited, upper);
     out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    const real part_2 = level + slope * velocity_after;
+    const real part_2 = dry + slope * velocity_after;
     out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_2);
 }
 
@@ -1244,10 +1243,7 @@ REAL_INLINE real rotating_link_acceleration_at(
     /* levels of dry friction [N m] */
     const real upper = c->C + c->C_lN_mu_scale_N * load;
     const real slope = c->B + c->B_lN_mu2_scale_N * load;
-    const real over = torque - upper;
-    const real under = torque - (-upper);
-    const real starting = ((over > REAL(0.0)) ? over : ((under < REAL(0.0)) ? under : REAL(0.0) * (under -
-        over)));
+    const real starting = torque - rotating_link_within(torque, upper) + REAL(0.0) * upper;
     const real part_4 = torque - upper;
     const real part_3 = ((omega_m > REAL(0.0)) ? part_4 : ((omega_m < REAL(0.0)) ? torque + upper :
         starting));

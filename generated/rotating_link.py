@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program 469f50e4).
+# (eccentric 0.1.0, program b9fabbfb).
 # Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 """Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
@@ -375,15 +375,15 @@ def friction_step(c, theta_m, omega_m, alpha_m, torque, dt):
     slope = c.B + c.B_lN_mu2_scale_N * load
     # momentum at the end of the step, if there were no friction [N m s]
     momentum = c.J * omega_m + elapsed * torque
-    over = momentum - elapsed * upper
-    under = momentum - (-elapsed * upper)
+    highest = elapsed * upper
     # its part that friction at rest does not take up [N m s]
-    excess = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
+    excess = momentum - np.clip(momentum, -highest, highest) + 0.0 * highest
     base = c.J + elapsed * slope
     velocity_after = excess / base
-    level = np.where(excess > 0.0, upper, np.where(excess < 0.0, -upper, momentum / elapsed))
+    unlimited = momentum / elapsed
+    dry = np.clip(unlimited, -upper, upper)
     result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
-    result_friction = np.where(dt < 1.0e-9, 0.0, level + slope * velocity_after)
+    result_friction = np.where(dt < 1.0e-9, 0.0, dry + slope * velocity_after)
     return result_omega_m, result_friction
 
 
@@ -394,9 +394,7 @@ def acceleration(c, theta_m, omega_m, alpha_m, torque):
     # levels of dry friction [N m]
     upper = c.C + c.C_lN_mu_scale_N * load
     slope = c.B + c.B_lN_mu2_scale_N * load
-    over = torque - upper
-    under = torque - (-upper)
-    starting = np.where(over > 0.0, over, np.where(under < 0.0, under, 0.0 * (under - over)))
+    starting = torque - np.clip(torque, -upper, upper) + 0.0 * upper
     part_3 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, torque + upper, starting))
     return (-omega_m * slope + part_3) / c.J
 

@@ -79,9 +79,9 @@ def arrays(points: list[Point], dtype: type[np.floating]) -> dict[str, np.ndarra
     return {name: np.array([float(getattr(x, name)) for x in points], dtype) for name in Point._fields}
 
 
-def finite(dtype: type[np.floating]) -> st.SearchStrategy[np.floating]:
+def finite(dtype: type[np.floating], most: float = np.inf) -> st.SearchStrategy[np.floating]:
     """Draw any finite number of the precision: subnormals, both zeros and the largest included."""
     width = 64 if dtype is np.float64 else 32
-    largest = float(np.finfo(dtype).max)
+    largest = min(most, float(np.finfo(dtype).max))
     edges = [0.0, -0.0, largest, -largest, float(np.finfo(dtype).smallest_subnormal)]
-    return (st.sampled_from(edges) | st.floats(allow_nan=False, allow_infinity=False, width=width)).map(dtype)
+    return (st.sampled_from(edges) | st.floats(-largest, largest, width=width)).map(dtype)

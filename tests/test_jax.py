@@ -250,7 +250,9 @@ def test_parameters_are_a_tree() -> None:
 def test_what_is_refused() -> None:
     """An acceleration without inertias, parameters of another module, and what is no real number."""
     m = jaxed("c2_parallel")
-    with pytest.raises(ValueError, match=r"^J_m, J_l: required in Parameters with alpha_m, received None$"):
+    with pytest.raises(
+        ValueError, match=r"^J_m, J_l: required in Parameters unless alpha_m is 0, received None$"
+    ):
         m.voltage(0.0, 1.0, 2.0)
     with pytest.raises(
         TypeError, match=r"^parameters: Parameters of this module are required, received dict$"

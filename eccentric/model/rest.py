@@ -26,6 +26,7 @@ from eccentric.model.steps import (
     Backward,
     ByDirection,
     BySign,
+    Clipped,
     Forward,
     Gated,
     Magnitude,
@@ -352,8 +353,8 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
     held = momentum / dt
     if not found.presliding:
         end = named("velocity_after", excess / (inertia + dt * viscous))
-        # At rest the viscous part is 0.
-        friction = named("level", BySign(excess, forward.dry, backward.dry, held)) + viscous * end
+        # At rest what the levels hold, and no viscous part; in motion the level of its direction.
+        friction = named("dry", Clipped(held, backward.dry, forward.dry)) + viscous * end
     else:
         bent_by = named("bent_by", chosen("damping") + chosen("stiffness"), "torque per velocity meanwhile")
         bent = named("bent", excess / (inertia + dt * bent_by), "velocity while bristles bend [rad/s]")

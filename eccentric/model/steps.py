@@ -84,6 +84,21 @@ class ByDirection(OpaqueStep):
         return sp.Piecewise((a, x > 0), (b, True))
 
 
+class Clipped(OpaqueStep):
+    """Clipped(x, low, high): x, but at most high and at least low, for low <= 0 <= high."""
+
+    nargs = 3
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """1 by x within the band, by an end of it beyond that."""
+        x, low, high = self.args
+        over, under = Forward(x - high), Backward(x - low)
+        return {1: 1 - over - under, 2: under, 3: over}[argindex]
+
+    def _eval_rewrite_as_meaning(self, x: sp.Expr, low: sp.Expr, high: sp.Expr, **_: Any) -> sp.Expr:
+        return sp.Min(high, sp.Max(low, x))
+
+
 class Shrunk(OpaqueStep):
     """Shrunk(x, low, high): what x has beyond a band around 0, from low to high, and exactly 0 within it."""
 

@@ -219,6 +219,7 @@ class Lowering:
             steps.Backward: lambda x: self.named("is_backward", steps.Backward(x)),
             steps.ByDirection: lambda x, a, b: Pick(x, ABOVE, sp.Integer(0), a, b),
             steps.BySign: lambda x, a, b, c: Pick(x, ABOVE, zero, a, Pick(x, BELOW, zero, b, c)),
+            steps.Clipped: self._clipped,
             steps.Shrunk: self._shrunk,
             steps.Quotient: Over,
             sp.Abs: Size,
@@ -243,6 +244,9 @@ class Lowering:
         if isinstance(expression, sp.Pow) and expression.exp.is_Integer and not arguments[0].is_Atom:
             return self.named("base", arguments[0]) ** expression.exp
         return expression.func(*arguments)
+
+    def _atom(self, name: str, value: sp.Expr) -> sp.Expr:
+        return value if value.is_Atom else self.named(name, value)
 
     def named(self, name: str, value: sp.Expr) -> sp.Symbol:
         """A symbol for the value, computed once; a second value of that name gets a number."""
@@ -303,12 +307,20 @@ class Lowering:
             return AtMost(size, b)
         return Pick(size, ABOVE, b, b, Pick(size, BELOW, -b, -b, size))
 
+    def _clipped(self, x: sp.Expr, low: sp.Expr, high: sp.Expr) -> sp.Expr:
+        symmetric = low == -high
+        x, high = self._atom("unlimited", x), self._atom("highest", high)
+        if symmetric:
+            return Within(x, high)
+        low = self._atom("lowest", low)
+        return Pick(x, ABOVE, high, high, Pick(x, BELOW, low, low, x))
+
     def _shrunk(self, x: sp.Expr, low: sp.Expr, high: sp.Expr) -> sp.Expr:
-        zero = sp.Integer(0)
-        over, under = self.named("over", Minus(x, high)), self.named("under", Minus(x, low))
-        # Within the band it is 0, and NaN if one of the three is.
-        within = Times(zero, Minus(under, over))
-        return Pick(over, ABOVE, zero, over, Pick(under, BELOW, zero, under, within))
+        # An end that is NaN leaves x as it is: then the width of the band is NaN as well.
+        symmetric, high = low == -high, self._atom("highest", high)
+        low = -high if symmetric else self._atom("lowest", low)
+        width = high if symmetric else Minus(high, low)
+        return Plus(Minus(x, self._clipped(x, low, high)), Times(sp.Integer(0), width))
 
     def _gated(self, a: sp.Expr, b: sp.Expr) -> sp.Expr:
         zero, parameter = sp.Integer(0), a.free_symbols <= self._prepare.symbols
