@@ -47,7 +47,7 @@ from eccentric.drafting.drives import (
 from eccentric.drafting.joints import joint_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
-from eccentric.drafting.questions import entries_of, facts_of
+from eccentric.drafting.questions import entries_of, facts_of, one_way
 from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, find_clock, find_runs, readings
 from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
@@ -191,7 +191,7 @@ def draft_of(log: Log) -> Draft:
     proposals += [*drives, *([temperature] if temperature else []), *named]
     if gear is None:
         largest = float(np.quantile(np.abs(drive.values), 0.999)) if drive else 0.0
-        entries = carriage_entries(evidence, moving, drives, largest)
+        entries = carriage_entries(evidence, moving, drives, largest, one_way(motion))
     else:
         entries = entries_of(found[0], evidence, gravity, gear.mu, drives)
     if not drives:

@@ -35,6 +35,7 @@ class Driven:
     evidence: tuple[str, ...]
     doubt: str
     sure: float
+    constant: tuple[str, str] = ("", "")
 
 
 def find_drives(
@@ -196,7 +197,13 @@ def _measured_current(kept: list[Driven], left_out: dict[str, str]) -> list[Driv
                 left_out[torque.column.text] = (
                     f"{factor:.4g} times {current.column.text}: computed from it, by this torque constant"
                 )
-                kept = [one for one in kept if one is not torque]
+                unit = f"{torque.column.name.unit or 'N m'}/{current.column.name.unit or 'A'}"
+                constant = f"{factor:.4g} {unit}", f"{torque.column.text}: {left_out[torque.column.text]}"
+                kept = [
+                    dataclasses.replace(one, constant=constant) if one is current else one
+                    for one in kept
+                    if one is not torque
+                ]
                 break
     return kept
 
@@ -343,7 +350,7 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
     if turned:
         evidence.append("its sign is turned: it falls where friction and inertia need it to rise")
     said = tuple(evidence), min(one.sure, sure), "; ".join(doubts)
-    return Proposal(one.kind, one.column.text, unit, *said, turned=turned)
+    return Proposal(one.kind, one.column.text, unit, *said, turned=turned, constant=one.constant)
 
 
 UNSIGNED = "never negative though the shaft turns both ways: its sign is missing, and no fit can be right"
