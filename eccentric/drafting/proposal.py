@@ -20,7 +20,7 @@ class Proposal:
         doubt: what else it could be, empty if nothing is close.
         turned: whether its sign is.
         reads: names of the columns in arithmetic; of a plain name, nothing.
-        constant: of a current, the torque constant with its unit by which a column was computed, and the evidence.
+        constant: of a current, the torque constant by which a column was computed, and the evidence.
     """
 
     channel: str
