@@ -196,9 +196,11 @@ def draft_of(log: Log) -> Draft:
         entries = entries_of(found[0], evidence, gravity, gear.mu, drives)
     if not drives:
         why = "a current, a torque or a voltage is required, and no column follows the motion as one does"
+        line = RigLine("columns", "current", '"its column"', why, asked=True, needed=True)
         if coasts(motion):
-            why += ": a coast-down, which shows friction over inertia alone; log how it was driven as well"
-        entries = [RigLine("columns", "current", '"its column"', why, asked=True, needed=True), *entries]
+            why = "a coast-down, if nothing drove it; without J_m and J_l it shows friction over inertia"
+            line = RigLine("", "drive", '"none"', "", why)
+        entries = [line, *entries]
     facts, axis = [*facts_of(grid, motion), *ripple], LINEAR if carried else TURNING
     return Draft(log.path, tuple(proposals), tuple(entries), left_out, tuple(facts), axis)
 

@@ -23,7 +23,7 @@ from eccentric.effects import Correction, Effect, Words
 from eccentric.identification import in_drive_unit
 from eccentric.model import spoken_quantity
 from eccentric.presentation.calls_text import calls, share_words
-from eccentric.presentation.fit_text import band_line
+from eccentric.presentation.fit_text import band_line, inertia_words
 from eccentric.presentation.measurement_text import measurement_sentence
 
 _NONE = "no effect of the library explains"
@@ -245,7 +245,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     out = [f"{few(found.asked.logs)}: {found.models.base.name}, verdict {a.verdict}"]
     if words := request_words(found.asked.request):
         out.append(f"as asked: {words}")
-    out += filter(None, (found.channels.excerpt, found.rig.added_words))
+    out += filter(None, (found.channels.excerpt, found.rig.added_words, inertia_words(found.rig)))
     out.append(diagnosis_sentence(found))
     out += [
         _effect(found, effect, own) for effect, own in (*found.effects, *found.undecided, *found.clear)[:3]
