@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import tomllib
+from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 import eccentric
+from eccentric.model import LINEAR
+from eccentric.presentation import fit_sentence
 from tests.test_check_limits import KNOWN, motor
 
 
@@ -63,3 +67,35 @@ def test_a_drive_of_one_sign_in_both_directions_is_not_cured_by_another_sign() -
     assert "positive in both directions" in line
     assert "T_load" in line
     assert "minus" not in line
+
+
+@pytest.mark.parametrize(
+    ("percent", "interval", "said"),
+    [(-0.01, (-0.02, -0.001), "no better than"), (-0.3, (-0.5, -0.1), "only slightly worse than")],
+)
+def test_what_rounds_to_nothing_is_neither_better_nor_worse(
+    percent: float, interval: tuple[float, float], said: str
+) -> None:
+    """A gain of -0.01 % would be printed as 0.0 % worse."""
+    fit = SimpleNamespace(
+        problem=SimpleNamespace(
+            is_baseline=False, rig=SimpleNamespace(axis=LINEAR), model=SimpleNamespace(name="linear_axis")
+        ),
+        fits_the_rig=True,
+        percent=percent,
+        percent_interval=interval,
+    )
+
+    assert said in fit_sentence(fit)  # pyright: ignore[reportArgumentType]
+
+
+def test_a_unit_in_the_name_of_a_column_is_not_printed_twice() -> None:
+    """It is what the draft took; one that the name spells otherwise is printed behind it."""
+    log = carriage(both=True)
+    names = {"time [s]": "t_s", "x [m]": "x_m", "v [mm/s]": "v_m_s", "force (N)": "force_N"}
+    renamed = {name: log[old] for name, old in names.items()} | {"v [mm/s]": 1e3 * log["v_m_s"]}
+    summary = eccentric.draft_rig(renamed).summary()
+
+    assert "time [s] [s]" not in summary
+    assert "x [m] [m]" not in summary
+    assert "force (N) [N]" not in summary

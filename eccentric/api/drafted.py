@@ -75,7 +75,7 @@ class RigDraft:
         """The channels with unit and confidence, the doubts and the questions, for a terminal."""
         width = max(len(p.channel) for p in self.proposals)
         rows = [
-            f"  {p.channel:{width}}  {p.column} {f'[{p.unit}]' if p.unit else ''}".rstrip()
+            f"  {p.channel:{width}}  {p.column} {f'[{p.unit}]' if _says_more(p) else ''}".rstrip()
             for p in self.proposals
         ]
         rows += [f"  left out: {columns}, {why}" for columns, why in folded(self.left_out)]
@@ -121,6 +121,11 @@ class RigCheck:
             else "nothing is wrong"
         )
         return "\n".join([f"{found}; the log determines:", *(f"  {line}" for line in self.estimated)])
+
+
+def _says_more(proposal: Proposal) -> bool:
+    """Whether the unit of a channel is not at the end of its column's name already."""
+    return bool(proposal.unit) and not proposal.column.endswith((f"[{proposal.unit}]", f"({proposal.unit})"))
 
 
 def draft_rig(

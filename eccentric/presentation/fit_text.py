@@ -18,6 +18,8 @@ from eccentric.signals import Band
 _DRIVES = {unit: drive for drive, unit in DRIVE_UNITS.items()}
 
 
+_SHOWN_PERCENT = 0.05
+"""What is smaller is 0.0 % with one digit, and neither better nor worse."""
 _OF_A_LINK = ', mu, and the zero angle (theta_zero_rad = "estimate" estimates it)'
 
 
@@ -55,7 +57,7 @@ def fit_sentence(fit: Fit) -> str:
             f"{subject} has no certain gain over Coulomb + viscous friction on the held-out part "
             f"({gain} %, {interval})."
         )
-    if low > 0.0 or high < 0.0:
+    if (low > 0.0 or high < 0.0) and abs(fit.percent) >= _SHOWN_PERCENT:
         return (
             f"{subject} predicts the held-out part only slightly {'better' if low > 0.0 else 'worse'} than "
             f"Coulomb + viscous friction ({_percent(abs(fit.percent))} %, {interval} of gain)."
