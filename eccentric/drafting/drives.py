@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from eccentric.core import few
 from eccentric.drafting import limits
-from eccentric.drafting.balance import Explained, Moved, balance_of
+from eccentric.drafting.balance import Explained, Moved, balance_of, most_explained
 from eccentric.drafting.columns import Grid, LoggedColumn
 from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.units import magnitudes
@@ -53,6 +53,7 @@ def find_drives(
     named = [c for c in could if c.name.quantity in KINDS and np.any(c.values)]
     found: list[tuple[LoggedColumn, Explained]] = []
     steady: list[LoggedColumn] = []
+    hopeless = set[str]() if named or not lasting else _hopeless(grid, motion, could)
     for column in could:
         if named and column not in named:
             left_out[column.text] = f"no name of a drive, as {few([c.text for c in named], 2)} has"
@@ -67,7 +68,11 @@ def find_drives(
         balance = balance_of(motion, grid.smooth(column), periodic=False)
         if balance is None:
             left_out[column.text] = "it does not vary while the drive moves"
-        elif column.name.quantity in KINDS or _shown(grid, motion, column, balance, lasting) >= limits.SHOWN:
+        elif (
+            column.name.quantity in KINDS
+            or (balance.r2 if column.text in hopeless else _shown(grid, motion, column, balance, lasting))
+            >= limits.SHOWN
+        ):
             found.append((column, balance_of(motion, grid.smooth(column), periodic=lasting) or balance))
         else:
             left_out[column.text] = (
@@ -146,6 +151,18 @@ def _shown(grid: Grid, motion: Moved, column: LoggedColumn, plain: Explained, la
         return plain.r2
     full = balance_of(motion, grid.smooth(column))
     return full.r2 if full is not None else plain.r2
+
+
+def _hopeless(grid: Grid, motion: Moved, columns: Sequence[LoggedColumn]) -> set[str]:
+    """Of very many columns those that motion cannot explain, whatever wave of the angle is in them."""
+    if len(columns) <= limits.MANY:
+        return set()
+    found: set[str] = set()
+    for first in range(0, len(columns), limits.MANY):
+        some = columns[first : first + limits.MANY]
+        most = most_explained(motion, np.column_stack([grid.smooth(column) for column in some]))
+        found |= {c.text for c, share in zip(some, most, strict=True) if share < limits.SCREENED}
+    return found
 
 
 def _middle(column: LoggedColumn) -> float:
