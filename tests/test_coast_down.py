@@ -130,11 +130,11 @@ def test_gravity_gives_the_inertia_of_a_pendulum() -> None:
 def test_a_log_that_slows_down_is_drafted_as_a_coast_down() -> None:
     """The supply that idles beside it is no drive; with the mass the draft can be fitted as it stands."""
     log = with_viscous(0.05, 0.8, 120.0)
-    rows = len(log["time_s"])
-    log |= {
-        "supply_V": np.full(rows, 29.98),
-        "speed_rpm": np.gradient(log["theta_m_rad"], 0.005) * 30 / np.pi,
-    }
+    up = np.arange(0.0, 10.0, 0.005)
+    time = np.concatenate([up, 10.0 + log["time_s"]])
+    angle = np.concatenate([6.0 * up**2, 600.0 + log["theta_m_rad"]])
+    speed = np.gradient(angle, time) * 30.0 / np.pi
+    log = {"time_s": time, "theta_m_rad": angle, "supply_V": np.full(len(time), 29.98), "speed_rpm": speed}
     draft = eccentric.draft_rig(log)
     rig = tomllib.loads(draft.text)
     rig["known"] |= KNOWN
@@ -143,6 +143,23 @@ def test_a_log_that_slows_down_is_drafted_as_a_coast_down() -> None:
     assert "supply_V" in draft.left_out
     assert () == eccentric.check_rig(log, rig).complaints
     assert eccentric.fit(log, rig).estimates["C"].value == pytest.approx(0.8, rel=0.05)
+
+
+def test_a_speed_along_the_rim_is_no_speed_of_the_shaft() -> None:
+    """Turns and km/h are logged: without the radius the shaft's speed is the slope of the turns."""
+    log = with_viscous(0.05, 0.8, 120.0)
+    speed = np.gradient(log["theta_m_rad"], log["time_s"])
+    named = {
+        "time_s": log["time_s"],
+        "drum_turns": log["theta_m_rad"] / (2.0 * np.pi),
+        "speed_kmh": 0.6 * speed,
+    }
+    draft = eccentric.draft_rig(named)
+    rig = tomllib.loads(draft.text)
+
+    assert rig["columns"]["theta_m"] == {"column": "drum_turns", "unit": "rev"}
+    assert "speed_kmh" in draft.left_out
+    assert "kind" not in rig
 
 
 def test_a_drive_that_is_none_of_these_is_refused() -> None:

@@ -49,6 +49,7 @@ from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.questions import entries_of, facts_of, one_way
 from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, find_clock, find_runs, readings
+from eccentric.drafting.words import of_a_carriage
 from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
 
@@ -139,6 +140,8 @@ def draft_of(log: Log) -> Draft:
     left_out |= {name: why for name, entries in texts.items() if (why := _spoilt(log, name, entries))}
     free = [c for n, c in left.items() if n not in taken and n not in left_out]
     angle, speed, pair, doubt = _moving(grid, free, [*left.values()], log.path)
+    if angle is not None and speed is not None and _along_the_rim(angle, speed):
+        speed = pair = None
     doubt = "; ".join(filter(None, (doubt, joint.doubt)))
     motion = motion_from(grid, angle, speed)
     rest = [c for c in free if c not in (angle, speed)]
@@ -263,6 +266,12 @@ def _few(columns: list[LoggedColumn], quantities: Sequence[str]) -> list[LoggedC
     named = [c for c in columns if c.name.quantity in quantities]
     rough = {c.text: float(np.mean(np.abs(np.diff(c.values)))) / (c.range or 1.0) for c in columns}
     return named or sorted(columns, key=lambda c: rough[c.text])[: limits.MANY]
+
+
+def _along_the_rim(angle: LoggedColumn, speed: LoggedColumn) -> bool:
+    """Whether the speed of a shaft is logged as that of a point on its rim, whose radius no log shows."""
+    turns = angle.name.unit and not of_a_carriage(angle.name.unit)
+    return bool(turns) and of_a_carriage(speed.name.unit)
 
 
 def _letter(column: LoggedColumn) -> bool:
