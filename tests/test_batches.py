@@ -208,7 +208,7 @@ def test_a_text_among_numbers_is_named(tmp_path: Path) -> None:
 
     assert ROWS == stream.read(["time_s"]).rows
     batch = stream.read(["current_A"])
-    (row,) = np.flatnonzero(np.isnan(batch.numbers("current_A")))
+    (row,) = np.flatnonzero(np.isnan(batch.numbers("current_A"))).tolist()
     assert batch.place(row) == "line 701"
     assert batch.spoilt("current_A", row) == ", 'off'"
 

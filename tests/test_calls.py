@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def test_the_functions_named_change_with_the_effect(case: str, effect_id: str, f
     with_it, without = load_module(model), load_module(base)
     motion = {"theta_m": np.linspace(0.3, 6.0, 7), "omega_m": np.full(7, 9.0), "alpha_m": np.full(7, 2.0)}
 
-    def value(module: object, name: str) -> np.ndarray:
+    def value(module: ModuleType, name: str) -> np.ndarray:
         call = getattr(module, name)
         taken = [motion[n] for n in inspect.signature(call).parameters if n in motion]
         return np.broadcast_to(call(*taken, module.Parameters(J_m=J_M, J_l=J_L)), 7)

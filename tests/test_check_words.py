@@ -99,3 +99,19 @@ def test_a_unit_in_the_name_of_a_column_is_not_printed_twice() -> None:
     assert "time [s] [s]" not in summary
     assert "x [m] [m]" not in summary
     assert "force (N) [N]" not in summary
+
+
+def test_a_column_that_is_constant_in_each_run_is_hinted_at() -> None:
+    """A load that hangs differs from run to run: the draft says how it is subtracted, and that works."""
+    log = {name: x for name, x in motor(12.0).items() if name != "voltage_V"}
+    load = np.repeat([0.0, 100.0, 250.0], len(log["time_s"]) // 3)
+    run = np.repeat(["a", "b", "c"], len(load) // 3)
+    log = {name: x[: len(load)] for name, x in log.items()}
+    log |= {"run": run, "load_g": load, "current_A": log["current_A"] + load * 1e-4 / 0.03}
+    draft = eccentric.draft_rig(log)
+
+    assert "constant in each run" in draft.left_out["load_g"]
+    columns = {"time": "time_s", "theta_m": "theta_m_rad", "run": "run"}
+    columns["torque"] = "0.03 * current_A - load_g * 1e-4"
+    found = eccentric.fit(log, {"drive": "torque", "columns": columns, "known": KNOWN})
+    assert found.estimates["J"].value == pytest.approx(2e-5, rel=0.02)

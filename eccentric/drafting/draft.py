@@ -38,6 +38,7 @@ from eccentric.drafting.columns import (
     wrap_of,
 )
 from eccentric.drafting.drives import (
+    CONSTANT,
     KINDS,
     UNSIGNED,
     coasts,
@@ -136,7 +137,8 @@ def draft_of(log: Log) -> Draft:
     taken = {*ratio} | {c.text for c in flags} | ({temperature.column} if temperature else set())
     joint = joint_of({n: c for n, c in left.items() if n not in ratio}, grid)
     left_out = {n: f"of joint {key}; joint {joint.key} is drafted" for n, key in joint.others.items()}
-    left_out |= {n: "it is constant" for n, c in left.items() if c.is_constant and n not in taken}
+    left_out |= {n: CONSTANT for n, c in left.items() if c.is_constant and n not in taken}
+    left_out |= {n: _BY_RUN for n, c in left.items() if n not in taken and _is_of_runs(c, ends)}
     left_out |= {name: why for name, entries in texts.items() if (why := _spoilt(log, name, entries))}
     free = [c for n, c in left.items() if n not in taken and n not in left_out]
     angle, speed, pair, doubt = _moving(grid, free, [*left.values()], log.path)
@@ -206,6 +208,21 @@ def draft_of(log: Log) -> Draft:
         entries = [line, *entries]
     facts, axis = [*facts_of(grid, motion), *ripple], LINEAR if carried else TURNING
     return Draft(log.path, tuple(proposals), tuple(entries), left_out, tuple(facts), axis)
+
+
+_BY_RUN = (
+    f'{CONSTANT} in each run: subtract a load, as in torque = "0.05 * i - 0.001 * load"; masses go to [added]'
+)
+
+
+def _is_of_runs(column: LoggedColumn, ends: NDArray[np.bool_]) -> bool:
+    """Whether a column changes at the ends of runs (n-1,) only, and has no name of a motion or a drive."""
+    return (
+        bool(np.any(ends))
+        and not column.is_constant
+        and column.name.quantity in ("", "other")
+        and not np.any(np.diff(column.values)[~ends])
+    )
 
 
 def _spoilt(log: Log, name: str, entries: NDArray[np.str_]) -> str:

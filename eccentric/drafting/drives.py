@@ -25,6 +25,9 @@ Array = NDArray[np.float64]
 KINDS = ("current", "torque", "voltage")
 
 
+CONSTANT = "it is constant"
+
+
 @dataclass(frozen=True)
 class Driven:
     """A column that drives the motor: what it is, and its balance."""
@@ -61,7 +64,7 @@ def find_drives(
         if column.varies <= limits.HARDLY:
             steady.append(column)
             part = f"{100 * column.varies:.2g} % at {_middle(column):.4g}"
-            left_out[column.text] = "it is constant" + (
+            left_out[column.text] = CONSTANT + (
                 "" if column.is_constant else f" to {part}, too little for a drive"
             )
             continue
