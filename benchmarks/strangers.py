@@ -1,6 +1,6 @@
 """Logs as strangers published them, and small inputs that once failed: what a draft makes of each.
 
-    python benchmarks/strangers.py [--show] [--logs DATA] [PATTERN ...]
+    python benchmarks/strangers.py [--show] [--data DATA] [PATTERN ...]
 
 A log is judged by the `about.toml` beside it alone: which columns are right for a channel, in which unit, on which
 side, and which columns must never be drafted. A fault is judged by the words and values that its answer must hold.

@@ -49,7 +49,7 @@ def changed(**columns: object) -> dict[str, object]:
 
 
 THIRD = np.where(np.arange(len(T)) % 3 == 0, np.nan, STANDARD["current_A"])
-TEXT = [*STANDARD["current_A"][:4], "broken", *STANDARD["current_A"][5:]]
+TEXT = ["broken" if row % 4 == 0 else x for row, x in enumerate(STANDARD["current_A"], start=4)]
 SPLIT = np.where((T > 3.0) & (T < 4.0), 1.0, 0.0)
 BAD = {
     "no time": (changed(time_s=None), RIG, "a column for time (column 'time_s') is required"),
@@ -73,7 +73,7 @@ BAD = {
     "text": (
         changed(current_A=TEXT),
         RIG,
-        "line 6, column 'current_A': a number is required, received 'broken'",
+        "line 2, column 'current_A': a number is required, received 'broken'",
     ),
     "third": (changed(current_A=THIRD), RIG, "no number in 1000 of 3000 rows"),
     "split": (changed(run=SPLIT), RIG, "contiguous runs are required, received '0' again"),

@@ -181,7 +181,7 @@ LOGS = {
     "missing file": (None, "no such file"),
     "missing column": (lambda rows: ["time_s,current_A", "0,1", "1,2"], "column 'theta_m_rad' is required"),
     "text": (
-        lambda rows: [*rows[:50], rows[50].replace(rows[50].split(",")[1], "fast"), *rows[51:]],
+        lambda rows: [rows[0], *(row.replace(row.split(",")[1], "fast") for row in rows[1:])],
         "'fast'",
     ),
     "decimal comma between commas": (

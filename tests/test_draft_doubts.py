@@ -53,15 +53,24 @@ def test_counts_by_a_part_of_a_period_are_told_as_a_guess_by_the_check(
     assert doubted == any("encoder_counts_per_rev" in line for line in found.doubts)
 
 
-def test_a_column_with_a_text_in_it_is_left_out_with_the_place() -> None:
-    """Not silently: its row and its entry are told."""
+@pytest.mark.parametrize(("every", "kept"), [(10_000, True), (3, False)])
+def test_a_column_with_a_text_in_it_is_told_with_the_place(every: int, kept: bool) -> None:
+    """Here and there it costs its rows, which the fit counts; in a third of them, the column."""
     log = swing("q_rad", 1.0)
     spoilt = np.asarray(np.char.mod("%.6g", 2.0 * log["torque_Nm"]), dtype="<U12")
-    spoilt[1000] = "ERR"
+    spoilt[1000::every] = "ERR"
     draft = eccentric.draft_rig({**log, "u_V": spoilt, "mode": np.where(log["t_s"] < 5.0, "a", "b")})
 
-    assert "'ERR'" in draft.left_out["u_V"]
+    assert kept != ("'ERR'" in draft.left_out.get("u_V", ""))
     assert "mode" not in draft.left_out
+    if not kept:
+        return
+    columns = {"time": "t_s", "theta_m": "q_rad", "torque": "u_V"}
+    rig = {"columns": columns, "known": {"case": "C2", "mu": 1, **TYPED}}
+    found = eccentric.fit({"t_s": log["t_s"], "q_rad": log["q_rad"], "u_V": spoilt}, rig)
+    count = len(range(1000, len(spoilt), every))
+    place = "(first: row 1001, 'ERR'; most: 'u_V'): such rows are dropped"
+    assert any(f"no number in {count} of {len(spoilt)} rows {place}" in line for line in found.warnings)
 
 
 def test_a_torque_in_newton_metres_goes_before_one_in_per_cent() -> None:

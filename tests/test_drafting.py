@@ -311,7 +311,7 @@ L = "-2 m"
 mu = "1:5"
 """
 WRONG = (
-    "drive: one of current, voltage, torque is required, received 'curent'; did you mean 'current'?",
+    "drive: one of current, voltage, torque, none is required, received 'curent'; did you mean 'current'?",
     "unknown key 'low_pas_hz'; did you mean 'low_pass_hz'?",
     "unit 'rmp' is unknown",
     "[known] M: a unit is required",

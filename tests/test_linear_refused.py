@@ -42,7 +42,7 @@ def changed(**entries: Any) -> dict[str, Any]:
         ),
         (
             changed(velocity={"column": "v", "unit": "rpm"}),
-            "rig: [columns] velocity: a unit like m/s, mm/s is required, received 'rpm'",
+            "rig: [columns] velocity: a unit like m/s, mm/s, m/min, km/h, mph is required, received 'rpm'",
         ),
         (
             changed(force={"column": "u_V", "unit": "Nm"}),
@@ -73,7 +73,7 @@ def changed(**entries: Any) -> dict[str, Any]:
         (changed(moving_threshold_m_s=-1), "rig: moving_threshold_m_s: "),
         (
             changed(drive="torque"),
-            "rig: drive: one of current, voltage, force is required, received 'torque'",
+            "rig: drive: one of current, voltage, force, none is required, received 'torque'",
         ),
     ],
     ids=lambda x: x[:60] if isinstance(x, str) else "",
@@ -180,3 +180,18 @@ def test_a_draft_says_what_an_amplifiers_reference_is_to_be() -> None:
     (said,) = drafted.doubts
     assert said.startswith("voltage = u_V: of an amplifier's reference put the force")
     assert 'gain = "35 N/V"' in said
+
+
+def test_a_wrong_kind_is_one_line() -> None:
+    """Not one for each key of the other axis; what else is wrong is listed beside it."""
+    turning = {"case": "C1", "mu": 1, "M": "0 kg", "L": "0 m", "k_i": "0.05 N m/A", "R": "-1 ohm"}
+    columns = {"time": "t", "theta_m": "q", "current": "i"}
+    found, _ = rig_complaints({"kind": "linear", "columns": columns, "known": turning})
+    texts = [one.text for one in found]
+
+    assert texts[0].startswith('rig: kind: "turning" is required by theta_m, case, mu, M, L')
+    assert ["R"] == [one.key for one in found[1:]]
+    found, _ = rig_complaints(
+        {"drive": "force", "columns": {"position": "x", "force": "F"}, "known": {"mass": "1 kg"}}
+    )
+    assert [one.key for one in found] == ["kind"]

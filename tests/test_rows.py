@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import gzip
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -148,7 +150,11 @@ def test_an_average_longer_than_what_moves_is_refused_in_one_line(tmp_path: Path
     with pytest.raises(InputError) as refused:
         rows_of(channels, rig)
     assert "20 s is required" in str(refused.value)
-    assert str(refused.value).endswith(f"in {rig.path}, a shorter time as average_over gives more")
+    (over, gives) = re.findall(r'average_over = "(.*) s" gives (\d+)$', str(refused.value))[0]
+    shorter = dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, average_over=float(over)))
+    rows = rows_of(channels, shorter)
+    assert int(gives) == pytest.approx(np.count_nonzero(rows.train), rel=0.05)
+    assert f"in {rig.path}, " in str(refused.value)
     assert "\n" not in str(refused.value)
 
 

@@ -196,6 +196,14 @@ REFUSED = {
         "".join(f"Time: {k} Position: {5 * k}\n" for k in range(30)),
         "a header row with column names, and values between commas below it is required, received 'Time: 0",
     ),
+    "words and equal signs before every value": (
+        "run 1\n" + "".join(f"t={k}, q={5 * k}\n" for k in range(30)),
+        "received 't=0, q=0' in line 2: write the names once, above the values",
+    ),
+    "settings without a header": (
+        "Device: X\nRate: 100 Hz\n" + rows(",", T, X),
+        "line 3 has 2 numbers between commas .* 2 names above it$",
+    ),
     "names that repeat": ("a,b,b\n1,2,3\n4,5,6\n", "unique column names are required, received 'b' 2x"),
 }
 

@@ -393,3 +393,23 @@ def test_beside_a_tie_the_effect_that_nothing_else_explains_is_clear(
     object.__setattr__(found, "models", SimpleNamespace(extended=SimpleNamespace(effects=effects)))
 
     assert expected == [effect.id for effect, _ in found.clear]
+
+
+@pytest.mark.parametrize("orders", [1, 24])
+def test_what_no_row_distinguishes_is_tied_whatever_is_assumed_beforehand(orders: int) -> None:
+    """Half of the probability each, also where one is one order of many: its column is the other's, twice."""
+    other = candidate("b", {2: 2.0}, member="n=1")
+    other = replace(other, evidence=replace(other.evidence, one_of=orders))
+    found = verdict({2: 3.0}, A, other)
+
+    assert ("not_identifiable", {"a", "b"}) == (found.verdict, set(found.tied))
+    assert [("a", 0.5), ("b", 0.5)] == sorted(
+        (c.family, pytest.approx(c.probability, abs=0.005)) for c in found.candidates
+    )
+
+
+def test_an_alias_that_the_record_names_is_no_tie() -> None:
+    """It is given beside the name, and the record of the other need not name it."""
+    other = replace(B, columns=A.columns, evidence=replace(B.evidence, aliases=("a",), one_of=24))
+
+    assert "named" == verdict({2: 3.0}, A, other).verdict

@@ -75,7 +75,7 @@ class RigDraft:
         """The channels with unit and confidence, the doubts and the questions, for a terminal."""
         width = max(len(p.channel) for p in self.proposals)
         rows = [
-            f"  {p.channel:{width}}  {p.column} {f'[{p.unit}]' if p.unit else ''}".rstrip()
+            f"  {p.channel:{width}}  {p.column} {f'[{p.unit}]' if _says_more(p) else ''}".rstrip()
             for p in self.proposals
         ]
         rows += [f"  left out: {columns}, {why}" for columns, why in folded(self.left_out)]
@@ -121,6 +121,11 @@ class RigCheck:
             else "nothing is wrong"
         )
         return "\n".join([f"{found}; the log determines:", *(f"  {line}" for line in self.estimated)])
+
+
+def _says_more(proposal: Proposal) -> bool:
+    """Whether the unit of a channel is not at the end of its column's name already."""
+    return bool(proposal.unit) and not proposal.column.endswith((f"[{proposal.unit}]", f"({proposal.unit})"))
 
 
 def draft_rig(
@@ -301,7 +306,7 @@ def _tried(
         if contradicted:
             return RigCheck(tuple(contradicted), (), ())
         beside = beside_the_rig(channels, tried)
-        determined = *_determined(fit, tried), *map(_beside, beside)
+        determined = *_determined(fit, tried, channels.motor.measured_by), *map(_beside, beside)
         warnings = (*fit.warnings, *_of_the_diagnosis(channels, tried))
         doubts = *_doubted(beside, channels, tried), *_too_long(fit, tried)
         return RigCheck((), determined, warnings, doubts)
@@ -381,13 +386,13 @@ def _with_mend(finding: Finding) -> str:
     return f"{finding.text}: write {finding.mend}" if finding.mend else finding.text
 
 
-def _determined(fit: Any, rig: Rig) -> list[str]:
-    """Each estimate with its interval, and what of the motion it follows from."""
+def _determined(fit: Any, rig: Rig, drive: str) -> list[str]:
+    """Each estimate with its interval, and what of the motion and the `drive` it follows from."""
     lines, axis, inertia = [], rig.axis, rig.axis.term("inertia")
     meaning = {
         "J": "the acceleration", "J_m": "the acceleration", "J_l": "the acceleration",
-        "k_i": f"gravity and {inertia} against the current", "M_l": "the load of the bearing", "L": "gravity",
-        "phi": "gravity", "T_load": "what is constant in both directions",
+        "k_i": f"gravity and {inertia} against the {axis.term(drive)}", "M_l": "the load of the bearing",
+        "L": "gravity", "phi": "gravity", "T_load": "what is constant in both directions",
         **dict.fromkeys(
             ("1", "R/k_i"), f"what the rig gives of gravity, {inertia} and load, against the drive"
         ),

@@ -107,7 +107,7 @@ def contest(
     linear = refit(own.base, (), own.data, linear=True)
     fits = [_fitted(given, model) for model in models]
     scored = _scored_rows(linear)
-    target = _in_drive_unit(linear, own.data.rows.mean(own.data.drive.torque()))[scored]
+    target = _in_drive_unit(linear, own.data.rows.mean(own.data.drive.driven_by(linear.values)))[scored]
     before = _residual(linear)[scored]
     entries = [
         Entry(

@@ -159,7 +159,7 @@ def extended_model(found: Diagnosis) -> Model:
         drive.back_emf_in_friction,
         drive.current_known,
         drive.voltage_known,
-        found.unit,
+        drive.emitted_unit,
     )
 
 
@@ -238,7 +238,7 @@ def script(found: Diagnosis) -> str:
     log = "\n    back_emf_in_friction=True," if drive.back_emf_in_friction else ""
     log += "" if drive.current_known else "\n    current_known=False,"
     log += "" if drive.voltage_known else "\n    voltage_known=False,"
-    log += "" if found.unit == "N m" else f"\n    torque_unit={found.unit!r},"
+    log += "" if drive.emitted_unit == "N m" else f"\n    torque_unit={drive.emitted_unit!r},"
     own = ""
     if found.asked.effects is not None:
         own = f"\noffered += load_effects(Path(__file__).with_name({found.asked.effects.name!r}), setting)"

@@ -100,7 +100,7 @@ class Models:
 
 def _r_squared(fitted: Refit) -> float:
     rows = fitted.data.rows
-    drive = rows.mean(fitted.data.drive.torque(fitted.values, fitted.scale))
+    drive = rows.mean(fitted.data.drive.driven_by(fitted.values, fitted.scale))
     return r_squared(fitted.residuals["mechanical"][rows.score], drive[rows.score])
 
 

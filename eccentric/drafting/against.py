@@ -12,7 +12,7 @@ from eccentric.drafting.draft import Draft
 from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.words import read_name
 from eccentric.logs import Log, evaluate, parse_unit
-from eccentric.rigs import CHANNELS, Complaint, Rig, channels_of, gain_of
+from eccentric.rigs import CHANNELS, COASTING, Complaint, Rig, channels_of, gain_of
 
 _SIDES = ({"theta_m", "theta_l"}, {"omega_m", "omega_l"}, {"torque", "torque_l"})
 
@@ -68,6 +68,8 @@ def _missing(rig: Rig, log: Log, told: Collection[Complaint]) -> Iterator[Compla
     ):
         names = [rig.axis.named(channel) for channel in choice if channel in channels_of(rig.axis)]
         if choice == ("time",) and rig.log.sample_rate_hz is not None:
+            continue
+        if choice[0] == "current" and rig.log.drive == COASTING:
             continue
         if refused.isdisjoint(names) and not any(channel in sources for channel in choice):
             yield Complaint(

@@ -7,7 +7,7 @@ The wave number k is searched: one period of gravity is one turn of the link, in
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -162,15 +162,8 @@ def _wave(plain: Array, x: Array, y: Array, shortest: float = 0.0) -> tuple[floa
     lost on the way.
     """
     best = (0.0, 0.0, 0.0)
-    for part in (1.0, 1.0 / 8.0):
-        stop = max(int(part * len(x)), min(len(x), SCANNED))
-        rows = np.unique(np.linspace(0, stop - 1, min(SCANNED, stop)).astype(int))
-        travel = float(np.ptp(x[rows]))
-        if travel <= 0.0:
-            continue
+    for rows, travel, numbers in _scans(x, shortest):
         q, rest = _without(plain[rows], y[rows])
-        most = min(MOST_TURNS, travel / shortest if shortest else MOST_TURNS)
-        numbers = 2.0 * np.pi / travel * np.arange(0.25, max(most, 0.3), 0.2)
         gains = _gains(numbers, x[rows], q, rest)
         top = int(np.argmax(gains))
         share = float(gains[top] / (rest @ rest))
@@ -201,8 +194,43 @@ def _wave(plain: Array, x: Array, y: Array, shortest: float = 0.0) -> tuple[floa
     return k, whole * k / (2.0 * np.pi)
 
 
+def _scans(x: Array, shortest: float = 0.0) -> Iterator[tuple[NDArray[np.int64], float, Array]]:
+    """Rows, their travel and the wave numbers to try on them: of the whole travel and of its first part."""
+    for part in (1.0, 1.0 / 8.0):
+        stop = max(int(part * len(x)), min(len(x), SCANNED))
+        rows = np.unique(np.linspace(0, stop - 1, min(SCANNED, stop)).astype(int))
+        travel = float(np.ptp(x[rows]))
+        if travel > 0.0:
+            most = min(MOST_TURNS, travel / shortest if shortest else MOST_TURNS)
+            yield rows, travel, 2.0 * np.pi / travel * np.arange(0.25, max(most, 0.3), 0.2)
+
+
+def most_explained(motion: Moved, columns: Array) -> Array:
+    """What friction, inertia and one wave of the angle may explain of columns (m, c), at most; (c,), 0 to 1.
+
+    As `balance_of` searches it, for all columns at once and without refining: the next wave number that is
+    tried is a tenth of a period over the travel away, where a wave has 0.97 of its power. What the whole
+    travel has shown is not looked for in its first part, where few periods explain any slow column.
+    """
+    rows = motion.moving
+    x, w, a = motion.x[rows], motion.w[rows], motion.a[rows]
+    plain, y = np.column_stack([np.ones_like(w), np.sign(w), w, a]), columns[rows]
+    found, tried = np.zeros(columns.shape[1]), 0.0
+    for own, _, every in _scans(x):
+        numbers = every[every > tried]
+        if not len(numbers):
+            continue
+        tried = numbers[-1]
+        q, rest = _without(plain[own], y[own])
+        whole = np.maximum(np.sum((y[own] - np.mean(y[own], axis=0)) ** 2, axis=0), 1e-300)
+        left = np.sum(rest**2, axis=0)
+        best = np.max(_gains(numbers, x[own], q, rest), axis=0)
+        found = np.maximum(found, 1.0 - (left - best) / whole)
+    return found
+
+
 def _without(plain: Array, y: Array) -> tuple[Array, Array]:
-    """Orthonormal columns of a design (n, p), and what they leave of y (n,)."""
+    """Orthonormal columns of a design (n, p), and what they leave of y (n,) or (n, c)."""
     q = np.linalg.qr(plain / np.maximum(np.max(np.abs(plain), axis=0), 1e-300))[0]
     return q, y - q @ (q.T @ y)
 
@@ -213,27 +241,29 @@ def _gain(k: float, x: Array, q: Array, rest: Array) -> float:
 
 
 def _gains(numbers: Array, x: Array, q: Array, rest: Array) -> Array:
-    """Sum of squares that sin and cos of k x take from the rest that q leaves, for each k (n,).
+    """Sum of squares that sin and cos of k x take from the rest that q leaves, for each k (n,) or (n, c).
 
     The numbers must be evenly spaced: the waves of many are those of one, multiplied by the same factors.
     """
     found = []
     steps = np.exp(1j * np.outer(numbers[:NUMBERS_AT_ONCE] - numbers[0], x))
-    beside = np.column_stack([q, rest])
+    beside, p = np.column_stack([q, rest]), q.shape[1]
     for first in range(0, len(numbers), NUMBERS_AT_ONCE):
         wave = steps[: len(numbers) - first] * np.exp(1j * numbers[first] * x)
         along = wave @ beside  # (numbers, columns), cos + i sin
-        c, s = along.real[:, :-1], along.imag[:, :-1]
+        c, s = along.real[:, :p], along.imag[:, :p]
         square = np.sum(wave**2, axis=1)  # sum of cos^2 - sin^2, and twice that of cos sin
         cc = 0.5 * (len(x) + square.real) - np.sum(c * c, axis=1)
         ss = 0.5 * (len(x) - square.real) - np.sum(s * s, axis=1)
         cs = 0.5 * square.imag - np.sum(c * s, axis=1)
-        of_c, of_s = along.real[:, -1], along.imag[:, -1]
+        of_c, of_s = along.real[:, p:], along.imag[:, p:]
+        cc, ss, cs = cc[:, None], ss[:, None], cs[:, None]
         det = cc * ss - cs**2
         taken = cc * of_s**2 - 2.0 * cs * of_c * of_s + ss * of_c**2
         kept = (cc > 0.0) & (ss > 0.0) & (det > DISTINCT * cc * ss)
         found.append(np.where(kept, taken, 0.0) / np.where(kept, det, 1.0))
-    return np.concatenate(found)
+    every = np.concatenate(found)
+    return every[:, 0] if rest.ndim == 1 else every
 
 
 def as_gravity(

@@ -10,7 +10,8 @@ from dataclasses import replace
 from eccentric.core import InputError
 from eccentric.drafting import limits
 from eccentric.drafting.columns import LoggedColumn
-from eccentric.drafting.proposal import Proposal, RigLine
+from eccentric.drafting.proposal import Proposal, RigLine, computed_by
+from eccentric.drafting.questions import ONE_WAY
 from eccentric.drafting.units import Shown
 from eccentric.drafting.words import of_a_carriage
 from eccentric.logs import parse_unit
@@ -115,7 +116,7 @@ def _is_force(unit: str) -> bool:
 
 
 def carriage_entries(
-    given: Shown, channels: Sequence[Proposal], drives: Sequence[Proposal], largest: float
+    given: Shown, channels: Sequence[Proposal], drives: Sequence[Proposal], largest: float, one_way: bool
 ) -> list[RigLine]:
     """The lines of the rig file.
 
@@ -124,6 +125,7 @@ def carriage_entries(
         channels: position and velocity.
         drives: what moves the carriage.
         largest: value of the first of these, in its unit.
+        one_way: whether it moves in one direction only, where a constant force is Coulomb friction.
     """
     kinds = {p.channel for p in drives}
     length = next(c.unit for c in channels)
@@ -141,7 +143,8 @@ def carriage_entries(
     entries.append(RigLine("known", "mass", '"95 kg"', "moving mass; estimated unless given", asked=True))
     if "current" in kinds:
         why = "the force constant (data sheet): the log cannot show it"
-        entries.append(RigLine("known", "k_f", '"50 N/A"', why, asked=True, needed=True))
+        asked = RigLine("known", "k_f", '"50 N/A"', why, asked=True, needed=True)
+        entries.append(computed_by(drives, asked))
     if "voltage" in kinds:
         why = "resistance of the armature (data sheet), with k_e and k_f for a voltage at the motor"
         entries += [
@@ -154,5 +157,7 @@ def carriage_entries(
     end = f"{float(f'{largest:.1g}'):g} {force.unit}" if force and largest else "1000 N"
     why = "a constant force against positive motion: a part of the weight; an amplifier's offset looks alike"
     ends = json.dumps([f"-{end}", end])
-    entries.append(RigLine("unknown", "F_load", ends, why, asked=kinds == {"voltage"}))
+    if one_way:
+        why = f"{why}; {ONE_WAY}"
+    entries.append(RigLine("unknown", "F_load", ends, why, asked=one_way or kinds == {"voltage"}))
     return entries

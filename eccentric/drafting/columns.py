@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
+from eccentric.core import InputError
 from eccentric.drafting.limits import COMPARED, DERIVATIVE, ROUGHLY, SMOOTH_ROWS, SMOOTH_S, WRAP
 from eccentric.drafting.words import Name, read_name
 from eccentric.logs import Log
@@ -70,8 +71,11 @@ def columns_of(log: Log, rows: slice) -> tuple[dict[str, LoggedColumn], dict[str
     for name in log.columns:
         values = log.text(name)[rows]
         if values.dtype.kind != "f":
-            texts[name] = values
-            continue
+            try:
+                values = log.numbers(name)[rows]
+            except InputError:
+                texts[name] = values
+                continue
         there = np.isfinite(values)
         if np.count_nonzero(there) < 2:
             continue

@@ -38,6 +38,7 @@ from eccentric.drafting.columns import (
     wrap_of,
 )
 from eccentric.drafting.drives import (
+    CONSTANT,
     KINDS,
     UNSIGNED,
     coasts,
@@ -47,8 +48,9 @@ from eccentric.drafting.drives import (
 from eccentric.drafting.joints import joint_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
-from eccentric.drafting.questions import entries_of, facts_of
+from eccentric.drafting.questions import entries_of, facts_of, one_way
 from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, find_clock, find_runs, readings
+from eccentric.drafting.words import of_a_carriage
 from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
 
@@ -135,10 +137,13 @@ def draft_of(log: Log) -> Draft:
     taken = {*ratio} | {c.text for c in flags} | ({temperature.column} if temperature else set())
     joint = joint_of({n: c for n, c in left.items() if n not in ratio}, grid)
     left_out = {n: f"of joint {key}; joint {joint.key} is drafted" for n, key in joint.others.items()}
-    left_out |= {n: "it is constant" for n, c in left.items() if c.is_constant and n not in taken}
+    left_out |= {n: CONSTANT for n, c in left.items() if c.is_constant and n not in taken}
+    left_out |= {n: _BY_RUN for n, c in left.items() if n not in taken and _is_of_runs(c, ends)}
     left_out |= {name: why for name, entries in texts.items() if (why := _spoilt(log, name, entries))}
     free = [c for n, c in left.items() if n not in taken and n not in left_out]
     angle, speed, pair, doubt = _moving(grid, free, [*left.values()], log.path)
+    if angle is not None and speed is not None and _along_the_rim(angle, speed):
+        speed = pair = None
     doubt = "; ".join(filter(None, (doubt, joint.doubt)))
     motion = motion_from(grid, angle, speed)
     rest = [c for c in free if c not in (angle, speed)]
@@ -191,16 +196,33 @@ def draft_of(log: Log) -> Draft:
     proposals += [*drives, *([temperature] if temperature else []), *named]
     if gear is None:
         largest = float(np.quantile(np.abs(drive.values), 0.999)) if drive else 0.0
-        entries = carriage_entries(evidence, moving, drives, largest)
+        entries = carriage_entries(evidence, moving, drives, largest, one_way(motion))
     else:
         entries = entries_of(found[0], evidence, gravity, gear.mu, drives)
     if not drives:
         why = "a current, a torque or a voltage is required, and no column follows the motion as one does"
+        line = RigLine("columns", "current", '"its column"', why, asked=True, needed=True)
         if coasts(motion):
-            why += ": a coast-down, which shows friction over inertia alone; log how it was driven as well"
-        entries = [RigLine("columns", "current", '"its column"', why, asked=True, needed=True), *entries]
+            why = "a coast-down, if nothing drove it; without J_m and J_l it shows friction over inertia"
+            line = RigLine("", "drive", '"none"', "", why)
+        entries = [line, *entries]
     facts, axis = [*facts_of(grid, motion), *ripple], LINEAR if carried else TURNING
     return Draft(log.path, tuple(proposals), tuple(entries), left_out, tuple(facts), axis)
+
+
+_BY_RUN = (
+    f'{CONSTANT} in each run: subtract a load, as in torque = "0.05 * i - 0.001 * load"; masses go to [added]'
+)
+
+
+def _is_of_runs(column: LoggedColumn, ends: NDArray[np.bool_]) -> bool:
+    """Whether a column changes at the ends of runs (n-1,) only, and has no name of a motion or a drive."""
+    return (
+        bool(np.any(ends))
+        and not column.is_constant
+        and column.name.quantity in ("", "other")
+        and not np.any(np.diff(column.values)[~ends])
+    )
 
 
 def _spoilt(log: Log, name: str, entries: NDArray[np.str_]) -> str:
@@ -261,6 +283,12 @@ def _few(columns: list[LoggedColumn], quantities: Sequence[str]) -> list[LoggedC
     named = [c for c in columns if c.name.quantity in quantities]
     rough = {c.text: float(np.mean(np.abs(np.diff(c.values)))) / (c.range or 1.0) for c in columns}
     return named or sorted(columns, key=lambda c: rough[c.text])[: limits.MANY]
+
+
+def _along_the_rim(angle: LoggedColumn, speed: LoggedColumn) -> bool:
+    """Whether the speed of a shaft is logged as that of a point on its rim, whose radius no log shows."""
+    turns = angle.name.unit and not of_a_carriage(angle.name.unit)
+    return bool(turns) and of_a_carriage(speed.name.unit)
 
 
 def _letter(column: LoggedColumn) -> bool:

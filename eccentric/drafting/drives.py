@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from eccentric.core import few
 from eccentric.drafting import limits
-from eccentric.drafting.balance import Explained, Moved, balance_of
+from eccentric.drafting.balance import Explained, Moved, balance_of, most_explained
 from eccentric.drafting.columns import Grid, LoggedColumn
 from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.units import magnitudes
@@ -23,6 +23,9 @@ from eccentric.drafting.words import CONTROLS, Name
 
 Array = NDArray[np.float64]
 KINDS = ("current", "torque", "voltage")
+
+
+CONSTANT = "it is constant"
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,7 @@ class Driven:
     evidence: tuple[str, ...]
     doubt: str
     sure: float
+    constant: tuple[str, str] = ("", "")
 
 
 def find_drives(
@@ -52,6 +56,7 @@ def find_drives(
     named = [c for c in could if c.name.quantity in KINDS and np.any(c.values)]
     found: list[tuple[LoggedColumn, Explained]] = []
     steady: list[LoggedColumn] = []
+    hopeless = set[str]() if named or not lasting else _hopeless(grid, motion, could)
     for column in could:
         if named and column not in named:
             left_out[column.text] = f"no name of a drive, as {few([c.text for c in named], 2)} has"
@@ -59,14 +64,18 @@ def find_drives(
         if column.varies <= limits.HARDLY:
             steady.append(column)
             part = f"{100 * column.varies:.2g} % at {_middle(column):.4g}"
-            left_out[column.text] = "it is constant" + (
+            left_out[column.text] = CONSTANT + (
                 "" if column.is_constant else f" to {part}, too little for a drive"
             )
             continue
         balance = balance_of(motion, grid.smooth(column), periodic=False)
         if balance is None:
             left_out[column.text] = "it does not vary while the drive moves"
-        elif column.name.quantity in KINDS or _shown(grid, motion, column, balance, lasting) >= limits.SHOWN:
+        elif (
+            column.name.quantity in KINDS
+            or (balance.r2 if column.text in hopeless else _shown(grid, motion, column, balance, lasting))
+            >= limits.SHOWN
+        ):
             found.append((column, balance_of(motion, grid.smooth(column), periodic=lasting) or balance))
         else:
             left_out[column.text] = (
@@ -147,17 +156,34 @@ def _shown(grid: Grid, motion: Moved, column: LoggedColumn, plain: Explained, la
     return full.r2 if full is not None else plain.r2
 
 
+def _hopeless(grid: Grid, motion: Moved, columns: Sequence[LoggedColumn]) -> set[str]:
+    """Of very many columns those that motion cannot explain, whatever wave of the angle is in them."""
+    if len(columns) <= limits.MANY:
+        return set()
+    found: set[str] = set()
+    for first in range(0, len(columns), limits.MANY):
+        some = columns[first : first + limits.MANY]
+        most = most_explained(motion, np.column_stack([grid.smooth(column) for column in some]))
+        found |= {c.text for c, share in zip(some, most, strict=True) if share < limits.SCREENED}
+    return found
+
+
 def _middle(column: LoggedColumn) -> float:
     return float(np.median(column.values))
 
 
 def coasts(motion: Moved) -> bool:
-    """Whether most of the motion slows down, to less than half of its peak, as it does without a drive."""
+    """Whether the motion slows down from its peak, to less than half of it, as it does without a drive.
+
+    What sped it up takes two thirds of the rows at most.
+    """
     speed = np.abs(motion.w[motion.moving])
     if len(speed) < limits.FEWEST_ROWS:
         return False
     coarse = np.array([np.mean(part) for part in np.array_split(speed, limits.FEWEST_ROWS)])
-    return bool(np.mean(np.diff(coarse) < 0.0) > limits.COASTS and coarse[-1] < 0.5 * np.max(coarse))
+    after = coarse[int(np.argmax(coarse)) :]
+    falls = len(after) > len(coarse) / 3.0 and np.mean(np.diff(after) < 0.0) > limits.COASTS
+    return bool(falls and after[-1] < 0.5 * after[0])
 
 
 def _steady(column: LoggedColumn) -> Proposal:
@@ -196,7 +222,13 @@ def _measured_current(kept: list[Driven], left_out: dict[str, str]) -> list[Driv
                 left_out[torque.column.text] = (
                     f"{factor:.4g} times {current.column.text}: computed from it, by this torque constant"
                 )
-                kept = [one for one in kept if one is not torque]
+                unit = f"{torque.column.name.unit or 'N m'}/{current.column.name.unit or 'A'}"
+                constant = f"{factor:.4g} {unit}", f"{torque.column.text}: {left_out[torque.column.text]}"
+                kept = [
+                    dataclasses.replace(one, constant=constant) if one is current else one
+                    for one in kept
+                    if one is not torque
+                ]
                 break
     return kept
 
@@ -343,7 +375,7 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
     if turned:
         evidence.append("its sign is turned: it falls where friction and inertia need it to rise")
     said = tuple(evidence), min(one.sure, sure), "; ".join(doubts)
-    return Proposal(one.kind, one.column.text, unit, *said, turned=turned)
+    return Proposal(one.kind, one.column.text, unit, *said, turned=turned, constant=one.constant)
 
 
 UNSIGNED = "never negative though the shaft turns both ways: its sign is missing, and no fit can be right"

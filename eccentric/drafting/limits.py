@@ -50,6 +50,9 @@ USUAL_SPEED, SPEED_DECADES = 20.0, 0.9
 # Explained.
 SHOWN = 0.5
 """R^2 from which motion explains a column as it explains a drive; noise and stiction leave less than all."""
+SCREENED = 0.35
+"""The same in a first look at very many columns, which tries waves of the angle a tenth of a period apart on
+a part of the rows: what lies below is not looked at again."""
 GRAVITY = 0.02
 """Share of a drive's variance from which a periodic part is gravity: harmonics of friction have its sign and
 average out over both directions."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 
@@ -18,6 +20,7 @@ class Proposal:
         doubt: what else it could be, empty if nothing is close.
         turned: whether its sign is.
         reads: names of the columns in arithmetic; of a plain name, nothing.
+        constant: of a current, the torque constant by which a column was computed, and the evidence.
     """
 
     channel: str
@@ -28,6 +31,7 @@ class Proposal:
     doubt: str = ""
     turned: bool = False
     reads: tuple[str, ...] = ()
+    constant: tuple[str, str] = ("", "")
 
     @property
     def column(self) -> str:
@@ -57,3 +61,12 @@ class RigLine:
     asked: bool = False
     needed: bool = False
     guessed: bool = False
+
+
+def computed_by(drives: Iterable[Proposal], asked: RigLine) -> RigLine:
+    """The line of a torque constant: that by which a column was computed from the current, else as asked."""
+    for drive in drives:
+        value, evidence = drive.constant
+        if value:
+            return RigLine(asked.table, asked.key, json.dumps(value), evidence, asked.evidence)
+    return asked

@@ -11,7 +11,7 @@ from eccentric.core import counted
 from eccentric.drafting import limits
 from eccentric.drafting.balance import SHORT, Explained, Moved
 from eccentric.drafting.columns import Grid, nice_counts
-from eccentric.drafting.proposal import Proposal, RigLine
+from eccentric.drafting.proposal import Proposal, RigLine, computed_by
 from eccentric.drafting.units import Reading, Shown
 
 TURN = 2.0 * math.pi
@@ -29,7 +29,7 @@ def entries_of(
     return [
         *_encoder(best, given, balance),
         *_alignment(balance, kinds),
-        *_known(gear, given, balance, kinds),
+        *_known(gear, given, balance, drives),
     ]
 
 
@@ -92,9 +92,11 @@ def _alignment(balance: Explained | None, kinds: set[str]) -> list[RigLine]:
     return entries
 
 
-def _known(gear: RigLine, given: Shown, balance: Explained | None, kinds: set[str]) -> list[RigLine]:
+def _known(
+    gear: RigLine, given: Shown, balance: Explained | None, drives: Sequence[Proposal]
+) -> list[RigLine]:
     """[known] and [unknown]: the case and the gear as the log shows them, the rest as questions."""
-    gravity = balance is not None and balance.period > 0.0
+    gravity, kinds = balance is not None and balance.period > 0.0, {p.channel for p in drives}
     entries: list[RigLine] = []
     if gravity and balance is not None:
         share, turns = balance.shares["gravity"], balance.turns
@@ -155,7 +157,8 @@ def _known(gear: RigLine, given: Shown, balance: Explained | None, kinds: set[st
         )
     if "current" in kinds and not gravity:
         why = "the torque constant (data sheet): without gravity the log cannot show it"
-        entries.append(RigLine("known", "k_i", '"0.05 N m/A"', why, asked=True, needed=True))
+        asked = RigLine("known", "k_i", '"0.05 N m/A"', why, asked=True, needed=True)
+        entries.append(computed_by(drives, asked))
     elif "current" in kinds:
         why = (
             "the torque constant, which gravity identifies; better the data sheet's, under [known] in place"
@@ -196,6 +199,14 @@ def _known(gear: RigLine, given: Shown, balance: Explained | None, kinds: set[st
     return entries
 
 
+ONE_WAY = "one direction only: Coulomb friction and a constant load are one and the same there"
+
+
+def one_way(motion: Moved) -> bool:
+    """Whether nearly all moving rows move in one direction."""
+    return not np.any(motion.moving) or not 0.05 <= float(np.mean(motion.w[motion.moving] > 0.0)) <= 0.95
+
+
 def facts_of(grid: Grid, motion: Moved) -> list[str]:
     """What else the log shows, one line each."""
     inner = grid.inner()
@@ -205,6 +216,6 @@ def facts_of(grid: Grid, motion: Moved) -> list[str]:
         f"{counted(len(grid.parts), 'part')} without a gap, {1.0 / grid.step:.4g} rows a second",
         f"standing (below {limits.STILL:.0%} of its speed) in {still:.0%} of rows, forwards in {both:.0%}",
     ]
-    if both < 0.05 or both > 0.95:
-        facts.append("one direction only: Coulomb friction and a constant load are one and the same there")
+    if one_way(motion):
+        facts.append(ONE_WAY)
     return facts

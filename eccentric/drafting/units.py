@@ -447,7 +447,7 @@ def _slope(off: float, factor: float, gear: float) -> tuple[float, float, tuple[
         return (
             math.exp(-0.5 * scatter**2),
             1.0,
-            (f"it is {sign}the slope of the angle, within {100 * abs(off - 1):.1f} %",),
+            (f"it is {sign}the slope of the angle, within {max(100 * abs(off - 1), 0.1):.1f} %",),
         )
     for other in (gear, 1.0 / gear if gear else 0.0):
         if other and abs(math.log(off / other)) < 2.0 * limits.FACTOR:

@@ -89,6 +89,7 @@ _SPELLINGS = {
     "celsius": "degC", "°c": "degC", "sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "µs": "us",
     "pct": "%", "percent": "%", "prozent": "%", "% rated": "%", "‰": "‰", "permille": "‰", "per mille": "‰",
     "promille": "‰", "permil": "‰", "0.1%": "‰", "0.1 %": "‰", "1/1000": "‰", "hz": "rev/s",
+    "kmh": "km/h", "km_h": "km/h", "kph": "km/h", "km/h": "km/h", "m_min": "m/min", "mph": "mph",
     "amps": "A", "volts": "V", "volt": "V", "turns": "turn", "revs": "rev",
     "rad": "rad", "deg": "deg", "rpm": "rpm", "counts": "counts", "ms": "ms", "us": "us", "ns": "ns",
     "mrad": "mrad", "rev": "rev",

@@ -23,8 +23,11 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family, for a declared inertia; linear, since that appears only in J alpha."""
-    if "inertia" in setting.left_open:
+    """The one effect of the family, for a declared inertia; linear, since that appears only in J alpha.
+
+    None in a coast-down, whose every torque is in proportion to the inertia.
+    """
+    if "inertia" in setting.left_open or not setting.channels - {"temperature"}:
         return ()
     aliases = ("mass_mismatch",) if setting.case == "C1" else ()
     if setting.scaled and not setting.masses and (setting.case == "C1" or "gravity" in setting.left_open):

@@ -50,7 +50,14 @@ from eccentric.identification.expressions import (
     compiled,
     load_torque,
 )
-from eccentric.identification.fit_data import Emitted, FitData, drive_noise, fit_data_of, with_model_current
+from eccentric.identification.fit_data import (
+    Emitted,
+    FitData,
+    deceleration_noise,
+    drive_noise,
+    fit_data_of,
+    with_model_current,
+)
 from eccentric.identification.identify import Fit, drive_of, fit
 from eccentric.identification.limits import LEAST_GAIN_PERCENT, LEAST_R_SQUARED, MOST_POINTS
 from eccentric.identification.machine import Machine

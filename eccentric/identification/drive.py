@@ -96,6 +96,8 @@ def unresolved(
 
 NO_BACK_EMF = "0 by convention: R, k_e or k_i is not known"
 """The remark of k_e where the parameters give no voltage."""
+PER_INERTIA = "rad/s^2"
+"""The unit of a torque over the inertia, where a coast-down has none declared."""
 DRIVE_UNITS = {"torque": "N m", "current": "A", "voltage": "V"}
 """The unit of each signal that measures the drive."""
 LOAD = constant_load.coefficients[0].name
@@ -111,6 +113,13 @@ def in_drive_unit(unit: str, drive: str) -> str:
     """
     if drive == "N m":
         return unit
+    if drive == PER_INERTIA:
+        unit = {
+            "N m s/rad": "1/s",
+            "N m s^2/rad^2": "1/rad",
+            "N m s^3/rad^3": "s/rad^2",
+            "kg m^2": "1",
+        }.get(unit, unit)
     loaded = {
         "m": f"{drive}/N",
         "m s/rad": f"{drive} s/(N rad)",
@@ -203,6 +212,11 @@ class Drive:
         ]
 
     @property
+    def emitted_unit(self) -> str:
+        """The unit of torques in what is emitted: of a coast-down without an inertia, N m at 1 kg m^2."""
+        return "N m" if self.unit == PER_INERTIA else self.unit
+
+    @property
     def by_voltage(self) -> bool:
         """Whether the torque comes from the voltage alone."""
         return self.scale is not None and self.channels.motor.measured_by == "voltage"
@@ -290,6 +304,13 @@ class Drive:
         if self.by_voltage:
             signal = self.machine.current(letters, signal, self.channels.motion.omega_m)
         return np.where(self.off, 0.0, self.machine.torque(letters, signal))
+
+    def driven_by(self, known: Mapping[str, float] | None = None, scale: float | None = None) -> Array:
+        """What a model explains (n,) [N m]: the drive torque, or what the inertia of a coast-down gives."""
+        if not self.channels.motor.coasting:
+            return self.torque(known, scale)
+        inertia = self.machine.inertia({**self.machine.absent, **self.known, **(known or {})})
+        return -inertia * self.channels.motion.alpha_m
 
     def columns(self, gravity: Array, slope: Array) -> dict[Coefficient, Array]:
         """The free columns (n,) of the balance J alpha + G + f = torque.

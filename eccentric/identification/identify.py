@@ -11,13 +11,14 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.core import InputError, MissingValueError
+from eccentric.identification.coast_down import free_cubic
 from eccentric.identification.columns import (
     combinations,
     following_letters,
@@ -78,7 +79,8 @@ class Fit:
     that the log identifies, and those that it does not. `spread` is that of coefficients and searched
     values, in this order. `percent` is 100 (1 - paper/linear). `r_squared`
     by model is that of the drive signal on the held-out rows; `band` is that of the error of `paper`.
-    `structured` says whether waves of the angle and steps of the speed explain what `paper` does not.
+    `structured` says whether waves of the angle and steps of the speed explain what `paper` does not;
+    `cubic` are the coefficients of a free cubic, of a coast-down only.
     """
 
     problem: Problem
@@ -96,6 +98,7 @@ class Fit:
     band: Band | None
     warnings: tuple[str, ...]
     structured: bool = False
+    cubic: Mapping[str, Estimate] = field(default_factory=dict)
 
     @property
     def fits_the_rig(self) -> bool:
@@ -162,6 +165,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         band,
         tuple(warnings),
         beside >= LEAST_R_SQUARED,
+        free_cubic(problem, paper),
     )
 
 
@@ -188,7 +192,7 @@ def _beside_waves(problem: Problem, paper: Solution) -> float:
         return 0.0
     left = design.target - design.columns @ paper.values
     found = np.linalg.lstsq(beside[rows.train], left[rows.train], rcond=SAME)[0]
-    return r_squared((left - beside @ found)[rows.score], rows.mean(drive.torque())[rows.score])
+    return r_squared((left - beside @ found)[rows.score], rows.mean(drive.driven_by())[rows.score])
 
 
 def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> Solution:

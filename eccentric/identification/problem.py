@@ -32,7 +32,7 @@ from eccentric.identification.columns import (
     scale_of,
     with_own,
 )
-from eccentric.identification.drive import DRIVE_UNITS, LOAD, Drive, inputs_of, load_gain
+from eccentric.identification.drive import DRIVE_UNITS, LOAD, PER_INERTIA, Drive, inputs_of, load_gain
 from eccentric.identification.expressions import alike, seen_columns
 from eccentric.identification.fit_data import Emitted, Residuals
 from eccentric.identification.limits import (
@@ -159,7 +159,7 @@ class Problem:
     def held_out(self, solution: Solution) -> tuple[Array, Array]:
         """Residual and drive signal on the held-out rows that every command compares models on."""
         residual, rows = self.compared(solution)
-        signal = rows.mean(self.aligned(solution.at).torque())
+        signal = rows.mean(self.aligned(solution.at).driven_by(self._found(solution)))
         return residual[rows.score], signal[rows.score]
 
     def compared(self, solution: Solution) -> tuple[Array, Rows]:
@@ -176,6 +176,14 @@ class Problem:
         inertia = machine.inertia(values)
         carried = machine.inertia_along(values, channels.carried) - inertia
         return (of.get("inertia", inertia * scale) + carried * scale) * channels.motion.alpha_m
+
+    def _found(self, solution: Solution) -> dict[str, float] | None:
+        """The inertia that a coast-down under gravity was found to have; None where the rig has it."""
+        if not self.drive.channels.motor.coasting:
+            return None
+        free = [x for c, x in zip(self.coefficients, solution.values, strict=True) if c.role == "inertia"]
+        rotor = self.drive.machine.rotor
+        return {**dict.fromkeys(self.drive.machine.inertias, 0.0), rotor: free[0]} if free else None
 
     @property
     def unit(self) -> str:
@@ -273,6 +281,6 @@ def _posed(channels: Channels, rig: Rig, machine: Machine, scale: sp.Expr | None
     if scale is not None:
         return Drive(machine, channels, rig.known, 1.0, DRIVE_UNITS[by])
     if by != "voltage":
-        return Drive(machine, channels, rig.known, None, "N m")
+        return Drive(machine, channels, rig.known, None, PER_INERTIA if rig.per_inertia else "N m")
     per_volt = machine.torque(rig.known, machine.current({**machine.absent, **rig.known}, 1.0, 0.0))
     return Drive(machine, channels, rig.known, 1.0 / float(per_volt), "N m")

@@ -28,6 +28,9 @@ _NAMES = frozenset({"name", "names", "channel", "channels", "channel name", "sig
 _UNITS = frozenset({"unit", "units", "unit name", "channel unit"})
 _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]")
 _CLOCK = re.compile(r".*\d:\d\d(:\d\d)?([.,]\d+)?\s*([AaPp][Mm])?\s*Z?|\s*\d{4}-\d\d-\d\d.*")
+_SETTING = re.compile(r"\s*[^\d\s,;=:][^,;=:]*[:=]\s*\S")
+"""A line of settings, such as "Device: X"."""
+_NAMED = re.compile(r"[^\W\d]\w*\s*[:=]\s*[-+]?[\d.]")
 _WORDS = {"\t": "tabs", ";": "semicolons", ",": "commas", BLANKS: "blanks"}
 
 
@@ -67,6 +70,7 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     Raises:
         InputError: there are rows of numbers without a header; the message says what to write above them.
     """
+    require_bare_values(lines, path)
     body = _body(lines)
     if body is None:
         return None
@@ -79,7 +83,8 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     ]
     found = _labelled(above, width) or _header(above, rows, delimiter)
     if found is None:
-        if above and any(not is_number(cell) for _, cells in above for cell in cells):
+        settings = all(_SETTING.match(line) for line in lines[:first] if line.strip())
+        if not settings and any(not is_number(cell) for _, cells in above for cell in cells):
             return None
         raise headless(path, lines[first], first + 1, width, delimiter, rows)
     line, names, units, clocks = found
@@ -87,6 +92,18 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     if line > 1 and not notes and not lines[0].startswith("#") and lines[0].strip():
         notes = (f"the header is line {line}",)
     return Layout(tuple(names), delimiter, first, units, clocks, notes)
+
+
+def require_bare_values(lines: Sequence[str], path: object) -> None:
+    """InputError for lines of which most have a name before every value, as in "Time: 5001 Position: 596"."""
+    named = [k for k, line in enumerate(lines) if len(_NAMED.findall(line)) > 1]
+    if len(named) > max(1, 0.5 * len(lines)):
+        line = " ".join(lines[named[0]].split())[:60]
+        raise InputError(
+            path,
+            "a header row with column names, and values between commas below it",
+            f"{line!r} in line {named[0] + 1}: write the names once, above the values",
+        )
 
 
 def has_rows(lines: Sequence[str]) -> bool:

@@ -28,6 +28,10 @@ MOST_BROKEN = 0.01
 """Rows of another width than the header are broken where they are no more than this part, or the last one;
 where they are more, the table is not what its header says."""
 
+MOST_TEXT = 0.2
+"""Part of the rows of a column of numbers that may hold a text, as for a sensor that failed; rows without a
+number are refused beyond the same part."""
+
 # Clocks that have to be put right.
 
 FALLING = 0.9

@@ -20,6 +20,7 @@ from eccentric.core import InputError, few, given_path, meant, shown
 from eccentric.logs.assemble import Column, Read, number_of
 from eccentric.logs.cells import POINT
 from eccentric.logs.formats import format_of
+from eccentric.logs.limits import MOST_TEXT
 from eccentric.logs.memory import TableLike, read_memory
 
 if TYPE_CHECKING:
@@ -95,24 +96,33 @@ class Log:
         )
 
     def numbers(self, name: str) -> NDArray[np.float64]:
-        """Return the column `name` as float64 (rows,).
+        """Return the column `name` as float64 (rows,), NaN for a text here and there, such as "ERR".
 
         Raises InputError if the log has no such column (naming those that it has), or if the column holds
-        text (naming the first line that does).
+        text in more than a fifth of its rows, or numbers with a comma (naming the first line that does).
         """
         values = self.text(name)
         if values.dtype.kind == "f":
             return values
         numbers = [number_of(entry) for entry in values]
-        for row, entry in enumerate(values):
-            if numbers[row] is None:
-                hint = POINT if number_of(entry.replace(",", ".")) is not None else ""
+        texts = [row for row, number in enumerate(numbers) if number is None]
+        for row in texts:
+            entry = values[row]
+            hint = POINT if number_of(entry.replace(",", ".")) is not None else ""
+            if hint or len(texts) > MOST_TEXT * len(values):
                 raise InputError(
                     f"{self.path}: {self.place(row)}, column {name!r}",
                     "a number",
                     f"{str(entry)[:40]!r}{hint}",
                 )
-        return np.array(numbers, dtype=float)
+        return np.array([np.nan if number is None else number for number in numbers], dtype=float)
+
+    def spoilt(self, name: str, row: int) -> str:
+        """The text in a row of a column that is no number there, behind a comma; "" where there is none."""
+        values = self.columns.get(name)
+        if values is None or values.dtype.kind == "f" or number_of(values[row]) is not None:
+            return ""
+        return f", {str(values[row])[:40]!r}"
 
     def text(self, name: str) -> Column:
         """Return the column `name` as it was read, float64 or str; InputError if there is none."""

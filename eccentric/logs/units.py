@@ -62,6 +62,8 @@ _PLAIN: dict[str, tuple[float, Dimension]] = {
     "rev": (_TURN, _ONE),
     "turn": (_TURN, _ONE),
     "min": (60.0, (0, 0, 1, 0, 0)),
+    "h": (3600.0, (0, 0, 1, 0, 0)),
+    "mph": (0.44704, (1, 0, -1, 0, 0)),
     "ns": (1e-9, (0, 0, 1, 0, 0)),
     "Ncm": (1e-2, _TORQUE),
     "kgm2": (1.0, _INERTIA),
@@ -79,8 +81,9 @@ _TABLE = _PLAIN | {
 }
 _SHOWN = (
     "s", "ms", "us", "ns", "min", "rad", "mrad", "deg", "rev", "counts", "rad/s", "deg/s", "rev/s", "rpm",
-    "counts/s", "m/s^2", "m/s", "mm/s", "m", "cm", "mm", "kg", "g", "N", "kN", "mN", "N m", "mNm",
-    "Ncm", "A", "mA", "V", "mV", "ohm", "mohm", "N m/A", "mNm/A", "N/A", "N/V", "V s/m", "V s/rad",
+    "counts/s", "m/s^2", "m/s", "mm/s", "m/min", "km/h", "mph", "m", "cm", "mm", "kg", "g", "N", "kN", "mN",
+    "N m", "mNm", "Ncm", "A", "mA", "V", "mV", "ohm", "mohm", "N m/A", "mNm/A", "N/A", "N/V", "V s/m",
+    "V s/rad",
     "V s/rev", "V/rpm", "V/krpm", "kg m^2", "g cm^2", "degC", "K",
 )  # fmt: skip
 _NAMES = (*_PLAIN, *_PREFIXED, "counts")

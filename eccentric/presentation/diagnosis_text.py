@@ -17,15 +17,13 @@ from eccentric.diagnosis import (
     Diagnosis,
     OverRuns,
     SearchRequest,
-    extended_model,
-    is_result_name,
     only_below,
-    result_name,
 )
 from eccentric.effects import Correction, Effect, Words
-from eccentric.identification import Emitted, in_drive_unit
+from eccentric.identification import in_drive_unit
 from eccentric.model import spoken_quantity
-from eccentric.presentation.fit_text import band_line
+from eccentric.presentation.calls_text import calls, share_words
+from eccentric.presentation.fit_text import band_line, inertia_words
 from eccentric.presentation.measurement_text import measurement_sentence
 
 _NONE = "no effect of the library explains"
@@ -247,7 +245,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     out = [f"{few(found.asked.logs)}: {found.models.base.name}, verdict {a.verdict}"]
     if words := request_words(found.asked.request):
         out.append(f"as asked: {words}")
-    out += filter(None, (found.channels.excerpt, found.rig.added_words))
+    out += filter(None, (found.channels.excerpt, found.rig.added_words, inertia_words(found.rig)))
     out.append(diagnosis_sentence(found))
     out += [
         _effect(found, effect, own) for effect, own in (*found.effects, *found.undecided, *found.clear)[:3]
@@ -278,40 +276,10 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
             f"the residual within runs is periodic in the {axis.term('motor angle')}; cycles"
             f" per turn: {parts}"
         )
-    out += _calls(found)
+    out += calls(found)
     if a.next_measurement:
         out.append(f"next: {measurement_sentence(a.next_measurement, axis)}")
     return out
-
-
-def _calls(found: Diagnosis) -> list[str]:
-    """How firmware calls the model and, with hidden states, steps them.
-
-    It calls the friction torque; without a scale, the drive that a motion requires, in its own unit.
-    """
-    fitted, name = found.models.extended, result_name(found)
-    emitted, states = Emitted(fitted.model), [s.quantity.name for s in fitted.model.states]
-    first, named = extended_model(found).first_function, found.rig.axis.named
-
-    def call(function: str, given: Sequence[str]) -> str:
-        arguments = [*map(named, given), f"&{name}_default"]
-        return f"{name}_{named(function)}({', '.join(arguments)})"
-
-    given = [f"state.{a}" if a in states else a for a in emitted.inputs_of(first)]
-    torque = call(first, given)
-    if not states:
-        if fitted.effects or found.asked.request.including:
-            return [f"to call: {torque}"]
-        base = found.models.base.name
-        plain = found.rig.axis.term("the paper's model")
-        whose = f"{base}, fitted anew" if is_result_name(base) else f"{plain}, fitted"
-        return [f"nothing was added; to call {whose}: {torque}"]
-    stepped = [a for a in emitted.inputs_of("next_state") if a not in states]
-    return [
-        f"to call in every cycle, in this order, from {name}_state state = {name}_initial_state on:",
-        f"  {torque}",
-        f"  {call('step', ['&state', *stepped])}",
-    ]
 
 
 def _aliased(found: Diagnosis) -> str:
@@ -337,10 +305,9 @@ def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
             error = " (not determined)" if endless else f" (std error {estimate.std_error:.2g}{end})"
         unit = "" if q.unit == "1" else f" {axis.unit(in_drive_unit(q.unit, found.unit))}"
         shown.append(f"{axis.named(q.name)} = {own[q.name]:.4g}{unit}{error}")
-    share = 100 * found.models.extended.shares.get(effect.id, 0.0)
     variants = stability_words(found, effect)
     where = f", {variants}" if variants else ""
-    return f"  {effect.id}, {share:.1f} % of the friction{where}: {', '.join(shown)}"
+    return f"  {effect.id}, {share_words(found.models.extended, effect)}{where}: {', '.join(shown)}"
 
 
 def stability_words(found: Diagnosis, effect: Effect) -> str:

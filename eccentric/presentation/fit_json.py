@@ -6,7 +6,8 @@ std_error null if an active bound, its own or another value's, determines the in
     format, model, rig, logs, kind (of an axis that does not turn: names and units are then its own),
     drive (current, voltage, torque), unit (of target and error: N m, V or A)
     known             letter: value in SI, from the rig
-    added_kg          run or pattern: mass that it carries besides M; only where the rig has one
+    free_cubic        c_0 to c_3 of a coast-down: friction, or deceleration, as a cubic in the speed
+  added_kg          run or pattern: mass that it carries besides M; only where the rig has one
     coefficients      name: estimate, the columns of the fit as they were fitted
     correlation       names, matrix: of the errors of coefficients and unknown; null without a standard error
     combinations      name: estimate, coefficients of columns that are not a single letter; in newton metres
@@ -46,7 +47,7 @@ from eccentric.identification import (
     own_letters,
 )
 from eccentric.model import TURNING, AxisKind
-from eccentric.rigs import ALIGNMENT, alignment_of, knowns_of
+from eccentric.rigs import ALIGNMENT, COASTING, alignment_of, knowns_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -72,7 +73,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "model": problem.model.name,
         "rig": rig.name,
         "logs": list(logs),
-        "drive": axis.named(channels.motor.measured_by),
+        "drive": COASTING if channels.motor.coasting else axis.named(channels.motor.measured_by),
         "unit": axis.unit(problem.unit),
         "known": {name: value for name, value in rig.known.items() if name in known},
         "coefficients": {
@@ -108,6 +109,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "rows": channels.counts,
         **({"excerpt": channels.excerpt} if channels.excerpt else {}),
         **({"added_kg": rig.added_kg} if rig.added else {}),
+        **({"free_cubic": {name: _entry(e, axis) for name, e in fit.cubic.items()}} if fit.cubic else {}),
         "moving_threshold_rad_s": channels.selection.moving_threshold_rad_s,
         "fitted_on": {
             "what": counted.description,
@@ -259,7 +261,7 @@ def _current_known(fit: Fit) -> bool:
 
 
 def _torque_unit(fit: Fit) -> str:
-    return "N m" if fit.problem.has("scale") else fit.problem.unit
+    return "N m" if fit.problem.has("scale") else fit.problem.drive.emitted_unit
 
 
 def _mechanical_name(fit: Fit, name: str) -> str:

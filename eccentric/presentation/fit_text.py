@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from eccentric.core import few
 from eccentric.identification import DRIVE_UNITS, LEAST_GAIN_PERCENT, MOST_POINTS, Estimate, Fit
 from eccentric.model import AxisKind, model_names
+from eccentric.rigs import Rig
 from eccentric.signals import Band
 
 _DRIVES = {unit: drive for drive, unit in DRIVE_UNITS.items()}
 
 
+_SHOWN_PERCENT = 0.05
+"""What is smaller is 0.0 % with one digit, and neither better nor worse."""
 _OF_A_LINK = ', mu, and the zero angle (theta_zero_rad = "estimate" estimates it)'
 
 
@@ -33,7 +36,8 @@ def fit_sentence(fit: Fit) -> str:
         )
     if fit.problem.is_baseline:
         part = 100.0 * (1.0 - fit.r_squared["paper"])
-        return f"Coulomb + viscous friction, which the model is, leaves {part:.2g} % of the drive's variance."
+        whole = "deceleration" if fit.problem.drive.channels.motor.coasting else "drive"
+        return f"The model, Coulomb + viscous friction, leaves {part:.2g} % of the {whole}'s variance."
     own = axis.term("paper's model")
     subject = f"The model {called}" if (called := _called(fit)) != "paper" else f"The {own}"
     low, high = fit.percent_interval
@@ -53,7 +57,7 @@ def fit_sentence(fit: Fit) -> str:
             f"{subject} has no certain gain over Coulomb + viscous friction on the held-out part "
             f"({gain} %, {interval})."
         )
-    if low > 0.0 or high < 0.0:
+    if (low > 0.0 or high < 0.0) and abs(fit.percent) >= _SHOWN_PERCENT:
         return (
             f"{subject} predicts the held-out part only slightly {'better' if low > 0.0 else 'worse'} than "
             f"Coulomb + viscous friction ({_percent(abs(fit.percent))} %, {interval} of gain)."
@@ -79,16 +83,19 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     problem, channels = fit.problem, fit.problem.drive.channels
     rows, axis = problem.rows, problem.rig.axis
     what = f"{np.count_nonzero(rows.train)} {rows.description} fitted"
-    head = f"{few(logs)}: {problem.model.name}, driven by {axis.named(channels.motor.measured_by)}; {what}, "
+    by = "coasting down" if channels.motor.coasting else f"driven by {axis.named(channels.motor.measured_by)}"
+    head = f"{few(logs)}: {problem.model.name}, {by}; {what}, "
     head += f"{np.count_nonzero(rows.score)} held out ({channels.selection.holdout.brief})"
-    above = [head, *filter(None, (channels.excerpt, problem.rig.added_words))]
+    above = [head, *filter(None, (channels.excerpt, problem.rig.added_words, inertia_words(problem.rig)))]
     table = estimate_table(axis.estimates({**fit.coefficients, **fit.searched}))
     out = _scale_line(fit, axis)
     shown = {"paper": _called(fit)} if problem.is_baseline else {"linear": "linear", "paper": _called(fit)}
     errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())
     parts = ", ".join(f"{name} {fit.r_squared[which]:.4f}" for which, name in shown.items())
-    unit, drive = axis.unit(problem.unit), axis.term(_DRIVES[problem.unit])
-    out.append(f"held-out RMSE [{unit}]: {errors}; R^2 of the drive {drive}: {parts}")
+    unit = axis.unit(problem.unit)
+    drive = "deceleration" if channels.motor.coasting else f"drive {axis.term(_DRIVES[problem.unit])}"
+    out.append(f"held-out RMSE [{unit}]: {errors}; R^2 of the {drive}: {parts}")
+    out += _cubic_lines(fit)
     if fit.band is not None:
         out.append(band_line(fit.band, axis, shown["paper"]))
     if problem.rig.sampling.moving_threshold_rad_s is None:
@@ -98,6 +105,28 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     if fit.fits_the_rig:
         out += _bounds_line(fit, axis)
     return [*above, *table, *out, fit_sentence(fit)]
+
+
+def inertia_words(rig: Rig) -> str:
+    """What a coast-down without an inertia is fitted in; "" for all others."""
+    if not rig.per_inertia:
+        return ""
+    inertia, one = rig.axis.term("inertia"), rig.axis.unit("kg m^2")
+    return f"no {inertia} is declared: torques are over it, in rad/s^2; the emitted model has 1 {one}"
+
+
+def _cubic_lines(fit: Fit) -> list[str]:
+    """The free cubic of a coast-down, and what no coast-down separates."""
+    if not fit.cubic:
+        return []
+    shown = ", ".join(
+        f"{name} = {e.value:.4g} ({e.interval[0]:.4g} to {e.interval[1]:.4g}) {e.unit}"
+        for name, e in fit.cubic.items()
+    )
+    return [
+        f"free cubic c_0 + c_1 |w| + c_2 w^2 + c_3 |w|^3, 95 % intervals: {shown}",
+        "a coast-down does not separate air drag (w^2, w^3) from friction under a load that grows with w^2",
+    ]
 
 
 def band_line(band: Band, axis: AxisKind, model: str) -> str:

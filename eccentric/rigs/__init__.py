@@ -17,7 +17,7 @@ from eccentric.rigs.arm_rig import NUMBER, ArmRig, names_arm, read_arm_rig
 from eccentric.rigs.complaints import Complaint, rig_complaints
 from eccentric.rigs.entries import plain_entries, read_pair
 from eccentric.rigs.known import KNOWNS, AddedMass, knowns_of, mass_alone, read_mass
-from eccentric.rigs.rig import KEYS, Rig, alignment_of, read_rig, rig_of
+from eccentric.rigs.rig import COASTING, KEYS, Rig, alignment_of, read_rig, rig_of
 from eccentric.rigs.sources import (
     ALIGNMENT,
     CHANNELS,

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from eccentric.core import InputError, given_path, read_document, shown
+from eccentric.core import InputError, few, given_path, read_document, shown
 from eccentric.model import AXES, TURNING, AxisKind
 from eccentric.rigs.entries import plain_entries
 from eccentric.rigs.known import knowns_of
@@ -48,6 +48,14 @@ def rig_complaints(
     found: list[Complaint] = []
     kind = content.get("kind")
     axis = AXES.get(kind, TURNING) if isinstance(kind, str) else TURNING
+    if other := _of_another(content, axis):
+        axis, keys = other
+        # Each of them is right then: the rest is read as the rig of that axis.
+        content["kind"] = axis.name
+        error = InputError(
+            f"{where}: kind", f'"{axis.name}"', "none" if kind is None else f"{kind!r}", why=f"by {few(keys)}"
+        )
+        found.append(Complaint(str(error), "", "kind"))
 
     def complain(error: InputError, place: Place = ("", "")) -> None:
         said = str(error)
@@ -86,6 +94,28 @@ def rig_complaints(
     return found, rest
 
 
+def _of_another(content: Mapping[str, Any], axis: AxisKind) -> tuple[AxisKind, list[str]] | None:
+    """The axis that most keys of the tables belong to, and these keys; None where it is the rig's own."""
+    given = [(table, key) for table, key in _entries(content) if table in ("known", "unknown", "columns")]
+    only = {
+        one: [key for table, key in given if key in _keys(one, table)]
+        for one in (axis, *(other for other in AXES.values() if other is not axis))
+    }
+    own, *others = only
+    best = max(others, key=lambda one: len(set(only[one]) - set(only[own])))
+    theirs = [key for key in only[best] if key not in only[own]]
+    ours = [key for key in only[own] if key not in only[best]]
+    return (best, theirs) if len(theirs) > max(len(ours), 1) else None
+
+
+def _keys(axis: AxisKind, table: str) -> set[str]:
+    """The keys of a table of a rig with this axis."""
+    if table == "columns":
+        return {axis.named(channel) for channel in channels_of(axis)}
+    letters = {name for known in knowns_of(axis) for name in (known.letter or known.name, known.key)}
+    return letters | ({*_CASE} if axis is TURNING else set())
+
+
 def _entries(content: Mapping[str, Any]) -> Iterator[Place]:
     """The place of every entry; a table that is none counts as one entry."""
     for key, value in content.items():
@@ -100,12 +130,9 @@ def _home(place: Place, axis: AxisKind) -> str:
     table, key = place
     if table == "added":  # names of runs
         return ""
-    letters = {name for known in knowns_of(axis) for name in (known.letter or known.name, known.key)}
-    if axis is TURNING:
-        letters |= {*_CASE}
     homes = (
-        ("under [known]", ("known", "unknown"), letters),
-        ("under [columns]", ("columns",), {axis.named(channel) for channel in channels_of(axis)}),
+        ("under [known]", ("known", "unknown"), _keys(axis, "known")),
+        ("under [columns]", ("columns",), _keys(axis, "columns")),
         ("at the top, above all tables", ("",), keys_of(axis)),
     )
     if any(table in tables and key in keys for _, tables, keys in homes):

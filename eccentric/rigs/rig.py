@@ -26,7 +26,7 @@ from eccentric.logs import parse_value
 from eccentric.model import AXES, LINEAR, TURNING, AxisKind
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names
 from eccentric.rigs.known import AddedMass, mass_alone, read_added, read_knowns
-from eccentric.rigs.limits import LEAST_LOW_PASS_HZ
+from eccentric.rigs.limits import LEAST_GRAVITY, LEAST_LOW_PASS_HZ
 from eccentric.rigs.sources import (
     ALIGNMENT,
     Alignment,
@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
 
 DRIVES = ("current", "voltage", "torque")
+COASTING = "none"
+"""The drive of a coast-down: nothing turns the motor, and only its inertia is known of what slows it down."""
 KEYS = (
     *("format", "name", "log_type", "kind", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
     *("sample_rate_hz", "low_pass_hz", "moving_threshold_rad_s", "holdout_intervals_s", "holdout_runs"),
@@ -86,6 +88,8 @@ class Rig:
         warnings: what is unusual about the rig.
         axis: what moves; it says what all of these are called.
         added: masses that some runs carry, by the run or a pattern of runs.
+        per_inertia: whether a coast-down without an inertia has 1 kg m^2 in its place: then every torque is a
+            deceleration.
     """
 
     path: str
@@ -101,6 +105,7 @@ class Rig:
     warnings: tuple[str, ...]
     axis: AxisKind = TURNING
     added: Mapping[str, AddedMass] = field(default_factory=dict)
+    per_inertia: bool = False
 
     def __repr__(self) -> str:
         plane = f"case {self.case}" if self.case else "a tilted plane"
@@ -167,9 +172,10 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
     refuse_unknown(content, keys, where)
     content = {keys[key]: value for key, value in content.items()}
     known, unknown, case = read_knowns(content, where, axis, constants)
+    per_inertia = content.get("drive") == COASTING and _coasting(known, unknown)
     counts = _counts(content, where)
     columns, warnings = read_columns(content.get("columns"), f"{where}: [columns]", counts, axis)
-    drive, drives = content.get("drive"), {axis.named(drive): drive for drive in DRIVES}
+    drive, drives = content.get("drive"), {axis.named(drive): drive for drive in (*DRIVES, COASTING)}
     if drive is not None and (not isinstance(drive, str) or drive not in drives):
         raise InputError(
             f"{where}: drive",
@@ -213,7 +219,25 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
         warnings=(*warnings, *(_doubts(known) if axis is TURNING else ())),
         axis=axis,
         added=read_added(content, where, known),
+        per_inertia=per_inertia,
     )
+
+
+def _coasting(known: dict[str, float], unknown: Mapping[str, Any]) -> bool:
+    """Complete the inertia of a coast-down; whether there is none, so that decelerations are all it gives.
+
+    Where gravity is known, the fit finds the inertia by it, and nothing is added.
+    """
+    inertias = {"J_m", "J_l"}
+    given = inertias & (set(known) | set(unknown))
+    if (
+        not given
+        and math.cos(known.get("phi", 0.0)) * known.get("M", 0.0) * known.get("L", 0.0) > LEAST_GRAVITY
+    ):
+        return False
+    for name in sorted(inertias - given):
+        known[name] = 1.0 if not given and name == "J_m" else 0.0
+    return not given
 
 
 def _doubts(known: Mapping[str, float]) -> list[str]:

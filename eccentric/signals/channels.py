@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from eccentric.core import InputError, counted, few
 from eccentric.logs import LogSource, read_log
-from eccentric.rigs import Alignment, Rig
+from eccentric.rigs import COASTING, Alignment, Rig
 from eccentric.signals.filters import joined, motion_of, rows_of_each, span_velocity, stretches, suited
 from eccentric.signals.kinds import at_times, evidence, refined
 from eccentric.signals.limits import (
@@ -321,6 +321,8 @@ def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels
     """The channels before alignment, still without warnings and findings."""
     table, t, segment = points.table, points.t, points.segment
     clear = clear_of_ends(t, segment) & ~near_switching(t, segment, table.motor_off)
+    if coasting := rig.log.drive == COASTING:
+        clear &= past_the_peak(motion[1], segment)
     return Channels(
         time=TimeBase(
             t=t,
@@ -346,6 +348,7 @@ def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels
             torque=motor_side(table, rig, "torque", "torque_l"),
             off=table.motor_off,
             measured_by=_drive(table.channels, rig),
+            coasting=coasting,
         ),
         temperature=table.channels.get("temperature"),
         selection=Selection(
@@ -360,6 +363,15 @@ def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels
     )
 
 
+def past_the_peak(omega_m: Array, segment: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Rows (n,) after the highest speed (n,) [rad/s] of their stretch: something sped the drive up before."""
+    past = np.zeros(len(omega_m), dtype=bool)
+    for rows in rows_of_each(segment):
+        speed = np.nan_to_num(np.abs(omega_m[rows]))  # unknown at the ends
+        past[rows[int(np.argmax(speed)) + 1 :]] = True
+    return past
+
+
 def _drive(channels: Mapping[str, Array], rig: Rig) -> str:
     """Return the channel that measures the drive torque: by the rig, else the first one available below."""
     logged = {
@@ -368,7 +380,7 @@ def _drive(channels: Mapping[str, Array], rig: Rig) -> str:
         "voltage": "voltage" in channels,
     }
     there = [drive for drive, is_there in logged.items() if is_there]
-    if rig.log.drive is None:
+    if rig.log.drive in (None, COASTING):
         return there[0]
     if rig.log.drive not in there:
         raise InputError(
@@ -454,6 +466,8 @@ def _without_rows(channels: Channels) -> list[str]:
 
 def _require_drive(channels: Channels, paths: Sequence[str]) -> None:
     """Raise InputError for a drive that is 0 in all rows to fit, or in all held out: R^2 divides by it."""
+    if channels.motor.coasting:
+        return
     by, rows = channels.motor.measured_by, channels.selection
     hint = "it is not recorded, or a wrong column is mapped"
     held = f"held-out rows ({rows.holdout.brief})"

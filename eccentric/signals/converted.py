@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from eccentric.core import InputError, counted, few, meant
 from eccentric.logs import Log, LogStream, evaluate
-from eccentric.rigs import ArmRig, ColumnSource, Rig, channels_of
+from eccentric.rigs import COASTING, ArmRig, ColumnSource, Rig, channels_of
 from eccentric.signals.limits import LARGEST, MOST_TOO_LARGE, SMALLEST
 
 if TYPE_CHECKING:
@@ -100,6 +100,8 @@ def converted(log: Log, rig: Rig) -> Converted:
     """
     sources = _sources(log, rig)
     values = {c: _values(log, rig, c, source) for c, source in sources.items() if c not in _LABELS}
+    if rig.log.drive == COASTING:
+        values["torque"] = np.zeros(log.rows)
     if without_clock := "time" not in sources:
         sources, values = _by_rate(log, rig, sources, values)
     return Converted(
@@ -184,10 +186,13 @@ def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
     for choice in (
         ("time",),
         ("theta_m", "theta_l", "omega_m", "omega_l"),
-        ("voltage", "current", "torque", "torque_l"),
+        _DRIVES,
     ):
         if choice == ("time",) and rig.log.sample_rate_hz is not None:
             continue  # the rate is the clock
+        if choice == _DRIVES and rig.log.drive == COASTING:
+            sources = {c: source for c, source in sources.items() if c not in _DRIVES}
+            continue  # an idle supply is none
         if not any(channel in sources for channel in choice):
             needed = " or ".join(
                 f"{rig.axis.named(channel)} (column {channels[channel][0]!r})"

@@ -18,7 +18,7 @@ from scipy.interpolate import make_interp_spline
 from scipy.linalg.lapack import dtbtrs
 
 from eccentric.model import TURNING, AxisKind
-from eccentric.rigs import Rig
+from eccentric.rigs import COASTING, Rig
 from eccentric.signals.limits import (
     COARSE,
     END_PART,
@@ -41,6 +41,7 @@ from eccentric.signals.limits import (
     REVERSAL_S,
     ROUNDED_RATE,
     TOO_NOISY,
+    WINDOWS_OF_A_COAST,
 )
 
 if TYPE_CHECKING:
@@ -297,6 +298,8 @@ def suited(
     if rig.sampling.low_pass_given or rig.sampling.average_over:
         return rig, ""
     stretches = rows_of_each(segment)
+    if rig.log.drive == COASTING and (over := _coasting(t, theta, stretches)):
+        return _averaged(rig, rig.sampling.low_pass_hz, over), ""
     # Windows of one long run may each have one speed.
     if _is_map(t, theta, [rows for rows, own in zip(stretches, whole, strict=True) if own]):
         steps = [float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > 1]
@@ -347,6 +350,14 @@ def _raised(
         f" acceleration: the low pass is set to {chosen:g} Hz (low_pass_hz of the rig overrides this)"
     )
     return dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, low_pass_hz=chosen)), said
+
+
+def _coasting(t: Array, theta: Array, stretches: list[NDArray[np.int64]]) -> float:
+    """A hundredth of the longest coast-down [s]; 0 where it turns back, as a pendulum does."""
+    longest = max(stretches, key=lambda rows: t[rows[-1]] - t[rows[0]])
+    coarse = theta[longest][:: max(1, len(longest) // int(WINDOWS_OF_A_COAST))]
+    lasts = float(t[longest[-1]] - t[longest[0]])
+    return lasts / WINDOWS_OF_A_COAST if np.ptp(np.sign(np.diff(coarse))) < 2.0 else 0.0
 
 
 def _averaged(rig: Rig, cut_hz: float, over: float) -> Rig:

@@ -20,6 +20,9 @@ ROUNDED_RATE = 1e-6
 UNEVEN_STEP = 0.2
 """A time step this far from the median, as a fraction of it, is counted as uneven."""
 
+WINDOWS_OF_A_COAST = 100.0
+"""Windows of the longest coast-down: over each the speed falls by a hundredth, which a cubic follows."""
+
 # Rows that are damaged.
 
 FEWEST_OF_A_RECORDING = 3

@@ -73,7 +73,8 @@ class Motor:
 
     `voltage` [V] has delay and offset taken out, `voltage_logged` has not; `current` [A]; `torque` [N m], on
     the motor side. `off` is where the motor is switched off: no drive torque, no back-EMF. `measured_by` says
-    which of "current", "torque" and "voltage" measures the drive torque.
+    which of "current", "torque" and "voltage" measures the drive torque. `coasting`
+    is a log that nothing drives: its torque is 0 throughout.
     """
 
     voltage: Array | None
@@ -82,6 +83,7 @@ class Motor:
     torque: Array | None
     off: Mask
     measured_by: str
+    coasting: bool = False
 
     @property
     def measured(self) -> Array:

@@ -217,6 +217,18 @@ def _shorter(channels: Channels, rig: Rig) -> str:
     return LONGER
 
 
+def _half_as_long(channels: Channels, rig: Rig) -> str:
+    """An average that is shorter by halves, of which the log has enough; that it has too few, for none."""
+    over, held = 0.5 * _length(channels, rig), channels.selection.held_out
+    while over >= LEAST_STEPS * channels.time.logged_step_s:
+        tried = dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, average_over=over))
+        fitted, scored = (len(_averages(channels, tried, part)) for part in (~held, held))
+        if fitted >= LEAST_WINDOWS and scored >= LEAST_HELD_OUT:
+            return f'in {rig.path}, average_over = "{over:.2g} s" gives {fitted}'
+        over *= 0.5
+    return LONGER
+
+
 def rows_of(channels: Channels, rig: Rig) -> Rows:
     """The rows that models are compared on. Raises InputError if there is none to fit on or to hold out."""
     if not rig.sampling.average_over and channels.time.points_per_row == 1:
@@ -227,8 +239,10 @@ def rows_of(channels: Channels, rig: Rig) -> Rows:
     what = "whole runs" if whole else f"averages over {_length(channels, rig):.3g} s"
     shorter = 'a time, such as "0.1 s"' if whole else "a shorter time"
     remedy = f"in {rig.path}, {shorter} as average_over gives more"
-    if not whole and _length(channels, rig) <= LEAST_STEPS * channels.time.logged_step_s:
-        remedy = LONGER
+    few = len(found["train"]) < LEAST_WINDOWS or len(found["score"]) < LEAST_HELD_OUT
+    at_least = _length(channels, rig) <= LEAST_STEPS * channels.time.logged_step_s
+    if not whole and (few or at_least):
+        remedy = _half_as_long(channels, rig)
     for name, words in (("train", "to fit"), ("score", "to hold out")):
         if not len(found[name]):
             raise InputError(

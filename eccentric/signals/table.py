@@ -273,8 +273,8 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
             raise InputError(
                 log.path, problem=f"column {found.sources[worst].text!r} ({channel}) has no numbers"
             )
-        first = log.place(int(np.flatnonzero(~kept)[0]))
-        most = found.sources[worst].text
+        row, most = int(np.flatnonzero(~kept)[0]), found.sources[worst].text
+        first = log.place(row) + log.spoilt(most, row)
         what = f"no number in {rejected} of {log.rows} rows (first: {first}; most: {most!r})"
         if rejected > MOST_REJECTED * log.rows:
             raise InputError(log.path, problem=f"{what}; at most {MOST_REJECTED:.0%} may be missing")

@@ -223,8 +223,30 @@ class Search:
             most = self.stability.most if self.stability.variants else 1.0
             return {family: min(most, float(expit(0.5 * self.by_both[family])))}
         if self.stability.variants:
-            return self.stability.chances(family, [other for other in open_to if other != family])
-        return {other: chance / sum(open_to.values()) for other, chance in open_to.items()}
+            found = self.stability.chances(family, [other for other in open_to if other != family])
+        else:
+            found = {other: chance / sum(open_to.values()) for other, chance in open_to.items()}
+        if same := self.same(place):
+            found |= dict.fromkeys((family, *same), sum(found[f] for f in (family, *same)) / (1 + len(same)))
+        return found
+
+    def same(self, place: int) -> tuple[str, ...]:
+        """Families that fit and predict every block as an adopted effect does, with as many parameters.
+
+        No row of this log speaks for one of them, and how many orders a family has decides nothing: cogging
+        once per turn of a motor without a gear is the torque of a tilted plane. Not those that its record
+        names as aliases, which are given beside its name.
+        """
+        variant = self.best.variants[place]
+        return tuple(
+            other
+            for other, (_, fitted) in self.alternatives[place].items()
+            if other not in {v.candidate.family for v in self.best.variants}
+            and not aliased(variant.candidate, fitted.last)
+            and len(fitted.coefficients) == len(self.best.coefficients)
+            and len(fitted.last.shapes) == len(variant.candidate.shapes)
+            and np.allclose(fitted.cross, self.best.cross, rtol=limits.SAME, atol=0.0)
+        )
 
     def clear(self, place: int) -> bool:
         """Whether an adopted effect is clearly ahead of what could be in its place."""
@@ -315,6 +337,12 @@ class Search:
             weight = {family: float(np.exp(value - log[first])) for family, value in log.items()}
             total = sum(weight.values())
             self.alternatives.append({f: (weight[f] / total, fitted) for f, (_, fitted) in rivals.items()})
+
+
+def aliased(one: Candidate, other: Candidate) -> bool:
+    """Whether the record of one of them names the other as the same within the base model."""
+    named = (*one.evidence.aliases, *other.evidence.aliases)
+    return not {one.id, one.family, other.id, other.family}.isdisjoint(named)
 
 
 def _without(fitted: Fitted, place: int) -> list[Variant]:

@@ -40,6 +40,7 @@ from eccentric.identification import (
     balance_design,
     base_coefficients,
     base_columns,
+    deceleration_noise,
     load_torque,
 )
 from eccentric.model import Model
@@ -181,6 +182,8 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
     balances = [mechanical.without_bounds(but=("friction",))]
     unseen = np.where(channels.selection.held_out, np.nan, 1.0)
     noise = {"mechanical": _row_noise(unseen * torque, rows)}
+    if channels.motor.coasting:
+        noise["mechanical"] = deceleration_noise(drive, rows)
     if drive.measured_twice and channels.motor.voltage is not None:
         every = search_rows(channels, rig, moving=False)
         by_voltage = drive.machine.current(known, channels.motor.voltage, channels.motion.omega_m)
@@ -232,6 +235,7 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         loss += np.mean(signals.known["R"] * current[rows] ** 2)
     warm = channels.temperature
     present = {"current"} if channels.motor.measured_by != "voltage" else set()
+    present -= {"current"} if channels.motor.coasting else set()
     present |= {"voltage"} if data.drive.measured_twice else set()
     # With a voltage alone, effects of the armature show in the torque computed from it.
     present |= {"current", "voltage"} if data.drive.by_voltage else set()
@@ -292,7 +296,7 @@ def variables_of(data: FitData, instruments: Signals | None = None) -> Variables
     own = Variables(
         t=channels.time.t,
         # Angles integrated from the speed have no zero common to several runs.
-        theta_m=channels.motion.theta_m if channels.phased and _turns_by_known_gear(data) else None,
+        theta_m=channels.motion.theta_m if channels.phased and _shows_the_angle(data) else None,
         omega_m=channels.motion.omega_m,
         alpha_m=channels.motion.alpha_m,
         gravity=data.gravity,
@@ -315,15 +319,26 @@ def variables_of(data: FitData, instruments: Signals | None = None) -> Variables
     return replace(own, instruments=clean)
 
 
-def _turns_by_known_gear(data: FitData) -> bool:
-    """Whether something turns with the motion by a known gear: not where the pitch of a screw is unknown."""
-    axis = data.drive.channels.rig.axis
-    return axis.wraps or "pitch" in data.drive.channels.rig.known
+def _shows_the_angle(data: FitData) -> bool:
+    """Whether something turns with the motion by a known gear, and within a row by less than a turn.
+
+    Not where the pitch of a screw is unknown, nor in the long rows of a coast-down.
+    """
+    channels = data.drive.channels
+    if channels.motor.coasting:
+        turned = np.median(np.abs(channels.motion.omega_m)) * channels.rig.sampling.average_over
+        return bool(turned < 2.0 * np.pi)
+    return channels.rig.axis.wraps or "pitch" in channels.rig.known
 
 
-def _drive_current(data: FitData) -> Array:
-    """The current (samples,) [A] that smooth terms may depend on: measured if there is a voltage as well."""
+def _drive_current(data: FitData) -> Array | None:
+    """The current (samples,) [A] that smooth terms may depend on: measured if there is a voltage as well.
+
+    None of a coast-down, which has none.
+    """
     drive = data.drive
+    if drive.channels.motor.coasting:
+        return None
     if drive.measured_twice:
         return drive.slow_current()
     return data.signals.values["i"]

@@ -69,6 +69,9 @@ SPECIAL = 2.0
 """Log-odds of a special case over the family that contains it: it explains as much with fewer parameters."""
 POSSIBLE = 0.05
 """Least probability of a family that counts as explaining the log equally well."""
+SAME = 1e-6
+"""Relative difference of the losses of a block up to which two families predict it alike: rounding, and the
+ridge of every fit."""
 FORMS_OF_A_PATCH = 3
 """Number of members of one family that no longer count as an effect: one or two orders do, three approximate
 a shape that none of them has."""

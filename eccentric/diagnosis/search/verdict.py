@@ -280,8 +280,8 @@ def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -
     for name, search in searches.items():
         own = [variant.candidate.family for variant in search.best.variants]
         pool = [
-            (search.stability.weight(family, {adopted}) if search.stability.variants else p, f, adopted)
-            for adopted, options in zip(own, search.alternatives, strict=True)
+            (_instead(search, place, family, p), f, adopted)
+            for place, (adopted, options) in enumerate(zip(own, search.alternatives, strict=True))
             for family, (p, f) in options.items()
             if f is not search.best
         ]
@@ -292,6 +292,14 @@ def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -
             if candidate.family not in named and (old is None or old.probability < probability):
                 best[candidate.family] = entry
     return sorted(best.values(), key=lambda r: (r.balance not in about, -r.probability, r.rmse))
+
+
+def _instead(search: Search, place: int, family: str, on_the_log: float) -> float:
+    """The probability of an alternative to an adopted effect, which has `on_the_log` without variants."""
+    if family in search.same(place):
+        return search.chances(place)[family]
+    adopted = search.best.variants[place].candidate.family
+    return search.stability.weight(family, {adopted}) if search.stability.variants else on_the_log
 
 
 def _variables(searches: dict[str, Search], unexplained: float) -> tuple[list[tuple[str, str]], list[str]]:

@@ -76,6 +76,10 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
     bodies = {name: body for name, body in bodies.items() if body.explained >= EXPLAINED}
     against = [name for name, body in bodies.items() if _reversed(body)]
     if against:
+        # Where one sign drives it both ways, turning it makes negative friction of positive and no more.
+        if one_sided := _unsigned(means, against[0], rig, 0.0):
+            yield one_sided
+            return
         yield _sign(against, bodies, means, rig.axis)
         return
     # In case C1 a slow sine would explain any drift.
@@ -117,22 +121,26 @@ def shared_cause(ratios: Sequence[Ratio], channels: Channels, rig: Rig) -> tuple
     return with_unit(cause, rig) if cause else None
 
 
-def _unsigned(m: Means, drive: str, rig: Rig) -> Finding | None:
-    """Blame a drive of one sign and nearly one size in both directions: friction alone makes it turn over."""
+def _unsigned(m: Means, drive: str, rig: Rig, alike: float = SAME_SIZE) -> Finding | None:
+    """Blame a drive of one sign in both directions: friction alone makes it turn over.
+
+    alike: the smaller size over the larger one, at least; a load accounts for nearly one size.
+    """
     x = m.drives.get(drive)
-    if x is None or "load" in rig.known or "load" in rig.unknown:
+    if x is None or rig.known.get("T_load") or "T_load" in rig.unknown:
         return None
     ways = [x[m.omega > 0.0], x[m.omega < 0.0]]
     if min(map(len, ways)) < ONE_WAY * len(x):
         return None
     sizes = [abs(float(np.mean(way))) for way in ways]
     sign = np.sign(float(np.mean(x)))
-    if np.mean(x * sign > 0.0) < ONE_SIGN or min(sizes) < SAME_SIZE * max(sizes):
+    if np.mean(x * sign > 0.0) < ONE_SIGN or min(sizes) < alike * max(sizes):
         return None
     name, side = rig.axis.named(drive), "positive" if sign > 0.0 else "negative"
     text = (
-        f"the {name} is {side} in both directions, and of nearly the same size: its sign is missing, as that"
+        f"the {name} is {side} in both directions: its sign is missing, as that"
         " of a supply's current or of a duty cycle, or a constant load is not in the rig"
+        f" ({rig.axis.named('T_load')}, with a range in [unknown])"
     )
     return Finding("wrong_sign", drive, text, m.rows, "warning")
 

@@ -100,6 +100,8 @@ def record_findings(table: Table, channels: Channels) -> Iterator[Finding]:
     signals = {
         name: x for name, x in table.channels.items() if name in UNITS and not name.startswith("theta")
     }
+    if channels.motor.coasting:
+        signals.pop("torque", None)
     for name, x in signals.items():
         yield from _clipped(name, x, record, axis)
         yield from _frozen(name, x, record, axis)

@@ -102,6 +102,7 @@ def means_of(c: Channels, rig: Rig, *, moving: bool = True) -> Means | None:
         return None
     index = np.array(blocks)
     found = {"current": motor.current, "torque": motor.torque, "voltage": motor.voltage}
+    found = {} if motor.coasting else found
     mu = rig.known.get("mu")
     return Means(
         np.mean(motion.alpha_m[index], axis=1),

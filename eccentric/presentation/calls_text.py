@@ -1,0 +1,97 @@
+"""How firmware calls an extended model: the functions that together contain every effect that was adopted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from eccentric.diagnosis import Diagnosis, extended_model, is_result_name, result_name
+from eccentric.effects import Effect
+from eccentric.identification import Emitted, Refit
+from eccentric.model import Extension, Interface, Model, interface_of, needed
+
+GRAVITY = "gravity_torque"
+DRIVES = "current", "voltage"
+"""Outputs that contain every mechanical effect: the drive that a motion requires."""
+FRICTION = "mechanical_friction_torque", "friction_torque"
+
+
+def calls(found: Diagnosis) -> list[str]:
+    """How firmware calls the model and, with hidden states, steps them.
+
+    It calls the friction torque, and what contains the effects that are no friction; without a scale, the
+    drive that a motion requires, in its own unit.
+    """
+    fitted, name = found.models.extended, result_name(found)
+    emitted, states = Emitted(fitted.model), [s.quantity.name for s in fitted.model.states]
+    model = extended_model(found)
+    named = found.rig.axis.named
+
+    def call(function: str, given: Sequence[str] | None = None) -> str:
+        if given is None:
+            given = [f"state.{a}" if a in states else a for a in emitted.inputs_of(function)]
+        arguments = [*map(named, given), f"&{name}_default"]
+        return f"{name}_{named(function)}({', '.join(arguments)})"
+
+    torque = call(model.first_function)
+    elsewhere = [
+        f"  {effect} is {'not only' if in_torque else 'not'} friction;"
+        f" {'the rest' if in_torque else 'it'} is in {call(function)}"
+        for effect, function, in_torque in other_functions(model)
+    ]
+    if not states:
+        if fitted.effects or found.asked.request.including:
+            return [f"to call: {torque}", *elsewhere]
+        base = found.models.base.name
+        plain = found.rig.axis.term("the paper's model")
+        whose = f"{base}, fitted anew" if is_result_name(base) else f"{plain}, fitted"
+        return [f"nothing was added; to call {whose}: {torque}"]
+    stepped = [a for a in emitted.inputs_of("next_state") if a not in states]
+    return [
+        f"to call in every cycle, in this order, from {name}_state state = {name}_initial_state on:",
+        f"  {torque}",
+        *elsewhere,
+        f"  {call('step', ['&state', *stepped])}",
+    ]
+
+
+def other_functions(model: Model) -> list[tuple[str, str, bool]]:
+    """The mechanical effects of an extended model, by id, that its first function does not wholly contain.
+
+    With each the function that does, the gravity torque where it can, else the drive that a motion requires;
+    and whether the first function contains a part of it.
+    """
+    outputs, first = interface_of(model), model.first_function
+    mechanical = model.expand(model.balance("mechanical").residual()).free_symbols
+    found = []
+    for effect in model.extensions:
+        if first in DRIVES or mechanical.isdisjoint(q.symbol for q in effect.parameters):
+            continue
+        in_first = _contains(model, outputs, first, effect)
+        if _contains(model, outputs, GRAVITY, effect):
+            found.append((effect.name, GRAVITY, in_first))
+        elif not in_first:
+            drives = [drive for drive in DRIVES if _contains(model, outputs, drive, effect)]
+            found += [(effect.name, drive, False) for drive in drives[:1]]
+    return found
+
+
+def share_words(fitted: Refit, effect: Effect) -> str:
+    """How large an effect is: of the friction if it is friction, else of the torque that it is a part of."""
+    share, model = 100 * fitted.shares.get(effect.id, 0.0), fitted.model
+    outputs = interface_of(model)
+    is_friction = any(_contains(model, outputs, function, effect) for function in FRICTION)
+    if is_friction and not _contains(model, outputs, GRAVITY, effect):
+        return f"{share:.1f} % of the friction"
+    return f"{share:.1f} % of the drive {model.axis.term('torque')} net of inertia and gravity"
+
+
+def _contains(model: Model, outputs: Interface, function: str, effect: Effect | Extension) -> bool:
+    """Whether a function depends on a parameter of the effect."""
+    name, own = model.axis.named(function), {q.symbol for q in effect.parameters}
+    for output in outputs.outputs:
+        if output.name == name:
+            made = output.expressions()
+            values = [value for _, value in made.results]
+            values += [one.value for one in needed(made.definitions, values)]
+            return any(value.free_symbols & own for value in values)
+    return False

@@ -1,0 +1,117 @@
+"""A draft and a check ask for nothing that the log has, and propose nothing that it cannot separate."""
+
+from __future__ import annotations
+
+import tomllib
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric.model import LINEAR
+from eccentric.presentation import fit_sentence
+from tests.test_check_limits import KNOWN, motor
+
+
+def test_a_torque_constant_by_which_a_column_was_computed_is_drafted() -> None:
+    """The current and its multiple are logged: the multiple is the constant, and the check asks for none."""
+    log = {name: x for name, x in motor(12.0).items() if name != "voltage_V"}
+    draft = eccentric.draft_rig(log | {"torque_Nm": 0.03 * log["current_A"]})
+    rig = tomllib.loads(draft.text)
+
+    assert rig["known"]["k_i"] == "0.03 Nm/A"
+    assert "k_i" not in draft.needed
+    assert any(line.startswith("k_i: the torque constant (data sheet)") for line in draft.doubts)
+    assert (
+        () == eccentric.check_rig(log, rig | {"known": {**rig["known"], "M": "0 kg", "L": "0 m"}}).complaints
+    )
+
+
+def carriage(both: bool) -> dict[str, np.ndarray]:
+    """A carriage of 20 kg with 5 N and 30 N s/m, there and back or in one direction."""
+    t = np.arange(0.0, 20.0, 0.004)
+    velocity = (0.0 if both else 0.3) + 0.2 * np.sin(1.3 * t)
+    position = (0.0 if both else 0.3) * t - 0.2 / 1.3 * np.cos(1.3 * t)
+    force = 20.0 * 0.26 * np.cos(1.3 * t) + 5.0 * np.sign(velocity) + 30.0 * velocity
+    noise = 0.05 * np.random.default_rng(2).standard_normal(len(t))
+    return {"t_s": t, "x_m": position, "v_m_s": velocity, "force_N": force + noise}
+
+
+def test_a_constant_force_is_proposed_only_where_both_directions_separate_it() -> None:
+    """In one direction it is Coulomb friction: a fit of the draft as it stands works in both cases."""
+    for both in (True, False):
+        log = carriage(both)
+        draft = eccentric.draft_rig(log)
+        rig = tomllib.loads(draft.text)
+
+        assert both == ("F_load" in rig.get("unknown", {}))
+        assert () == eccentric.check_rig(log, rig).complaints
+
+
+def test_a_drive_of_one_sign_in_both_directions_is_not_cured_by_another_sign() -> None:
+    """A hanging load of more than the friction: of the two, it alone is wrong, and both signs say so."""
+    rng, rows = np.random.default_rng(1), np.arange(250)
+    ways = [(1.0 if k % 2 == 0 else -1.0) * np.radians(60.0 + 5.0 * k) for k in range(20)]
+    speed = np.repeat(ways, 250)
+    log = {
+        "run": np.repeat(np.arange(20.0), 250),
+        "time_s": np.tile(rows * 0.008, 20),
+        "theta_m_rad": np.concatenate([w * rows * 0.008 for w in ways]),
+        # Lifting takes less here than lowering: with this sign friction is negative.
+        "current_A": 0.6 - 0.25 * np.sign(speed) + 0.02 * rng.standard_normal(5000),
+    }
+    rig = {"drive": "current", "moving_threshold_rad_s": 0.3, "known": {**KNOWN, "k_i": "1 N m/A"}}
+    (line,) = eccentric.check_rig(log, rig).complaints
+
+    assert "positive in both directions" in line
+    assert "T_load" in line
+    assert "minus" not in line
+
+
+@pytest.mark.parametrize(
+    ("percent", "interval", "said"),
+    [(-0.01, (-0.02, -0.001), "no better than"), (-0.3, (-0.5, -0.1), "only slightly worse than")],
+)
+def test_what_rounds_to_nothing_is_neither_better_nor_worse(
+    percent: float, interval: tuple[float, float], said: str
+) -> None:
+    """A gain of -0.01 % would be printed as 0.0 % worse."""
+    fit = SimpleNamespace(
+        problem=SimpleNamespace(
+            is_baseline=False, rig=SimpleNamespace(axis=LINEAR), model=SimpleNamespace(name="linear_axis")
+        ),
+        fits_the_rig=True,
+        percent=percent,
+        percent_interval=interval,
+    )
+
+    assert said in fit_sentence(fit)  # pyright: ignore[reportArgumentType]
+
+
+def test_a_unit_in_the_name_of_a_column_is_not_printed_twice() -> None:
+    """It is what the draft took; one that the name spells otherwise is printed behind it."""
+    log = carriage(both=True)
+    names = {"time [s]": "t_s", "x [m]": "x_m", "v [mm/s]": "v_m_s", "force (N)": "force_N"}
+    renamed = {name: log[old] for name, old in names.items()} | {"v [mm/s]": 1e3 * log["v_m_s"]}
+    summary = eccentric.draft_rig(renamed).summary()
+
+    assert "time [s] [s]" not in summary
+    assert "x [m] [m]" not in summary
+    assert "force (N) [N]" not in summary
+
+
+def test_a_column_that_is_constant_in_each_run_is_hinted_at() -> None:
+    """A load that hangs differs from run to run: the draft says how it is subtracted, and that works."""
+    log = {name: x for name, x in motor(12.0).items() if name != "voltage_V"}
+    load = np.repeat([0.0, 100.0, 250.0], len(log["time_s"]) // 3)
+    run = np.repeat(["a", "b", "c"], len(load) // 3)
+    log = {name: x[: len(load)] for name, x in log.items()}
+    log |= {"run": run, "load_g": load, "current_A": log["current_A"] + load * 1e-4 / 0.03}
+    draft = eccentric.draft_rig(log)
+
+    assert "constant in each run" in draft.left_out["load_g"]
+    columns = {"time": "time_s", "theta_m": "theta_m_rad", "run": "run"}
+    columns["torque"] = "0.03 * current_A - load_g * 1e-4"
+    found = eccentric.fit(log, {"drive": "torque", "columns": columns, "known": KNOWN})
+    assert found.estimates["J"].value == pytest.approx(2e-5, rel=0.02)
