@@ -12,7 +12,7 @@ the start of the step. So there is one solution for any time step, also where fr
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import sympy as sp
@@ -199,14 +199,25 @@ def at_direction(value: sp.Expr, omega_m: sp.Symbol, direction: int) -> sp.Expr:
     return value.replace(lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args))
 
 
-def levels(model: Model, omega_m: sp.Symbol, terms: tuple[Term, ...]) -> Levels:
+def levels(
+    model: Model,
+    omega_m: sp.Symbol,
+    terms: tuple[Term, ...],
+    given: Collection[sp.Symbol] = frozenset(),
+) -> Levels:
     """The levels of friction terms over the velocity omega_m, and the viscous coefficients.
 
     A term with a factor omega_m is viscous, any other one dry. Both depend on the magnitude of the velocity.
+
+    Args:
+        model: whose terms they are.
+        omega_m: the velocity.
+        terms: friction.
+        given: definitions that are those of the state as it is, in both directions: the loads of an arm.
     """
     renamed: dict[int, dict[sp.Symbol, sp.Expr]] = {1: {}, -1: {}}
     copies: list[Assignment] = []
-    for d in model.definitions:
+    for d in (d for d in model.definitions if d.symbol not in given):
         both = {s: _moving(d.value, omega_m, s).xreplace(renamed[s]) for s in renamed}
         if both[1] == both[-1]:
             continue
@@ -215,7 +226,12 @@ def levels(model: Model, omega_m: sp.Symbol, terms: tuple[Term, ...]) -> Levels:
             renamed[s][d.symbol] = copy
             copies.append(Assignment(copy, value.xreplace({_SPEED: sp.Abs(omega_m)})))
     bristles = {state.symbol: state.update for state in model.states}
-    sides = {s: _side(omega_m, s, terms, renamed[s], bristles) for s in renamed}
+    # A tilt is at most a right angle, and a load of an arm is the size of a force or moment.
+    sizes: dict[sp.Expr, sp.Symbol] = {f(v.phi.symbol): sp.Dummy(nonnegative=True) for f in (sp.sin, sp.cos)}
+    for d in model.definitions:
+        if d.symbol in given and d.value.is_extended_nonnegative:
+            sizes[d.symbol] = sp.Dummy(nonnegative=True)
+    sides = {s: _side(omega_m, s, terms, renamed[s], bristles, sizes) for s in renamed}
     return Levels(sides[1], sides[-1], tuple(copies))
 
 
@@ -231,6 +247,7 @@ def _side(
     terms: tuple[Term, ...],
     renamed: Mapping[sp.Symbol, sp.Expr],
     bristles: Mapping[sp.Symbol, sp.Expr],
+    sizes: Mapping[sp.Expr, sp.Symbol],
 ) -> Side:
     found = [sp.Integer(0)] * 5
     for term in terms:
@@ -250,17 +267,15 @@ def _side(
     dry, viscous, held, damping, stiffness = (x.xreplace(renamed).xreplace(plain) for x in found)
     # Friction never drives: neither its level nor its coefficient crosses zero.
     dry, viscous, damping = (
-        direction * _at_least_zero(direction * dry),
-        *(_at_least_zero(direction * x) for x in (viscous, damping)),
+        direction * _at_least_zero(direction * dry, sizes),
+        *(_at_least_zero(direction * x, sizes) for x in (viscous, damping)),
     )
     return Side(dry, viscous, held if stiffness != 0 else dry, damping, stiffness)
 
 
-def _at_least_zero(value: sp.Expr) -> sp.Expr:
-    """The value, or 0 where it is negative."""
-    # A tilt is at most a right angle.
-    tilted = {f(v.phi.symbol): sp.Dummy(nonnegative=True) for f in (sp.sin, sp.cos)}
-    return value if value.xreplace(tilted).is_nonnegative else sp.Max(0, value)
+def _at_least_zero(value: sp.Expr, sizes: Mapping[sp.Expr, sp.Symbol]) -> sp.Expr:
+    """The value, or 0 where it is negative; `sizes` never are."""
+    return value if value.xreplace(sizes).is_nonnegative else sp.Max(0, value)
 
 
 def _fades(e: sp.Basic) -> bool:
@@ -282,17 +297,18 @@ def _split(value: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 # What is emitted: the levels, and one time step of a drive between them.
 
 
-def budget(found: Levels) -> tuple[tuple[str, sp.Expr], ...]:
+def budget(found: Levels, omega_m: sp.Symbol = v.omega_m.symbol) -> tuple[tuple[str, sp.Expr], ...]:
     """Lower and upper level, and the viscous coefficient in the direction of motion."""
-    viscous = _chosen(v.omega_m.symbol, found.forward.viscous, found.backward.viscous)
+    viscous = chosen(omega_m, found.forward.viscous, found.backward.viscous)
     return ("lower", found.backward.dry), ("upper", found.forward.dry), ("viscous", viscous)
 
 
-class _Steps:
+class Named:
     """Assignments of one routine; called, it names a value that depends on the state."""
 
     def __init__(self, model: Model) -> None:
-        self._fixed, self.listed = model.parameter_symbols, []
+        self._fixed = model.parameter_symbols
+        self.listed: list[Assignment] = []
         self._named: dict[sp.Expr, sp.Expr] = {}
 
     def __call__(self, name: str, value: sp.Expr, note: str = "") -> sp.Expr:
@@ -305,24 +321,24 @@ class _Steps:
             self.listed.append(Assignment(self._named[value], value, note))
         return self._named[value]
 
-    def sides(self, found: Levels) -> tuple[Side, Side]:
-        """Both sides, each of their values under a name."""
+    def sides(self, found: Levels, end: str = "") -> tuple[Side, Side]:
+        """Both sides, each of their values under a name that ends in `end`."""
         forward, backward = found.forward, found.backward
         one = "slope" if forward.viscous == backward.viscous else "slope_forward"
         return (
             Side(
-                self("upper", forward.dry, "levels of dry friction [N m]"),
-                self(one, forward.viscous),
-                self("held_upper", forward.held, "levels of the bristles as they are bent [N m]"),
-                self("damping_forward", forward.damping),
-                self("stiffness_forward", forward.stiffness),
+                self(f"upper{end}", forward.dry, "levels of dry friction [N m]"),
+                self(f"{one}{end}", forward.viscous),
+                self(f"held_upper{end}", forward.held, "levels of the bristles as they are bent [N m]"),
+                self(f"damping_forward{end}", forward.damping),
+                self(f"stiffness_forward{end}", forward.stiffness),
             ),
             Side(
-                self("lower", backward.dry),
-                self("slope_backward", backward.viscous),
-                self("held_lower", backward.held),
-                self("damping_backward", backward.damping),
-                self("stiffness_backward", backward.stiffness),
+                self(f"lower{end}", backward.dry),
+                self(f"slope_backward{end}", backward.viscous),
+                self(f"held_lower{end}", backward.held),
+                self(f"damping_backward{end}", backward.damping),
+                self(f"stiffness_backward{end}", backward.stiffness),
             ),
         )
 
@@ -337,7 +353,7 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
     velocity over the step, and that of sliding. The greater speed is the solution for the smaller of both.
     """
     omega_m, torque, dt = v.omega_m.symbol, v.torque.symbol, v.dt.symbol
-    named = _Steps(model)
+    named = Named(model)
     forward, backward = named.sides(found)
     without = "momentum at the end of the step, if there were no friction [N m s]"
     momentum = named("momentum", inertia * omega_m + dt * torque, without)
@@ -347,22 +363,24 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
         "its part that friction at rest does not take up [N m s]",
     )
 
-    def chosen(name: str) -> sp.Expr:
-        return _chosen(excess, getattr(forward, name), getattr(backward, name))
+    def by_excess(name: str) -> sp.Expr:
+        return chosen(excess, getattr(forward, name), getattr(backward, name))
 
-    viscous = named("damped", chosen("viscous"))
+    viscous = named("damped", by_excess("viscous"))
     if not found.presliding:
         end = named("velocity_after", excess / (inertia + dt * viscous))
-        moving = named("in_motion", named("level", chosen("dry")) + viscous * end)
+        moving = named("in_motion", named("level", by_excess("dry")) + viscous * end)
     else:
         bent_by = named(
-            "bent_by", chosen("damping") + chosen("stiffness"), "torque per velocity while bristles bend"
+            "bent_by",
+            by_excess("damping") + by_excess("stiffness"),
+            "torque per velocity while bristles bend",
         )
         bent = named("bent", excess / (inertia + dt * bent_by), "velocity while bristles bend [rad/s]")
         over = named("sliding", Shrunk(momentum, dt * backward.dry, dt * forward.dry))
         slid = named("slid", over / (inertia + dt * viscous), "velocity while surfaces slide [rad/s]")
         end = named("velocity_after", ByDirection(excess, sp.Max(bent, slid), sp.Min(bent, slid)))
-        first, second = chosen("held") + bent_by * end, chosen("dry") + viscous * end
+        first, second = by_excess("held") + bent_by * end, by_excess("dry") + viscous * end
         moving = named("in_motion", ByDirection(excess, sp.Min(first, second), sp.Max(first, second)))
     return tuple(named.listed), ((omega_m.name, end), ("friction", AtZero(excess, momentum / dt, moving)))
 
@@ -370,14 +388,15 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
 def acceleration(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
     """The acceleration by a torque, 0 at rest within the levels, with what it is computed from."""
     omega_m, torque = v.omega_m.symbol, v.torque.symbol
-    named = _Steps(model)
+    named = Named(model)
     forward, backward = named.sides(found)
     starting = named("starting", Shrunk(torque, backward.held, forward.held))
-    dry, damping = (_chosen(omega_m, getattr(forward, x), getattr(backward, x)) for x in ("held", "damping"))
+    dry, damping = (chosen(omega_m, getattr(forward, x), getattr(backward, x)) for x in ("held", "damping"))
     moving = named("moving", torque - named("level", dry) - omega_m * damping)
     moved = AtZero(omega_m, starting, moving)
     return tuple(named.listed), (("", Quotient(moved, inertia)),)
 
 
-def _chosen(by: sp.Expr, forward: sp.Expr, backward: sp.Expr) -> sp.Expr:
+def chosen(by: sp.Expr, forward: sp.Expr, backward: sp.Expr) -> sp.Expr:
+    """By the direction; what both have in common stands alone."""
     return forward if forward == backward else ByDirection(by, forward, backward)
