@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program b9fabbfb).
+# (eccentric 0.1.0, program e263ca9e).
 # Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 """Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
@@ -376,8 +376,9 @@ def friction_step(c, theta_m, omega_m, alpha_m, torque, dt):
     # momentum at the end of the step, if there were no friction [N m s]
     momentum = c.J * omega_m + elapsed * torque
     highest = elapsed * upper
+    taken = np.clip(momentum, -highest, highest)
     # its part that friction at rest does not take up [N m s]
-    excess = momentum - np.clip(momentum, -highest, highest) + 0.0 * highest
+    excess = momentum - taken + 0.0 * highest
     base = c.J + elapsed * slope
     velocity_after = excess / base
     unlimited = momentum / elapsed
@@ -394,7 +395,8 @@ def acceleration(c, theta_m, omega_m, alpha_m, torque):
     # levels of dry friction [N m]
     upper = c.C + c.C_lN_mu_scale_N * load
     slope = c.B + c.B_lN_mu2_scale_N * load
-    starting = torque - np.clip(torque, -upper, upper) + 0.0 * upper
+    taken = np.clip(torque, -upper, upper)
+    starting = torque - taken + 0.0 * upper
     part_3 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, torque + upper, starting))
     return (-omega_m * slope + part_3) / c.J
 

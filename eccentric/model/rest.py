@@ -12,7 +12,7 @@ the start of the step. So there is one solution for any time step, also where fr
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import sympy as sp
@@ -200,14 +200,25 @@ def at_direction(value: sp.Expr, omega_m: sp.Symbol, direction: int) -> sp.Expr:
     return value.replace(lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args))
 
 
-def levels(model: Model, omega_m: sp.Symbol, terms: tuple[Term, ...]) -> Levels:
+def levels(
+    model: Model,
+    omega_m: sp.Symbol,
+    terms: tuple[Term, ...],
+    given: Collection[sp.Symbol] = frozenset(),
+) -> Levels:
     """The levels of friction terms over the velocity omega_m, and the viscous coefficients.
 
     A term with a factor omega_m is viscous, any other one dry. Both depend on the magnitude of the velocity.
+
+    Args:
+        model: whose terms they are.
+        omega_m: the velocity.
+        terms: friction.
+        given: definitions that are those of the state as it is, in both directions: the loads of an arm.
     """
     renamed: dict[int, dict[sp.Symbol, sp.Expr]] = {1: {}, -1: {}}
     copies: list[Assignment] = []
-    for d in model.definitions:
+    for d in (d for d in model.definitions if d.symbol not in given):
         both = {s: _moving(d.value, omega_m, s).xreplace(renamed[s]) for s in renamed}
         if both[1] == both[-1]:
             continue
@@ -216,7 +227,12 @@ def levels(model: Model, omega_m: sp.Symbol, terms: tuple[Term, ...]) -> Levels:
             renamed[s][d.symbol] = copy
             copies.append(Assignment(copy, value.xreplace({_SPEED: sp.Abs(omega_m)})))
     bristles = {state.symbol: state.update for state in model.states}
-    sides = {s: _side(omega_m, s, terms, renamed[s], bristles) for s in renamed}
+    # A tilt is at most a right angle, and a load of an arm is the size of a force or moment.
+    sizes: dict[sp.Expr, sp.Symbol] = {f(v.phi.symbol): sp.Dummy(nonnegative=True) for f in (sp.sin, sp.cos)}
+    for d in model.definitions:
+        if d.symbol in given and d.value.is_extended_nonnegative:
+            sizes[d.symbol] = sp.Dummy(nonnegative=True)
+    sides = {s: _side(omega_m, s, terms, renamed[s], bristles, sizes) for s in renamed}
     return Levels(sides[1], sides[-1], tuple(copies))
 
 
@@ -232,6 +248,7 @@ def _side(
     terms: tuple[Term, ...],
     renamed: Mapping[sp.Symbol, sp.Expr],
     bristles: Mapping[sp.Symbol, sp.Expr],
+    sizes: Mapping[sp.Expr, sp.Symbol],
 ) -> Side:
     found = [sp.Integer(0)] * 5
     for term in terms:
@@ -250,16 +267,15 @@ def _side(
     plain = {_SPEED: sp.Abs(omega_m)}
     dry, viscous, held, damping, stiffness = (x.xreplace(renamed).xreplace(plain) for x in found)
     # Friction never drives: neither its level nor its coefficient crosses zero.
-    dry = direction * _at_least_zero(direction * dry)
-    viscous, damping = (_at_least_zero(direction * x) for x in (viscous, damping))
-    return Side(dry, viscous, held if stiffness != 0 else dry, damping, _at_least_zero(stiffness))
+    dry = direction * _at_least_zero(direction * dry, sizes)
+    viscous, damping = (_at_least_zero(direction * x, sizes) for x in (viscous, damping))
+    stiffness = _at_least_zero(stiffness, sizes)
+    return Side(dry, viscous, held if stiffness != 0 else dry, damping, stiffness)
 
 
-def _at_least_zero(value: sp.Expr) -> sp.Expr:
-    """The value, or 0 where it is negative."""
-    # A tilt is at most a right angle.
-    tilted = {f(v.phi.symbol): sp.Dummy(nonnegative=True) for f in (sp.sin, sp.cos)}
-    return value if value.xreplace(tilted).is_nonnegative else sp.Max(0, value)
+def _at_least_zero(value: sp.Expr, sizes: Mapping[sp.Expr, sp.Symbol]) -> sp.Expr:
+    """The value, or 0 where it is negative; `sizes` never are."""
+    return value if value.xreplace(sizes).is_nonnegative else sp.Max(0, value)
 
 
 def _fades(e: sp.Basic) -> bool:
@@ -281,20 +297,22 @@ def _split(value: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 # What is emitted: the levels, and one time step of a drive between them.
 
 
-def budget(found: Levels) -> tuple[tuple[str, sp.Expr], ...]:
+def budget(found: Levels, omega_m: sp.Symbol = v.omega_m.symbol) -> tuple[tuple[str, sp.Expr], ...]:
     """Lower and upper level, and the viscous coefficient in the direction of motion."""
-    viscous = _chosen(v.omega_m.symbol, found.forward.viscous, found.backward.viscous)
+    viscous = chosen(omega_m, found.forward.viscous, found.backward.viscous)
     return ("lower", found.backward.dry), ("upper", found.forward.dry), ("viscous", viscous)
 
 
-class _Steps:
+class Named:
     """Assignments of one routine; called, it names a value that depends on the state."""
 
     def __init__(self, model: Model) -> None:
-        self._fixed, self.listed = model.parameter_symbols, []
+        self._fixed = model.parameter_symbols
+        self.listed: list[Assignment] = []
         self._named: dict[sp.Expr, sp.Expr] = {}
 
     def __call__(self, name: str, value: sp.Expr, note: str = "") -> sp.Expr:
+        """The value under this name; what depends on parameters only, or has a name, stays as it is."""
         if value.is_Atom or value.free_symbols <= self._fixed:
             return value
         if -value in self._named:
@@ -304,24 +322,24 @@ class _Steps:
             self.listed.append(Assignment(self._named[value], value, note))
         return self._named[value]
 
-    def sides(self, found: Levels) -> tuple[Side, Side]:
-        """Both sides, each of their values under a name."""
+    def sides(self, found: Levels, end: str = "") -> tuple[Side, Side]:
+        """Both sides, each of their values under a name that ends in `end`."""
         forward, backward = found.forward, found.backward
         one = "slope" if forward.viscous == backward.viscous else "slope_forward"
         return (
             Side(
-                self("upper", forward.dry, "levels of dry friction [N m]"),
-                self(one, forward.viscous),
-                self("held_upper", forward.held, "levels of the bristles as they are bent [N m]"),
-                self("damping_forward", forward.damping),
-                self("stiffness_forward", forward.stiffness),
+                self(f"upper{end}", forward.dry, "levels of dry friction [N m]"),
+                self(f"{one}{end}", forward.viscous),
+                self(f"held_upper{end}", forward.held, "levels of the bristles as they are bent [N m]"),
+                self(f"damping_forward{end}", forward.damping),
+                self(f"stiffness_forward{end}", forward.stiffness),
             ),
             Side(
-                self("lower", backward.dry),
-                self("slope_backward", backward.viscous),
-                self("held_lower", backward.held),
-                self("damping_backward", backward.damping),
-                self("stiffness_backward", backward.stiffness),
+                self(f"lower{end}", backward.dry),
+                self(f"slope_backward{end}", backward.viscous),
+                self(f"held_lower{end}", backward.held),
+                self(f"damping_backward{end}", backward.damping),
+                self(f"stiffness_backward{end}", backward.stiffness),
             ),
         )
 
@@ -336,7 +354,7 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
     velocity over the step, and that of sliding. The greater speed is the solution for the smaller of both.
     """
     omega_m, torque, dt = v.omega_m.symbol, v.torque.symbol, v.dt.symbol
-    named = _Steps(model)
+    named = Named(model)
     forward, backward = named.sides(found)
     without = "momentum at the end of the step, if there were no friction [N m s]"
     momentum = named("momentum", inertia * omega_m + dt * torque, without)
@@ -346,22 +364,23 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
         "its part that friction at rest does not take up [N m s]",
     )
 
-    def chosen(name: str) -> sp.Expr:
-        return _chosen(excess, getattr(forward, name), getattr(backward, name))
+    def by_excess(name: str) -> sp.Expr:
+        return chosen(excess, getattr(forward, name), getattr(backward, name))
 
-    viscous = named("damped", chosen("viscous"))
+    viscous = named("damped", by_excess("viscous"))
     held = momentum / dt
     if not found.presliding:
         end = named("velocity_after", excess / (inertia + dt * viscous))
         # At rest what the levels hold, and no viscous part; in motion the level of its direction.
         friction = named("dry", Clipped(held, backward.dry, forward.dry)) + viscous * end
     else:
-        bent_by = named("bent_by", chosen("damping") + chosen("stiffness"), "torque per velocity meanwhile")
+        taken = by_excess("damping") + by_excess("stiffness")
+        bent_by = named("bent_by", taken, "torque per velocity while bristles bend")
         bent = named("bent", excess / (inertia + dt * bent_by), "velocity while bristles bend [rad/s]")
         over = named("sliding", Shrunk(momentum, dt * backward.dry, dt * forward.dry))
         slid = named("slid", over / (inertia + dt * viscous), "velocity while surfaces slide [rad/s]")
         end = named("velocity_after", ByDirection(excess, sp.Max(bent, slid), sp.Min(bent, slid)))
-        first, second = chosen("held") + bent_by * end, chosen("dry") + viscous * end
+        first, second = by_excess("held") + bent_by * end, by_excess("dry") + viscous * end
         first, second = named("while_bending", first), named("while_sliding", second)
         friction = BySign(excess, sp.Min(first, second), sp.Max(first, second), held)
     return tuple(named.listed), ((omega_m.name, end), ("friction", friction))
@@ -370,13 +389,14 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
 def acceleration(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
     """The acceleration by a torque, 0 at rest within the levels, with what it is computed from."""
     omega_m, torque = v.omega_m.symbol, v.torque.symbol
-    named = _Steps(model)
+    named = Named(model)
     forward, backward = named.sides(found)
     starting = named("starting", Shrunk(torque, backward.held, forward.held))
-    damping = _chosen(omega_m, forward.damping, backward.damping)
+    damping = chosen(omega_m, forward.damping, backward.damping)
     moved = BySign(omega_m, torque - forward.held, torque - backward.held, starting) - omega_m * damping
     return tuple(named.listed), (("", Quotient(moved, inertia)),)
 
 
-def _chosen(by: sp.Expr, forward: sp.Expr, backward: sp.Expr) -> sp.Expr:
+def chosen(by: sp.Expr, forward: sp.Expr, backward: sp.Expr) -> sp.Expr:
+    """By the direction; what both have in common stands alone."""
     return forward if forward == backward else ByDirection(by, forward, backward)

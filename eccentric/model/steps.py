@@ -128,6 +128,20 @@ class Quotient(OpaqueStep):
         return a / b
 
 
+class AtZero(OpaqueStep):
+    """AtZero(x, a, b): a where x = 0, else b."""
+
+    nargs = 3
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """0 by x; by a and b, whether it is that one."""
+        x, zero, one = self.args[0], sp.Integer(0), sp.Integer(1)
+        return {1: zero, 2: AtZero(x, one, zero), 3: AtZero(x, zero, one)}[argindex]
+
+    def _eval_rewrite_as_meaning(self, x: sp.Expr, a: sp.Expr, b: sp.Expr, **_: Any) -> sp.Expr:
+        return sp.Piecewise((a, sp.Eq(x, 0)), (b, True))
+
+
 class BySign(OpaqueStep):
     """BySign(x, a, b, c): a where x > 0, b where x < 0, else c."""
 

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program d86c9de5).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program c201c71a).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

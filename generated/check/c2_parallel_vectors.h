@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program ad65e790).
+ * Generated: do not edit. Written beside c2_parallel.c (program b7fd4413).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

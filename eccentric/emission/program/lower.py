@@ -218,6 +218,7 @@ class Lowering:
             steps.Forward: lambda x: self.named("is_forward", steps.Forward(x)),
             steps.Backward: lambda x: self.named("is_backward", steps.Backward(x)),
             steps.ByDirection: lambda x, a, b: Pick(x, ABOVE, sp.Integer(0), a, b),
+            steps.AtZero: lambda x, a, b: Pick(x, EQUAL, zero, a, b),
             steps.BySign: lambda x, a, b, c: Pick(x, ABOVE, zero, a, Pick(x, BELOW, zero, b, c)),
             steps.Clipped: self._clipped,
             steps.Shrunk: self._shrunk,
@@ -320,7 +321,8 @@ class Lowering:
         symmetric, high = low == -high, self._atom("highest", high)
         low = -high if symmetric else self._atom("lowest", low)
         width = high if symmetric else Minus(high, low)
-        return Plus(Minus(x, self._clipped(x, low, high)), Times(sp.Integer(0), width))
+        taken = self.named("taken", self._clipped(x, low, high))
+        return Plus(Minus(x, taken), Times(sp.Integer(0), width))
 
     def _gated(self, a: sp.Expr, b: sp.Expr) -> sp.Expr:
         zero, parameter = sp.Integer(0), a.free_symbols <= self._prepare.symbols

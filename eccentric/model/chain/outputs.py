@@ -13,14 +13,17 @@ from eccentric.model import vocabulary as v
 from eccentric.model.balance import Load, Term
 from eccentric.model.chain.inertial import inertial
 from eccentric.model.chain.recursion import Recursion, at_rest
+from eccentric.model.chain.rest import Matrix, Stepped, acceleration, mass_matrix, step, still
 from eccentric.model.model import Model
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, differentiate, needed
 from eccentric.model.outputs import STEP, armature_parameters, held_states, step_updates, step_words
 from eccentric.model.quantity import Definition, quantity
+from eccentric.model.rest import Levels, Named, budget, levels
 from eccentric.model.steps import HalfCosine, HalfSine, meaning
 
 _AXES = "xyz"
 _LOADS = {Load.NORMAL: "F_N", Load.TRANSVERSAL: "F_T", Load.BENDING: "M_B", Load.TRANSMITTED: "T"}
+_TORQUES = "torques of the motors, all but friction: those of the drives less those of weight and velocities"
 _Results = Iterable[tuple[str, sp.Expr]]
 
 
@@ -52,6 +55,15 @@ class _Outputs:
     @cached_property
     def _friction(self) -> list[tuple[str, sp.Expr]]:
         return _frictions(self._model, self._found)
+
+    @cached_property
+    def _levels(self) -> list[Levels]:
+        """Dry friction of every joint by its own direction; the loads are those of the state."""
+        given = {d.symbol for d in self._found.definitions}
+        return [
+            levels(self._model, inputs.omega_m.symbol, tuple(_terms(self._model, j)), given)
+            for j, inputs in enumerate(self._found.inputs)
+        ]
 
     def listed(self) -> tuple[Output, ...]:
         """All of them, in the order of a module."""
@@ -96,6 +108,19 @@ class _Outputs:
                 self._of_moving(lambda: self._friction),
             ),
             self._output(
+                "breakaway_torque",
+                "N m",
+                "levels of dry friction of every motor at rest: any torque between them holds it",
+                self._breakaway,
+                moves=False,
+            ),
+            self._output(
+                "friction_budget",
+                "N m, N m, N m s/rad",
+                "levels of dry friction of every motor at this state, and the viscous coefficient",
+                self._budget,
+            ),
+            self._output(
                 "friction_torque",
                 "N m",
                 "resultant friction torque F of every motor, back-EMF damping included, eq (6)",
@@ -115,7 +140,31 @@ class _Outputs:
                 " rotors of a given inertia aside",
                 self._inertial_regressor,
             ),
-            # Longer than all others together.
+            # Each of these is longer than all others together.
+            self._output(
+                "mass_matrix",
+                "kg m^2",
+                "inertia on the motor side, rotors included, row by row",
+                self._mass_matrix,
+                moves=False,
+            ),
+            self._output(
+                "friction_step",
+                "rad/s, N m",
+                "velocities of the motors after a time step, and the friction torques in it",
+                lambda: self._by_torques(step),
+                by_torques=True,
+                without_time=_without_time(found),
+                on_request=True,
+            ),
+            self._output(
+                "acceleration",
+                "rad/s^2",
+                "accelerations of the motors by their torques, 0 at rest within the levels of dry friction",
+                lambda: self._by_torques(acceleration),
+                by_torques=True,
+                on_request=True,
+            ),
             self._output(
                 "mechanical_friction_torque_gradient",
                 "N m per rad, rad/s, rad/s^2",
@@ -126,9 +175,11 @@ class _Outputs:
             ),
         ]
         if model.states:
-            step = self._of_moving(lambda: step_updates(model))
+            updates = self._of_moving(lambda: step_updates(model))
             listed.append(
-                self._output(STEP, *step_words(model), step, without_time=held_states(model), advances=True)
+                self._output(
+                    STEP, *step_words(model), updates, without_time=held_states(model), advances=True
+                )
             )
         return tuple(listed)
 
@@ -140,12 +191,20 @@ class _Outputs:
         expressions: Callable[[], Expressions],
         *,
         moves: bool = True,
+        by_torques: bool = False,
         **more: Any,
     ) -> Output:
-        """One of them; `moves` is whether it takes velocities and accelerations, not angles alone."""
-        motion = self._motion if moves else self._motion[:1]
+        """One of them.
+
+        `moves` is whether it takes velocities and accelerations, not angles alone; `by_torques` whether the
+        torques of the motors come last, before the time step.
+        """
+        motion, last = (self._motion if moves else self._motion[:1]), self._others[-1:]
+        if by_torques:
+            last = (Input(replace(v.torque, meaning=_TORQUES), len(self._found.inputs)), *last)
         taken = frozenset(x.quantity.name for x in motion)
-        return Output(name, unit, meaning, (*motion, *self._others), expressions, taken, **more)
+        inputs = (*motion, *self._others[:-1], *last)
+        return Output(name, unit, meaning, inputs, expressions, taken, **more)
 
     def _of_moving(self, results: Callable[[], _Results]) -> Callable[[], Expressions]:
         return lambda: _expressions(results(), self._stable_moving)
@@ -159,6 +218,50 @@ class _Outputs:
         definitions, torques = at_rest(self._found)
         stable = _stable(self._found, self._model, tuple(map(_assigned, definitions)))
         return _expressions([(f"G_{j}", torque) for j, torque in enumerate(torques)], stable)
+
+    @cached_property
+    def _both_ways(self) -> tuple[Assignment, ...]:
+        """The definitions, and those that a direction of motion changes, for both."""
+        return (*self._moving, *(a for found in self._levels for a in found.definitions))
+
+    def _budget(self) -> Expressions:
+        omegas = [inputs.omega_m.symbol for inputs in self._found.inputs]
+        results = [
+            (f"{label}_{j}", value)
+            for j, (dry, omega_m) in enumerate(zip(self._levels, omegas, strict=True))
+            for label, value in budget(dry, omega_m)
+        ]
+        return _expressions(results, _stable(self._found, self._model, self._both_ways))
+
+    def _breakaway(self) -> Expressions:
+        results = tuple(
+            (f"{label}_{j}", dry.at_rest(direction))
+            for j, dry in enumerate(self._levels)
+            for label, direction in (("lower", -1), ("upper", 1))
+        )
+        definitions, held = still(self._found, self._moving, results)
+        return _expressions(held, _stable(self._found, self._model, definitions))
+
+    def _inertia(self) -> tuple[tuple[Assignment, ...], Matrix]:
+        torques = [torque for _, torque in _inverse_dynamics(self._found)]
+        return mass_matrix(self._found, self._moving, torques)
+
+    def _mass_matrix(self) -> Expressions:
+        definitions, entries = self._inertia()
+        results = [(f"M_{j}_{k}", x) for j, row in enumerate(entries) for k, x in enumerate(row)]
+        return _expressions(results, _stable(self._found, self._model, definitions))
+
+    def _by_torques(
+        self, computed: Callable[[Recursion, Named, Matrix, list[Levels]], Stepped]
+    ) -> Expressions:
+        """What the torques make of the motion: the inertia, the levels, and the steps from them."""
+        definitions, entries = self._inertia()
+        there = {a.target for a in definitions}
+        named = Named(self._model)
+        inertia = [[named(f"M_{j}_{k}", x) for k, x in enumerate(row)] for j, row in enumerate(entries)]
+        steps, results = computed(self._found, named, inertia, self._levels)
+        before = (*definitions, *(a for a in self._both_ways if a.target not in there))
+        return _expressions(results, (*_stable(self._found, self._model, before), *steps))
 
     def _inertial_regressor(self) -> Expressions:
         of_bodies = inertial(self._found.chain)
@@ -185,6 +288,13 @@ class _Outputs:
             for x in by
         ]
         return _expressions(results, _stable(self._found, self._model, steps))
+
+
+def _without_time(found: Recursion) -> dict[str, sp.Expr]:
+    """What a time step gives where no time passes: the velocities as they are, and no friction."""
+    velocities = [inputs.omega_m.symbol for inputs in found.inputs]
+    frictions = {f"friction_{j}": sp.Integer(0) for j in range(len(velocities))}
+    return {omega_m.name: omega_m for omega_m in velocities} | frictions
 
 
 def _expressions(results: _Results, definitions: tuple[Assignment, ...]) -> Expressions:
