@@ -110,7 +110,7 @@ def sample(n: int = 5000, runs: int = 1, text: str = "", unit: str = "N m", **ch
                     f"A bent shaft{text}.",
                     f"s sin{text}",
                     f"someone{text}",
-                    0.12,
+                    "12.0 % of the friction",
                     f"a shaft that wobbles{text}",
                 ),
             ),

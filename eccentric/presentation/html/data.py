@@ -87,9 +87,10 @@ class CandidateRow:
 
 @dataclass(frozen=True)
 class AddedEffect:
-    """An effect of the extended model: description, formula, source, its share of the friction (0 to 1).
+    """An effect of the extended model: description, formula, source, how large it is.
 
-    meaning: what it is and where it comes from, one sentence; headline: the same in a few words, or "";
+    meaning: what it is and where it comes from, one sentence; share: "4.2 % of the friction";
+    headline: the same in a few words, or "";
     stability: in how many variants of the log it is found, and what is found instead, or "".
     """
 
@@ -98,7 +99,7 @@ class AddedEffect:
     meaning: str
     formula: str
     reference: str
-    share: float
+    share: str
     headline: str = ""
     stability: str = ""
 

@@ -17,6 +17,7 @@ from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Effect
 from eccentric.identification import DRIVE_UNITS, Refit, in_drive_unit
 from eccentric.model import AxisKind, spoken
+from eccentric.presentation.calls_text import share_words
 from eccentric.presentation.diagnosis_text import (
     closest_sentence,
     diagnosis_sentence,
@@ -288,7 +289,7 @@ def _added(effect: Effect, found: Diagnosis) -> AddedEffect:
         meaning=effect.words.meaning,
         formula=effect.formula,
         reference=effect.reference,
-        share=found.models.extended.shares.get(effect.id, 0.0),
+        share=share_words(found.models.extended, effect),
         headline=effect.words.headline,
         stability=stability_words(found, effect),
     )

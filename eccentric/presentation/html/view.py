@@ -69,10 +69,7 @@ def view(data: ReportData, library: str) -> dict[str, Any]:
         "candidates": _candidates(data),
         "why": why(data),
         "parameters": [_parameter(p, axis) for p in data.extended.parameters],
-        "effects": [
-            (e, axis.text(short_formula(e.formula)), number(100.0 * e.share, 3))
-            for e in data.extended.effects
-        ],
+        "effects": [(e, axis.text(short_formula(e.formula)), e.share) for e in data.extended.effects],
         "hints": _hints(data),
         "figures_json": figures.json(),
         "term": axis.term,
