@@ -227,6 +227,7 @@ LINEAR = AxisKind(
         "inertia and gravity near those of the rig are required": "a mass near that of the rig is required",
         "masses, lengths, gear and torque constant": "mass, force constant or gain",
         "moment of inertia": "mass",
+        "net of inertia and gravity": "net of mass and load",
         # Motion.
         ', mu, and the zero angle (theta_zero_rad = "estimate" estimates it)': "",
         "motor angle": "position",

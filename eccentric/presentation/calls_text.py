@@ -82,7 +82,7 @@ def share_words(fitted: Refit, effect: Effect) -> str:
     is_friction = any(_contains(model, outputs, function, effect) for function in FRICTION)
     if is_friction and not _contains(model, outputs, GRAVITY, effect):
         return f"{share:.1f} % of the friction"
-    return f"{share:.1f} % of the drive {model.axis.term('torque')} net of acceleration and load"
+    return model.axis.text(f"{share:.1f} % of the drive torque net of inertia and gravity")
 
 
 def _contains(model: Model, outputs: Interface, function: str, effect: Effect | Extension) -> bool:
