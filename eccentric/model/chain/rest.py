@@ -25,7 +25,7 @@ from eccentric.model import vocabulary as v
 from eccentric.model.chain.recursion import Recursion
 from eccentric.model.output import Assignment, differentiate, needed
 from eccentric.model.rest import Levels, Named, Side, chosen
-from eccentric.model.steps import AtZero, Bounded, ByDirection, Forward, Gated, Magnitude, Quotient, Shrunk
+from eccentric.model.steps import AtZero, Bounded, ByDirection, Forward, Gated, Magnitude, Shrunk
 
 Matrix = Sequence[Sequence[sp.Expr]]
 Results = tuple[tuple[str, sp.Expr], ...]
