@@ -312,7 +312,7 @@ class Named:
         self._named: dict[sp.Expr, sp.Expr] = {}
 
     def __call__(self, name: str, value: sp.Expr, note: str = "") -> sp.Expr:
-        """The value under this name; what depends on parameters only, or has a name, stays as it is."""
+        """A symbol for the value; what depends on parameters alone, or has a name, stands for itself."""
         if value.is_Atom or value.free_symbols <= self._fixed:
             return value
         if -value in self._named:

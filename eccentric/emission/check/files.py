@@ -98,7 +98,7 @@ def view(
         "states": [q.name for q in states],
         "samples": _SAMPLES,
         "largest": max(f.width for f in functions),
-        "calls": [call for f in functions for call in (*_calls(model.name, f), *_step(model, f))],
+        "calls": [call for f in functions for call in (*_calls(model.name, f, joints), *_step(model, f))],
     }
 
 
@@ -131,10 +131,11 @@ def _input(q: Quantity, axis: AxisKind) -> dict[str, str]:
     return {"name": q.name, "doc": plain(f"{q.meaning} [{q.unit}]"), "range": f"{low:g}, {high:g}"}
 
 
-def _calls(prefix: str, f: Called) -> list[dict[str, Any]]:
+def _calls(prefix: str, f: Called, joints: int) -> list[dict[str, Any]]:
     """The call of a function and, if it has inputs, of its array function."""
     own = f"{prefix}_{f.name}"
-    one = [*f.inputs, *([] if f.scalar else ["out"]), "c"]
+    one = [f"{x}[0]" if joints and x in selftest.NUMBERS else x for x in f.inputs]
+    one += [*([] if f.scalar else ["out"]), "c"]
     line = f"{'out[0] = ' if f.scalar else ''}{own}({', '.join(one)});"
     calls = [{"name": f.name, "lines": [line], "width": f.width}]
     if f.array_call:
@@ -235,9 +236,12 @@ def _function(prefix: str, name: str, function: Any, inputs: list[str], many: bo
     taken, length = _taken(function), joints or 1
     # Of the last input, which may need an inertia that is not given, 0 alone is sure to have a value.
     sample = [1.0] * (len(taken) - 1) + [0.0] * bool(taken)
-    shape = np.shape(function(*([x] * joints if joints else x for x in sample)))
+    vectors = [bool(joints) and x not in selftest.NUMBERS for x in taken]
+    shape = np.shape(
+        function(*([x] * joints if vector else x for x, vector in zip(sample, vectors, strict=True)))
+    )
     places = [length * inputs.index(x) for x in taken]
-    arguments = [f"{'&' if joints else ''}x[{k}]" for k in places]
+    arguments = [f"{'&' if vector else ''}x[{k}]" for k, vector in zip(places, vectors, strict=True)]
     call = (
         f"{prefix}_{name}({', '.join([*arguments, 'out', '&c'])});"
         if shape

@@ -15,6 +15,7 @@ import mpmath
 import numpy as np
 
 from eccentric.emission.program import ABSENT
+from eccentric.model import vocabulary as v
 
 # An emitted function as called by the checks.
 
@@ -90,6 +91,7 @@ def view(
         "functions": functions,
         "inputs": [f"{x}_{k}" for x in inputs for k in range(joints)] if joints else inputs,
         "joints": joints,
+        "single": [k for k, x in enumerate(inputs) if joints and x in NUMBERS],
         "coefficients": list(single),
         "widths": _braces(f.width for f in functions),
         "taken": _braces(f"0x{sum(1 << inputs.index(x) for x in f.inputs):x}u" for f in functions),
@@ -161,7 +163,9 @@ def _precision(
 
     def evaluated(f: Called, states: Sequence[np.ndarray]) -> np.ndarray:
         """The bits of a function's results: value, sample."""
-        columns = {x: _argument(states[k * length : (k + 1) * length], joints) for k, x in enumerate(inputs)}
+        columns = {
+            x: _argument(x, states[k * length : (k + 1) * length], joints) for k, x in enumerate(inputs)
+        }
         values = np.empty((f.width, len(states[0])), real)
         out = values[0] if f.scalar else values.T
         if f.inputs:
@@ -197,9 +201,13 @@ def _stride(inputs: int, widest: int) -> int:
     return 1 << (max(2 * inputs, widest) - 1).bit_length()
 
 
-def _argument(columns: Sequence[np.ndarray], joints: int) -> np.ndarray:
+NUMBERS = frozenset({v.t.name, v.dt.name})
+"""Inputs of an arm that are one number, not one for each joint: the first of as many."""
+
+
+def _argument(name: str, columns: Sequence[np.ndarray], joints: int) -> np.ndarray:
     """The input that an array each for its entries gives."""
-    return np.stack(columns, axis=-1) if joints else columns[0]
+    return np.stack(columns, axis=-1) if joints and name not in NUMBERS else columns[0]
 
 
 def _zero_of_force(values: Mapping[str, float]) -> dict[str, float]:
