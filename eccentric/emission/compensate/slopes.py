@@ -49,10 +49,20 @@ class Walk:
         self._known = {
             x: Bound(size, ZERO if x in nonnegative else None, {x: ONE}) for x, size in inputs.items()
         }
+        self._prepared: set[sp.Symbol] = set()
 
     def define(self, symbol: sp.Symbol, bound: Bound) -> None:
         """From now on, what the bound of this symbol is."""
         self._known[symbol] = bound
+
+    def prepare(self, symbol: sp.Symbol, value: sp.Expr) -> None:
+        """From now on, a symbol is a number that follows from the parameters, by this formula."""
+        try:
+            sure = self(value).least is not None
+        except InputError:  # its sign is not known then
+            sure = False
+        if sure:
+            self._prepared.add(symbol)
 
     def __call__(self, e: sp.Expr) -> Bound:
         """The bound of an expression.
@@ -63,7 +73,17 @@ class Walk:
         if e in self._known:
             return self._known[e]
         if e.is_Number or e.is_Symbol:  # a parameter
-            return Bound(sp.Abs(e), e if e.is_nonnegative else None, {})
+            return (
+                Bound(e, e, {})
+                if e in self._prepared
+                else Bound(sp.Abs(e), e if e.is_nonnegative else None, {})
+            )
+        if e.is_Pow and e.exp.is_negative and e.base.is_Symbol and e.base not in self._known:
+            return Bound(
+                sp.Abs(e), e if e.base.is_nonnegative or e.base in self._prepared else None, {}
+            )  # of a parameter, not 0
+        if isinstance(e, sp.exp):
+            return _exponential(self(e.args[0]), falling=self(-e.args[0]).least is not None)
         if isinstance(e, sp.Piecewise):  # by parameters alone
             return self._cases(e)
         for kinds, rule in _RULES:
@@ -78,7 +98,9 @@ class Walk:
             return sp.Piecewise(*((pick(one), condition) for one, condition in values))  # type: ignore[operator]
 
         known = all(one.least is not None for one, _ in values)
-        slopes = {x: of(lambda one, x=x: one.slopes.get(x, ZERO)) for x in _inputs(*(one for one, _ in values))}
+        slopes = {
+            x: of(lambda one, x=x: one.slopes.get(x, ZERO)) for x in _inputs(*(one for one, _ in values))
+        }
         return Bound(of(lambda one: one.size), of(lambda one: one.least) if known else None, slopes)
 
 
@@ -88,9 +110,10 @@ def _inputs(*parts: Bound) -> list[sp.Symbol]:
 
 def _added(e: sp.Expr, *parts: Bound) -> Bound:
     slopes = {x: sp.Add(*(p.slopes.get(x, ZERO) for p in parts)) for x in _inputs(*parts)}
-    leasts = [p.least for p in parts if p.least is not None]
+    leasts = [x if x.is_Number else p.least for x, p in zip(e.args, parts, strict=True)]
+    least = None if None in leasts else sp.Add(*leasts)
     return Bound(
-        sp.Add(*(p.size for p in parts)), sp.Add(*leasts) if len(leasts) == len(parts) else None, slopes
+        sp.Add(*(p.size for p in parts)), None if least is None or not least.is_nonnegative else least, slopes
     )
 
 
@@ -115,8 +138,6 @@ def _power(e: sp.Expr, base: Bound, exponent: Bound) -> Bound:
     if n.is_Integer and n > 0:
         found = _multiplied(e, *[base] * int(n))
         return Bound(found.size, ZERO if found.least is None and n % 2 == 0 else found.least, found.slopes)
-    if n.is_negative and e.args[0].is_Symbol and not base.slopes:  # a parameter
-        return Bound(sp.Abs(e), e if e.is_nonnegative else None, {})
     if n.is_negative and base.least is not None:
         # 1 over a number that is at least this one; a power of it as a product.
         inverse = Bound(
@@ -150,20 +171,9 @@ def _size(e: sp.Expr, part: Bound) -> Bound:
     return Bound(part.size, part.least or ZERO, part.slopes)
 
 
-def _exponential(e: sp.Expr, part: Bound) -> Bound:
-    falling = (-e.args[0]).is_nonnegative or _never_positive(e.args[0])
+def _exponential(part: Bound, *, falling: bool) -> Bound:
     size = ONE if falling else sp.exp(part.size)
     return Bound(size, ZERO, {x: size * k for x, k in part.slopes.items()})
-
-
-def _never_positive(e: sp.Expr) -> bool:
-    """Whether a product is of magnitudes, squares, roots and parameters, with a minus before it."""
-    factors = sp.Mul.make_args(-e)
-    sized = (sp.Abs, s.Magnitude, sp.exp)
-    return all(
-        f.is_nonnegative or isinstance(f, sized) or (f.is_Pow and (f.exp.is_even or isinstance(f.base, sized)))
-        for f in factors
-    )
 
 
 def _wave(e: sp.Expr, part: Bound, mu: Bound | None = None) -> Bound:
@@ -173,15 +183,15 @@ def _wave(e: sp.Expr, part: Bound, mu: Bound | None = None) -> Bound:
 
 
 def _magnitude(e: sp.Expr, p: Bound, q: Bound) -> Bound:
-    slopes = {
-        x: sp.sqrt(p.slopes.get(x, ZERO) ** 2 + q.slopes.get(x, ZERO) ** 2) for x in _inputs(p, q)
-    }
+    slopes = {x: sp.sqrt(p.slopes.get(x, ZERO) ** 2 + q.slopes.get(x, ZERO) ** 2) for x in _inputs(p, q)}
     leasts = [one.least for one in (p, q) if one.least is not None]
     return Bound(sp.sqrt(p.size**2 + q.size**2), sp.Max(ZERO, *leasts), slopes)
 
 
 def _difference_of_squares(e: sp.Expr, v: Bound, w: Bound) -> Bound:
-    slopes = {x: 2 * v.size * v.slopes.get(x, ZERO) + 2 * w.size * w.slopes.get(x, ZERO) for x in _inputs(v, w)}
+    slopes = {
+        x: 2 * v.size * v.slopes.get(x, ZERO) + 2 * w.size * w.slopes.get(x, ZERO) for x in _inputs(v, w)
+    }
     return Bound(sp.Max(v.size**2, w.size**2), None, slopes)
 
 
@@ -198,7 +208,6 @@ _RULES = (
     (sp.Add, _added),
     ((sp.Mul, s.Gated), _multiplied),
     (sp.Pow, _power),
-    (sp.exp, _exponential),
     ((sp.Max, sp.Min), _extreme),
     (sp.Abs, _size),
     ((sp.sin, sp.cos, s.HalfCosine, s.HalfSine), _wave),

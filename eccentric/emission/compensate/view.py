@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import mpmath
 import sympy as sp
 
 from eccentric.core import InputError
@@ -14,11 +16,13 @@ from eccentric.emission.backends import BACKENDS, decimal, with_plain_text, wrap
 from eccentric.emission.check import limits, proof_command
 from eccentric.emission.compensate.gain import MOST_WITHOUT_REFERENCE, Gain
 from eccentric.emission.compensate.slopes import ZERO, Bound, Walk
+from eccentric.emission.hot import executed, executed_beside
 from eccentric.emission.program import build_program
 from eccentric.emission.templates import plain, template
-from eccentric.model import LINEAR, TURNING, AxisKind, Model, spoken, spoken_quantity
+from eccentric.model import LINEAR, TURNING, AxisKind, Model, spoken_quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.rest import levels
+from eccentric.model.steps import OpaqueStep
 from eccentric.version import __version__
 
 # Assignments in the language of C and of Python, of formulas in the parameters.
@@ -37,15 +41,15 @@ class _Spelled:
 
 
 _C = _Spelled("p->{}", "(({0}) ? ({1}) : ({2}))", "&&", "sqrt", "exp", "fabs")
-_PYTHON = _Spelled("p.{}", "(({1}) if ({0}) else ({2}))", "and", "math.sqrt", "math.exp", "abs")
+_PYTHON = _Spelled("p.{}", "(({1}) if ({0}) else ({2}))", "and", "math.sqrt", "_exp", "abs")
 
 
-def spell(e: sp.Expr, parameters: frozenset[str], language: _Spelled) -> str:
+def spell(e: sp.Expr, letters: Mapping[str, str], language: _Spelled) -> str:
     """The expression, operation by operation in the same order in both languages."""
 
     def of(x: Any) -> str:
         if x.is_Symbol:
-            return language.parameter.format(x.name) if x.name in parameters else x.name
+            return language.parameter.format(letters[x.name]) if x.name in letters else x.name
         if x.is_Number:
             return repr(float(x))
         if x.is_Add:
@@ -88,8 +92,8 @@ class Steepness:
     """Assignments name = formula, and the names of what the constants follow from.
 
     Attributes:
-        assignments: in the order of their computation; of the parameters and of `speed_max`.
-        size: the largest level of dry friction.
+        assignments: in the order of their computation; of the parameters and of the largest speed, `speed`.
+        size: the largest level of dry friction up to this speed.
         by: input -> the largest slope of the friction in one direction of motion.
     """
 
@@ -98,7 +102,7 @@ class Steepness:
     by: Mapping[str, sp.Expr]
 
 
-FASTEST = sp.Symbol("speed_max", nonnegative=True)
+_FASTEST_MOTION = sp.Symbol("speed_at_most", nonnegative=True)
 
 
 def steepness(model: Model) -> Steepness:
@@ -108,20 +112,17 @@ def steepness(model: Model) -> Steepness:
     found = levels(model, omega_m, friction)
     inputs = {q.symbol: q for q in (*model.inputs, *(state.quantity for state in model.states))}
     sizes = {x: sp.Float(max(map(abs, limits(q, model.axis)))) for x, q in inputs.items()}
-    never = frozenset(x for x, q in inputs.items() if q.domain in ("nonnegative", "positive"))
-    walk = Walk(sizes | {omega_m: FASTEST}, never)
-    listed: list[tuple[str, sp.Expr]] = []
+    never = frozenset(x for x, q in inputs.items() if limits(q, model.axis)[0] >= 0.0)
+    walk = Walk(sizes | {omega_m: _FASTEST_MOTION}, never)
+    listed: dict[sp.Expr, sp.Symbol] = {}
 
     def named(name: str, value: sp.Expr) -> sp.Expr:
-        if value.is_Atom:
-            return value
-        listed.append((name, value))
-        return sp.Symbol(name, nonnegative=True)
+        return value if value.is_Atom else listed.setdefault(value, sp.Symbol(name, nonnegative=True))
 
     def kept(name: str, bound: Bound) -> Bound:
-        by = {x: named(f"{name}_by_{x.name}", k) for x, k in bound.slopes.items()}
+        size = named(f"{name}_size", bound.size)
         least = None if bound.least is None else named(f"{name}_least", bound.least)
-        return Bound(named(f"{name}_size", bound.size), least, by)
+        return Bound(size, least, {x: named(f"{name}_by_{x.name}", k) for x, k in bound.slopes.items()})
 
     definitions = [(d.symbol, d.value) for d in model.definitions]
     definitions += [(a.target, a.value) for a in found.definitions]
@@ -130,9 +131,16 @@ def steepness(model: Model) -> Steepness:
     for symbol, value in reversed(definitions):
         if symbol in needed:
             needed |= value.free_symbols
+    varying = set(sizes)
     for symbol, value in definitions:
-        if symbol in needed:
+        if symbol not in needed:
+            continue
+        if value.free_symbols & varying or value.has(sp.sin, sp.cos, OpaqueStep):
+            varying.add(symbol)
             walk.define(symbol, kept(symbol.name, walk(value)))
+        else:  # a number, once the parameters are known
+            walk.prepare(symbol, value)
+            listed[value] = symbol
     dry = [kept(f"dry_{k}", walk(side.dry)) for k, side in enumerate(sides)]
     wet = [kept(f"viscous_{k}", walk(side.viscous * omega_m)) for k, side in enumerate(sides)]
     slopes = {
@@ -145,11 +153,19 @@ def steepness(model: Model) -> Steepness:
     }
     size = named("level_size", sp.Max(*(d.size for d in dry)))
     by = {spoken_quantity(model.axis, inputs[x]).name: k for x, k in slopes.items()}
-    return Steepness(tuple(listed), size, by)
+    # Only what the constants follow from.
+    live = set().union(size.free_symbols, *(k.free_symbols for k in by.values()))
+    used = []
+    for value, symbol in reversed(listed.items()):
+        if symbol in live:
+            used.append((symbol.name, value))
+            live |= value.free_symbols
+    return Steepness(tuple(reversed(used)), size, by)
 
 
 # The settings, with what is required of them and their defaults by the kind of axis.
 
+_LARGEST = {"single": float.fromhex("0x1.fffffep127"), "double": sys.float_info.max}
 _STEP = {TURNING: 6.283185307179586 / 4096, LINEAR: 1e-6}
 _TICK = 1e-3
 _WIDTH, _FADE = {TURNING: 0.1, LINEAR: 5e-4}, {TURNING: 1.0, LINEAR: 5e-3}
@@ -166,7 +182,7 @@ class Setting:
     doc: str
 
 
-def settings(axis: AxisKind, gain: Gain) -> list[Setting]:
+def settings_of(axis: AxisKind, gain: Gain) -> list[Setting]:
     """The numbers that a user sets, in their order."""
     speed, angle = axis.unit("rad/s"), axis.unit("rad")
     tick = _STEP[axis] / _TICK
@@ -174,7 +190,9 @@ def settings(axis: AxisKind, gain: Gain) -> list[Setting]:
         Setting("gain", gain.value, "g: share of the friction that may follow a measurement [1]"),
         Setting("feedforward", 1.0, "share of the friction that is fed forward from the reference [1]"),
         Setting("speed_max", _FASTEST[axis], f"beyond this speed the compensation is constant [{speed}]"),
-        Setting("width", _WIDTH[axis], f"speed at which a level is reached, in place of a jump at 0 [{speed}]"),
+        Setting(
+            "width", _WIDTH[axis], f"speed at which a level is reached, in place of a jump at 0 [{speed}]"
+        ),
         Setting("encoder_step", _STEP[axis], f"one step of the encoder [{angle}]"),
         Setting("tick", _TICK, "time between two calls [s]"),
         Setting("band", tick, f"measured speed that counts as none, at least encoder_step/tick [{speed}]"),
@@ -189,93 +207,130 @@ def settings(axis: AxisKind, gain: Gain) -> list[Setting]:
 
 
 def view(model: Model, gain: Gain, digest: str, source: str) -> dict[str, Any]:
-    """All variables of the templates.
+    """All variables of the templates but the Lipschitz constants of the defaults.
 
     `digest` is that of the model's program, as its header spells it; `source` is its C.
     """
-    axis, shown = model.axis, spoken(model)
+    axis = model.axis
     program = with_plain_text(build_program(model))
     budget = next((r for r in program.routines if r.name == "friction_budget"), None)
     if budget is None:
         raise InputError(f"model {model.name}", "friction_budget", "none", why="to compensate friction")
-    names = {q.name: spoken_quantity(axis, q).name for q in (v.theta_m, v.omega_m, v.torque)}
-    speed, angle, torque = names["omega_m"], names["theta_m"], names["torque"]
-    reference = speed.removesuffix("_m") + "_ref"
-    demand = torque if torque not in {x.quantity.name for x in budget.inputs} else f"{torque}_demand"
-    own = [x.quantity for x in budget.inputs if x.quantity.name not in (angle, speed)]
-    ranges = [(q, limits(q, axis)) for q in own]
-    arguments = [
-        (angle, f"{axis.text('motor angle')}, of the reference or measured [{axis.unit('rad')}]"),
-        (reference, f"{axis.text('motor velocity')} of the reference [{axis.unit('rad/s')}]"),
-        (speed, f"{axis.text('motor velocity')} as measured [{axis.unit('rad/s')}]"),
-        ("error", f"reference minus measured {axis.text('motor angle')} [{axis.unit('rad')}]"),
-        (demand, f"{axis.term('torque')} that the loop demands, without compensation [{axis.unit('N m')}]"),
-        *((q.name, f"{plain(q.meaning)} [{plain(q.unit)}], {a:g} to {b:g}") for q, (a, b) in ranges),
-    ]
+    taken = [x.quantity for x in budget.inputs]
+    angle, speed, torque = (spoken_quantity(axis, q).name for q in (v.theta_m, v.omega_m, v.torque))
+    reference = f"{speed.removesuffix('_m')}_ref"
+    demand = f"{torque}_demand" if torque in {q.name for q in taken} else torque
+    own = [(q, limits(q, axis)) for q in taken if q.name not in (angle, speed)]
+    arguments = {
+        angle: f"{axis.text('motor angle')}, of the reference or as measured [{axis.unit('rad')}]",
+        reference: f"{axis.text('motor velocity')} of the reference [{axis.unit('rad/s')}]",
+        speed: f"{axis.text('motor velocity')} as measured [{axis.unit('rad/s')}]",
+        "error": f"{axis.text('motor angle')} of the reference minus measured [{axis.unit('rad')}]",
+        demand: f"{axis.term('torque')} of the loop without compensation [{axis.unit('N m')}]",
+        **{q.name: f"{plain(q.meaning)} [{plain(q.unit)}], {a:g} to {b:g}" for q, (a, b) in own},
+    }
     steep = steepness(model)
-    letters = frozenset(q.name for q in shown.parameters) | frozenset(q.name for q in model.parameters)
-    letter = {q.name: axis.named(q.name) for q in model.parameters}
+    letters = {q.name: axis.named(q.name) for q in model.parameters}
+    settings = settings_of(axis, gain)
     return {
         "name": model.name,
         "guard": model.name.upper(),
         "digest": digest,
         "said": axis.text,
-        "settings": settings(axis, gain),
+        "settings": settings,
+        "values": [{"name": s.name} | _decimals(s.default) for s in settings],
         "gain": gain,
         "most": MOST_WITHOUT_REFERENCE,
-        "arguments": [{"name": name, "doc": doc} for name, doc in arguments],
-        "angle": angle,
+        "above": "1.000001",
+        "smallest": "1e-6",
+        "largest": "1e6",
+        "fastest": f"{limits(v.omega_m)[1]:.1f}",
+        "arguments": [{"name": x, "doc": doc, "typed": f"{x}: Any"} for x, doc in arguments.items()],
         "reference": reference,
         "speed": speed,
         "demand": demand,
-        "unused": [] if angle in {x.quantity.name for x in budget.inputs} else [angle],
-        "called": ", ".join("w" if x.quantity.name == speed else x.quantity.name for x in budget.inputs),
-        "extra": [q.name for q in own],
+        "unused": [] if angle in {q.name for q in taken} else [angle],
+        "called": ", ".join("w" if q.name == speed else q.name for q in taken),
         "signature": wrapped(
             "ECCENTRIC_REAL",
             f"{model.name}_compensation",
             [
-                *(f"ECCENTRIC_REAL {name}" for name, _ in arguments),
+                *(f"ECCENTRIC_REAL {x}" for x in arguments),
                 f"const {model.name}_compensation_settings *settings",
                 f"const {model.name}_coefficients *c",
             ],
         ),
         "steep": {
-            "c": _lines(steep, letters, letter, _C),
-            "python": _lines(steep, letters, letter, _PYTHON),
-            "by_angle": str(steep.by.get(angle, "0.0")),
-            "by_speed": str(steep.by.get(speed, "0.0")),
-            "by": [str(steep.by.get(q.name, "0.0")) for q in own],
-            "size": str(steep.size),
+            "c": [f"const double {x} = {spell(e, letters, _C)};" for x, e in steep.assignments],
+            "python": [f"{x} = {spell(e, letters, _PYTHON)}" for x, e in steep.assignments],
+            # The size of a level, then the slopes by angle, speed and what else there is.
+            "found": [
+                {"c": spell(x, letters, _C), "python": spell(x, letters, _PYTHON)}
+                for x in (
+                    steep.size,
+                    *(steep.by.get(x, ZERO) for x in (angle, speed, *(q.name for q, _ in own))),
+                )
+            ],
+            "own": [q.name for q, _ in own],
         },
+        "proved": [
+            {"name": angle, **_range(*limits(v.theta_m))},
+            *({"name": x, "low": "-LARGEST", "high": "LARGEST"} for x in (reference, speed, "error", demand)),
+            *({"name": q.name, **_range(*ends)} for q, ends in own),
+        ],
         "command": proof_command(f"{model.name}_compensation", source),
-        "ranges": [{"name": q.name, "low": a, "high": b} for q, (a, b) in ranges],
-        "decimal": _decimals,
     }
 
 
-def _lines(
-    steep: Steepness, letters: frozenset[str], letter: Mapping[str, str], language: _Spelled
-) -> list[str]:
-    renamed = {sp.Symbol(x): now for x, now in letter.items()}
-    del renamed
-    start, end = ("const double ", ";") if language is _C else ("", "")
-    return [f"{start}{name} = {spell(value, letters, language)}{end}" for name, value in steep.assignments]
+def _range(low: float, high: float) -> dict[str, str]:
+    return {"low": repr(float(low)), "high": repr(float(high))}
 
 
 def _decimals(x: float) -> dict[str, str]:
-    import mpmath
-
+    """A number as C writes it, in both precisions; one beyond them is the largest that there is."""
     with mpmath.workdps(30):
-        return {"single": decimal(mpmath.mpf(x), True), "double": decimal(mpmath.mpf(x), False)}
+        return {
+            key: decimal(mpmath.mpf(most if x > most else x), key == "single")
+            for key, most in _LARGEST.items()
+        }
 
 
 def render_compensation(
-    model: Model,
-    files: Mapping[str, str],
-    gain: Gain,
-    constants: Callable[[str], Any],
-    command: str = "eccentric emit --compensation",
+    model: Model, files: Mapping[str, str], gain: Gain, command: str = "eccentric emit --compensation"
 ) -> dict[str, str]:
-    """The files of the compensation, file name -> text."""
-    raise NotImplementedError
+    """The files of the compensation, file name -> text.
+
+    Args:
+        model: what was emitted, with its defaults.
+        files: the output of `render`, with the C and the NumPy module.
+        gain: that of the defaults.
+        command: that writes the files, for their banner.
+
+    Raises:
+        InputError: the friction of the model has an operation whose slope is not bounded.
+    """
+    digest = re.findall(r"_PROGRAM (0x\w+)", files[f"{model.name}.h"])[0]
+    seen = view(model, gain, digest, files[f"{model.name}.c"])
+    banner = (
+        f"Generated: do not edit. Written by `{plain(command)}`, beside {model.name}.c",
+        f"(eccentric {__version__}, program {digest[2:].removesuffix('UL')}).",
+        "Friction compensation.",
+    )
+    python = template("compensate/module.py").render(seen)
+    # The constants of the defaults are those that the module computes.
+    found = executed_beside(executed(files, model.name), model.name, python).lipschitz()
+    seen |= {
+        "constants": [f"{x:.4g} {model.axis.unit('N m')} per unit" for x in found.values()],
+        "lipschitz": [_decimals(x) for x in found.values()],
+    }
+    rendered = {
+        "header.h": (f"{model.name}_compensation.h", "c99"),
+        "source.c": (f"{model.name}_compensation.c", "c99"),
+        "module.py": (f"{model.name}_compensation.py", "numpy"),
+        "proof.c": (f"check/{model.name}_compensation_proof.c", ""),
+    }
+    return {
+        file: (BACKENDS[backend].banner(banner) if backend else "")
+        + template(f"compensate/{kind}").render(seen)
+        for kind, (file, backend) in rendered.items()
+    }
