@@ -61,11 +61,11 @@ def gain_of(model: Model, fit: Mapping[str, Any] | None = None) -> Gain:
     found = float(np.quantile(least, 1.0 - _CONFIDENCE))
     # To three decimals, downwards: further ones are of the draws.
     value = math.floor(1000.0 * min(max(found, 0.0), 1.0)) / 1000.0
-    return Gain(value, f"{value}: with 97.5 % the friction is nowhere below this share of the model's")
+    return Gain(value, f"{value}: with 97.5 % the friction is nowhere below this share of that of the model")
 
 
 def _states(model: Model, fit: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of the regressor by the direction of motion, over a turn and the range of the fit; coefficients."""
+    """Rows of the regressor by the direction of motion, over a turn and the speeds of the fit; values."""
     axis, module = model.axis, load_module(model)
     ranges = fit.get("ranges")
     given = ranges.get(axis.named("speed_m_rad_s")) if isinstance(ranges, Mapping) else None

@@ -1,10 +1,10 @@
 """How steep the friction of a model can be: bounds of its levels and slopes, from the expressions themselves.
 
-Every expression of friction is walked once, and of each part its largest size, its least value and its largest
-slope by each input are written down, from those of its own parts: the slope of a sum is at most the sum of the
-slopes, that of a product follows from the product rule, a root of two squares is as steep as both together,
-and so on. What comes out are formulas in the parameters and in the largest speed, and they are proved by how
-they were made; none is a sample. They may be larger than need be, and never smaller.
+Every expression of friction is walked once, and of each part its largest size, its least value and its
+largest slope by each input are written down, from those of its own parts: the slope of a sum is at most the
+sum of the slopes, that of a product follows from the product rule, a root of two squares is as steep as both
+together, and so on. What comes out are formulas in the parameters and in the largest speed, proved by how they
+were made; none is a sample. They may be larger than need be, and never smaller.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ def _product(first: Bound, second: Bound) -> Bound:
     return Bound(first.size * second.size, first.least * second.least if both else None, slopes)
 
 
-def _multiplied(e: sp.Expr, *parts: Bound) -> Bound:
+def _multiplied(_: sp.Expr, *parts: Bound) -> Bound:
     found = parts[0]
     for part in parts[1:]:
         found = _product(found, part)
@@ -162,12 +162,12 @@ def _extreme(e: sp.Expr, *parts: Bound) -> Bound:
     return Bound(sp.Max(*(p.size for p in parts)), least, _steepest(*parts))
 
 
-def _either(e: sp.Expr, by: Bound, *parts: Bound) -> Bound:
+def _either(_: sp.Expr, _by: Bound, *parts: Bound) -> Bound:
     """One by the direction of motion: continuous where it is multiplied by the velocity, or has one value."""
     return Bound(sp.Max(*(p.size for p in parts)), None, _steepest(*parts))
 
 
-def _size(e: sp.Expr, part: Bound) -> Bound:
+def _size(_: sp.Expr, part: Bound) -> Bound:
     return Bound(part.size, part.least or ZERO, part.slopes)
 
 
@@ -176,30 +176,30 @@ def _exponential(part: Bound, *, falling: bool) -> Bound:
     return Bound(size, ZERO, {x: size * k for x, k in part.slopes.items()})
 
 
-def _wave(e: sp.Expr, part: Bound, mu: Bound | None = None) -> Bound:
+def _wave(_: sp.Expr, part: Bound, mu: Bound | None = None) -> Bound:
     """A sine or cosine, of the angle or of half the link angle."""
     scale = ONE if mu is None else mu.size / 2
     return Bound(ONE, None, {x: scale * k for x, k in part.slopes.items()})
 
 
-def _magnitude(e: sp.Expr, p: Bound, q: Bound) -> Bound:
+def _magnitude(_: sp.Expr, p: Bound, q: Bound) -> Bound:
     slopes = {x: sp.sqrt(p.slopes.get(x, ZERO) ** 2 + q.slopes.get(x, ZERO) ** 2) for x in _inputs(p, q)}
     leasts = [one.least for one in (p, q) if one.least is not None]
     return Bound(sp.sqrt(p.size**2 + q.size**2), sp.Max(ZERO, *leasts), slopes)
 
 
-def _difference_of_squares(e: sp.Expr, v: Bound, w: Bound) -> Bound:
+def _difference_of_squares(_: sp.Expr, v: Bound, w: Bound) -> Bound:
     slopes = {
         x: 2 * v.size * v.slopes.get(x, ZERO) + 2 * w.size * w.slopes.get(x, ZERO) for x in _inputs(v, w)
     }
     return Bound(sp.Max(v.size**2, w.size**2), None, slopes)
 
 
-def _bounded(e: sp.Expr, x: Bound, most: Bound) -> Bound:
+def _bounded(_: sp.Expr, x: Bound, most: Bound) -> Bound:
     return Bound(sp.Min(x.size, most.size), x.least and ZERO, x.slopes)
 
 
-def _flat(e: sp.Expr, *parts: Bound) -> Bound:
+def _flat(_: sp.Expr, *_parts: Bound) -> Bound:
     """A step by a direction: 1, 0 or -1, with no slope on either side."""
     return Bound(ONE, None, {})
 

@@ -200,8 +200,8 @@ def settings_of(axis: AxisKind, gain: Gain) -> list[Setting]:
         Setting(
             "push_width",
             _PUSH[axis],
-            f"what the push is whole at, beyond one encoder_step: an error [{angle}], or a {axis.term('torque')}"
-            f" [{axis.unit('N m')}]",
+            f"what the push is whole at: an error beyond one encoder_step [{angle}], or a"
+            f" {axis.term('torque')} [{axis.unit('N m')}]",
         ),
     ]
 
@@ -273,6 +273,11 @@ def view(model: Model, gain: Gain, digest: str, source: str) -> dict[str, Any]:
             ],
             "own": [q.name for q, _ in own],
         },
+        "derived": [
+            {"name": letters[q.name], "value": spell(q.default, letters, _PYTHON)}
+            for q in model.parameters
+            if q.default is not None and q.default.free_symbols
+        ],
         "proved": [
             {"name": angle, **_range(*limits(v.theta_m))},
             *({"name": x, "low": "-LARGEST", "high": "LARGEST"} for x in (reference, speed, "error", demand)),
@@ -289,10 +294,7 @@ def _range(low: float, high: float) -> dict[str, str]:
 def _decimals(x: float) -> dict[str, str]:
     """A number as C writes it, in both precisions; one beyond them is the largest that there is."""
     with mpmath.workdps(30):
-        return {
-            key: decimal(mpmath.mpf(most if x > most else x), key == "single")
-            for key, most in _LARGEST.items()
-        }
+        return {key: decimal(mpmath.mpf(min(x, most)), key == "single") for key, most in _LARGEST.items()}
 
 
 def render_compensation(
