@@ -3,8 +3,8 @@
 Every expression of friction is walked once, and of each part its largest size, its least value and its
 largest slope by each input are written down, from those of its own parts: the slope of a sum is at most the
 sum of the slopes, that of a product follows from the product rule, a root of two squares is as steep as both
-together, and so on. What comes out are formulas in the parameters and in the largest speed, proved by how they
-were made; none is a sample. They may be larger than need be, and never smaller.
+together, and so on. What comes out are formulas in the parameters and in the largest speed, proved by how
+they were made; none is a sample. They may be larger than need be, and never smaller.
 """
 
 from __future__ import annotations
