@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program ef722e1e).
+ * (eccentric 0.1.0, program e9eb3397).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0xef722e1eUL
+#if ROTATING_LINK_PROGRAM != 0xe9eb3397UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program ef9b6802).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 4da6fca3).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 30a62c3a).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 96934f31).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 9770cc1c).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 39d11c3e).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 0c9f759e).
+ * Generated: do not edit. Written beside c2_parallel.c (program 6fab289a).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program ef722e1e).
+ * Generated: do not edit. Written beside rotating_link.c (program e9eb3397).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u
