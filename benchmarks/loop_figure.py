@@ -61,7 +61,7 @@ def main() -> None:
         above.set_ylabel("torque at rest [mN m]")
         below.set_ylabel("error of a sine\nof 3 rad/s [mrad]")
         below.set_xlabel("time [s]")
-        above.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False)
+        figure.legend(loc="outside upper left", ncols=3, frameon=False)
         for ax in (above, below):
             ax.spines[["top", "right"]].set_visible(False)
         figure.savefig(ROOT / "docs" / "in_the_loop.svg", metadata={"Date": None})

@@ -23,6 +23,7 @@ import eccentric
 from benchmarks.record import Measured, Part, progress
 from eccentric.emission.compensate import sure_share
 
+MANUAL = Path(__file__).resolve().parent.parent / "docs" / "in-the-loop.md"
 TICK, STEPS = 1e-3, 20
 TASKS = ("hold", "sine", "creep", "point to point")
 HOLD, SINE, CREEP, POINT = range(4)
@@ -378,7 +379,18 @@ def measured(quick: bool) -> Part:
             "emitted, from the measured velocity": emitted(d, folder, MEASURED, BY_DEMAND),
         }
         let_go = torque_mode(d, free, 4.0 if quick else 10.0)
-    return Part(_figures(d, rows, others, let_go), _details(d, rows, others, free, let_go))
+    details = _details(d, rows, others, free, let_go)
+    if not quick:
+        write_manual(details)
+    return Part(_figures(d, rows, others, let_go), details)
+
+
+def write_manual(details: Sequence[str]) -> None:
+    """Put the tables into the manual."""
+    text = MANUAL.read_text(encoding="utf-8")
+    begin, end = (f"<!-- loops: {x} -->" for x in ("begin", "end"))
+    before, after = text.split(begin)[0], text.split(end)[1]
+    MANUAL.write_text("\n".join([before + begin, *details, end + after]), encoding="utf-8")
 
 
 def _best(d: Drives, rows: Sequence[Row], task: int) -> tuple[str, float]:
