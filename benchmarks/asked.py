@@ -72,6 +72,17 @@ CODE: dict[str, Asked] = {
     "learned": Asked("learned in the field, 1e7 samples: error over that of a batch fit", "at most", 2),
     "false alarms of friction": Asked("the same: false alarms", "at most", 1),
     "broken": Asked("the same: numbers that are not finite", "at most", 0),
+    "loop cycles": Asked("in a loop, 200 drives: limit cycles where there is as much friction", "at most", 0),
+    "loop chatter": Asked(
+        "the same: chatter at rest above that of the feedback, worst, over Coulomb", "at most", 1, "%"
+    ),
+    "loop steps": Asked("the same: on the worst task, median", "at most", 1, "%"),
+    "loop tracking": Asked("the same: tracking error over the best peer's, worst task", "at most", 1.15),
+    "loop sine": Asked("the same: tracking error over that without compensation, sine", "at most", 0.5),
+    "loop point": Asked("the same: point to point", "at most", 0.5),
+    "loop torque mode": Asked(
+        "torque mode, friction 10 % over-estimated: drives that run away", "at most", 0
+    ),
     "flags": Asked("combinations of compiler, processor and flags beyond the bounds", "at most", 0),
     "bits": Asked("self-tests of 200,000 inputs with other bits", "at most", 0),
     "alarms": Asked("alarms of Frama-C's Eva", "at most", 0),

@@ -1,9 +1,9 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program a5816350).
+ * (eccentric 0.1.0, program 8bc6b706).
  * Case C1 with friction that differs between the directions of motion.
  */
-/* Begin with c1_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
+/* Begin with c1_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * c1_asymmetric_normal_force; `c` is &c1_asymmetric_default, or the output of c1_asymmetric_prepare for your own parameters.
  * c1_asymmetric_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: its coefficients are
  * then meaningless, and no function checks them. Coefficients that it has not filled, all 0 in a static variable, give 0. */
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0xa5816350UL
+#define C1_ASYMMETRIC_PROGRAM 0x8bc6b706UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_asymmetric_mechanical_friction_torque_double. */

@@ -1,9 +1,9 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program c201c71a).
+ * (eccentric 0.1.0, program b2b53e95).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
-/* Begin with c1_perpendicular_mechanical_friction_torque, the friction that a drive must compensate, or
+/* Begin with c1_perpendicular_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * c1_perpendicular_normal_force; `c` is &c1_perpendicular_default, or the output of c1_perpendicular_prepare for your own parameters.
  * c1_perpendicular_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: its coefficients are
  * then meaningless, and no function checks them. Coefficients that it has not filled, all 0 in a static variable, give 0. */
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0xc201c71aUL
+#define C1_PERPENDICULAR_PROGRAM 0xb2b53e95UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_perpendicular_mechanical_friction_torque_double. */

@@ -1,9 +1,9 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program fa5791ca).
+ * (eccentric 0.1.0, program 9c6c66e8).
  * Case C2 with friction that differs between the directions of motion.
  */
-/* Begin with c2_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
+/* Begin with c2_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * c2_asymmetric_normal_force; `c` is &c2_asymmetric_default, or the output of c2_asymmetric_prepare for your own parameters.
  * c2_asymmetric_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: its coefficients are
  * then meaningless, and no function checks them. Coefficients that it has not filled, all 0 in a static variable, give 0. */
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0xfa5791caUL
+#define C2_ASYMMETRIC_PROGRAM 0x9c6c66e8UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_asymmetric_mechanical_friction_torque_double. */

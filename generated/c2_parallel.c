@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program b7fd4413).
+ * (eccentric 0.1.0, program 120c60c2).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0xb7fd4413UL
+#if C2_PARALLEL_PROGRAM != 0x120c60c2UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 

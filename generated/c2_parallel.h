@@ -1,9 +1,9 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program b7fd4413).
+ * (eccentric 0.1.0, program 120c60c2).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
-/* Begin with c2_parallel_mechanical_friction_torque, the friction that a drive must compensate, or
+/* Begin with c2_parallel_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * c2_parallel_normal_force; `c` is &c2_parallel_default, or the output of c2_parallel_prepare for your own parameters.
  * c2_parallel_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: its coefficients are
  * then meaningless, and no function checks them. Coefficients that it has not filled, all 0 in a static variable, give 0. */
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0xb7fd4413UL
+#define C2_PARALLEL_PROGRAM 0x120c60c2UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_parallel_mechanical_friction_torque_double. */

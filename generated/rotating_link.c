@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program e263ca9e).
+ * (eccentric 0.1.0, program df36c064).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0xe263ca9eUL
+#if ROTATING_LINK_PROGRAM != 0xdf36c064UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 

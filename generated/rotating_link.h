@@ -1,9 +1,9 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program e263ca9e).
+ * (eccentric 0.1.0, program df36c064).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
-/* Begin with rotating_link_mechanical_friction_torque, the friction that a drive must compensate, or
+/* Begin with rotating_link_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * rotating_link_normal_force; `c` is &rotating_link_default, or the output of rotating_link_prepare for your own parameters.
  * rotating_link_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: its coefficients are
  * then meaningless, and no function checks them. Coefficients that it has not filled, all 0 in a static variable, give 0. */
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0xe263ca9eUL
+#define ROTATING_LINK_PROGRAM 0xdf36c064UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in rotating_link_mechanical_friction_torque_double. */

@@ -38,6 +38,7 @@ def emit(
     fixed: bool = False,
     accept_misfit: bool = False,
     adapt: bool = False,
+    compensation: bool = False,
     forgetting: float | None = None,
     false_alarms: float | None = None,
     settle: int | None = None,
@@ -60,6 +61,8 @@ def emit(
         accept_misfit: emit parameters of a fit although its log does not fit the rig.
         adapt: add an estimator of the friction coefficients, NAME_adapt.h, .c and .py; its prior is that of
             the fit, where the parameters are one.
+        compensation: add a compensation of the friction for a loop, NAME_compensation.h, .c and .py; its gain
+            follows from the fit, where the parameters are one.
         forgetting, false_alarms, settle: of this estimator: forgetting per row, the mean number of samples
             between two false alarms, and the samples left out after a reversal; by default 0.999, 1e7, 20.
 
@@ -81,15 +84,16 @@ def emit(
     if isinstance(model, str | os.PathLike):
         refuse_other_files(model)
     loaded = arm_of(model, fitted) if is_arm(model) else model_of(model)
-    if asked is not None and joints_of(loaded):
-        raise InputError("adapt", "a model of one joint", "an arm")
+    beside = [key for key, wanted in (("adapt", asked is not None), ("compensation", compensation)) if wanted]
+    if beside and joints_of(loaded):
+        raise InputError(beside[0], "a model of one joint", "an arm")
     name = checked_name(
         *((loaded.name, f"model {loaded.name}: its name") if prefix is None else (prefix, "prefix"))
     )
     chosen = replace(loaded, name=name) if fitted is None else with_fitted(loaded, fitted, name)
-    if asked is not None and choice != WHOLE:
+    if beside and choice != WHOLE:
         raise InputError(
-            "adapt",
+            beside[0],
             problem="the whole model is required with it, without a choice of functions, arrays or fixed",
         )
     return write_emitted(
@@ -100,6 +104,7 @@ def emit(
         single_file=single_file,
         choice=choice,
         adapt=asked,
+        compensation=compensation,
         fit=given,
     )
 

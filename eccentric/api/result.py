@@ -26,9 +26,11 @@ from eccentric.emission import (
     Choice,
     checked_name,
     complete,
+    gain_of,
     load_module,
     prior_of,
     render_adapt,
+    render_compensation,
     write,
 )
 from eccentric.identification import Estimate, correlation
@@ -53,6 +55,7 @@ def write_emitted(
     single_file: bool = False,
     choice: Choice = WHOLE,
     adapt: Adaptation | None = None,
+    compensation: bool = False,
     fit: Mapping[str, Any] | None = None,
 ) -> list[Path]:
     """Write the files of a model for its targets, and those that check the C, into a folder of their own.
@@ -60,15 +63,20 @@ def write_emitted(
     Files that the same model wrote there before are replaced, all others stay. `origin` is the source of the
     physics, for the banner; `backend` is a target or several, NumPy and C99 by default. With `single_file`
     the NumPy module contains its runtime; `choice` is what of the model is emitted. With `adapt` an
-    estimator of the friction is added, whose prior is that of the fit with this content. Returns the paths.
+    estimator of the friction is added, whose prior is that of the fit with this content; with `compensation`
+    its compensation in a loop, whose gain follows from the fit. Returns the paths.
     Raises InputError if there is no such target, or the folder cannot be written.
     """
     names = _backends(backend)
     files = complete(model, "eccentric emit", origin, names, single_file=single_file, choice=choice)
+    own = dict(files)
+    for key, wanted in (("adapt", adapt is not None), ("compensation", compensation)):
+        if wanted and (missing := [name for name in DEFAULT if name not in names]):
+            raise InputError(key, problem=f"backend {' and '.join(missing)} is required as well")
     if adapt is not None:
-        if missing := [name for name in DEFAULT if name not in names]:
-            raise InputError("adapt", problem=f"backend {' and '.join(missing)} is required as well")
-        files |= render_adapt(model, files, prior_of(model, fit), adapt)
+        files |= render_adapt(model, own, prior_of(model, fit), adapt)
+    if compensation:
+        files |= render_compensation(model, own, gain_of(model, fit))
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
     return [Path(out) / name for name in files]

@@ -15,7 +15,8 @@ eccentric emit examples/arms/planar_2r.toml --out build/arm
 eccentric emit c2_parallel --backend numpy --single-file --out build/python
 eccentric emit c2_parallel --functions mechanical_friction_torque --fixed --out build/small
 eccentric emit c2_parallel --parameters build/fit/fit.json --prefix arm --out build/firmware
-eccentric emit c2_parallel --parameters build/fit/fit.json --adapt --out build/firmware"""
+eccentric emit c2_parallel --parameters build/fit/fit.json --adapt --out build/firmware
+eccentric emit c2_parallel --parameters build/fit/fit.json --compensation --out build/firmware"""
 
 _OPTIONS = {
     "prefix": "--prefix",
@@ -23,6 +24,7 @@ _OPTIONS = {
     "functions": "--functions",
     "accept_misfit": "--accept-misfit",
     "adapt": "--adapt",
+    "compensation": "--compensation",
     "forgetting": "--forgetting",
     "false_alarms": "--false-alarms",
     "settle": "--settle",
@@ -84,6 +86,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--adapt", action="store_true", help="add an estimator that follows the friction in the field"
     )
     parser.add_argument(
+        "--compensation",
+        action="store_true",
+        help="add a friction compensation for a loop, which cannot chatter",
+    )
+    parser.add_argument(
         "--forgetting", type=float, metavar="L", help="with --adapt: forgetting per row; default: 0.999"
     )
     parser.add_argument(
@@ -112,6 +119,7 @@ def run(arguments: argparse.Namespace) -> int:
             fixed=arguments.fixed,
             accept_misfit=arguments.accept_misfit,
             adapt=arguments.adapt,
+            compensation=arguments.compensation,
             forgetting=arguments.forgetting,
             false_alarms=arguments.false_alarms,
             settle=arguments.settle,
@@ -120,4 +128,6 @@ def run(arguments: argparse.Namespace) -> int:
     print(f"{arguments.out}: {names}")
     if arguments.adapt and arguments.parameters is None:
         print("the estimator starts from 30 % of each coefficient; a fit's own errors: --parameters FIT.json")
+    if arguments.compensation and arguments.parameters is None:
+        print("the gain of the compensation is 0.9; one from a fit's own errors: --parameters FIT.json")
     return 0

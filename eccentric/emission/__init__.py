@@ -4,6 +4,7 @@
     backends   Program -> text: a folder for each target
     check      emitted C -> a self-test and a driver for its proof
     adapt      Model, fit -> an estimator of the friction coefficients beside the C
+    compensate Model, fit -> a compensation of friction for a loop, beside the C
     defaults   names and fitted values of the parameters;  templates  the environment of Jinja
     render     the emitted files of a model, name -> text; `write` writes them, `hot` loads the module
 
@@ -14,6 +15,7 @@ In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model` an
 from eccentric.emission.adapt import Adaptation, prior_of, render_adapt
 from eccentric.emission.backends import BACKENDS, DEFAULT
 from eccentric.emission.check import joints_of, render_check
+from eccentric.emission.compensate import gain_of, render_compensation
 from eccentric.emission.defaults import FittedValues, checked_name, document_of, read_parameters, with_fitted
 from eccentric.emission.hot import executed, executed_beside, load_module
 from eccentric.emission.program import (

@@ -8,8 +8,9 @@
 
 /** State of the simulated drive; zero is at rest, the mass at the bottom. */
 typedef struct {
-    float theta_m; /**< motor angle [rad] */
-    float omega_m; /**< motor velocity [rad/s] */
+    float theta_m;  /**< motor angle [rad] */
+    float omega_m;  /**< motor velocity [rad/s] */
+    uint32_t noise; /**< state of the encoder's noise */
 } drive;
 
 /** Run the drive for one millisecond.
@@ -18,7 +19,7 @@ typedef struct {
  */
 void drive_run(drive *state, float current);
 
-/** What the encoder shows of the motor angle, in counts. */
-int32_t drive_encoder(const drive *state);
+/** What the encoder shows of the motor angle, in counts, with noise of up to half a count. */
+int32_t drive_encoder(drive *state);
 
 #endif

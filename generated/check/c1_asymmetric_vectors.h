@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program a5816350).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 8bc6b706).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

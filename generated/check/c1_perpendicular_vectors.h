@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program c201c71a).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program b2b53e95).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program b7fd4413).
+ * Generated: do not edit. Written beside c2_parallel.c (program 120c60c2).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program e263ca9e).
+ * Generated: do not edit. Written beside rotating_link.c (program df36c064).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

@@ -101,7 +101,7 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
                 " is required, since nothing else tells its size: fit the model first"
             )
         size[j] = abs(values[j])
-    covariance = np.diag((CHANGE * size) ** 2) + _of_fit(columns, fit)
+    covariance = np.diag((CHANGE * size) ** 2) + covariance_of_fit(columns, fit)
     deviations = np.sqrt(np.diag(covariance))
     lows = [-math.inf if c.bounds[0] is None else c.bounds[0] for c in columns]
     highs = [math.inf if c.bounds[1] is None else c.bounds[1] for c in columns]
@@ -192,7 +192,7 @@ def inputs_of(function: Any) -> list[str]:
     return [name for name in inspect.signature(function).parameters if name not in {"parameters", "out"}]
 
 
-def _of_fit(columns: tuple[Column, ...], fit: Mapping[str, Any]) -> np.ndarray:
+def covariance_of_fit(columns: tuple[Column, ...], fit: Mapping[str, Any]) -> np.ndarray:
     """The covariance of a fit (n, n), 0 where it has none: a coefficient at a bound has no standard error."""
     found = fit.get("coefficients")
     found = found if isinstance(found, Mapping) else {}

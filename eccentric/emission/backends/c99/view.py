@@ -49,7 +49,7 @@ _HELPERS = {
 }
 _NEEDS = {"sgn": (Sgn,), "forward": (Forward, Backward), "within": (Within,)}
 _FIRST = {
-    "mechanical_friction_torque": ("the friction that a drive must compensate", ","),
+    "mechanical_friction_torque": ("the friction to compensate, at the reference velocity", ","),
     "friction_torque": ("which contains the back-EMF, as the voltage did not separate the two", ";"),
     "voltage": ("the only one in its unit, as the log had no scale for a torque", ";"),
     "current": ("the only one in its unit, as the log had no scale for a torque", ";"),

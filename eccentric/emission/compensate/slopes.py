@@ -1,0 +1,219 @@
+"""How steep the friction of a model can be: bounds of its levels and slopes, from the expressions themselves.
+
+Every expression of friction is walked once, and of each part its largest size, its least value and its
+largest slope by each input are written down, from those of its own parts: the slope of a sum is at most the
+sum of the slopes, that of a product follows from the product rule, a root of two squares is as steep as both
+together, and so on. What comes out are formulas in the parameters and in the largest speed, proved by how
+they were made; none is a sample. They may be larger than need be, and never smaller.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+
+from eccentric.core import InputError
+from eccentric.model import steps as s
+
+Slopes = Mapping[sp.Symbol, sp.Expr]
+ZERO, ONE = sp.Integer(0), sp.Integer(1)
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Of an expression, for all inputs within their ranges.
+
+    Attributes:
+        size: at least its magnitude.
+        least: at most its value; 0 where nothing better is known of a value that is never negative, and None
+            of one that may be.
+        slopes: at least the magnitude of its slope by each input that it depends on.
+    """
+
+    size: sp.Expr
+    least: sp.Expr | None
+    slopes: Slopes
+
+
+class Walk:
+    """Bounds of expressions by the rules below; the names of definitions stand for their bounds.
+
+    Args:
+        inputs: each with the bound of its size; the slope of an input by itself is 1.
+        nonnegative: inputs that are never negative.
+    """
+
+    def __init__(self, inputs: Mapping[sp.Symbol, sp.Expr], nonnegative: frozenset[sp.Symbol]) -> None:
+        self._known = {
+            x: Bound(size, ZERO if x in nonnegative else None, {x: ONE}) for x, size in inputs.items()
+        }
+        self._prepared: set[sp.Symbol] = set()
+
+    def define(self, symbol: sp.Symbol, bound: Bound) -> None:
+        """From now on, what the bound of this symbol is."""
+        self._known[symbol] = bound
+
+    def prepare(self, symbol: sp.Symbol, value: sp.Expr) -> None:
+        """From now on, a symbol is a number that follows from the parameters, by this formula."""
+        try:
+            sure = self(value).least is not None
+        except InputError:  # its sign is not known then
+            sure = False
+        if sure:
+            self._prepared.add(symbol)
+
+    def __call__(self, e: sp.Expr) -> Bound:
+        """The bound of an expression.
+
+        Raises:
+            InputError: it contains an operation without a rule.
+        """
+        if e in self._known:
+            return self._known[e]
+        if e.is_Number or e.is_Symbol:  # a parameter
+            return (
+                Bound(e, e, {})
+                if e in self._prepared
+                else Bound(sp.Abs(e), e if e.is_nonnegative else None, {})
+            )
+        if e.is_Pow and e.exp.is_negative and e.base.is_Symbol and e.base not in self._known:
+            return Bound(
+                sp.Abs(e), e if e.base.is_nonnegative or e.base in self._prepared else None, {}
+            )  # of a parameter, not 0
+        if isinstance(e, sp.exp):
+            return _exponential(self(e.args[0]), falling=self(-e.args[0]).least is not None)
+        if isinstance(e, sp.Piecewise):  # by parameters alone
+            return self._cases(e)
+        for kinds, rule in _RULES:
+            if isinstance(e, kinds):
+                return rule(e, *map(self, e.args))
+        raise InputError("compensation", "an operation whose slope is bounded", str(e.func))
+
+    def _cases(self, e: sp.Piecewise) -> Bound:
+        values = [(self(value), condition) for value, condition in e.args]
+
+        def of(pick: object) -> sp.Expr:
+            return sp.Piecewise(*((pick(one), condition) for one, condition in values))  # type: ignore[operator]
+
+        known = all(one.least is not None for one, _ in values)
+        slopes = {
+            x: of(lambda one, x=x: one.slopes.get(x, ZERO)) for x in _inputs(*(one for one, _ in values))
+        }
+        return Bound(of(lambda one: one.size), of(lambda one: one.least) if known else None, slopes)
+
+
+def _inputs(*parts: Bound) -> list[sp.Symbol]:
+    return list(dict.fromkeys(x for part in parts for x in part.slopes))
+
+
+def _added(e: sp.Expr, *parts: Bound) -> Bound:
+    slopes = {x: sp.Add(*(p.slopes.get(x, ZERO) for p in parts)) for x in _inputs(*parts)}
+    leasts = [x if x.is_Number else p.least for x, p in zip(e.args, parts, strict=True)]
+    least = None if None in leasts else sp.Add(*leasts)
+    return Bound(
+        sp.Add(*(p.size for p in parts)), None if least is None or not least.is_nonnegative else least, slopes
+    )
+
+
+def _product(first: Bound, second: Bound) -> Bound:
+    slopes = {
+        x: first.slopes.get(x, ZERO) * second.size + first.size * second.slopes.get(x, ZERO)
+        for x in _inputs(first, second)
+    }
+    both = first.least is not None and second.least is not None
+    return Bound(first.size * second.size, first.least * second.least if both else None, slopes)
+
+
+def _multiplied(_: sp.Expr, *parts: Bound) -> Bound:
+    found = parts[0]
+    for part in parts[1:]:
+        found = _product(found, part)
+    return found
+
+
+def _power(e: sp.Expr, base: Bound, exponent: Bound) -> Bound:
+    n = e.args[1]
+    if n.is_Integer and n > 0:
+        found = _multiplied(e, *[base] * int(n))
+        return Bound(found.size, ZERO if found.least is None and n % 2 == 0 else found.least, found.slopes)
+    if n.is_negative and base.least is not None:
+        # 1 over a number that is at least this one; a power of it as a product.
+        inverse = Bound(
+            ONE / base.least, ONE / base.size, {x: k / base.least**2 for x, k in base.slopes.items()}
+        )
+        return inverse if n == -1 else _power(sp.Pow(sp.Dummy(), -n), inverse, exponent)
+    if n == sp.Rational(1, 2) and (base.least is not None or not base.slopes):
+        slopes = {x: k / (2 * sp.sqrt(base.least)) for x, k in base.slopes.items() if base.least is not None}
+        return Bound(sp.sqrt(base.size), None if base.least is None else sp.sqrt(base.least), slopes)
+    raise InputError("compensation", "an operation whose slope is bounded", str(e))
+
+
+def _steepest(*parts: Bound) -> Slopes:
+    return {x: sp.Max(*(p.slopes.get(x, ZERO) for p in parts)) for x in _inputs(*parts)}
+
+
+def _extreme(e: sp.Expr, *parts: Bound) -> Bound:
+    """The largest or the smallest: as steep as the steepest of them."""
+    leasts = [p.least for p in parts if p.least is not None]
+    known = leasts if isinstance(e, sp.Max) or len(leasts) == len(parts) else []
+    least = None if not known else (sp.Max if isinstance(e, sp.Max) else sp.Min)(*known)
+    return Bound(sp.Max(*(p.size for p in parts)), least, _steepest(*parts))
+
+
+def _either(_: sp.Expr, _by: Bound, *parts: Bound) -> Bound:
+    """One by the direction of motion: continuous where it is multiplied by the velocity, or has one value."""
+    return Bound(sp.Max(*(p.size for p in parts)), None, _steepest(*parts))
+
+
+def _size(_: sp.Expr, part: Bound) -> Bound:
+    return Bound(part.size, part.least or ZERO, part.slopes)
+
+
+def _exponential(part: Bound, *, falling: bool) -> Bound:
+    size = ONE if falling else sp.exp(part.size)
+    return Bound(size, ZERO, {x: size * k for x, k in part.slopes.items()})
+
+
+def _wave(_: sp.Expr, part: Bound, mu: Bound | None = None) -> Bound:
+    """A sine or cosine, of the angle or of half the link angle."""
+    scale = ONE if mu is None else mu.size / 2
+    return Bound(ONE, None, {x: scale * k for x, k in part.slopes.items()})
+
+
+def _magnitude(_: sp.Expr, p: Bound, q: Bound) -> Bound:
+    slopes = {x: sp.sqrt(p.slopes.get(x, ZERO) ** 2 + q.slopes.get(x, ZERO) ** 2) for x in _inputs(p, q)}
+    leasts = [one.least for one in (p, q) if one.least is not None]
+    return Bound(sp.sqrt(p.size**2 + q.size**2), sp.Max(ZERO, *leasts), slopes)
+
+
+def _difference_of_squares(_: sp.Expr, v: Bound, w: Bound) -> Bound:
+    slopes = {
+        x: 2 * v.size * v.slopes.get(x, ZERO) + 2 * w.size * w.slopes.get(x, ZERO) for x in _inputs(v, w)
+    }
+    return Bound(sp.Max(v.size**2, w.size**2), None, slopes)
+
+
+def _bounded(_: sp.Expr, x: Bound, most: Bound) -> Bound:
+    return Bound(sp.Min(x.size, most.size), x.least and ZERO, x.slopes)
+
+
+def _flat(_: sp.Expr, *_parts: Bound) -> Bound:
+    """A step by a direction: 1, 0 or -1, with no slope on either side."""
+    return Bound(ONE, None, {})
+
+
+_RULES = (
+    (sp.Add, _added),
+    ((sp.Mul, s.Gated), _multiplied),
+    (sp.Pow, _power),
+    ((sp.Max, sp.Min), _extreme),
+    (sp.Abs, _size),
+    ((sp.sin, sp.cos, s.HalfCosine, s.HalfSine), _wave),
+    (s.Magnitude, _magnitude),
+    (s.SquareDifference, _difference_of_squares),
+    (s.Bounded, _bounded),
+    (s.ByDirection, _either),
+    ((s.Sgn, s.Forward, s.Backward), _flat),
+)

@@ -1,0 +1,338 @@
+"""What the templates of the compensation see, and the files that they give."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import mpmath
+import sympy as sp
+
+from eccentric.core import InputError
+from eccentric.emission.backends import BACKENDS, decimal, with_plain_text, wrapped
+from eccentric.emission.check import limits, proof_command
+from eccentric.emission.compensate.gain import MOST_WITHOUT_REFERENCE, Gain
+from eccentric.emission.compensate.slopes import ZERO, Bound, Walk
+from eccentric.emission.hot import executed, executed_beside
+from eccentric.emission.program import build_program
+from eccentric.emission.templates import plain, template
+from eccentric.model import LINEAR, TURNING, AxisKind, Model, spoken_quantity
+from eccentric.model import vocabulary as v
+from eccentric.model.rest import levels
+from eccentric.model.steps import OpaqueStep
+from eccentric.version import __version__
+
+# Assignments in the language of C and of Python, of formulas in the parameters.
+
+
+@dataclass(frozen=True)
+class _Spelled:
+    """How a language writes what differs."""
+
+    parameter: str
+    choice: str
+    also: str
+    root: str
+    exponential: str
+    size: str
+
+
+_C = _Spelled("p->{}", "(({0}) ? ({1}) : ({2}))", "&&", "sqrt", "exp", "fabs")
+_PYTHON = _Spelled("p.{}", "(({1}) if ({0}) else ({2}))", "and", "math.sqrt", "_exp", "abs")
+
+
+def spell(e: sp.Expr, letters: Mapping[str, str], language: _Spelled) -> str:
+    """The expression, operation by operation in the same order in both languages."""
+
+    def of(x: Any) -> str:
+        if x.is_Symbol:
+            return language.parameter.format(letters[x.name]) if x.name in letters else x.name
+        if x.is_Number:
+            return repr(float(x))
+        if x.is_Add:
+            return "(" + " + ".join(map(of, x.args)) + ")"
+        if x.is_Mul:
+            over = [f for f in x.args if f.is_Pow and f.exp.is_negative]
+            top = " * ".join(of(f) for f in x.args if f not in over) or "1.0"
+            return f"({top}{''.join(f' / {of(1 / f)}' for f in over)})"
+        if x.is_Pow and x.exp.is_Integer:
+            product = "(" + " * ".join([of(x.base)] * abs(int(x.exp))) + ")"
+            return product if x.exp > 0 else f"(1.0 / {product})"
+        if x.is_Pow and abs(x.exp) == sp.Rational(1, 2):
+            root = f"{language.root}({of(x.base)})"
+            return root if x.exp > 0 else f"(1.0 / {root})"
+        if isinstance(x, sp.exp):
+            return f"{language.exponential}({of(x.args[0])})"
+        if isinstance(x, sp.Abs):
+            return f"{language.size}({of(x.args[0])})"
+        if isinstance(x, sp.Max | sp.Min):
+            relation, (first, *rest) = (">" if isinstance(x, sp.Max) else "<"), map(of, x.args)
+            for other in rest:
+                first = language.choice.format(f"{first} {relation} {other}", first, other)
+            return first
+        if isinstance(x, sp.Piecewise):
+            *cases, (last, _) = x.args
+            text = of(last)
+            for value, condition in reversed(cases):
+                text = language.choice.format(f"{of(condition.lhs)} == {of(condition.rhs)}", of(value), text)
+            return text
+        raise InputError("compensation", "a formula of the parameters", str(x))
+
+    return of(e)
+
+
+# How steep the compensation is: bounds of the budget, one assignment after the other.
+
+
+@dataclass(frozen=True)
+class Steepness:
+    """Assignments name = formula, and the names of what the constants follow from.
+
+    Attributes:
+        assignments: in the order of their computation; of the parameters and of the largest speed, `speed`.
+        size: the largest level of dry friction up to this speed.
+        by: input -> the largest slope of the friction in one direction of motion.
+    """
+
+    assignments: tuple[tuple[str, sp.Expr], ...]
+    size: sp.Expr
+    by: Mapping[str, sp.Expr]
+
+
+_FASTEST_MOTION = sp.Symbol("speed_at_most", nonnegative=True)
+
+
+def steepness(model: Model) -> Steepness:
+    """Of the friction of a model in the letters of its axis, from its own levels."""
+    omega_m = v.omega_m.symbol
+    friction = tuple(t for t in model.balance("mechanical").terms if t.kind == "friction")
+    found = levels(model, omega_m, friction)
+    inputs = {q.symbol: q for q in (*model.inputs, *(state.quantity for state in model.states))}
+    sizes = {x: sp.Float(max(map(abs, limits(q, model.axis)))) for x, q in inputs.items()}
+    never = frozenset(x for x, q in inputs.items() if limits(q, model.axis)[0] >= 0.0)
+    walk = Walk(sizes | {omega_m: _FASTEST_MOTION}, never)
+    listed: dict[sp.Expr, sp.Symbol] = {}
+
+    def named(name: str, value: sp.Expr) -> sp.Expr:
+        return value if value.is_Atom else listed.setdefault(value, sp.Symbol(name, nonnegative=True))
+
+    def kept(name: str, bound: Bound) -> Bound:
+        size = named(f"{name}_size", bound.size)
+        least = None if bound.least is None else named(f"{name}_least", bound.least)
+        return Bound(size, least, {x: named(f"{name}_by_{x.name}", k) for x, k in bound.slopes.items()})
+
+    definitions = [(d.symbol, d.value) for d in model.definitions]
+    definitions += [(a.target, a.value) for a in found.definitions]
+    sides = (found.forward, found.backward)
+    needed = {x for side in sides for e in (side.dry, side.viscous) for x in e.free_symbols}
+    for symbol, value in reversed(definitions):
+        if symbol in needed:
+            needed |= value.free_symbols
+    varying = set(sizes)
+    for symbol, value in definitions:
+        if symbol not in needed:
+            continue
+        if value.free_symbols & varying or value.has(sp.sin, sp.cos, OpaqueStep):
+            varying.add(symbol)
+            walk.define(symbol, kept(symbol.name, walk(value)))
+        else:  # a number, once the parameters are known
+            walk.prepare(symbol, value)
+            listed[value] = symbol
+    dry = [kept(f"dry_{k}", walk(side.dry)) for k, side in enumerate(sides)]
+    wet = [kept(f"viscous_{k}", walk(side.viscous * omega_m)) for k, side in enumerate(sides)]
+    slopes = {
+        x: named(
+            f"friction_by_{x.name}",
+            sp.Max(*(d.slopes.get(x, ZERO) + b.slopes.get(x, ZERO) for d, b in zip(dry, wet, strict=True))),
+        )
+        for x in inputs
+        if any(x in one.slopes for one in (*dry, *wet))
+    }
+    size = named("level_size", sp.Max(*(d.size for d in dry)))
+    by = {spoken_quantity(model.axis, inputs[x]).name: k for x, k in slopes.items()}
+    # Only what the constants follow from.
+    live = set().union(size.free_symbols, *(k.free_symbols for k in by.values()))
+    used = []
+    for value, symbol in reversed(listed.items()):
+        if symbol in live:
+            used.append((symbol.name, value))
+            live |= value.free_symbols
+    return Steepness(tuple(reversed(used)), size, by)
+
+
+# The settings, with what is required of them and their defaults by the kind of axis.
+
+_LARGEST = {"single": float.fromhex("0x1.fffffep127"), "double": sys.float_info.max}
+_STEP = {TURNING: 6.283185307179586 / 4096, LINEAR: 1e-6}
+_TICK = 1e-3
+_WIDTH, _FADE = {TURNING: 0.1, LINEAR: 5e-4}, {TURNING: 1.0, LINEAR: 5e-3}
+_FASTEST = {TURNING: 100.0, LINEAR: 1.0}
+_PUSH = {TURNING: 0.1, LINEAR: 1e-3}
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One number of the settings."""
+
+    name: str
+    default: float
+    doc: str
+
+
+def settings_of(axis: AxisKind, gain: Gain) -> list[Setting]:
+    """The numbers that a user sets, in their order."""
+    speed, angle = axis.unit("rad/s"), axis.unit("rad")
+    tick = _STEP[axis] / _TICK
+    return [
+        Setting("gain", gain.value, "g: share of the friction that may follow a measurement [1]"),
+        Setting("feedforward", 1.0, "share of the friction that is fed forward from the reference [1]"),
+        Setting("speed_max", _FASTEST[axis], f"beyond this speed the compensation is constant [{speed}]"),
+        Setting(
+            "width", _WIDTH[axis], f"speed at which a level is reached, in place of a jump at 0 [{speed}]"
+        ),
+        Setting("encoder_step", _STEP[axis], f"one step of the encoder [{angle}]"),
+        Setting("tick", _TICK, "time between two calls [s]"),
+        Setting("band", tick, f"measured speed that counts as none, at least encoder_step/tick [{speed}]"),
+        Setting("fade", _FADE[axis], f"speed beyond the band at which the push has faded out [{speed}]"),
+        Setting(
+            "push_width",
+            _PUSH[axis],
+            f"what the push is whole at: an error beyond one encoder_step [{angle}], or a"
+            f" {axis.term('torque')} [{axis.unit('N m')}]",
+        ),
+    ]
+
+
+def view(model: Model, gain: Gain, digest: str, source: str) -> dict[str, Any]:
+    """All variables of the templates but the Lipschitz constants of the defaults.
+
+    `digest` is that of the model's program, as its header spells it; `source` is its C.
+    """
+    axis = model.axis
+    program = with_plain_text(build_program(model))
+    budget = next((r for r in program.routines if r.name == "friction_budget"), None)
+    if budget is None:
+        raise InputError(f"model {model.name}", "friction_budget", "none", why="to compensate friction")
+    taken = [x.quantity for x in budget.inputs]
+    angle, speed, torque = (spoken_quantity(axis, q).name for q in (v.theta_m, v.omega_m, v.torque))
+    reference = f"{speed.removesuffix('_m')}_ref"
+    demand = f"{torque}_demand" if torque in {q.name for q in taken} else torque
+    own = [(q, limits(q, axis)) for q in taken if q.name not in (angle, speed)]
+    arguments = {
+        angle: f"{axis.text('motor angle')}, of the reference or as measured [{axis.unit('rad')}]",
+        reference: f"{axis.text('motor velocity')} of the reference [{axis.unit('rad/s')}]",
+        speed: f"{axis.text('motor velocity')} as measured [{axis.unit('rad/s')}]",
+        "error": f"{axis.text('motor angle')} of the reference minus measured [{axis.unit('rad')}]",
+        demand: f"{axis.term('torque')} of the loop without compensation [{axis.unit('N m')}]",
+        **{q.name: f"{plain(q.meaning)} [{plain(q.unit)}], {a:g} to {b:g}" for q, (a, b) in own},
+    }
+    steep = steepness(model)
+    letters = {q.name: axis.named(q.name) for q in model.parameters}
+    settings = settings_of(axis, gain)
+    return {
+        "name": model.name,
+        "guard": model.name.upper(),
+        "digest": digest,
+        "said": axis.text,
+        "settings": settings,
+        "values": [{"name": s.name} | _decimals(s.default) for s in settings],
+        "gain": gain,
+        "most": MOST_WITHOUT_REFERENCE,
+        "above": "1.000001",
+        "smallest": "1e-6",
+        "largest": "1e6",
+        "fastest": f"{limits(v.omega_m)[1]:.1f}",
+        "arguments": [{"name": x, "doc": doc, "typed": f"{x}: Any"} for x, doc in arguments.items()],
+        "reference": reference,
+        "speed": speed,
+        "demand": demand,
+        "unused": [] if angle in {q.name for q in taken} else [angle],
+        "called": ", ".join("w" if q.name == speed else q.name for q in taken),
+        "signature": wrapped(
+            "ECCENTRIC_REAL",
+            f"{model.name}_compensation",
+            [
+                *(f"ECCENTRIC_REAL {x}" for x in arguments),
+                f"const {model.name}_compensation_settings *settings",
+                f"const {model.name}_coefficients *c",
+            ],
+        ),
+        "steep": {
+            "c": [f"const double {x} = {spell(e, letters, _C)};" for x, e in steep.assignments],
+            "python": [f"{x} = {spell(e, letters, _PYTHON)}" for x, e in steep.assignments],
+            # The size of a level, then the slopes by angle, speed and what else there is.
+            "found": [
+                {"c": spell(x, letters, _C), "python": spell(x, letters, _PYTHON)}
+                for x in (
+                    steep.size,
+                    *(steep.by.get(x, ZERO) for x in (angle, speed, *(q.name for q, _ in own))),
+                )
+            ],
+            "own": [q.name for q, _ in own],
+        },
+        "derived": [
+            {"name": letters[q.name], "value": spell(q.default, letters, _PYTHON)}
+            for q in model.parameters
+            if q.default is not None and q.default.free_symbols
+        ],
+        "proved": [
+            {"name": angle, **_range(*limits(v.theta_m))},
+            *({"name": x, "low": "-LARGEST", "high": "LARGEST"} for x in (reference, speed, "error", demand)),
+            *({"name": q.name, **_range(*ends)} for q, ends in own),
+        ],
+        "command": proof_command(f"{model.name}_compensation", source),
+    }
+
+
+def _range(low: float, high: float) -> dict[str, str]:
+    return {"low": repr(float(low)), "high": repr(float(high))}
+
+
+def _decimals(x: float) -> dict[str, str]:
+    """A number as C writes it, in both precisions; one beyond them is the largest that there is."""
+    with mpmath.workdps(30):
+        return {key: decimal(mpmath.mpf(min(x, most)), key == "single") for key, most in _LARGEST.items()}
+
+
+def render_compensation(
+    model: Model, files: Mapping[str, str], gain: Gain, command: str = "eccentric emit --compensation"
+) -> dict[str, str]:
+    """The files of the compensation, file name -> text.
+
+    Args:
+        model: what was emitted, with its defaults.
+        files: the output of `render`, with the C and the NumPy module.
+        gain: that of the defaults.
+        command: that writes the files, for their banner.
+
+    Raises:
+        InputError: the friction of the model has an operation whose slope is not bounded.
+    """
+    digest = re.findall(r"_PROGRAM (0x\w+)", files[f"{model.name}.h"])[0]
+    seen = view(model, gain, digest, files[f"{model.name}.c"])
+    banner = (
+        f"Generated: do not edit. Written by `{plain(command)}`, beside {model.name}.c",
+        f"(eccentric {__version__}, program {digest[2:].removesuffix('UL')}).",
+        "Friction compensation.",
+    )
+    python = template("compensate/module.py").render(seen)
+    # The constants of the defaults are those that the module computes.
+    found = executed_beside(executed(files, model.name), model.name, python).lipschitz()
+    seen |= {
+        "constants": [f"{x:.4g} {model.axis.unit('N m')} per unit" for x in found.values()],
+        "lipschitz": [_decimals(x) for x in found.values()],
+    }
+    rendered = {
+        "header.h": (f"{model.name}_compensation.h", "c99"),
+        "source.c": (f"{model.name}_compensation.c", "c99"),
+        "module.py": (f"{model.name}_compensation.py", "numpy"),
+        "proof.c": (f"check/{model.name}_compensation_proof.c", ""),
+    }
+    return {
+        file: (BACKENDS[backend].banner(banner) if backend else "")
+        + template(f"compensate/{kind}").render(seen)
+        for kind, (file, backend) in rendered.items()
+    }
