@@ -321,7 +321,7 @@ class Lowering:
         symmetric, high = low == -high, self._atom("highest", high)
         low = -high if symmetric else self._atom("lowest", low)
         width = high if symmetric else Minus(high, low)
-        taken = self.named("taken", self._clipped(x, low, high))
+        taken = self.named("held_back", self._clipped(x, low, high))
         return Plus(Minus(x, taken), Times(sp.Integer(0), width))
 
     def _gated(self, a: sp.Expr, b: sp.Expr) -> sp.Expr:
