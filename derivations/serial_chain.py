@@ -9,10 +9,20 @@ Run it to read the derivation: python derivations/serial_chain.py
 import sympy as sp
 
 from eccentric.core import show
-from eccentric.model import Body, Chain, Equation, Identity, Joint, Placement, arm, quantity, recursion
+from eccentric.model import (
+    Body,
+    Chain,
+    Equation,
+    Identity,
+    Joint,
+    Placement,
+    arm,
+    law_at_rest,
+    quantity,
+    recursion,
+)
 from eccentric.model import vocabulary as v
 from eccentric.model.chain import momentum, motion
-from eccentric.model.rest import law_at_rest
 
 # --- A frame in its carrier: positions, differentiated ------------------------------------------------------
 

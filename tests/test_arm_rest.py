@@ -159,9 +159,9 @@ def as_mjcf(chain: Chain) -> str:
     opened = ""
     for joint, body in zip(chain.joints, chain.bodies, strict=True):
         assert isinstance(body, Body)
-        R, I = (np.array(x.tolist(), float) for x in (joint.placement.rotation, body.inertia))
+        R, inertia = (np.array(x.tolist(), float) for x in (joint.placement.rotation, body.inertia))
         kind = "hinge" if joint.turns else "slide"
-        full = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
+        full = [inertia[k] for k in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
         opened += (
             f'<body pos="{text(joint.placement.position)}" xyaxes="{text([*R[:, 0], *R[:, 1]])}">'
             f'<joint type="{kind}" axis="{text(joint.axis)}"/>'
