@@ -126,7 +126,7 @@ textbook_0 = (
 )
 first_alone = {M_1: 0, I_1: 0, J_m_1: 0}
 
-# --- Its mass matrix on the motor side, and friction at rest --------------------------------------------------
+# --- Its mass matrix on the motor side, and friction at rest ------------------------------------------------
 
 on_motor_side = {alpha_0: mu_0 * alpha_m_0, alpha_1: mu_1 * alpha_m_1}
 of_motors = [
@@ -446,8 +446,8 @@ equations = (
             v.p.symbol,
             momentum_of_joint,
             "N m s",
-            "Over a time step Delta t, M (omega_after - omega_m) = Delta t (T - f) for all joints at once. The"
-            " others given, here k for all of them, this is the momentum of joint j, of which friction takes"
+            "Over a time step Delta t, M (omega_after - omega_m) = Delta t (T - f) for all joints at once."
+            " The others given, here k for all of them, this is the momentum of joint j, of which friction takes"
             " Delta t f; each joint makes the step below, until none changes.",
             (
                 Identity(
