@@ -446,8 +446,8 @@ equations = (
             v.p.symbol,
             momentum_of_joint,
             "N m s",
-            "Over a time step Delta t, M (omega_after - omega_m) = Delta t (T - f) for all joints at once."
-            " The others given, here k for all of them, this is the momentum of joint j, of which friction takes"
+            "Over a time step Delta t, M (omega_after - omega_m) = Delta t (T - f) for all joints at"
+            " once. The others given, here k for all of them, this is the momentum of joint j, of which friction takes"
             " Delta t f; each joint makes the step below, until none changes.",
             (
                 Identity(
