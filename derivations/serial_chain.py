@@ -447,8 +447,8 @@ equations = (
             momentum_of_joint,
             "N m s",
             "Over a time step Delta t, M (omega_after - omega_m) = Delta t (T - f) for all joints at"
-            " once. The others given, here k for all of them, this is the momentum of joint j, of which friction takes"
-            " Delta t f; each joint makes the step below, until none changes.",
+            " once. The others given, here k for all of them, this is the momentum of joint j, of which"
+            " friction takes Delta t f; each joint makes the step below, until none changes.",
             (
                 Identity(
                     "friction takes energy: against the step without, 2 Delta t f omega_after and more",
