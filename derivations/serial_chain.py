@@ -9,7 +9,18 @@ Run it to read the derivation: python derivations/serial_chain.py
 import sympy as sp
 
 from eccentric.core import show
-from eccentric.model import Body, Chain, Equation, Identity, Joint, Placement, arm, quantity, recursion
+from eccentric.model import (
+    Body,
+    Chain,
+    Equation,
+    Identity,
+    Joint,
+    Placement,
+    arm,
+    law_at_rest,
+    quantity,
+    recursion,
+)
 from eccentric.model import vocabulary as v
 from eccentric.model.chain import momentum, motion
 
@@ -114,6 +125,44 @@ textbook_0 = (
     + J_m_1 * alpha_m_1  # rotor 1, carried by link 0
 )
 first_alone = {M_1: 0, I_1: 0, J_m_1: 0}
+
+# --- Its mass matrix on the motor side, and friction at rest ------------------------------------------------
+
+on_motor_side = {alpha_0: mu_0 * alpha_m_0, alpha_1: mu_1 * alpha_m_1}
+of_motors = [
+    sp.expand((written_out(rotor) + ratio * torque).subs(on_motor_side))
+    for rotor, ratio, torque in zip(found.rotors, (mu_0, mu_1), (torque_0, torque_1), strict=True)
+]
+mass_matrix = sp.Matrix(2, 2, lambda j, k: sp.diff(of_motors[j], (alpha_m_0, alpha_m_1)[k]))
+# Kinetic energy by the velocities of both centres of mass, and of the rotors beside those that are locked.
+omega_m_0, omega_m_1 = (inputs.omega_m.symbol for inputs in found.inputs)
+turning_0, turning_1 = mu_0 * omega_m_0, mu_0 * omega_m_0 + mu_1 * omega_m_1
+energy_doubled = (
+    (I_0 + M_0 * c_0**2) * turning_0**2
+    + I_1 * turning_1**2
+    + M_1
+    * (
+        (l_0 * turning_0) ** 2
+        + (c_1 * turning_1) ** 2
+        + 2 * l_0 * c_1 * sp.cos(theta_1) * turning_0 * turning_1
+    )
+    + J_m_0 * omega_m_0**2
+    + J_m_1 * (omega_m_1**2 + 2 * omega_m_1 * turning_0)
+)
+velocities = sp.Matrix([omega_m_0, omega_m_1])
+# The step of n joints, here with any symmetric matrix of two.
+M_00, M_01, M_11, dt = *sp.symbols("M_00 M_01 M_11", real=True), v.dt.symbol
+any_matrix = sp.Matrix([[M_00, M_01], [M_01, M_11]])
+after, taken = (sp.Matrix(sp.symbols(f"{x}_0 {x}_1", real=True)) for x in ("omega_after", "f"))
+without = after + dt * any_matrix.inv() * taken
+lost = (without.T * any_matrix * without - after.T * any_matrix * after)[0]
+in_step = 2 * dt * taken.dot(after) + dt**2 * (taken.T * any_matrix.inv() * taken)[0]
+M_jj = sp.Symbol("M_jj", positive=True)
+of_a_joint = f_l.subs(sp.Abs(T), T).subs({omega_l: mu * v.omega_m.symbol})
+of_a_joint = (mu * of_a_joint).subs(sp.sign(mu * v.omega_m.symbol), sp.sign(v.omega_m.symbol))
+of_a_joint += v.B_m.symbol * v.omega_m.symbol + v.C_m.symbol * sp.sign(v.omega_m.symbol)
+M_jk, before_k, after_k = sp.symbols("M_jk omega_m_k omega_after_k", real=True)
+momentum_of_joint = M_jj * v.omega_m.symbol + M_jk * (before_k - after_k) + dt * v.torque.symbol
 
 
 def all_zero(matrix: sp.MatrixBase) -> sp.Expr:
@@ -372,6 +421,42 @@ equations = (
             f"Torque that accelerates rotor {j}, motor side.",
         )
         for j, torque in enumerate(found.rotors)
+    ),
+    Equation(
+        "mass_matrix",
+        "",
+        sp.Symbol("M"),
+        mass_matrix,
+        "kg m^2",
+        "The slopes of both motors' torques by their accelerations: the mass matrix on the motor side.",
+        (
+            Identity("it is symmetric", sp.expand(mass_matrix[0, 1] - mass_matrix[1, 0])),
+            Identity(
+                "its quadratic form is twice the kinetic energy, rotors beside locked ones",
+                sp.expand((velocities.T * mass_matrix * velocities)[0] - energy_doubled),
+            ),
+        ),
+    ),
+    *(
+        equation
+        if equation.name != "momentum"
+        else Equation(
+            "momentum",
+            "",
+            v.p.symbol,
+            momentum_of_joint,
+            "N m s",
+            "Over a time step Delta t, M (omega_after - omega_m) = Delta t (T - f) for all joints at"
+            " once. The others given, here k for all of them, this is the momentum of joint j, of which"
+            " friction takes Delta t f; each joint makes the step below, until none changes.",
+            (
+                Identity(
+                    "friction takes energy: against the step without, 2 Delta t f omega_after and more",
+                    sp.simplify(lost - in_step),
+                ),
+            ),
+        )
+        for equation in law_at_rest(of_a_joint, M_jj)
     ),
 )
 

@@ -1,14 +1,16 @@
 """Friction at rest in arms: the step solves the set-valued law, and the mass matrix is that of Pinocchio."""
 
+from dataclasses import replace
 from types import ModuleType
 
 import numpy as np
 import pytest
 
 from eccentric.emission import Choice, executed, render
-from eccentric.model import Body, Chain, Joint, Model, arm
+from eccentric.model import Body, Chain, Model, arm
 from tests.arms import random_chain
 from tests.emitted import module as drive
+from tests.test_chain_one_joint import MODEL as ONE_JOINT
 
 FUNCTIONS = (
     "mass_matrix", "breakaway_torque", "friction_budget", "friction_step", "acceleration",
@@ -115,7 +117,7 @@ def test_the_mass_matrix_gives_the_inverse_dynamics(geared: bool) -> None:
     assert np.all(np.linalg.eigvalsh(M) > 0)
 
 
-@pytest.mark.parametrize("n", [1, 3, 6])
+@pytest.mark.parametrize("n", [1, 3, pytest.param(6, marks=pytest.mark.slow)])
 def test_the_mass_matrix_is_that_of_pinocchio(n: int) -> None:
     """By its composite rigid bodies."""
     pin = pytest.importorskip("pinocchio", reason="Pinocchio (`pip install pin`) is not installed")
@@ -129,7 +131,7 @@ def test_the_mass_matrix_is_that_of_pinocchio(n: int) -> None:
         assert found.mass_matrix(q, p).reshape(n, n) == pytest.approx(theirs, abs=1e-12 * theirs.max())
 
 
-@pytest.mark.parametrize("n", [2, 6])
+@pytest.mark.parametrize("n", [2, pytest.param(6, marks=pytest.mark.slow)])
 def test_without_friction_it_moves_as_in_mujoco(n: int) -> None:
     """Accelerations beside MuJoCo's own forward dynamics, torques of weight and velocities taken by ours."""
     mujoco = pytest.importorskip("mujoco", reason="not installed: MuJoCo (`pip install mujoco`)")
@@ -157,9 +159,9 @@ def as_mjcf(chain: Chain) -> str:
     opened = ""
     for joint, body in zip(chain.joints, chain.bodies, strict=True):
         assert isinstance(body, Body)
-        R, I = (np.array(x.tolist(), float) for x in (joint.placement.rotation, body.inertia))
+        R, inertia = (np.array(x.tolist(), float) for x in (joint.placement.rotation, body.inertia))
         kind = "hinge" if joint.turns else "slide"
-        full = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
+        full = [inertia[k] for k in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
         opened += (
             f'<body pos="{text(joint.placement.position)}" xyaxes="{text([*R[:, 0], *R[:, 1]])}">'
             f'<joint type="{kind}" axis="{text(joint.axis)}"/>'
@@ -172,15 +174,10 @@ def as_mjcf(chain: Chain) -> str:
 
 def test_one_joint_is_the_one_drive() -> None:
     """The paper's link in a vertical plane as an arm: levels, step and acceleration are those of C2."""
-    c2 = drive("c2_parallel")
+    c2, found = drive("c2_parallel"), emitted(replace(ONE_JOINT, name="link"))
     p = c2.Parameters(J_m=2e-4, J_l=0.04)
-    inertia = [[0, 0, 0], [0, 0, 0], [0, 0, p.J_l - p.M * p.L**2]]
-    chain = Chain(
-        "link", [Joint(mu=p.mu, J_m=p.J_m)], [Body(p.M_l, inertia=inertia)],
-        gravity=(0, -p.g, 0), payload=Body(p.M, (0, -p.L, 0)),
-    )  # fmt: skip
-    found = emitted(arm(chain, "One joint"))
-    ours = found.Parameters(C_lN_0=p.C_lN, B_lN_0=p.B_lN, C_m_0=p.C_m, B_m_0=p.B_m)
+    same = {name: getattr(p, name) for name in ("M", "M_l", "L", "mu", "g", "J_m", "J_l")}
+    ours = found.Parameters(**same, phi=0.0, C_lN_0=p.C_lN, B_lN_0=p.B_lN, C_m_0=p.C_m, B_m_0=p.B_m)
     q, w, _ = (x[:, 0] for x in motions(1, 1000))
     torque, dt = RANDOM.uniform(-1, 1, 1000), 10 ** RANDOM.uniform(-4, -2, 1000)
     one = [x[:, None] for x in (q, w, 0 * w)]

@@ -30,6 +30,8 @@ def units() -> dict[sp.Symbol, str]:
     named |= {momentum.omega_m: "rad/s", momentum.alpha_m: "rad/s^2"}
     named |= {sp.Symbol(name, nonnegative=True): "s/rad" for name in ("B_lM", "B_lG")}
     named |= {sp.Symbol(name, nonnegative=True): "1" for name in ("C_lM", "C_lG")}
+    named |= {sp.Symbol("M_jj", positive=True): "kg m^2", sp.Symbol("M_jk", real=True): "kg m^2"}
+    named |= dict.fromkeys(sp.symbols("omega_m_k omega_after_k", real=True), "rad/s")
     papers = {q.symbol: q.unit for q in vars(v).values() if hasattr(q, "symbol")}
     return papers | named | MODEL.units()
 
@@ -48,9 +50,10 @@ def test_every_identity_is_true(equation: Equation) -> None:
 def test_every_equation_has_its_unit(equation: Equation) -> None:
     """The right side of every equation has the dimension that is printed with it."""
     rows = list(equation.right) if isinstance(equation.right, sp.MatrixBase) else [equation.right]
-    for entry in rows:
+    each = [equation.unit] * len(rows) if isinstance(equation.unit, str) else equation.unit
+    for entry, unit in zip(rows, each, strict=True):
         if entry != 0:
-            assert of_unit(str(equation.unit)) == of_expression(entry, units()), f"{entry}"
+            assert of_unit(unit) == of_expression(entry, units()), f"{entry}"
 
 
 def test_definitions_and_terms_have_their_units() -> None:

@@ -239,7 +239,7 @@ class _Outputs:
             for j, dry in enumerate(self._levels)
             for label, direction in (("lower", -1), ("upper", 1))
         )
-        definitions, held = still(self._found, self._moving, results)
+        definitions, held = still(self._found, self._moving, results, self._model.parameter_symbols)
         return _expressions(held, _stable(self._found, self._model, definitions))
 
     def _inertia(self) -> tuple[tuple[Assignment, ...], Matrix]:

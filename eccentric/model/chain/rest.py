@@ -59,9 +59,14 @@ def mass_matrix(
 
 
 def still(
-    found: Recursion, definitions: Iterable[Assignment], results: Results
+    found: Recursion, definitions: Iterable[Assignment], results: Results, parameters: Iterable[sp.Symbol]
 ) -> tuple[tuple[Assignment, ...], Results]:
-    """Definitions and results without velocities and accelerations."""
+    """Definitions and results without velocities and accelerations.
+
+    What then depends on parameters alone has a name of its own: it is a coefficient, which other functions,
+    whose value moves, must not share.
+    """
+    fixed = set(parameters)
     known: dict[sp.Expr, sp.Expr] = {
         x.symbol: _ZERO for inputs in found.inputs for x in (inputs.omega_m, inputs.alpha_m)
     }
@@ -78,8 +83,13 @@ def still(
         value = folded(a.value)
         if value.is_Atom or (-value).is_Symbol:
             known[a.target] = value
-        else:
-            left.append(replace(a, value=value))
+            continue
+        target = a.target
+        if value.free_symbols <= fixed:
+            target = sp.Symbol(f"{a.target.name}_at_rest", **a.target.assumptions0)
+            known[a.target] = target
+            fixed.add(target)
+        left.append(replace(a, target=target, value=value))
     return tuple(left), tuple((label, folded(value)) for label, value in results)
 
 
