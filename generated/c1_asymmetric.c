@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 8bc6b706).
+ * (eccentric 0.1.0, program c315b83e).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x8bc6b706UL
+#if C1_ASYMMETRIC_PROGRAM != 0xc315b83eUL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -656,9 +656,9 @@ REAL_INLINE void c1_asymmetric_friction_step_at(
     const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
     const real highest = elapsed * upper;
     const real lowest = elapsed * lower;
-    const real taken = ((momentum > highest) ? highest : ((momentum < lowest) ? lowest : momentum));
+    const real held_back = ((momentum > highest) ? highest : ((momentum < lowest) ? lowest : momentum));
     /* its part that friction at rest does not take up [N m s] */
-    const real excess = momentum - taken + REAL(0.0) * (highest - lowest);
+    const real excess = momentum - held_back + REAL(0.0) * (highest - lowest);
     const real damped = ((excess > REAL(0.0)) ? slope_forward : slope_backward);
     const real base = REAL_GIVEN(c->J) + damped * elapsed;
     const real velocity_after = excess / base;
@@ -705,8 +705,8 @@ REAL_INLINE real c1_asymmetric_acceleration_at(
     const real slope_forward = c->B_lN_pos_mu2 * F_N + c->B_pos;
     const real lower = -c->C_lN_neg_mu * F_N - c->C_neg;
     const real slope_backward = c->B_lN_neg_mu2 * F_N + c->B_neg;
-    const real taken = ((torque > upper) ? upper : ((torque < lower) ? lower : torque));
-    const real starting = torque - taken + REAL(0.0) * (upper - lower);
+    const real held_back = ((torque > upper) ? upper : ((torque < lower) ? lower : torque));
+    const real starting = torque - held_back + REAL(0.0) * (upper - lower);
     const real part_3 = torque - upper;
     const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? -lower + torque :
         starting));

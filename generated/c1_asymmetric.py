@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program 8bc6b706).
+# (eccentric 0.1.0, program c315b83e).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -398,9 +398,9 @@ def friction_step(c, omega_m, torque, dt):
     momentum = c.J * omega_m + elapsed * torque
     highest = elapsed * upper
     lowest = elapsed * lower
-    taken = np.where(momentum > highest, highest, np.where(momentum < lowest, lowest, momentum))
+    held_back = np.where(momentum > highest, highest, np.where(momentum < lowest, lowest, momentum))
     # its part that friction at rest does not take up [N m s]
-    excess = momentum - taken + 0.0 * (highest - lowest)
+    excess = momentum - held_back + 0.0 * (highest - lowest)
     damped = np.where(excess > 0.0, slope_forward, slope_backward)
     base = c.J + damped * elapsed
     velocity_after = excess / base
@@ -421,8 +421,8 @@ def acceleration(c, omega_m, torque):
     slope_forward = c.B_lN_pos_mu2 * F_N + c.B_pos
     lower = -c.C_lN_neg_mu * F_N - c.C_neg
     slope_backward = c.B_lN_neg_mu2 * F_N + c.B_neg
-    taken = np.where(torque > upper, upper, np.where(torque < lower, lower, torque))
-    starting = torque - taken + 0.0 * (upper - lower)
+    held_back = np.where(torque > upper, upper, np.where(torque < lower, lower, torque))
+    starting = torque - held_back + 0.0 * (upper - lower)
     part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, -lower + torque, starting))
     return (part_2 + (-omega_m * np.where(omega_m > 0.0, slope_forward, slope_backward))) / c.J
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program b2b53e95).
+ * (eccentric 0.1.0, program 3e21e472).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0xb2b53e95UL
+#if C1_PERPENDICULAR_PROGRAM != 0x3e21e472UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -526,9 +526,9 @@ REAL_INLINE void c1_perpendicular_friction_step_at(
     /* momentum at the end of the step, if there were no friction [N m s] */
     const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
     const real highest = elapsed * upper;
-    const real taken = c1_perpendicular_within(momentum, highest);
+    const real held_back = c1_perpendicular_within(momentum, highest);
     /* its part that friction at rest does not take up [N m s] */
-    const real excess = momentum - taken + REAL(0.0) * highest;
+    const real excess = momentum - held_back + REAL(0.0) * highest;
     const real base = REAL_GIVEN(c->J) + elapsed * slope;
     const real velocity_after = excess / base;
     const real unlimited = momentum / elapsed;
@@ -572,8 +572,8 @@ REAL_INLINE real c1_perpendicular_acceleration_at(
     /* levels of dry friction [N m] */
     const real upper = c->C + c->C_lN_mu * F_N;
     const real slope = c->B + c->B_lN_mu2 * F_N;
-    const real taken = c1_perpendicular_within(torque, upper);
-    const real starting = torque - taken + REAL(0.0) * upper;
+    const real held_back = c1_perpendicular_within(torque, upper);
+    const real starting = torque - held_back + REAL(0.0) * upper;
     const real part_3 = torque - upper;
     const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? torque + upper :
         starting));

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program b2b53e95).
+# (eccentric 0.1.0, program 3e21e472).
 # Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
@@ -288,9 +288,9 @@ def friction_step(c, omega_m, torque, dt):
     # momentum at the end of the step, if there were no friction [N m s]
     momentum = c.J * omega_m + elapsed * torque
     highest = elapsed * upper
-    taken = np.clip(momentum, -highest, highest)
+    held_back = np.clip(momentum, -highest, highest)
     # its part that friction at rest does not take up [N m s]
-    excess = momentum - taken + 0.0 * highest
+    excess = momentum - held_back + 0.0 * highest
     base = c.J + elapsed * slope
     velocity_after = excess / base
     unlimited = momentum / elapsed
@@ -308,8 +308,8 @@ def acceleration(c, omega_m, torque):
     # levels of dry friction [N m]
     upper = c.C + c.C_lN_mu * F_N
     slope = c.B + c.B_lN_mu2 * F_N
-    taken = np.clip(torque, -upper, upper)
-    starting = torque - taken + 0.0 * upper
+    held_back = np.clip(torque, -upper, upper)
+    starting = torque - held_back + 0.0 * upper
     part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, torque + upper, starting))
     return (-omega_m * slope + part_2) / c.J
 

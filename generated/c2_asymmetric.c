@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 9c6c66e8).
+ * (eccentric 0.1.0, program 38bfde4c).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x9c6c66e8UL
+#if C2_ASYMMETRIC_PROGRAM != 0x38bfde4cUL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -1061,9 +1061,9 @@ REAL_INLINE void c2_asymmetric_friction_step_at(
     const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
     const real highest = elapsed * upper;
     const real lowest = elapsed * lower;
-    const real taken = ((momentum > highest) ? highest : ((momentum < lowest) ? lowest : momentum));
+    const real held_back = ((momentum > highest) ? highest : ((momentum < lowest) ? lowest : momentum));
     /* its part that friction at rest does not take up [N m s] */
-    const real excess = momentum - taken + REAL(0.0) * (highest - lowest);
+    const real excess = momentum - held_back + REAL(0.0) * (highest - lowest);
     const real damped = ((excess > REAL(0.0)) ? slope_forward : slope_backward);
     const real base = REAL_GIVEN(c->J) + damped * elapsed;
     const real velocity_after = excess / base;
@@ -1133,8 +1133,8 @@ REAL_INLINE real c2_asymmetric_acceleration_at(
     const real slope_forward = c->B_lN_pos_mu2_scale_N * load + c->B_m_pos;
     const real lower = -c->C_lN_neg_mu_scale_N * load - c->C_m_neg;
     const real slope_backward = c->B_lN_neg_mu2_scale_N * load + c->B_m_neg;
-    const real taken = ((torque > upper) ? upper : ((torque < lower) ? lower : torque));
-    const real starting = torque - taken + REAL(0.0) * (upper - lower);
+    const real held_back = ((torque > upper) ? upper : ((torque < lower) ? lower : torque));
+    const real starting = torque - held_back + REAL(0.0) * (upper - lower);
     const real part_3 = torque - upper;
     const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? -lower + torque :
         starting));

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 9c6c66e8).
+ * (eccentric 0.1.0, program 38bfde4c).
  * Case C2 with friction that differs between the directions of motion.
  */
 /* Begin with c2_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x9c6c66e8UL
+#define C2_ASYMMETRIC_PROGRAM 0x38bfde4cUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_asymmetric_mechanical_friction_torque_double. */

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 120c60c2).
+ * (eccentric 0.1.0, program ae90e729).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x120c60c2UL
+#if C2_PARALLEL_PROGRAM != 0xae90e729UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -942,9 +942,9 @@ REAL_INLINE void c2_parallel_friction_step_at(
     /* momentum at the end of the step, if there were no friction [N m s] */
     const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
     const real highest = elapsed * upper;
-    const real taken = c2_parallel_within(momentum, highest);
+    const real held_back = c2_parallel_within(momentum, highest);
     /* its part that friction at rest does not take up [N m s] */
-    const real excess = momentum - taken + REAL(0.0) * highest;
+    const real excess = momentum - held_back + REAL(0.0) * highest;
     const real base = REAL_GIVEN(c->J) + elapsed * slope;
     const real velocity_after = excess / base;
     const real unlimited = momentum / elapsed;
@@ -1011,8 +1011,8 @@ REAL_INLINE real c2_parallel_acceleration_at(
     /* levels of dry friction [N m] */
     const real upper = c->C_lN_mu_scale_N * load + c->C_m;
     const real slope = c->B_lN_mu2_scale_N * load + c->B_m;
-    const real taken = c2_parallel_within(torque, upper);
-    const real starting = torque - taken + REAL(0.0) * upper;
+    const real held_back = c2_parallel_within(torque, upper);
+    const real starting = torque - held_back + REAL(0.0) * upper;
     const real part_3 = torque - upper;
     const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? torque + upper :
         starting));

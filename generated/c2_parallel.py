@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.1.0, program 120c60c2).
+# (eccentric 0.1.0, program ae90e729).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
@@ -344,9 +344,9 @@ def friction_step(c, theta_m, omega_m, torque, dt):
     # momentum at the end of the step, if there were no friction [N m s]
     momentum = c.J * omega_m + elapsed * torque
     highest = elapsed * upper
-    taken = np.clip(momentum, -highest, highest)
+    held_back = np.clip(momentum, -highest, highest)
     # its part that friction at rest does not take up [N m s]
-    excess = momentum - taken + 0.0 * highest
+    excess = momentum - held_back + 0.0 * highest
     base = c.J + elapsed * slope
     velocity_after = excess / base
     unlimited = momentum / elapsed
@@ -363,8 +363,8 @@ def acceleration(c, theta_m, omega_m, torque):
     # levels of dry friction [N m]
     upper = c.C_lN_mu_scale_N * load + c.C_m
     slope = c.B_lN_mu2_scale_N * load + c.B_m
-    taken = np.clip(torque, -upper, upper)
-    starting = torque - taken + 0.0 * upper
+    held_back = np.clip(torque, -upper, upper)
+    starting = torque - held_back + 0.0 * upper
     part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, torque + upper, starting))
     return (-omega_m * slope + part_2) / c.J
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program df36c064).
+ * (eccentric 0.1.0, program 7b93f22c).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0xdf36c064UL
+#if ROTATING_LINK_PROGRAM != 0x7b93f22cUL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -1164,9 +1164,9 @@ REAL_INLINE void rotating_link_friction_step_at(
     /* momentum at the end of the step, if there were no friction [N m s] */
     const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
     const real highest = elapsed * upper;
-    const real taken = rotating_link_within(momentum, highest);
+    const real held_back = rotating_link_within(momentum, highest);
     /* its part that friction at rest does not take up [N m s] */
-    const real excess = momentum - taken + REAL(0.0) * highest;
+    const real excess = momentum - held_back + REAL(0.0) * highest;
     const real base = REAL_GIVEN(c->J) + elapsed * slope;
     const real velocity_after = excess / base;
     const real unlimited = momentum / elapsed;
@@ -1244,8 +1244,8 @@ REAL_INLINE real rotating_link_acceleration_at(
     /* levels of dry friction [N m] */
     const real upper = c->C + c->C_lN_mu_scale_N * load;
     const real slope = c->B + c->B_lN_mu2_scale_N * load;
-    const real taken = rotating_link_within(torque, upper);
-    const real starting = torque - taken + REAL(0.0) * upper;
+    const real held_back = rotating_link_within(torque, upper);
+    const real starting = torque - held_back + REAL(0.0) * upper;
     const real part_4 = torque - upper;
     const real part_3 = ((omega_m > REAL(0.0)) ? part_4 : ((omega_m < REAL(0.0)) ? torque + upper :
         starting));

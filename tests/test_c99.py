@@ -109,7 +109,9 @@ def test_finite_inputs_give_numbers(libraries: Libraries, name: str, function: s
 
     @given(st.data())
     def check(data: st.DataObject) -> None:
-        samples = st.lists(strategies.finite(dtype), min_size=8, max_size=8)
+        # A step subtracts momenta, products of three inputs: they must not overflow.
+        most = 2.0**30 if function == "friction_step" else np.inf
+        samples = st.lists(strategies.finite(dtype, most), min_size=8, max_size=8)
         states = [np.array(data.draw(samples), dtype) for _ in oracle.inputs(name, function)]
         actual = library.many(function, states, coefficients)
         assert not np.any(np.isnan(actual)), (states, actual)
@@ -123,6 +125,7 @@ def test_default_coefficients_are_the_prepared_ones(libraries: Libraries, name: 
     library = libraries(name, dtype)
     prepared = library.coefficients(module(name).Parameters())
     constant = library.coefficients()
+    without_inertia = {"alpha_m", "torque", "dt"}
     default_parameters = library["default_parameters"]
 
     for field in dir(default_parameters):
@@ -131,7 +134,9 @@ def test_default_coefficients_are_the_prepared_ones(libraries: Libraries, name: 
             assert value == getattr(default_parameters, field), field
     for function in oracle.functions(name):
         taken = zip(oracle.inputs(name, function), example_states(name, function, 50, dtype), strict=True)
-        states = [np.zeros_like(x) if one == "alpha_m" else x for one, x in taken]
+        states = [np.zeros_like(x) if one in without_inertia else x for one, x in taken]
+        if function == "acceleration":  # at rest, without a torque: NaN all the same
+            continue
         expected, actual = (library.call(function, states, c) for c in (prepared, constant))
         largest = np.max(np.abs(expected))
         assert np.all(np.abs(actual - expected) <= 4 * np.finfo(dtype).eps * largest), function
@@ -150,13 +155,12 @@ def test_no_acceleration_asks_for_no_inertia(libraries: Libraries, name: str, dt
 
 @every_model_in_both
 def test_the_header_says_where_an_inertia_is_wanted(libraries: Libraries, name: str, dtype: Real) -> None:
-    """Its comments say so at the functions that give NaN with an acceleration and the default parameters."""
+    """Its comments say so at the functions that give NaN with the default parameters."""
     library = libraries(name, dtype)
     text = (GENERATED / f"{name}.h").read_text(encoding="utf-8")
     blocks = re.findall(rf"/\*\*((?:(?!\*/).)*)\*/\n\w+ {name}_(\w+)\(", text, re.DOTALL)
-    told = {
-        f for doc, f in blocks if "NaN with an acceleration, unless the parameters give J_m and J_l" in doc
-    }
+    wanted = r"NaN unless (alpha_m|torque|dt) is 0 or the parameters give J_m and J_l"
+    told = {f for doc, f in blocks if re.search(wanted, doc)}
     states = {f: [1.0] * len(oracle.inputs(name, f)) for f in oracle.functions(name)}
 
     assert told == {f for f, s in states.items() if np.isnan(library.one(f, s, library.coefficients())).any()}

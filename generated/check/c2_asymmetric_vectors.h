@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 9c6c66e8).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 38bfde4c).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

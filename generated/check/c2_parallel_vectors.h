@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 120c60c2).
+ * Generated: do not edit. Written beside c2_parallel.c (program ae90e729).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program df36c064).
+ * Generated: do not edit. Written beside rotating_link.c (program 7b93f22c).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u
