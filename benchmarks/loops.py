@@ -21,7 +21,7 @@ import numpy as np
 
 import eccentric
 from benchmarks.record import Measured, Part, progress
-from eccentric.emission.compensate import sure_share
+from eccentric.emission import sure_share
 
 MANUAL = Path(__file__).resolve().parent.parent / "docs" / "in-the-loop.md"
 TICK, STEPS = 1e-3, 20
@@ -367,10 +367,11 @@ def measured(quick: bool) -> Part:
         ours = emitted(d, folder, REFERENCE, NO_PUSH)
         progress("loops: with integral action")
         seconds = 4.0 if quick else 8.0
-        servo = {**laws, OURS: ours}
+        pushed = emitted(d, folder, REFERENCE, BY_ERROR)
+        servo = {**laws, OURS: ours, PUSHED: pushed}
         rows = judged(d, list(servo), *run(d, servo, seconds, integral=True))
         progress("loops: without integral action")
-        soft = {**laws, OURS: ours, PUSHED: emitted(d, folder, REFERENCE, BY_ERROR)}
+        soft = {**laws, OURS: ours, PUSHED: pushed}
         others = judged(d, list(soft), *run(d, soft, seconds, integral=False))
         progress("loops: torque mode")
         free = {
@@ -403,9 +404,11 @@ def _best(d: Drives, rows: Sequence[Row], task: int) -> tuple[str, float]:
 def _figures(d: Drives, rows: list[Row], others: list[Row], let_go: np.ndarray) -> dict[str, Measured]:
     by = {r.name: r for r in rows}
     ours, none = by[OURS], rows[0]
-    cycles = sum(int((r.cycles & d.premise).sum()) for r in (ours, *others[-2:]))
-    beyond = sum(int((r.cycles & ~d.premise).sum()) for r in (ours, *others[-2:]))
-    peers = ", ".join(f"{int((r.cycles & d.premise).sum())}" for r in rows[1:-1])
+    # As the manual advises: no push where the loop has integral action.
+    advised = (ours, *(r for r in others if r.name in (OURS, PUSHED)))
+    cycles, beyond = (sum(int((r.cycles & x).sum()) for r in advised) for x in (d.premise, ~d.premise))
+    hand = (r for r in rows[1:] if r.name not in (OURS, PUSHED))
+    peers = ", ".join(f"{int((r.cycles & d.premise).sum())}" for r in hand)
     chatter = 100 * max(float(np.max(np.median(ours.chatter - none.chatter, axis=1))), 0.0)
     worst = 100 * float(np.max((ours.chatter - none.chatter)[HOLD]))
     ratios = {}
