@@ -331,17 +331,19 @@ def torque_mode(d: Drives, laws: Mapping[str, Law], seconds: float) -> np.ndarra
 
 @dataclass(frozen=True)
 class Row:
-    """Of one law: medians over the drives, but for counts."""
+    """Of one law: limit cycles, and motion that only goes one way (drives,); chatter, errors (tasks, drives)."""
 
     name: str
     cycles: np.ndarray
+    one_way: np.ndarray
     chatter: np.ndarray
     errors: np.ndarray
 
 
 def judged(d: Drives, laws: Sequence[str], angles: np.ndarray, torques: np.ndarray) -> list[Row]:
     """Limit cycles (drives,), chatter over the Coulomb level and tracking error (tasks, drives), by law."""
-    swing = np.ptp(angles[-LAST:, :, HOLD], axis=0)
+    held = angles[-LAST:, :, HOLD]
+    swing, gone = np.ptp(held, axis=0), np.abs(held[-1] - held[0])
     wanted = references(len(angles) * TICK)[0]
     rows = []
     for k, name in enumerate(laws):
@@ -350,7 +352,7 @@ def judged(d: Drives, laws: Sequence[str], angles: np.ndarray, torques: np.ndarr
         ])  # fmt: skip
         changes = [np.diff(torques[-LAST:, k, j], axis=0) for j in range(4)]
         chatter = np.stack([np.sqrt(np.mean(x**2, axis=0)) for x in changes]) / d.level
-        rows.append(Row(name, swing[k] > swing[0] + 2 * d.step, chatter, errors))
+        rows.append(Row(name, swing[k] > swing[0] + 2 * d.step, gone[k] > 0.8 * swing[k], chatter, errors))
     return rows
 
 
@@ -461,6 +463,19 @@ def _details(
                 f"| {r.name} | {inside} ({outside}) | {100 * np.median(r.chatter[HOLD]):.2f} % | {errors} |"
             )
         lines.append("")
+    creeping = [
+        f"{r.name}{where}: {int((r.cycles & r.one_way).sum())} of {int(r.cycles.sum())}"
+        for table, where in ((rows, ", with integral action"), (others, ", without"))
+        for r in table
+        if r.name in (OURS, PUSHED) and r.cycles.any()
+    ]
+    if creeping:
+        lines += [
+            "Of these a part only creeps towards its reference, in one direction: "
+            + "; ".join(creeping)
+            + ".",
+            "",
+        ]
     lines += [
         "Torque mode, a drive let go at 5 rad/s, its friction that of the model over 1.1; drives that are faster"
         " later on:",

@@ -122,8 +122,8 @@ def _product(first: SlopeBound, second: SlopeBound) -> SlopeBound:
         x: first.slopes.get(x, ZERO) * second.size + first.size * second.slopes.get(x, ZERO)
         for x in _inputs(first, second)
     }
-    both = first.least is not None and second.least is not None
-    return SlopeBound(first.size * second.size, first.least * second.least if both else None, slopes)
+    least = None if first.least is None or second.least is None else first.least * second.least
+    return SlopeBound(first.size * second.size, least, slopes)
 
 
 def _multiplied(_: sp.Expr, *parts: SlopeBound) -> SlopeBound:
