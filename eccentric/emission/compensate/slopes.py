@@ -178,10 +178,11 @@ def _exponential(part: SlopeBound, *, falling: bool) -> SlopeBound:
     return SlopeBound(size, ZERO, {x: size * k for x, k in part.slopes.items()})
 
 
-def _wave(_: sp.Expr, part: SlopeBound, mu: SlopeBound | None = None) -> SlopeBound:
-    """A sine or cosine, of the angle or of half the link angle."""
+def _wave(e: sp.Expr, part: SlopeBound, mu: SlopeBound | None = None) -> SlopeBound:
+    """A sine or cosine, of the angle or of half the link angle; a tilt is at most a right angle."""
     scale = ONE if mu is None else mu.size / 2
-    return SlopeBound(ONE, None, {x: scale * k for x, k in part.slopes.items()})
+    upright = not part.slopes and (isinstance(e, sp.cos) or part.least is not None)
+    return SlopeBound(ONE, ZERO if upright else None, {x: scale * k for x, k in part.slopes.items()})
 
 
 def _magnitude(_: sp.Expr, p: SlopeBound, q: SlopeBound) -> SlopeBound:

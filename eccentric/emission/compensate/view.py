@@ -250,7 +250,7 @@ def view(model: Model, gain: CompensationGain, digest: str, source: str) -> dict
         "speed": speed,
         "demand": demand,
         "unused": [] if angle in {q.name for q in taken} else [angle],
-        "called": ", ".join("w" if q.name == speed else q.name for q in taken),
+        "called": ["w" if q.name == speed else q.name for q in taken],
         "signature": wrapped(
             "ECCENTRIC_REAL",
             f"{model.name}_compensation",
