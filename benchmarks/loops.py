@@ -21,7 +21,7 @@ import numpy as np
 
 import eccentric
 from benchmarks.record import Measured, Part, progress
-from eccentric.emission.compensate import sure_share
+from eccentric.emission import sure_share
 
 MANUAL = Path(__file__).resolve().parent.parent / "docs" / "in-the-loop.md"
 TICK, STEPS = 1e-3, 20
@@ -331,17 +331,19 @@ def torque_mode(d: Drives, laws: Mapping[str, Law], seconds: float) -> np.ndarra
 
 @dataclass(frozen=True)
 class Row:
-    """Of one law: medians over the drives, but for counts."""
+    """Of one law: limit cycles, and motion that only goes one way (drives,); chatter, errors (tasks, drives)."""
 
     name: str
     cycles: np.ndarray
+    one_way: np.ndarray
     chatter: np.ndarray
     errors: np.ndarray
 
 
 def judged(d: Drives, laws: Sequence[str], angles: np.ndarray, torques: np.ndarray) -> list[Row]:
     """Limit cycles (drives,), chatter over the Coulomb level and tracking error (tasks, drives), by law."""
-    swing = np.ptp(angles[-LAST:, :, HOLD], axis=0)
+    held = angles[-LAST:, :, HOLD]
+    swing, gone = np.ptp(held, axis=0), np.abs(held[-1] - held[0])
     wanted = references(len(angles) * TICK)[0]
     rows = []
     for k, name in enumerate(laws):
@@ -350,7 +352,7 @@ def judged(d: Drives, laws: Sequence[str], angles: np.ndarray, torques: np.ndarr
         ])  # fmt: skip
         changes = [np.diff(torques[-LAST:, k, j], axis=0) for j in range(4)]
         chatter = np.stack([np.sqrt(np.mean(x**2, axis=0)) for x in changes]) / d.level
-        rows.append(Row(name, swing[k] > swing[0] + 2 * d.step, chatter, errors))
+        rows.append(Row(name, swing[k] > swing[0] + 2 * d.step, gone[k] > 0.8 * swing[k], chatter, errors))
     return rows
 
 
@@ -367,10 +369,11 @@ def measured(quick: bool) -> Part:
         ours = emitted(d, folder, REFERENCE, NO_PUSH)
         progress("loops: with integral action")
         seconds = 4.0 if quick else 8.0
-        servo = {**laws, OURS: ours}
+        pushed = emitted(d, folder, REFERENCE, BY_ERROR)
+        servo = {**laws, OURS: ours, PUSHED: pushed}
         rows = judged(d, list(servo), *run(d, servo, seconds, integral=True))
         progress("loops: without integral action")
-        soft = {**laws, OURS: ours, PUSHED: emitted(d, folder, REFERENCE, BY_ERROR)}
+        soft = {**laws, OURS: ours, PUSHED: pushed}
         others = judged(d, list(soft), *run(d, soft, seconds, integral=False))
         progress("loops: torque mode")
         free = {
@@ -403,9 +406,11 @@ def _best(d: Drives, rows: Sequence[Row], task: int) -> tuple[str, float]:
 def _figures(d: Drives, rows: list[Row], others: list[Row], let_go: np.ndarray) -> dict[str, Measured]:
     by = {r.name: r for r in rows}
     ours, none = by[OURS], rows[0]
-    cycles = sum(int((r.cycles & d.premise).sum()) for r in (ours, *others[-2:]))
-    beyond = sum(int((r.cycles & ~d.premise).sum()) for r in (ours, *others[-2:]))
-    peers = ", ".join(f"{int((r.cycles & d.premise).sum())}" for r in rows[1:-1])
+    # As the manual advises: no push where the loop has integral action.
+    advised = (ours, *(r for r in others if r.name in (OURS, PUSHED)))
+    cycles, beyond = (sum(int((r.cycles & x).sum()) for r in advised) for x in (d.premise, ~d.premise))
+    hand = (r for r in rows[1:] if r.name not in (OURS, PUSHED))
+    peers = ", ".join(f"{int((r.cycles & d.premise).sum())}" for r in hand)
     chatter = 100 * max(float(np.max(np.median(ours.chatter - none.chatter, axis=1))), 0.0)
     worst = 100 * float(np.max((ours.chatter - none.chatter)[HOLD]))
     ratios = {}
@@ -458,6 +463,19 @@ def _details(
                 f"| {r.name} | {inside} ({outside}) | {100 * np.median(r.chatter[HOLD]):.2f} % | {errors} |"
             )
         lines.append("")
+    creeping = [
+        f"{r.name}{where}: {int((r.cycles & r.one_way).sum())} of {int(r.cycles.sum())}"
+        for table, where in ((rows, ", with integral action"), (others, ", without"))
+        for r in table
+        if r.name in (OURS, PUSHED) and r.cycles.any()
+    ]
+    if creeping:
+        lines += [
+            "Of these a part only creeps towards its reference, in one direction: "
+            + "; ".join(creeping)
+            + ".",
+            "",
+        ]
     lines += [
         "Torque mode, a drive let go at 5 rad/s, its friction that of the model over 1.1; drives that are faster"
         " later on:",

@@ -11,6 +11,8 @@ only read here.
 from eccentric.emission.adapt.prior import (
     Adaptation,
     alarm_of,
+    covariance_of_fit,
+    inputs_of,
     prior_of,
     run_length,
     threshold_of,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import InputError
-from eccentric.emission.adapt.prior import covariance_of_fit, inputs_of
+from eccentric.emission.adapt import covariance_of_fit, inputs_of
 from eccentric.emission.hot import load_module
 from eccentric.model import LINEAR, TURNING, Model, regressor, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
@@ -26,14 +26,14 @@ _LITTLE = 0.02
 
 
 @dataclass(frozen=True)
-class Gain:
+class CompensationGain:
     """The gain g, and where it comes from, in words."""
 
     value: float
     origin: str
 
 
-def gain_of(model: Model, fit: Mapping[str, Any] | None = None) -> Gain:
+def gain_of(model: Model, fit: Mapping[str, Any] | None = None) -> CompensationGain:
     """The ratio of the friction that is there with 97.5 % to the model's, over the whole identified range.
 
     Of coefficients drawn by the fit's covariance, each draw has its least ratio of friction to the model's,
@@ -53,9 +53,11 @@ def gain_of(model: Model, fit: Mapping[str, Any] | None = None) -> Gain:
     covariance = covariance_of_fit(columns, fit)
     if not covariance.any():
         stated = f"{MOST_WITHOUT_REFERENCE}, since no fit says how well the friction is known"
-        return Gain(MOST_WITHOUT_REFERENCE, stated)
+        return CompensationGain(MOST_WITHOUT_REFERENCE, stated)
     value = sure_share(rows[there], values, covariance)
-    return Gain(value, f"{value}: with 97.5 % the friction is nowhere below this share of that of the model")
+    return CompensationGain(
+        value, f"{value}: with 97.5 % the friction is nowhere below this share of that of the model"
+    )
 
 
 def sure_share(rows: np.ndarray, values: np.ndarray, covariance: np.ndarray) -> float:

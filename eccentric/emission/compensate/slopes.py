@@ -22,7 +22,7 @@ ZERO, ONE = sp.Integer(0), sp.Integer(1)
 
 
 @dataclass(frozen=True)
-class Bound:
+class SlopeBound:
     """Of an expression, for all inputs within their ranges.
 
     Attributes:
@@ -47,11 +47,11 @@ class Walk:
 
     def __init__(self, inputs: Mapping[sp.Symbol, sp.Expr], nonnegative: frozenset[sp.Symbol]) -> None:
         self._known = {
-            x: Bound(size, ZERO if x in nonnegative else None, {x: ONE}) for x, size in inputs.items()
+            x: SlopeBound(size, ZERO if x in nonnegative else None, {x: ONE}) for x, size in inputs.items()
         }
         self._prepared: set[sp.Symbol] = set()
 
-    def define(self, symbol: sp.Symbol, bound: Bound) -> None:
+    def define(self, symbol: sp.Symbol, bound: SlopeBound) -> None:
         """From now on, what the bound of this symbol is."""
         self._known[symbol] = bound
 
@@ -64,7 +64,7 @@ class Walk:
         if sure:
             self._prepared.add(symbol)
 
-    def __call__(self, e: sp.Expr) -> Bound:
+    def __call__(self, e: sp.Expr) -> SlopeBound:
         """The bound of an expression.
 
         Raises:
@@ -74,12 +74,12 @@ class Walk:
             return self._known[e]
         if e.is_Number or e.is_Symbol:  # a parameter
             return (
-                Bound(e, e, {})
+                SlopeBound(e, e, {})
                 if e in self._prepared
-                else Bound(sp.Abs(e), e if e.is_nonnegative else None, {})
+                else SlopeBound(sp.Abs(e), e if e.is_nonnegative else None, {})
             )
         if e.is_Pow and e.exp.is_negative and e.base.is_Symbol and e.base not in self._known:
-            return Bound(
+            return SlopeBound(
                 sp.Abs(e), e if e.base.is_nonnegative or e.base in self._prepared else None, {}
             )  # of a parameter, not 0
         if isinstance(e, sp.exp):
@@ -91,7 +91,7 @@ class Walk:
                 return rule(e, *map(self, e.args))
         raise InputError("compensation", "an operation whose slope is bounded", str(e.func))
 
-    def _cases(self, e: sp.Piecewise) -> Bound:
+    def _cases(self, e: sp.Piecewise) -> SlopeBound:
         values = [(self(value), condition) for value, condition in e.args]
 
         def of(pick: object) -> sp.Expr:
@@ -101,107 +101,110 @@ class Walk:
         slopes = {
             x: of(lambda one, x=x: one.slopes.get(x, ZERO)) for x in _inputs(*(one for one, _ in values))
         }
-        return Bound(of(lambda one: one.size), of(lambda one: one.least) if known else None, slopes)
+        return SlopeBound(of(lambda one: one.size), of(lambda one: one.least) if known else None, slopes)
 
 
-def _inputs(*parts: Bound) -> list[sp.Symbol]:
+def _inputs(*parts: SlopeBound) -> list[sp.Symbol]:
     return list(dict.fromkeys(x for part in parts for x in part.slopes))
 
 
-def _added(e: sp.Expr, *parts: Bound) -> Bound:
+def _added(e: sp.Expr, *parts: SlopeBound) -> SlopeBound:
     slopes = {x: sp.Add(*(p.slopes.get(x, ZERO) for p in parts)) for x in _inputs(*parts)}
     leasts = [x if x.is_Number else p.least for x, p in zip(e.args, parts, strict=True)]
     least = None if None in leasts else sp.Add(*leasts)
-    return Bound(
+    return SlopeBound(
         sp.Add(*(p.size for p in parts)), None if least is None or not least.is_nonnegative else least, slopes
     )
 
 
-def _product(first: Bound, second: Bound) -> Bound:
+def _product(first: SlopeBound, second: SlopeBound) -> SlopeBound:
     slopes = {
         x: first.slopes.get(x, ZERO) * second.size + first.size * second.slopes.get(x, ZERO)
         for x in _inputs(first, second)
     }
-    both = first.least is not None and second.least is not None
-    return Bound(first.size * second.size, first.least * second.least if both else None, slopes)
+    least = None if first.least is None or second.least is None else first.least * second.least
+    return SlopeBound(first.size * second.size, least, slopes)
 
 
-def _multiplied(_: sp.Expr, *parts: Bound) -> Bound:
+def _multiplied(_: sp.Expr, *parts: SlopeBound) -> SlopeBound:
     found = parts[0]
     for part in parts[1:]:
         found = _product(found, part)
     return found
 
 
-def _power(e: sp.Expr, base: Bound, exponent: Bound) -> Bound:
+def _power(e: sp.Expr, base: SlopeBound, exponent: SlopeBound) -> SlopeBound:
     n = e.args[1]
     if n.is_Integer and n > 0:
         found = _multiplied(e, *[base] * int(n))
-        return Bound(found.size, ZERO if found.least is None and n % 2 == 0 else found.least, found.slopes)
+        return SlopeBound(
+            found.size, ZERO if found.least is None and n % 2 == 0 else found.least, found.slopes
+        )
     if n.is_negative and base.least is not None:
         # 1 over a number that is at least this one; a power of it as a product.
-        inverse = Bound(
+        inverse = SlopeBound(
             ONE / base.least, ONE / base.size, {x: k / base.least**2 for x, k in base.slopes.items()}
         )
         return inverse if n == -1 else _power(sp.Pow(sp.Dummy(), -n), inverse, exponent)
     if n == sp.Rational(1, 2) and (base.least is not None or not base.slopes):
         slopes = {x: k / (2 * sp.sqrt(base.least)) for x, k in base.slopes.items() if base.least is not None}
-        return Bound(sp.sqrt(base.size), None if base.least is None else sp.sqrt(base.least), slopes)
+        return SlopeBound(sp.sqrt(base.size), None if base.least is None else sp.sqrt(base.least), slopes)
     raise InputError("compensation", "an operation whose slope is bounded", str(e))
 
 
-def _steepest(*parts: Bound) -> Slopes:
+def _steepest(*parts: SlopeBound) -> Slopes:
     return {x: sp.Max(*(p.slopes.get(x, ZERO) for p in parts)) for x in _inputs(*parts)}
 
 
-def _extreme(e: sp.Expr, *parts: Bound) -> Bound:
+def _extreme(e: sp.Expr, *parts: SlopeBound) -> SlopeBound:
     """The largest or the smallest: as steep as the steepest of them."""
     leasts = [p.least for p in parts if p.least is not None]
     known = leasts if isinstance(e, sp.Max) or len(leasts) == len(parts) else []
     least = None if not known else (sp.Max if isinstance(e, sp.Max) else sp.Min)(*known)
-    return Bound(sp.Max(*(p.size for p in parts)), least, _steepest(*parts))
+    return SlopeBound(sp.Max(*(p.size for p in parts)), least, _steepest(*parts))
 
 
-def _either(_: sp.Expr, _by: Bound, *parts: Bound) -> Bound:
+def _either(_: sp.Expr, _by: SlopeBound, *parts: SlopeBound) -> SlopeBound:
     """One by the direction of motion: continuous where it is multiplied by the velocity, or has one value."""
-    return Bound(sp.Max(*(p.size for p in parts)), None, _steepest(*parts))
+    return SlopeBound(sp.Max(*(p.size for p in parts)), None, _steepest(*parts))
 
 
-def _size(_: sp.Expr, part: Bound) -> Bound:
-    return Bound(part.size, part.least or ZERO, part.slopes)
+def _size(_: sp.Expr, part: SlopeBound) -> SlopeBound:
+    return SlopeBound(part.size, part.least or ZERO, part.slopes)
 
 
-def _exponential(part: Bound, *, falling: bool) -> Bound:
+def _exponential(part: SlopeBound, *, falling: bool) -> SlopeBound:
     size = ONE if falling else sp.exp(part.size)
-    return Bound(size, ZERO, {x: size * k for x, k in part.slopes.items()})
+    return SlopeBound(size, ZERO, {x: size * k for x, k in part.slopes.items()})
 
 
-def _wave(_: sp.Expr, part: Bound, mu: Bound | None = None) -> Bound:
-    """A sine or cosine, of the angle or of half the link angle."""
+def _wave(e: sp.Expr, part: SlopeBound, mu: SlopeBound | None = None) -> SlopeBound:
+    """A sine or cosine, of the angle or of half the link angle; a tilt is at most a right angle."""
     scale = ONE if mu is None else mu.size / 2
-    return Bound(ONE, None, {x: scale * k for x, k in part.slopes.items()})
+    upright = not part.slopes and (isinstance(e, sp.cos) or part.least is not None)
+    return SlopeBound(ONE, ZERO if upright else None, {x: scale * k for x, k in part.slopes.items()})
 
 
-def _magnitude(_: sp.Expr, p: Bound, q: Bound) -> Bound:
+def _magnitude(_: sp.Expr, p: SlopeBound, q: SlopeBound) -> SlopeBound:
     slopes = {x: sp.sqrt(p.slopes.get(x, ZERO) ** 2 + q.slopes.get(x, ZERO) ** 2) for x in _inputs(p, q)}
     leasts = [one.least for one in (p, q) if one.least is not None]
-    return Bound(sp.sqrt(p.size**2 + q.size**2), sp.Max(ZERO, *leasts), slopes)
+    return SlopeBound(sp.sqrt(p.size**2 + q.size**2), sp.Max(ZERO, *leasts), slopes)
 
 
-def _difference_of_squares(_: sp.Expr, v: Bound, w: Bound) -> Bound:
+def _difference_of_squares(_: sp.Expr, v: SlopeBound, w: SlopeBound) -> SlopeBound:
     slopes = {
         x: 2 * v.size * v.slopes.get(x, ZERO) + 2 * w.size * w.slopes.get(x, ZERO) for x in _inputs(v, w)
     }
-    return Bound(sp.Max(v.size**2, w.size**2), None, slopes)
+    return SlopeBound(sp.Max(v.size**2, w.size**2), None, slopes)
 
 
-def _bounded(_: sp.Expr, x: Bound, most: Bound) -> Bound:
-    return Bound(sp.Min(x.size, most.size), x.least and ZERO, x.slopes)
+def _bounded(_: sp.Expr, x: SlopeBound, most: SlopeBound) -> SlopeBound:
+    return SlopeBound(sp.Min(x.size, most.size), x.least and ZERO, x.slopes)
 
 
-def _flat(_: sp.Expr, *_parts: Bound) -> Bound:
+def _flat(_: sp.Expr, *_parts: SlopeBound) -> SlopeBound:
     """A step by a direction: 1, 0 or -1, with no slope on either side."""
-    return Bound(ONE, None, {})
+    return SlopeBound(ONE, None, {})
 
 
 _RULES = (

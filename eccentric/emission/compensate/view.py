@@ -14,15 +14,13 @@ import sympy as sp
 from eccentric.core import InputError
 from eccentric.emission.backends import BACKENDS, decimal, with_plain_text, wrapped
 from eccentric.emission.check import limits, proof_command
-from eccentric.emission.compensate.gain import MOST_WITHOUT_REFERENCE, Gain
-from eccentric.emission.compensate.slopes import ZERO, Bound, Walk
+from eccentric.emission.compensate.gain import MOST_WITHOUT_REFERENCE, CompensationGain
+from eccentric.emission.compensate.slopes import ZERO, SlopeBound, Walk
 from eccentric.emission.hot import executed, executed_beside
 from eccentric.emission.program import build_program
 from eccentric.emission.templates import plain, template
-from eccentric.model import LINEAR, TURNING, AxisKind, Model, spoken_quantity
+from eccentric.model import LINEAR, TURNING, AxisKind, Model, levels, spoken_quantity, steps
 from eccentric.model import vocabulary as v
-from eccentric.model.rest import levels
-from eccentric.model.steps import OpaqueStep
 from eccentric.version import __version__
 
 # Assignments in the language of C and of Python, of formulas in the parameters.
@@ -119,10 +117,10 @@ def steepness(model: Model) -> Steepness:
     def named(name: str, value: sp.Expr) -> sp.Expr:
         return value if value.is_Atom else listed.setdefault(value, sp.Symbol(name, nonnegative=True))
 
-    def kept(name: str, bound: Bound) -> Bound:
+    def kept(name: str, bound: SlopeBound) -> SlopeBound:
         size = named(f"{name}_size", bound.size)
         least = None if bound.least is None else named(f"{name}_least", bound.least)
-        return Bound(size, least, {x: named(f"{name}_by_{x.name}", k) for x, k in bound.slopes.items()})
+        return SlopeBound(size, least, {x: named(f"{name}_by_{x.name}", k) for x, k in bound.slopes.items()})
 
     definitions = [(d.symbol, d.value) for d in model.definitions]
     definitions += [(a.target, a.value) for a in found.definitions]
@@ -135,7 +133,7 @@ def steepness(model: Model) -> Steepness:
     for symbol, value in definitions:
         if symbol not in needed:
             continue
-        if value.free_symbols & varying or value.has(sp.sin, sp.cos, OpaqueStep):
+        if value.free_symbols & varying or value.has(sp.sin, sp.cos, steps.OpaqueStep):
             varying.add(symbol)
             walk.define(symbol, kept(symbol.name, walk(value)))
         else:  # a number, once the parameters are known
@@ -174,7 +172,7 @@ _PUSH = {TURNING: 0.1, LINEAR: 1e-3}
 
 
 @dataclass(frozen=True)
-class Setting:
+class LoopSetting:
     """One number of the settings."""
 
     name: str
@@ -182,22 +180,24 @@ class Setting:
     doc: str
 
 
-def settings_of(axis: AxisKind, gain: Gain) -> list[Setting]:
+def settings_of(axis: AxisKind, gain: CompensationGain) -> list[LoopSetting]:
     """The numbers that a user sets, in their order."""
     speed, angle = axis.unit("rad/s"), axis.unit("rad")
     tick = _STEP[axis] / _TICK
     return [
-        Setting("gain", gain.value, "g: share of the friction that may follow a measurement [1]"),
-        Setting("feedforward", 1.0, "share of the friction that is fed forward from the reference [1]"),
-        Setting("speed_max", _FASTEST[axis], f"beyond this speed the compensation is constant [{speed}]"),
-        Setting(
+        LoopSetting("gain", gain.value, "g: share of the friction that may follow a measurement [1]"),
+        LoopSetting("feedforward", 1.0, "share of the friction that is fed forward from the reference [1]"),
+        LoopSetting("speed_max", _FASTEST[axis], f"beyond this speed the compensation is constant [{speed}]"),
+        LoopSetting(
             "width", _WIDTH[axis], f"speed at which a level is reached, in place of a jump at 0 [{speed}]"
         ),
-        Setting("encoder_step", _STEP[axis], f"one step of the encoder [{angle}]"),
-        Setting("tick", _TICK, "time between two calls [s]"),
-        Setting("band", tick, f"measured speed that counts as none, at least encoder_step/tick [{speed}]"),
-        Setting("fade", _FADE[axis], f"speed beyond the band at which the push has faded out [{speed}]"),
-        Setting(
+        LoopSetting("encoder_step", _STEP[axis], f"one step of the encoder [{angle}]"),
+        LoopSetting("tick", _TICK, "time between two calls [s]"),
+        LoopSetting(
+            "band", tick, f"measured speed that counts as none, at least encoder_step/tick [{speed}]"
+        ),
+        LoopSetting("fade", _FADE[axis], f"speed beyond the band at which the push has faded out [{speed}]"),
+        LoopSetting(
             "push_width",
             _PUSH[axis],
             f"what the push is whole at: an error beyond one encoder_step [{angle}], or a"
@@ -206,7 +206,7 @@ def settings_of(axis: AxisKind, gain: Gain) -> list[Setting]:
     ]
 
 
-def view(model: Model, gain: Gain, digest: str, source: str) -> dict[str, Any]:
+def view(model: Model, gain: CompensationGain, digest: str, source: str) -> dict[str, Any]:
     """All variables of the templates but the Lipschitz constants of the defaults.
 
     `digest` is that of the model's program, as its header spells it; `source` is its C.
@@ -250,7 +250,7 @@ def view(model: Model, gain: Gain, digest: str, source: str) -> dict[str, Any]:
         "speed": speed,
         "demand": demand,
         "unused": [] if angle in {q.name for q in taken} else [angle],
-        "called": ", ".join("w" if q.name == speed else q.name for q in taken),
+        "called": ["w" if q.name == speed else q.name for q in taken],
         "signature": wrapped(
             "ECCENTRIC_REAL",
             f"{model.name}_compensation",
@@ -298,7 +298,10 @@ def _decimals(x: float) -> dict[str, str]:
 
 
 def render_compensation(
-    model: Model, files: Mapping[str, str], gain: Gain, command: str = "eccentric emit --compensation"
+    model: Model,
+    files: Mapping[str, str],
+    gain: CompensationGain,
+    command: str = "eccentric emit --compensation",
 ) -> dict[str, str]:
     """The files of the compensation, file name -> text.
 
