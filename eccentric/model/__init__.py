@@ -40,7 +40,7 @@ from eccentric.model.output import Assignment, Expressions, Input, Interface, Ou
 from eccentric.model.outputs import drive_interface, interface_of, moving, normal_force
 from eccentric.model.quantity import C_KEYWORDS, Definition, Quantity, State, quantity, symbols
 from eccentric.model.regressor import Column, regressor
-from eccentric.model.rest import law_at_rest
+from eccentric.model.rest import law_at_rest, levels
 from eccentric.model.steps import (
     STEPS,
     Across,
@@ -128,6 +128,7 @@ __all__ = [
     "interface_of",
     "law_at_rest",
     "letters_of",
+    "levels",
     "load_model",
     "meaning",
     "model_names",
