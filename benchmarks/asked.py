@@ -67,6 +67,17 @@ CODE: dict[str, Asked] = {
     "step instructions": Asked("Cortex-M4F, time step with friction at rest, instructions", "at most", 160),
     "step numpy": Asked("NumPy, time step with friction at rest, 1e6, an element", "at most", 30, "ns"),
     "step jax": Asked("JAX, 4,096 drives, 5,000 steps: time over that of a naive step", "at most", 1.5),
+    **{
+        f"simulated {horizon:g} s": Asked(
+            f"bundled log, simulated over {horizon:g} s: error of the extended over that of the paper's model",
+            "at most",
+            0.2,
+        )
+        for horizon in (0.1, 0.5, 2.0)
+    },
+    "simulated speed": Asked("NumPy, 12 runs at 1 kHz at once: times as fast as real time", "at least", 100),
+    "servo all": Asked("hobby servo with its controller, whole runs: error over all", "at most", 33, "mrad"),
+    "servo held out": Asked("the same over those held out", "at most", 33, "mrad"),
     "update 4": Asked("Cortex-M4F, update of 4 coefficients, instructions", "at most", 420),
     "update 6": Asked("Cortex-M4F, update of 6 coefficients, instructions", "at most", 750),
     "learned": Asked("learned in the field, 1e7 samples: error over that of a batch fit", "at most", 2),

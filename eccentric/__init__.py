@@ -7,6 +7,7 @@
     diagnose              logs, rig -> DiagnosisResult: what the model lacks, and the extended model
     fit_arm, diagnose_arm the same for every joint of an arm                    -> ArmFitResult, ...
     compare               logs, rig, models -> CompareResult: their errors on the same rows
+    simulate              logs, rig, models -> SimulateResult: their motion against the measured one
     plan                  logs, rig, limits -> PlanResult: the motion that would decide what is open
     load_model, emit      a derivation -> Model; a Model -> NumPy module and C99 files
     compile               a Model -> a Python module whose functions are the emitted C
@@ -27,6 +28,7 @@ through their `__init__`:
     draft     log                      -> a rig file to complete        (drafting)
     fit       signals + Model          -> coefficients, residual        (identification)
     diagnose  residual + effects       -> verdict, extended Model       (diagnosis, joints)
+    simulate  fits + a log's input     -> motion, refined parameters    (simulation)
     plan      verdict + limits         -> the next motion               (planning)
     follow    channels + fit           -> coefficients over time        (adaptation)
     watch     logs of a fleet          -> what changed, joint by joint  (fleet)

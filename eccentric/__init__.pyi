@@ -15,6 +15,7 @@ from eccentric.api import PlanResult as PlanResult
 from eccentric.api import ResultTable as ResultTable
 from eccentric.api import RigCheck as RigCheck
 from eccentric.api import RigDraft as RigDraft
+from eccentric.api import SimulateResult as SimulateResult
 from eccentric.api import adapt as adapt
 from eccentric.api import bench as bench
 from eccentric.api import bench_arm as bench_arm
@@ -30,6 +31,7 @@ from eccentric.api import emit as emit
 from eccentric.api import fit as fit
 from eccentric.api import fit_arm as fit_arm
 from eccentric.api import plan as plan
+from eccentric.api import simulate as simulate
 from eccentric.compiled import compile as compile  # noqa: A004 - called as eccentric.compile
 from eccentric.core import InputError as InputError
 from eccentric.logs import Log as Log

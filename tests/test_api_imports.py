@@ -37,6 +37,7 @@ OFFERED = {
         "read_arm_rig",
         "read_log",
         "read_rig",
+        "simulate",
     ),
     *(
         "AdaptResult",
@@ -58,6 +59,7 @@ OFFERED = {
         "Rig",
         "RigCheck",
         "RigDraft",
+        "SimulateResult",
     ),
     *("InputError", "__version__"),
 }

@@ -26,7 +26,7 @@ LAYERS = (
     {"emission", "rigs"},
     {"signals", "drafting", "paper", "compiled", "arms", "output"},
     {"identification", "adaptation"},
-    {"diagnosis", "fleet"},
+    {"diagnosis", "fleet", "simulation"},
     {"joints", "planning"},
     {"presentation"},
     {"api"},

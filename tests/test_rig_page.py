@@ -19,6 +19,7 @@ from eccentric.signals import read_channels
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "rig.md").read_text(encoding="utf-8")
 BENCH = ROOT / "examples" / "bench"
+TABLES = ("known", "unknown", "columns", "added", "kinds", "controller")
 
 
 def fitted(log: Path, rig_path: Path, **changes: object) -> Fit:
@@ -77,7 +78,7 @@ def test_every_key_stands_in_the_page() -> None:
     told = set(_code(PAGE.split("## The file")[1].split("```")[2]))
     keys = {*KEYS, *CHANNELS, *(column for column, _ in CHANNELS.values()), "case"}
     keys |= {known.name for known in KNOWNS} | {known.key for known in KNOWNS}
-    keys = {f"[{key}]" if key in ("known", "unknown", "columns", "added", "kinds") else key for key in keys}
+    keys = {f"[{key}]" if key in TABLES else key for key in keys}
     assert sorted(keys - told) == []
 
 

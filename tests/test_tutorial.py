@@ -19,6 +19,7 @@ PAGES = (
     pytest.param("own-effect", marks=pytest.mark.slow),
     pytest.param("linear-axes", marks=pytest.mark.slow),
     pytest.param("own-derivation", marks=pytest.mark.slow),
+    pytest.param("simulate", marks=pytest.mark.slow),
 )
 BLOCK = re.compile(r"^```(\S+)(?: (\S+))?\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]\d+)?")

@@ -7,6 +7,7 @@
     diagnosed   diagnose   -> DiagnosisResult
     of_arms     fit_arm, diagnose_arm  -> ArmFitResult, ArmDiagnosisResult
     compared    compare    -> CompareResult
+    simulation  simulate   -> SimulateResult
     planned     plan       -> PlanResult
     emitted     emit       -> files
     adapted     adapt      -> AdaptResult

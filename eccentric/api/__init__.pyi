@@ -30,3 +30,5 @@ from eccentric.api.simulated import BenchResult as BenchResult
 from eccentric.api.simulated import bench as bench
 from eccentric.api.simulated import bench_arm as bench_arm
 from eccentric.api.simulated import bench_fleet as bench_fleet
+from eccentric.api.simulation import SimulateResult as SimulateResult
+from eccentric.api.simulation import simulate as simulate

@@ -22,6 +22,7 @@ from eccentric.model import Model
 from eccentric.presentation import contest_document, contest_lines
 from eccentric.rigs import read_rig
 from eccentric.signals import read_long
+from eccentric.simulation import SimulatedErrors, simulated_errors
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,12 +59,14 @@ def compare(
     named = [name for model in several if (name := by_name(model)) is not None]
     sources, rig = sources_of(logs), read_rig(rig)
     found = contest(read_long(sources, rig, tell=reading), rig, named, own)
-    found = replace(found, unit=rig.axis.unit(found.unit))
+    simulated = simulated_errors(found.fits)
+    found = replace(found, unit=rig.axis.unit(found.unit), fits={})
     return CompareResult(
         contest=found,
-        lines=tuple(contest_lines(found)),
+        simulated=simulated,
+        lines=tuple(contest_lines(found, simulated, rig.axis.unit("rad"))),
         warnings=found.warnings,
-        document=contest_document(found),
+        document=contest_document(found, simulated),
     )
 
 
@@ -73,10 +76,12 @@ class CompareResult(Printed):
 
     Attributes:
         contest: entries, best first, with the row of Coulomb + viscous friction.
+        simulated: errors of the simulated motion of each model, over windows of the held-out part.
         lines, warnings, document: as in Printed; the document is the content of compare.json.
     """
 
     contest: Contest
+    simulated: SimulatedErrors | None = None
 
     @property
     def rmse(self) -> dict[str, float]:

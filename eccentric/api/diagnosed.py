@@ -36,12 +36,14 @@ from eccentric.presentation import (
     ReportData,
     diagnosis_document,
     diagnosis_lines,
+    horizons_document,
     page,
     plot_report,
     report_data,
 )
 from eccentric.rigs import read_rig
 from eccentric.signals import read_long
+from eccentric.simulation import draws_of_refit, simulated_errors
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -114,19 +116,22 @@ def diagnose(
 
 def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
     """The result of a diagnosis; `own` are the scripts that it loads, name -> text."""
-    given, axis = found.asked.base, found.rig.axis
+    given, axis, models = found.asked.base, found.rig.axis, found.models
+    fits = {"linear": models.linear, "paper": models.paper, "extended": models.extended}
+    simulated = simulated_errors(fits)
     document, estimates = diagnosis_document(found), axis.estimates(found.models.extended.estimates)
     return DiagnosisResult(
         model=extended_model(found),
         origin="model.py",
         estimates=estimates,
         correlation=Correlation.of(list(estimates), found.models.extended.covariance),
+        draws=draws_of_refit(found.models.extended),
         script=script(found),
         own={**own} | ({BASE: base_source(given)} if isinstance(given, Model) else {}),
         warnings=tuple(document["warnings"]),
         lines=tuple(diagnosis_lines(found)),
-        data=report_data(found),
-        document=document,
+        data=report_data(found, simulated),
+        document=document | {"simulated": None if simulated is None else horizons_document(simulated)},
     )
 
 

@@ -22,9 +22,18 @@ from eccentric.identification import Estimate
 from eccentric.identification import fit as fit_channels
 from eccentric.logs import log_names
 from eccentric.model import Model
-from eccentric.presentation import Comparison, compare, fit_document, fit_lines, plot_fit
+from eccentric.presentation import (
+    Comparison,
+    compare,
+    fit_document,
+    fit_lines,
+    plot_fit,
+    refined_document,
+    refined_lines,
+)
 from eccentric.rigs import read_rig
 from eccentric.signals import FIT_POINTS, read_channels, read_long
+from eccentric.simulation import draws_of_fit, refine
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,7 +47,8 @@ def fit(
     rig: RigSource,
     model: ModelSource | None = None,
     *,
-    reading: Callable[[float], None] | None = None,
+    simulated: bool = False,
+    reading: Callable[..., None] | None = None,
 ) -> FitResult:
     """Fit a friction model to logs of a rig, and compare it with Coulomb and viscous friction.
 
@@ -48,7 +58,11 @@ def fit(
         rig: what is known about the rig: the path of a rig file, its content as a mapping, or what `read_rig`
             returned.
         model: a Model, its name, or the path of a derivation; by default that of the rig's case or tilt.
-        reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read.
+        simulated: whether the parameters are refined on the simulated error of the training part: over whole
+            runs with the controller of the rig, where it has one, else over windows of half a second. Then
+            friction may follow the current, which regression on the drive cannot tell from the drive itself.
+        reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read,
+            and with a second argument "refining" while parameters are refined.
 
     Raises:
         InputError: a log or the rig cannot be read, they do not match, or the log has too few rows or too
@@ -60,9 +74,16 @@ def fit(
     chosen = channels.rig.model if model is None else model
     base = model_of(chosen)
     names, axis = log_names(read), rig.axis
-    found = fit_channels(channels, channels.rig, base, ", ".join(names))
+    found = fit_channels(channels, channels.rig, base, ", ".join(names), by_current=simulated)
+    refined = None
+    if simulated:
+        tell = None if reading is None else lambda part: reading(part, "refining")
+        refined = refine(found, base, tell)
+        found = refined.fit
     estimates = axis.estimates({**found.coefficients, **found.searched})
     document = fit_document(found, names)
+    if refined is not None:
+        document |= {"simulated": refined_document(refined)}
     return FitResult(
         base=base,
         model=with_fitted(base, read_parameters(document), base.name),
@@ -70,13 +91,14 @@ def fit(
         estimates=estimates,
         combinations=axis.estimates(found.combinations),
         correlation=Correlation.of(list(estimates), found.spread.matrix),
+        draws=draws_of_fit(found, read_parameters(document).values),
         rmse=found.rmse,
         r_squared=found.r_squared,
         unit=axis.unit(found.problem.unit),
         improvement=found.percent,
         improvement_interval=found.percent_interval,
         warnings=tuple(document["warnings"]),
-        lines=tuple(fit_lines(found, names)),
+        lines=tuple(refined_lines(refined, axis) + fit_lines(found, names)),
         comparison=compare(found),
         document=document,
     )

@@ -37,6 +37,7 @@ from eccentric.identification import Estimate, correlation
 from eccentric.logs import Log
 from eccentric.model import Model
 from eccentric.presentation import NEEDS_MATPLOTLIB
+from eccentric.simulation import Draws
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -318,6 +319,7 @@ class Result(Printed):
         estimates: name -> Estimate (value, std_error, interval, unit), of all that was fitted: coefficients,
             parameters that do not enter linearly, and what the rig left open, such as a zero angle.
         correlation: of the errors of the estimates, by name.
+        draws: the joint uncertainty of the parameters, which `samples` draws from.
         lines, warnings, document: as in Printed.
     """
 
@@ -325,6 +327,28 @@ class Result(Printed):
     origin: str
     estimates: Mapping[str, Estimate]
     correlation: Correlation
+    draws: Draws
+
+    def samples(self, n: int, seed: int = 0) -> dict[str, NDArray[np.float64]]:
+        """Parameter sets drawn from the joint uncertainty of the fit, for domain randomisation.
+
+        Errors are normal and correlated as those of the estimates; 95 % of the draws of an estimate lie in
+        its 95 % interval, more where bounds cut them off. One that is at a bound goes from it in one
+        direction, by itself. What was not fitted has its value in every set.
+
+        Args:
+            n: number of sets, at least 1.
+            seed: of the random numbers; the same seed gives the same sets.
+
+        Returns:
+            Every parameter of the model by name: (n,) in SI units, as the emitted Parameters take them.
+
+        Raises:
+            InputError: n is no whole number of at least 1.
+        """
+        if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 1:
+            raise InputError("n", "a whole number of at least 1", f"{n!r}")
+        return {self.model.axis.named(name): x for name, x in self.draws.samples(int(n), seed).items()}
 
     @property
     def module(self) -> ModuleType:

@@ -48,6 +48,7 @@ COMMANDS = (
     "fit",
     "diagnose",
     "compare",
+    "simulate",
     "plan",
     "adapt",
     "fleet",

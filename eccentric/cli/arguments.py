@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 from eccentric.core import InputError
 
@@ -169,6 +169,23 @@ def _time_left() -> Callable[[float, str], float]:
         return (last - start) * max(1.0 / max(part, 1e-9) - 1.0, 0.0)
 
     return left
+
+
+def take_after_options(parser: argparse.ArgumentParser) -> None:
+    """Let the last arguments, of which there may be none, stand after options: `LOG --rig RIG MODEL`.
+
+    argparse counts them as given, none, with the first arguments before an option.
+    """
+    plain = parser.parse_known_args
+
+    def parse(*given: Any, **named: Any) -> Any:
+        parser.parse_known_args = plain
+        try:
+            return parser.parse_known_intermixed_args(*given, **named)
+        finally:
+            parser.parse_known_args = parse
+
+    parser.parse_known_args = parse
 
 
 def names_in(given: Iterable[str]) -> list[str]:

@@ -9,12 +9,19 @@ from eccentric.core import own_folder
 NAME = "fit"
 HELP = "identify the friction of a rig from its logs, with uncertainty, and compare it with Coulomb + viscous"
 EXAMPLE = """eccentric fit examples/bench/bench.csv.gz --rig examples/bench/bench.toml --out build/bench
-eccentric fit monday.csv tuesday.csv --rig my_rig.toml --out build/mine"""
+eccentric fit monday.csv tuesday.csv --rig my_rig.toml --out build/mine
+eccentric fit my.csv --rig my_rig.toml --simulated --out build/mine"""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `fit` to `parser`."""
     add_logs(parser)
+    parser.add_argument(
+        "--simulated",
+        action="store_true",
+        help="refine the parameters on the simulated motion of the training part; friction may then follow"
+        " the current",
+    )
     add_folder(parser, "fit.json, fit.png and fit.svg")
 
 
@@ -23,10 +30,10 @@ def run(args: argparse.Namespace) -> int:
     from eccentric.presentation import NEEDS_MATPLOTLIB
 
     own_folder(args.out)
-    if arm_of(args.rig, {"--model": args.model}):
+    if arm_of(args.rig, {"--model": args.model, "--simulated": args.simulated}):
         found = eccentric.fit_arm(args.logs, args.rig, progress(), reading=bar())
     else:
-        found = eccentric.fit(args.logs, args.rig, args.model, reading=bar())
+        found = eccentric.fit(args.logs, args.rig, args.model, simulated=args.simulated, reading=bar())
     first, *figures = (path.name for path in found.write(args.out))
     print_warnings(found.warnings)
     print(found.summary())

@@ -6,7 +6,7 @@ A model is a derivation, extended or not by effects of the library: "c2_parallel
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -55,7 +55,8 @@ class Contest:
     """Entries, best first; `rows` held-out rows; `noise_floor` of the sensors; errors are in `unit`.
 
     `low_pass_hz` is the cut-off of the low pass of the angle.
-    `excerpt` says which windows of a long log these are, "" for one that was read whole.
+    `excerpt` says which windows of a long log these are, "" for one that was read whole. `fits` are the
+    fitted models by name, Coulomb + viscous friction first.
     """
 
     logs: tuple[str, ...]
@@ -68,6 +69,7 @@ class Contest:
     entries: tuple[Entry, ...]
     warnings: tuple[str, ...]
     excerpt: str = ""
+    fits: Mapping[str, Refit] = field(default_factory=dict, repr=False)
 
 
 @dataclass
@@ -149,6 +151,7 @@ def contest(
         tuple(sorted(entries, key=lambda entry: (entry.rmse, entry.circuit or 0.0))),
         (*channels.intake.warnings, *drive.warnings),
         channels.excerpt,
+        {BASELINE: linear, **dict(zip(names, fits, strict=True))},
     )
 
 

@@ -49,6 +49,7 @@ from eccentric.identification.expressions import (
     base_columns,
     compiled,
     load_torque,
+    state_series,
 )
 from eccentric.identification.fit_data import (
     Emitted,
@@ -58,9 +59,10 @@ from eccentric.identification.fit_data import (
     fit_data_of,
     with_model_current,
 )
-from eccentric.identification.identify import Fit, drive_of, fit
+from eccentric.identification.identify import Fit, drive_of, fit, posed_for_motion, with_solution
 from eccentric.identification.limits import LEAST_GAIN_PERCENT, LEAST_R_SQUARED, MOST_POINTS
 from eccentric.identification.machine import Machine
+from eccentric.identification.problem import Problem
 from eccentric.identification.refitting import Refit, refit, residual_samples
 from eccentric.identification.regression import (
     BalanceDesign,
@@ -80,10 +82,13 @@ from eccentric.identification.regression import (
     triangles,
 )
 from eccentric.identification.uncertainty import (
+    TWO_SIDED,
     Estimate,
+    Spread,
     correlation,
     improvement,
     improvement_over_runs,
     r_squared,
     rms,
+    spread,
 )

@@ -43,6 +43,7 @@ from eccentric.identification.problem import Problem, pose
 from eccentric.identification.regression import (
     Coefficient,
     ColumnRole,
+    Nonlinear,
     Profile,
     Solution,
     profile,
@@ -111,12 +112,16 @@ class Fit:
         return [name for name, e in self.coefficients.items() if e.bound_active]
 
 
-def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
+def fit(channels: Channels, rig: Rig, model: Model, where: str = "log", *, by_current: bool = False) -> Fit:
     """Fit a model; `where` names the log in messages.
+
+    With `by_current`, friction of the model may follow the current; it is left at 0, since regression on the
+    drive would explain the drive by itself.
 
     Raises InputError for whatever `pose` refuses, too few rows, and columns that are dependent on this log.
     """
-    problem = pose(channels, rig, model)
+    whole = pose(channels, rig, model, by_current=by_current)
+    problem = whole.without_current if by_current else whole
     _require_rows(problem, where)
     paper, baseline = solved(problem, where, positive={"scale"}), problem.baseline
     solutions = {
@@ -131,8 +136,66 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     narrowed = problem.narrowed
     filtered = None if narrowed is None else (paper.design, narrowed.design(paper.at))
     error = paper.spread(problem.nonlinear, filtered)
+    return _judged(problem, solutions, profiles, error, problem)
+
+
+def posed_for_motion(found: Fit, model: Model) -> tuple[Problem, Solution]:
+    """The problem of a fit as simulated motion shows it, and a solution to start from.
+
+    Friction may follow the current: it is 0 in the fit. The back-EMF of a voltage stands apart from viscous
+    friction where the motor is off at times or friction follows its torque: the search starts from all of it.
+    """
+    narrow, paper = found.problem, found.solutions["paper"]
+    rig, channels, letters = narrow.rig, narrow.drive.channels, narrow.drive.machine.back_emf_letters
+    whole = pose(channels, rig, model, by_current=True)
+    follows = len(whole.coefficients) > len(narrow.coefficients)
+    if not narrow.drive.back_emf_in_friction or not (follows or np.any(channels.motor.off)):
+        return whole, _widened(paper, narrow, whole, paper.at)
+    (letter,) = letters
+    shared = [
+        k for k, c in enumerate(narrow.coefficients) if letter in {s.name for s in c.expression.free_symbols}
+    ]
+    per_unit = narrow.drive.machine.damping({**narrow.values_at(paper.at), letter: 1.0})
+    value = float(np.mean(paper.values[shared])) / per_unit
+    known = dataclasses.replace(rig, known={**rig.known, letter: value})
+    whole = pose(channels, known, model, by_current=True)
+    emf = Nonlinear(letter, _EMF_UNIT, 0.0, math.inf, (value,), max(value, 1e-6))
+    whole = dataclasses.replace(whole, rig=rig, nonlinear=(*whole.nonlinear, emf))
+    start = _widened(paper, narrow, whole, {**paper.at, letter: value})
+    friction = [narrow.coefficients[k].letter for k in shared]
+    rest = np.array([c.letter not in friction for c in whole.coefficients])
+    return whole, dataclasses.replace(start, values=np.where(rest, start.values, start.design.lower))
+
+
+_EMF_UNIT = "V s/rad"
+
+
+def _widened(solution: Solution, narrow: Problem, whole: Problem, at: Mapping[str, float]) -> Solution:
+    """A solution with 0 for the coefficients that its problem does not have."""
+    place = {c.letter: k for k, c in enumerate(narrow.coefficients)}
+    own = [place.get(c.letter) for c in whole.coefficients]
+    values = np.array([0.0 if k is None else solution.values[k] for k in own])
+    active = np.array([-1 if k is None else solution.active[k] for k in own], np.int64)
+    return dataclasses.replace(solution, design=whole.design(at), values=values, active=active, at=at)
+
+
+def with_solution(found: Fit, problem: Problem, solution: Solution, error: Spread) -> Fit:
+    """A fit with other values of the paper's model, and their spread, judged on the same held-out rows."""
+    problem = problem.with_scale_of(solution.values)
+    return _judged(problem, {**found.solutions, "paper": solution}, found.profiles, error, found.problem)
+
+
+def _judged(
+    problem: Problem,
+    solutions: Mapping[str, Solution],
+    profiles: Mapping[str, Profile],
+    error: Spread,
+    others: Problem,
+) -> Fit:
+    """The fit with solutions by model; `others` is the problem of those but the paper's."""
+    paper = solutions["paper"]
     coefficients, searched = _estimates(problem, paper, error)
-    problems = {name: baseline if name == "linear" else problem for name in solutions}
+    problems = {"linear": others.baseline, "paper": problem, "paper_unbounded": others}
     held_out = {name: problems[name].held_out(solution) for name, solution in solutions.items()}
     percent, interval = improvement(held_out["linear"][0], held_out["paper"][0])
     band = _band(problem, paper)

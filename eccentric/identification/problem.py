@@ -46,6 +46,7 @@ from eccentric.identification.limits import (
 from eccentric.identification.machine import Machine
 from eccentric.identification.regression import ColumnRole, Design, Nonlinear, Solution
 from eccentric.model import Column, Load, Model, Role, regressor
+from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS, Rig
 from eccentric.signals import Channels, Rows, fit_rows, rows_of
 
@@ -88,7 +89,8 @@ class Problem:
 
     `drive` is as the rig describes it, its unit that of target and residual; `scale` is s if the log has to
     determine it, else None; `friction` are the columns of the regressor, those of one coefficient together:
-    the first coefficients, in this order.
+    the first coefficients, in this order. `newtons` is what the unit of target and residual is in N m, for
+    friction that follows the torque of the motor.
     """
 
     drive: Drive
@@ -101,15 +103,17 @@ class Problem:
     nonlinear: tuple[Nonlinear, ...]
     friction: tuple[tuple[Column, ...], ...]
     warnings: tuple[str, ...]
+    newtons: float = 1.0
 
     def design(self, at: Mapping[str, float]) -> Design:
         """Return the design for given nonlinear values."""
-        drive, values, rotor = self.aligned(at), self._values(at), self.drive.machine.rotor
+        drive, values, rotor = self.aligned(at), self.values_at(at), self.drive.machine.rotor
         residuals = Residuals(self.model, drive, self.rows, values)
         unknown = [tuple(column.parameter.name for column in columns) for columns in self.friction]
         unknown += [(rotor,)] if self.has("inertia") else []
         try:
-            target, steps = residuals.design("mechanical", values, unknown)
+            current = None if self.newtons == 1.0 else residuals.inputs["i"] * self.newtons
+            target, steps = residuals.design("mechanical", values, unknown, current)
         except ValueError as error:
             raise InputError(self.rig.path, problem=str(error)) from None
         if self.has("inertia"):
@@ -138,6 +142,17 @@ class Problem:
             self,
             friction=tuple(tuple(alone[k] for k in group) for group in groups),
             coefficients=(*(self.coefficients[first] for first, *_ in groups), *bench),
+        )
+
+    @property
+    def without_current(self) -> Problem:
+        """The problem without friction that follows the current, which no regression on the drive shows."""
+        kept = [k for k, (column, *_) in enumerate(self.friction) if not _follows_current(self.model, column)]
+        bench = self.coefficients[len(self.friction) :]
+        return dataclasses.replace(
+            self,
+            friction=tuple(self.friction[k] for k in kept),
+            coefficients=(*(self.coefficients[k] for k in kept), *bench),
         )
 
     @property
@@ -171,11 +186,16 @@ class Problem:
     def moving(self, solution: Solution) -> Array:
         """What accelerates the inertia (n,), in the unit of the residual."""
         of = {c.role: value for c, value in zip(self.coefficients, solution.values, strict=True)}
-        drive, values = self.aligned(solution.at), self._values(solution.at)
+        drive, values = self.aligned(solution.at), self.values_at(solution.at)
         channels, machine, scale = drive.channels, drive.machine, of.get("scale", 1.0)
         inertia = machine.inertia(values)
         carried = machine.inertia_along(values, channels.carried) - inertia
         return (of.get("inertia", inertia * scale) + carried * scale) * channels.motion.alpha_m
+
+    def with_scale_of(self, values: Array) -> Problem:
+        """The same with `newtons` by the scale among values of the coefficients."""
+        of = {c.role: float(x) for c, x in zip(self.coefficients, values, strict=True)}
+        return dataclasses.replace(self, newtons=1.0 / of.get("scale", 1.0))
 
     def _found(self, solution: Solution) -> dict[str, float] | None:
         """The inertia that a coast-down under gravity was found to have; None where the rig has it."""
@@ -199,15 +219,19 @@ class Problem:
         aligned = {name: value for name, value in at.items() if name in _ALIGNED}
         return self.drive.aligned(self.rig, aligned) if aligned else self.drive
 
-    def _values(self, at: Mapping[str, float]) -> dict[str, float]:
+    def values_at(self, at: Mapping[str, float]) -> dict[str, float]:
         """Every parameter of the model: as the rig has it, else as the model has it; none for friction."""
         given = {**self.drive.machine.absent, **self.drive.known}
         unfitted = dict.fromkeys((q.name for q in self.model.friction_parameters), 0.0)
         return {**given, **self.drive.scaled(), **at, **unfitted, LOAD: 0.0}
 
 
-def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
-    """Return the problem of a log under a rig and a model.
+def _follows_current(model: Model, column: Column) -> bool:
+    return v.i.symbol in model.expand(column.basis).free_symbols
+
+
+def pose(channels: Channels, rig: Rig, model: Model, *, by_current: bool = False) -> Problem:
+    """Return the problem of a log under a rig and a model; `by_current` lets its friction follow the current.
 
     Raises InputError for a model of another case than the rig's, a letter that the model needs and the rig
     gives neither as a value nor as a range, a current without k_i, and friction that depends on what the log
@@ -215,7 +239,9 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     """
     require_case(rig, model)
     channels, given, rig = channels.driven, rig, with_own(rig, model)
-    if lacking := sorted(load_letters(model) - set(rig.known) - set(rig.unknown)):
+    # What friction follows of the current is a torque: with a scale, k_i is 1 by convention.
+    motor = Machine(model).torque_letters if by_current else frozenset[str]()
+    if lacking := sorted(load_letters(model) - motor - set(rig.known) - set(rig.unknown)):
         several = len(lacking) > 1
         raise MissingValueError(
             rig.path,
@@ -228,7 +254,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     emitted = Emitted(model)
     used = {*emitted.inputs_of("regressor"), *emitted.inputs_of("gravity_torque")}
     used |= {"i"} if model.balance("mechanical").sum_of("actuator") != 0 else set()
-    if missing := used - set(inputs_of(channels)):
+    if missing := used - set(inputs_of(channels)) - ({"i"} if by_current else set()):
         # What follows the current would explain the drive by the drive; hidden states need a past.
         raise InputError(
             model.name,

@@ -1,5 +1,6 @@
 # The names of the door, each from the file that defines it.
 
+from eccentric.logs.arithmetic import column_names as column_names
 from eccentric.logs.arithmetic import evaluate as evaluate
 from eccentric.logs.assemble import number_of as number_of
 from eccentric.logs.batches import LogStream as LogStream

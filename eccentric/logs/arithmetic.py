@@ -42,12 +42,27 @@ _COMPARISON: dict[type[ast.AST], Callable[[Value, Value], NDArray[Any]]] = {
 _ALLOWED = "+ - * / ( ), numbers, column names, comparisons, and, or, not"
 
 
-def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str) -> NDArray[Any]:
+def column_names(text: str, where: str) -> list[str]:
+    """The columns that an expression names. InputError for what is not on the whitelist."""
+    names: dict[str, None] = {}
+
+    def column(name: str) -> NDArray[np.float64]:
+        names[name] = None
+        return np.ones(1)
+
+    evaluate(text, column, where, constant=True)
+    return list(names)
+
+
+def evaluate(
+    text: str, column: Callable[[str], NDArray[np.float64]], where: str, *, constant: bool = False
+) -> NDArray[Any]:
     """Return the value of an arithmetic expression on columns: float64 (n,), or bool (n,) for a condition.
 
     `column` returns the numbers of a named column and raises InputError for a name that is not in the log.
     `where` opens the error message. A division by zero gives inf or NaN, later counted as missing.
-    Raises InputError for anything that is not on the whitelist.
+    Raises InputError for anything that is not on the whitelist, and for an expression without a column,
+    unless it may be `constant`.
     """
     tree, quoted = _parse(text, where)
 
@@ -92,11 +107,12 @@ def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str
 
     with np.errstate(all="ignore"):
         result = np.asarray(value(tree, 0))
-    if result.ndim == 0:
+    if result.ndim == 0 and not constant:
         raise InputError(where, problem=f"{text!r} names no column")
     return result
 
 
+@functools.lru_cache(maxsize=64)
 def _parse(text: str, where: str) -> tuple[ast.AST, dict[str, str]]:
     """Return the syntax tree, and for each placeholder the column name that was in backticks."""
     if len(text) > LONGEST_ARITHMETIC:

@@ -40,3 +40,9 @@ from eccentric.presentation.html import report as report
 from eccentric.presentation.html import report_data as report_data
 from eccentric.presentation.plan_text import plan_document as plan_document
 from eccentric.presentation.plan_text import plan_lines as plan_lines
+from eccentric.presentation.simulation_text import horizons_document as horizons_document
+from eccentric.presentation.simulation_text import plot_simulation as plot_simulation
+from eccentric.presentation.simulation_text import refined_document as refined_document
+from eccentric.presentation.simulation_text import refined_lines as refined_lines
+from eccentric.presentation.simulation_text import simulation_document as simulation_document
+from eccentric.presentation.simulation_text import simulation_lines as simulation_lines

@@ -8,10 +8,15 @@ import numpy as np
 
 from eccentric.core import few
 from eccentric.diagnosis import BASELINE, Contest, Entry
+from eccentric.presentation.simulation_text import aligned, horizons_document
+from eccentric.simulation import SimulatedErrors
 
 
-def contest_document(found: Contest) -> dict[str, Any]:
-    """The contest as JSON, format eccentric-compare/1; the keys of an entry are those of `Entry`."""
+def contest_document(found: Contest, simulated: SimulatedErrors | None = None) -> dict[str, Any]:
+    """The contest as JSON, format eccentric-compare/1; the keys of an entry are those of `Entry`.
+
+    `simulated` has for each horizon the mean absolute error of the simulated motor angle by model.
+    """
     unit = found.unit.replace(" ", "")
     return {
         "format": "eccentric-compare/1",
@@ -35,30 +40,30 @@ def contest_document(found: Contest) -> dict[str, Any]:
             }
             for e in found.entries
         ],
+        **({} if simulated is None else {"simulated": horizons_document(simulated)}),
         "warnings": list(found.warnings),
     }
 
 
-def contest_lines(found: Contest) -> list[str]:
-    """The table for a terminal."""
+def contest_lines(found: Contest, simulated: SimulatedErrors | None = None, unit: str = "rad") -> list[str]:
+    """The table for a terminal; `unit` is that of the simulated motor angle."""
     optional = {
         f"below {found.low_pass_hz:g} Hz [{found.unit}]": [e.below for e in found.entries],
         f"of the circuit [{found.unit}]": [e.circuit for e in found.entries],
     }
+    if simulated is not None:
+        motion = {m.name: m.horizons for m in simulated.models}
+        for k, horizon in enumerate(simulated.horizons_s):
+            optional[f"simulated {horizon:g} s [{unit}]"] = [motion[e.name][k] for e in found.entries]
     shown = {head: column for head, column in optional.items() if any(x is not None for x in column)}
     rows = [["model", f"held-out RMSE [{found.unit}]", *shown, "R^2", "parameters", f"gain over {BASELINE}"]]
     for k, e in enumerate(found.entries):
         own = ["-" if column[k] is None else f"{column[k]:.4g}" for column in shown.values()]
         rows.append([_called(e), f"{e.rmse:.4g}", *own, f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e)])
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     head = f"{few(found.logs)}: {found.rows} held-out rows ({found.holdout})"
-    table = [
-        "  ".join([row[0].ljust(widths[0]), *(x.rjust(w) for x, w in zip(row[1:], widths[1:], strict=True))])
-        for row in rows
-    ]
     above = [head, *([found.excerpt] if found.excerpt else [])]
     noise = f"noise of the sensors: {found.noise_floor:.3g} {found.unit}"
-    return [*above, *table, noise, *filter(None, [_first_below(found)])]
+    return [*above, *aligned(rows), noise, *filter(None, [_first_below(found)])]
 
 
 def _first_below(found: Contest) -> str:

@@ -24,6 +24,7 @@ from eccentric.core import (
 )
 from eccentric.logs import parse_value
 from eccentric.model import AXES, LINEAR, TURNING, AxisKind
+from eccentric.rigs.controller import Controller, read_controller
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names
 from eccentric.rigs.known import AddedMass, mass_alone, read_added, read_knowns
 from eccentric.rigs.limits import LEAST_GRAVITY, LEAST_LOW_PASS_HZ
@@ -48,7 +49,7 @@ COASTING = "none"
 KEYS = (
     *("format", "name", "log_type", "kind", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
     *("sample_rate_hz", "low_pass_hz", "moving_threshold_rad_s", "holdout_intervals_s", "holdout_runs"),
-    *("runs", "average_over", "added", "kinds"),
+    *("runs", "average_over", "added", "kinds", "controller"),
     *ALIGNMENT,
 )
 """Keys at the top level of a rig file."""
@@ -88,6 +89,7 @@ class Rig:
         warnings: what is unusual about the rig.
         axis: what moves; it says what all of these are called.
         added: masses that some runs carry, by the run or a pattern of runs.
+        controller: what makes the drive signal; None where the rig does not say.
         per_inertia: whether a coast-down without an inertia has 1 kg m^2 in its place: then every torque is a
             deceleration.
     """
@@ -105,6 +107,7 @@ class Rig:
     warnings: tuple[str, ...]
     axis: AxisKind = TURNING
     added: Mapping[str, AddedMass] = field(default_factory=dict)
+    controller: Controller | None = None
     per_inertia: bool = False
 
     def __repr__(self) -> str:
@@ -219,8 +222,15 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
         warnings=(*warnings, *(_doubts(known) if axis is TURNING else ())),
         axis=axis,
         added=read_added(content, where, known),
+        controller=_controller(content, where, axis),
         per_inertia=per_inertia,
     )
+
+
+def _controller(content: Mapping[str, Any], where: str, axis: AxisKind) -> Controller | None:
+    if "controller" not in content:
+        return None
+    return read_controller(content["controller"], f"{where}: [controller]", axis)
 
 
 def _coasting(known: dict[str, float], unknown: Mapping[str, Any]) -> bool:

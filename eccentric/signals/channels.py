@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, counted, few
 from eccentric.logs import LogSource, read_log
 from eccentric.rigs import COASTING, Alignment, Rig
+from eccentric.signals.converted import CONTROLLER
 from eccentric.signals.filters import joined, motion_of, rows_of_each, span_velocity, stretches, suited
 from eccentric.signals.kinds import at_times, evidence, refined
 from eccentric.signals.limits import (
@@ -43,7 +44,15 @@ from eccentric.signals.limits import (
     STEPS,
 )
 from eccentric.signals.lines import standing_lines
-from eccentric.signals.measured import Channels, Intake, MeasuredMotion, Motor, Selection, TimeBase
+from eccentric.signals.measured import (
+    Channels,
+    Controlled,
+    Intake,
+    MeasuredMotion,
+    Motor,
+    Selection,
+    TimeBase,
+)
 from eccentric.signals.motion import (
     clear_of_ends,
     motor_side,
@@ -231,6 +240,9 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     motion, said = motion_of(points.t, points.theta, points.segment, cut, rig.axis)
     doubts = [*said, *doubts, *_rate_doubt(step, rig)]
     channels = dataclasses.replace(_channels(points, motion, rig, step * together), lines=lines)
+    if channels.controlled is not None:
+        own = dataclasses.replace(channels.controlled, per_motor=_per_motor(logged, rig))
+        channels = dataclasses.replace(channels, controlled=own)
     if together > 1:
         base = dataclasses.replace(channels.time, rows_per_point=together)
         channels = dataclasses.replace(channels, time=base)
@@ -321,8 +333,10 @@ def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels
     """The channels before alignment, still without warnings and findings."""
     table, t, segment = points.table, points.t, points.segment
     clear = clear_of_ends(t, segment) & ~near_switching(t, segment, table.motor_off)
+    wanted = table.use
     if coasting := rig.log.drive == COASTING:
-        clear &= past_the_peak(motion[1], segment)
+        past = past_the_peak(motion[1], segment)
+        clear, wanted = clear & past, wanted & past
     return Channels(
         time=TimeBase(
             t=t,
@@ -356,11 +370,27 @@ def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels
             usable=points.moving & table.use & clear,
             holdout=points.holdout,
             moving_threshold_rad_s=points.threshold,
+            wanted=wanted,
         ),
         alignment=Alignment(),
         intake=Intake(table.rows_read, table.rows_rejected),
         rig=rig,
+        controlled=_controlled(table, rig),
     )
+
+
+def _per_motor(logged: Table, rig: Rig) -> float:
+    """The angle on the logged side for a radian of the motor."""
+    sides = ("theta_m", "theta_l", "omega_m", "omega_l")
+    first = next(name for name in sides if name in logged.channels)
+    return rig.value("mu") if first.endswith("_l") else 1.0
+
+
+def _controlled(table: Table, rig: Rig) -> Controlled | None:
+    if rig.controller is None:
+        return None
+    named = {name.removeprefix(CONTROLLER): x for name, x in table.channels.items()}
+    return Controlled({name: named[name] for name in rig.controller.columns})
 
 
 def past_the_peak(omega_m: Array, segment: NDArray[np.int64]) -> NDArray[np.bool_]:

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _LABELS = ("run", "use", "motor_off")
+CONTROLLER = "controller."
+"""The columns that a controller uses are channels whose names begin with this."""
 _WITHOUT_CLOCK = ", or write how many rows it has a second where it has none, as in sample_rate_hz = 500"
 _DRIVES = ("voltage", "current", "torque", "torque_l")
 
@@ -137,7 +139,7 @@ def used_columns(log: Log, rig: Rig) -> list[str]:
         return np.zeros(1)
 
     for channel, source in _sources(log, rig).items():
-        if source.text in log.columns or channel == "run":
+        if source.text in log.columns or channel == "run" or channel.startswith(CONTROLLER):
             column(source.text)
         else:
             evaluate(source.text, column, f"{rig.path}: [columns] {rig.axis.named(channel)}")
@@ -204,10 +206,18 @@ def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
                 problem=f"a column for {needed} is required; map it in [columns] of {rig.path}"
                 f"{_WITHOUT_CLOCK if choice == ('time',) else ''}; the log has {few(log.columns)}",
             )
-    return sources
+    return {**sources, **_of_controller(rig)}
+
+
+def _of_controller(rig: Rig) -> dict[str, ColumnSource]:
+    """The columns that the controller of a rig uses, as channels of their own names."""
+    used = () if rig.controller is None else rig.controller.columns
+    return {f"{CONTROLLER}{name}": ColumnSource(name) for name in used}
 
 
 def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
+    if channel.startswith(CONTROLLER):
+        return log.numbers(source.text)
     if source.text in log.columns:
         raw = log.numbers(source.text)
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -99,13 +100,14 @@ class Selection:
     """Which rows serve for what, each (n,).
 
     `moving` is `motion.moving_rows`, faster than the threshold; `usable` is moving, away from the ends, and
-    wanted by the rig's `use`.
+    `wanted` by the rig's `use` (None for all).
     """
 
     moving: Mask
     usable: Mask
     holdout: Holdout
     moving_threshold_rad_s: float
+    wanted: Mask | None = None
 
     @property
     def held_out(self) -> Mask:
@@ -134,12 +136,25 @@ class Intake:
 
 
 @dataclass(frozen=True)
+class Controlled:
+    """What the controller of the rig is given: its columns by name, each (n,), as the log has them.
+
+    `per_motor` is the angle that its set point has for a radian of the motor: mu where the log has that of
+    the link.
+    """
+
+    columns: Mapping[str, Array]
+    per_motor: float = 1.0
+
+
+@dataclass(frozen=True)
 class Channels:
     """Signals of all kept rows, each (n,); n counts rows, moving or not.
 
     `temperature` is in degC, None where the log has none. `alignment` is what has been taken out of voltage
     and angle. `rig` is the one that was asked for, with what suits the log where it says nothing.
     `lines` are the orders of the motor beyond the usual ones that stand out of the drive, strongest first.
+    `controlled` is None where the rig has no controller.
     """
 
     time: TimeBase
@@ -151,6 +166,7 @@ class Channels:
     intake: Intake
     rig: Rig
     lines: tuple[int, ...] = ()
+    controlled: Controlled | None = None
 
     @cached_property
     def turning(self) -> Array:

@@ -14,7 +14,7 @@ from eccentric.core import InputError, few
 from eccentric.logs import Log, LogSource, falls, log_stems, read_log
 from eccentric.rigs import Rig
 from eccentric.signals.clock import ClockOfLog, clock_of, frozen_tails, polled, reversed_time
-from eccentric.signals.converted import converted, named_apart, run_numbers
+from eccentric.signals.converted import CONTROLLER, converted, named_apart, run_numbers
 from eccentric.signals.finding import Finding
 from eccentric.signals.limits import (
     FEWEST_RUNS_HELD_OUT,
@@ -290,7 +290,7 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         findings.append(Finding("repeated", "time", text, count, "note"))
         kept &= ~again
     clock = clock_of(log, labels, values["time"], kept)
-    measured = [x for c, x in values.items() if c != "time"]
+    measured = [x for c, x in values.items() if c != "time" and not c.startswith(CONTROLLER)]
     stopped = frozen_tails(log, labels, measured, clock.kept)
     stale = polled(log, labels, measured, clock.kept & ~stopped.rows)
     values = {**values, "time": clock.t}

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
     """The page of a diagnosis; `files` are (name, description) of everything written beside it."""
-    return page(report_data(found, files))
+    return page(report_data(found, files=files))
 
 
 def page(data: ReportData) -> str:

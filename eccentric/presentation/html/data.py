@@ -33,6 +33,7 @@ class Errors:
         interval: 95 % interval of the extended model's improvement on the paper's, in percent; None if there
             is none.
         note: a remark; "" for none.
+        own_scale: whether the bars have a scale of their own, not that of their unit.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Errors:
     rmse: Mapping[str, float]
     interval: tuple[float, float] | None = None
     note: str = ""
+    own_scale: bool = False
 
 
 @dataclass(frozen=True)

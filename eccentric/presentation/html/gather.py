@@ -47,6 +47,7 @@ from eccentric.presentation.html.text import number, range_of
 from eccentric.presentation.measurement_text import measurement_sentence
 from eccentric.rigs import KNOWNS
 from eccentric.signals import Rows
+from eccentric.simulation import SimulatedErrors
 from eccentric.version import __version__
 
 # The balances of the report: residuals of the models on the rows, and the channels on the axes.
@@ -219,8 +220,16 @@ _ORIGINS = ("effect", "friction", "bench", "rig", "model", "unseen")
 # The records of a report.
 
 
-def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> ReportData:
-    """The records of a diagnosis; `files` are (name, description) of everything written beside the report."""
+def report_data(
+    found: Diagnosis, simulated: SimulatedErrors | None = None, files: Sequence[tuple[str, str]] = ()
+) -> ReportData:
+    """The records of a diagnosis.
+
+    Args:
+        found: the diagnosis.
+        simulated: errors of its models' simulated motion.
+        files: (name, description) of everything written beside the report.
+    """
     attribution, score, findings = found.attribution, found.score, found.channels.intake.findings
     effects = [effect for effect, _ in found.models.extended.effects]
     names = sorted(score.rmse, key=lambda name: name != score.balance)
@@ -250,7 +259,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
             holdout=found.channels.selection.holdout.rule,
             balances=tuple(balance_of(found, name) for name in names),
             gain=Gain(score.balance, score.percent, score.interval) if found.models.adopted else None,
-            further=tuple(_further(found)),
+            further=(*_further(found), *_simulated(found, simulated)),
             below=_below(found),
         ),
         search=SearchTable(tuple(_candidates(found)), attribution.tied, attribution.deviance),
@@ -267,6 +276,28 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         ),
         files=tuple(files),
     )
+
+
+def _simulated(found: Diagnosis, simulated: SimulatedErrors | None) -> Iterator[Errors]:
+    """The errors of the simulated motion, a record for each horizon."""
+    if simulated is None:
+        return
+    axis, adopted = found.rig.axis, found.models.adopted
+    for k, horizon in enumerate(simulated.horizons_s):
+        errors = {m.name: m.horizons[k] for m in simulated.models if m.name != "extended" or adopted}
+        shown = {name: x for name, x in errors.items() if x is not None and math.isfinite(x)}
+        if not shown:
+            continue
+        count = simulated.windows[k]
+        windows = f"{count} window{'s' * (count > 1)} of the held-out part"
+        yield Errors(
+            f"simulated {axis.term('motor angle')} over {horizon:g} s",
+            axis.unit("rad"),
+            shown,
+            note="Mean absolute error of the motion that the drive signal of the log makes, from the measured"
+            f" state at the start of {windows}.",
+            own_scale=True,
+        )
 
 
 def _candidates(found: Diagnosis) -> Iterator[CandidateRow]:

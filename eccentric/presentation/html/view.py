@@ -150,8 +150,13 @@ def _errors(data: ReportData) -> list[dict[str, Any]]:
     tops: dict[str, float] = {}
     for errors, noise in given:
         own = max([*errors.rmse.values(), noise or 0.0, *_ends(errors)])
-        tops[errors.unit] = max(tops.get(errors.unit, 0.0), own)
-    return [_bars(errors, noise, 1.02 * tops[errors.unit], data.source.axis) for errors, noise in given]
+        tops[_scale(errors)] = max(tops.get(_scale(errors), 0.0), own)
+    return [_bars(errors, noise, 1.02 * tops[_scale(errors)], data.source.axis) for errors, noise in given]
+
+
+def _scale(errors: Errors) -> str:
+    """What has one scale: bars in one unit; a simulated motion leaves the measured one, each at its pace."""
+    return errors.name if errors.own_scale else errors.unit
 
 
 def _ends(errors: Errors) -> list[float]:

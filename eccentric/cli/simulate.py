@@ -1,0 +1,45 @@
+"""`eccentric simulate`: the motion of fitted models under the log's own input, against the measured one."""
+
+import argparse
+from pathlib import Path
+
+import eccentric
+from eccentric.cli.arguments import bar, log_suffixes, print_warnings, progress, take_after_options
+from eccentric.core import own_folder
+
+NAME = "simulate"
+HELP = "simulate fitted models with the input of a log, and compare their motion with the measured one"
+EXAMPLE = """eccentric simulate examples/bench/bench.csv.gz --rig examples/bench/bench.toml
+eccentric simulate LOG --rig RIG c2_parallel 'c2_parallel+stribeck[d=1]' --out build/simulated"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `simulate` to `parser`."""
+    add = parser.add_argument
+    add("log", metavar="LOG", help=f"a log of the rig: {log_suffixes()}")
+    add(
+        "models",
+        metavar="MODEL[+EFFECT...]",
+        nargs="*",
+        help="a model, or the path of a derivation, with effects; by default Coulomb + viscous friction"
+        " (linear), the model of the rig's case (paper), and that with the effects that diagnose adds"
+        " (extended)",
+    )
+    add("--rig", metavar="RIG", required=True, help="what is known about the rig: .toml or .json")
+    add("--effects", metavar="FILE", type=Path, help="a Python file with your own effects")
+    add("--json", action="store_true", help="print the result as JSON")
+    add("--out", metavar="DIR", type=Path, help="folder for simulation.json, simulation.png and .svg")
+    take_after_options(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Simulate, print the table or JSON, write the folder if there is one; return 0."""
+    if args.out is not None:
+        own_folder(args.out)
+    found = eccentric.simulate(args.log, args.rig, args.models, args.effects, progress(), reading=bar())
+    names = [] if args.out is None else [path.name for path in found.write(args.out)]
+    print_warnings(found.warnings)
+    print(found.to_json() if args.json else found.summary(), end="" if args.json else "\n")
+    if names and not args.json:
+        print(f"{args.out}: {', '.join(names)}")
+    return 0

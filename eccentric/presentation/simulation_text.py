@@ -1,0 +1,185 @@
+"""Simulated motion: a table for a terminal, the document simulation.json, and the figure.
+
+Keys of the document, format eccentric-simulation/1; errors are mean absolute errors of the motor angle:
+
+    logs, rig, unit
+    horizons          horizon_s, windows: number of them, errors: model -> error, null where it diverges
+    models            name, model, runs and controlled: null or {mean, mean_held_out, by_run, held_out};
+                      `runs` are driven by the logged signal, `controlled` by the controller of the rig
+    ratios            over each horizon, the error of the last model over that of the one before it
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from eccentric.core import few
+from eccentric.model import AxisKind
+from eccentric.rigs import Rig
+from eccentric.simulation import ModelErrors, Refined, SimulatedErrors, WholeRunErrors
+
+FORMAT = "eccentric-simulation/1"
+_COLOURS = ("#8a8a8a", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00")
+_MEASURED = "black"
+
+
+def simulation_document(
+    found: SimulatedErrors, logs: Sequence[str], rig: Rig, models: Mapping[str, str]
+) -> dict[str, Any]:
+    """The simulated errors as strict JSON; `models` are the names of the models by the names of the fits."""
+    return {
+        "format": FORMAT,
+        "logs": list(logs),
+        "rig": Path(rig.path).name,
+        "unit": rig.axis.unit("rad"),
+        "horizons": horizons_document(found),
+        "models": [
+            {
+                "name": m.name,
+                "model": models[m.name],
+                "runs": _runs_document(m.runs),
+                "controlled": _runs_document(m.controlled),
+            }
+            for m in found.models
+        ],
+        "ratios": [_finite(x) for x in _ratios(found)],
+    }
+
+
+def horizons_document(found: SimulatedErrors) -> list[dict[str, Any]]:
+    """The errors over each horizon, as diagnosis.json and compare.json have them too."""
+    return [
+        {
+            "horizon_s": horizon,
+            "windows": found.windows[k],
+            "errors": {m.name: _finite(m.horizons[k]) for m in found.models},
+        }
+        for k, horizon in enumerate(found.horizons_s)
+    ]
+
+
+def simulation_lines(found: SimulatedErrors, logs: Sequence[str], axis: AxisKind) -> list[str]:
+    """The table for a terminal."""
+    unit = axis.unit("rad")
+    counts = ", ".join(
+        f"{count} of {horizon:g} s" for horizon, count in zip(found.horizons_s, found.windows, strict=True)
+    )
+    head = f"{few(logs)}: simulated from measured states of the held-out part, windows: {counts}"
+    columns = [f"{horizon:g} s" for horizon in found.horizons_s]
+    rows = [["model", *columns, *(name for name, _ in _of_runs(found.models[0]))]]
+    for m in found.models:
+        errors = [*m.horizons, *(value for _, value in _of_runs(m))]
+        rows.append([m.name, *map(_shown, errors)])
+    if len(found.models) > 1 and any(x is not None for x in _ratios(found)):
+        one, other = found.models[-1].name, found.models[-2].name
+        rows.append([f"{one} / {other}", *map(_shown, _ratios(found)), *([""] * (len(rows[0]) - 4))])
+    what = f"mean absolute error of the {axis.term('motor angle')} [{unit}]"
+    return [head, what, *aligned(rows)]
+
+
+def simulated_line(found: SimulatedErrors, axis: AxisKind) -> str:
+    """The errors in one line, "" where the held-out part has no window."""
+    parts = [
+        f"over {horizon:g} s " + ", ".join(f"{m.name} {_shown(m.horizons[k])}" for m in found.models)
+        for k, horizon in enumerate(found.horizons_s)
+        if found.windows[k]
+    ]
+    what = f"simulated {axis.term('motor angle')}, mean absolute held-out error [{axis.unit('rad')}]"
+    return f"{what}: {'; '.join(parts)}" if parts else ""
+
+
+def refined_document(found: Refined) -> dict[str, Any]:
+    """What a refinement did, for fit.json: mean absolute errors of the motor angle, before and after."""
+    held = None if found.held_out is None else dict(zip(("before", "after"), found.held_out, strict=True))
+    return {
+        "horizon_s": found.horizon_s,
+        "spans": found.spans,
+        "training": {"before": found.before, "after": found.after},
+        "held_out": held,
+    }
+
+
+def refined_lines(found: Refined | None, axis: AxisKind) -> list[str]:
+    """The same in a line for a terminal; none without a refinement."""
+    if found is None:
+        return []
+    over = (
+        "whole runs with the controller" if found.horizon_s is None else f"windows of {found.horizon_s:g} s"
+    )
+    held = ""
+    if found.held_out is not None:
+        held = ", held out from {} to {}".format(*map(_shown, found.held_out))
+    what = f"mean absolute error of the simulated {axis.term('motor angle')} [{axis.unit('rad')}]"
+    return [
+        f"refined on {found.spans} {over}: {what} from {_shown(found.before)} to {_shown(found.after)}{held}"
+    ]
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of a table with aligned columns, the first to the left."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            [row[0].ljust(widths[0]), *(x.rjust(w) for x, w in zip(row[1:], widths[1:], strict=True))]
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def plot_simulation(found: SimulatedErrors, axes: Sequence[Any], unit: str) -> None:
+    """Draw measured and simulated angle over time, each of the traces on axes of its own."""
+    for ax, trace in zip(axes, found.traces, strict=False):
+        shift = trace.measured[0]
+        for (name, angle), colour in zip(trace.simulated.items(), _COLOURS, strict=False):
+            ax.plot(trace.t, angle - shift, color=colour, label=name, linewidth=1.2)
+        ax.plot(trace.t, trace.measured - shift, color=_MEASURED, label="measured", linewidth=0.9)
+        # What diverges is not drawn to its end.
+        low, high = np.min(trace.measured - shift), np.max(trace.measured - shift)
+        room = 0.5 * (high - low) + 1e-9
+        ax.set(ylabel=f"angle [{unit}]", title=trace.run, ylim=(low - room, high + room))
+        ax.grid(linewidth=0.3)
+    if len(axes):
+        axes[-1].set_xlabel("time [s]")
+        axes[0].legend(loc="best", frameon=False, ncols=2)
+
+
+def _of_runs(m: ModelErrors) -> list[tuple[str, float | None]]:
+    """Heading and error of the columns of whole runs."""
+    found: list[tuple[str, float | None]] = []
+    if m.runs is not None:
+        found.append(("whole runs", m.runs.mean))
+    if m.controlled is not None:
+        found.append(("with controller", m.controlled.mean))
+        if m.controlled.mean_held_out is not None:
+            found.append(("held out", m.controlled.mean_held_out))
+    return found
+
+
+def _ratios(found: SimulatedErrors) -> list[float | None]:
+    if len(found.models) < 2:
+        return [None] * len(found.horizons_s)
+    return found.ratios(found.models[-1].name, found.models[-2].name)
+
+
+def _runs_document(runs: WholeRunErrors | None) -> dict[str, Any] | None:
+    if runs is None:
+        return None
+    return {
+        "mean": _finite(runs.mean),
+        "mean_held_out": _finite(runs.mean_held_out),
+        "by_run": {name: _finite(error) for name, error in runs.by_run.items()},
+        "held_out": list(runs.held_out),
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+def _shown(value: float | None) -> str:
+    return "-" if value is None else f"{value:.4g}" if math.isfinite(value) else "diverges"

@@ -1,0 +1,238 @@
+"""The error of a simulated motion: fitted models driven by the input of a log, against the measured angle."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.identification import Refit
+from eccentric.signals import Channels
+from eccentric.simulation.controller import servo_of
+from eccentric.simulation.integrate import Feedback, SimulatedMotion, integrate
+from eccentric.simulation.limits import HORIZONS_S, TRACES
+from eccentric.simulation.plant import DrivePlant, plants_of
+from eccentric.simulation.recording import Recording, Spans, whole_runs, windows
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class WholeRunErrors:
+    """Mean absolute errors of whole runs [rad at the motor].
+
+    Attributes:
+        by_run: name of the run -> that of all its rows.
+        held_out: names of the runs that are held out as a whole.
+    """
+
+    by_run: Mapping[str, float]
+    held_out: tuple[str, ...]
+
+    @property
+    def mean(self) -> float:
+        """The mean over all runs."""
+        return float(np.mean([*self.by_run.values()]))
+
+    @property
+    def mean_held_out(self) -> float | None:
+        """The mean over those held out; None without one."""
+        found = [self.by_run[name] for name in self.held_out]
+        return float(np.mean(found)) if found else None
+
+
+@dataclass(frozen=True)
+class ModelErrors:
+    """The simulated errors of a model.
+
+    Attributes:
+        name: of the model.
+        horizons: mean absolute error of the angle over the windows of each horizon, None without a window
+            [rad at the motor].
+        runs: over whole runs, driven by the logged signal; None where not asked for.
+        controlled: over whole runs with the controller of the rig; None without one.
+    """
+
+    name: str
+    horizons: tuple[float | None, ...]
+    runs: WholeRunErrors | None = None
+    controlled: WholeRunErrors | None = None
+
+
+@dataclass(frozen=True)
+class MotionTrace:
+    """A part of the log with the motion of each model (n,): time from its start [s], angles [rad]."""
+
+    run: str
+    t: Array
+    measured: Array
+    simulated: Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class SimulatedErrors:
+    """What simulations of models on a log give.
+
+    Attributes:
+        horizons_s: the horizons.
+        windows: number of windows of each.
+        models: in the order in which they were given.
+        traces: of held-out windows, or of whole runs with the controller of the rig.
+        controlled: whether the traces are of the latter.
+        speed: time that was simulated over the time that it took, all spans and models.
+    """
+
+    horizons_s: tuple[float, ...]
+    windows: tuple[int, ...]
+    models: tuple[ModelErrors, ...]
+    traces: tuple[MotionTrace, ...]
+    controlled: bool
+    speed: float
+
+    def ratios(self, one: str, other: str) -> list[float | None]:
+        """The errors of a model over those of another, by horizon; None without a window."""
+        of = {m.name: m.horizons for m in self.models}
+        return [a / b if a is not None and b else None for a, b in zip(of[one], of[other], strict=True)]
+
+
+def simulated_errors(
+    fits: Mapping[str, Refit], *, runs: bool = False, tell: Callable[[float], None] | None = None
+) -> SimulatedErrors | None:
+    """Simulate fitted models on the held-out part of their log; None for a joint that others load.
+
+    Args:
+        fits: models by name, fitted on one log.
+        runs: whether whole runs are simulated as well: with the logged signal, and with the controller of the
+            rig if it has one.
+        tell: called with the part that is done, 0 to 1.
+    """
+    if any(fit.data.drive.along is not None for fit in fits.values()):
+        return None
+    # An extended model without an effect is the paper's.
+    first = {id(fit): name for name, fit in reversed(list(fits.items()))}
+    once = {name: fits[name] for name in fits if first[id(fits[name])] == name}
+    channels = next(iter(fits.values())).data.drive.channels
+    found = errors_of(plants_of(once), channels, runs=runs, tell=tell)
+    by_name = {m.name: m for m in found.models}
+    models = tuple(replace(by_name[first[id(fit)]], name=name) for name, fit in fits.items())
+    return replace(found, models=models)
+
+
+def errors_of(
+    plants: Mapping[str, tuple[DrivePlant, Recording]],
+    channels: Channels,
+    *,
+    runs: bool = False,
+    tell: Callable[[float], None] | None = None,
+) -> SimulatedErrors:
+    """The same for plants by name, each with its log."""
+    clock, models, traced = _Clock(), list[ModelErrors](), dict[str, tuple[Recording, SimulatedMotion]]()
+    counts, controlled = tuple[int, ...](), False
+    for k, (name, (plant, recording)) in enumerate(plants.items()):
+
+        def of(part: float, k: int = k) -> None:
+            if tell is not None:
+                tell((k + part) / len(plants))
+
+        rows = recording.held_out & recording.wanted
+        each = [windows(recording, horizon, rows) for horizon in HORIZONS_S]
+        counts = tuple(map(len, each))
+        every = Spans(*(np.concatenate([getattr(s, x) for s in each]) for x in ("start", "steps")))
+        found = clock.integrated(plant, recording, every, None, None if runs else of)
+        horizons = _by_group(found, recording, counts)
+        traced[name] = recording, found
+        whole = with_servo = None
+        if runs:
+            servo = servo_of(channels, recording.zero)
+            spans = whole_runs(recording)
+            kept = np.array([bool(np.all(recording.wanted[a : a + n + 1])) for a, n in _pairs(spans)], bool)
+            spans = spans.chosen(kept)
+            found = clock.integrated(plant, recording, spans, None, of)
+            whole = _by_run(found, recording, channels)
+            if servo is not None:
+                found = clock.integrated(plant, recording, spans, servo, None)
+                with_servo, controlled = _by_run(found, recording, channels), True
+                traced[name] = recording, found
+        models.append(ModelErrors(name, horizons, whole, with_servo))
+    if tell is not None:
+        tell(1.0)
+    first = 0 if controlled else sum(counts[:-1])
+    traces = _traces(traced, channels, first, controlled)
+    return SimulatedErrors(HORIZONS_S, counts, tuple(models), traces, controlled, clock.speed)
+
+
+class _Clock:
+    """Integrates, and adds up the time that was simulated and that it took."""
+
+    def __init__(self) -> None:
+        self._simulated, self._took = 0.0, 0.0
+
+    def integrated(
+        self,
+        plant: DrivePlant,
+        recording: Recording,
+        spans: Spans,
+        feedback: Feedback | None,
+        tell: Callable[[float], None] | None,
+    ) -> SimulatedMotion:
+        begun = time.perf_counter()
+        found = integrate(plant, recording, spans, feedback, tell)
+        self._took += time.perf_counter() - begun
+        self._simulated += float(np.sum(recording.t[spans.start + spans.steps] - recording.t[spans.start]))
+        return found
+
+    @property
+    def speed(self) -> float:
+        return self._simulated / self._took if self._took else 0.0
+
+
+def _pairs(spans: Spans) -> list[tuple[int, int]]:
+    return list(zip(spans.start.tolist(), spans.steps.tolist(), strict=True))
+
+
+def _by_group(
+    found: SimulatedMotion, recording: Recording, counts: Sequence[int]
+) -> tuple[float | None, ...]:
+    """The mean absolute error of each group of spans, in this order."""
+    sizes = np.abs(found.errors(recording))
+    ends = np.cumsum([0, *counts])
+    group = np.searchsorted(ends, found.span, side="right") - 1
+    return tuple(float(np.mean(sizes[group == k])) if n else None for k, n in enumerate(counts))
+
+
+def _by_run(found: SimulatedMotion, recording: Recording, channels: Channels) -> WholeRunErrors:
+    sizes, run = np.abs(found.errors(recording)), recording.run[found.rows]
+    names = channels.time.run_names
+    present = [k for k in range(len(names)) if np.any(run == k)]
+    by_run = {names[k]: float(np.mean(sizes[run == k])) for k in present}
+    held = [names[k] for k in present if bool(np.all(recording.held_out[recording.run == k]))]
+    return WholeRunErrors(by_run, tuple(held))
+
+
+def _traces(
+    traced: Mapping[str, tuple[Recording, SimulatedMotion]], channels: Channels, first: int, controlled: bool
+) -> tuple[MotionTrace, ...]:
+    """A few spans for a figure, from the first of those to choose from; of whole runs, the held-out ones."""
+    recording, found = next(iter(traced.values()))
+    numbers = np.unique(found.span[found.span >= first])
+    starts = {int(n): int(found.rows[found.span == n][0]) for n in numbers}
+    held = [n for n, row in starts.items() if recording.held_out[row]]
+    choose = held if controlled and held else list(starts)
+    chosen = [choose[round(x)] for x in np.linspace(0, len(choose) - 1, min(TRACES, len(choose)))]
+    traces: list[MotionTrace] = []
+    for n in dict.fromkeys(chosen):
+        own = {name: x.theta_m[x.span == n] + r.zero for name, (r, x) in traced.items()}
+        rows = found.rows[found.span == n]
+        t, measured = recording.t[rows], recording.measured[rows] + recording.zero
+        run = channels.time.run_names[int(recording.run[rows[0]])]
+        traces.append(MotionTrace(run, t, measured, own))
+    return tuple(traces)
+
+
+def is_finite(value: float | None) -> bool:
+    """Whether an error is a number: one that diverges is none."""
+    return value is not None and math.isfinite(value)

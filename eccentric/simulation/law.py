@@ -1,0 +1,201 @@
+"""What moves a drive, as functions of its state: other torques, the levels of dry friction, the damping.
+
+The expressions are those that `friction_step` is emitted from.  They are evaluated here and not by the
+emitted module, whose parameters are numbers: here each of them may have one value for each trajectory, so
+that windows, runs and parameter sets are integrated at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from eccentric.model import KINDS, Model, function_of, levels, meaning
+from eccentric.model import vocabulary as v
+from eccentric.simulation.limits import LEAST_DECAY
+
+Array = NDArray[np.float64]
+
+_OUTSIDE = frozenset({"inertial", "friction"})
+_CHANGING = frozenset({"theta_m", "omega_m", "alpha_m", "t", "temperature", "i", "u", "dt"})
+
+
+@dataclass(frozen=True)
+class FrictionSide:
+    """Friction in one direction of motion, each a number or (trajectories,).
+
+    Attributes:
+        dry: level of dry friction [N m]; with presliding, where its bristles end.
+        viscous: coefficient of the rest [N m s/rad].
+        held, damping, stiffness: level and coefficient while bristles bend, and how fast their torque grows,
+            times dt [N m s/rad].
+    """
+
+    dry: Any
+    viscous: Any
+    held: Any = None
+    damping: Any = None
+    stiffness: Any = None
+
+
+@dataclass(frozen=True)
+class Torques:
+    """The torques on the motor side at one state, each a number or (trajectories,).
+
+    Attributes:
+        other: sum of all that is neither friction nor inertia [N m].
+        armature: what effects change of the current that a voltage drives, as a torque [N m].
+        backward, forward: friction by the direction of motion.
+    """
+
+    other: Any
+    armature: Any
+    backward: FrictionSide
+    forward: FrictionSide
+
+
+class Law:
+    """The torques of a model as functions of inputs, hidden states and parameters.
+
+    Args:
+        model: of one drive.
+        armature: whether what effects change in the armature is a torque as well, as where the current comes
+            from a voltage by R and k_e alone.
+    """
+
+    def __init__(self, model: Model, armature: bool = False) -> None:
+        self.model, self.armature = model, armature
+        self._fixed: dict[sp.Expr, sp.Symbol] = {}
+        terms = model.balance("mechanical").terms
+        outside = sp.Add(*(KINDS[t.kind] * t.value for t in terms if t.kind not in _OUTSIDE))
+        change = model.torque_per_volt * model.balance("electrical").residual() if armature else sp.S.Zero
+        found = levels(model, v.omega_m.symbol, tuple(t for t in terms if t.kind == "friction"))
+        self._presliding = found.presliding
+        names = ("dry", "viscous", *(("held", "damping", "stiffness") if found.presliding else ()))
+        sides = [getattr(side, name) for side in (found.backward, found.forward) for name in names]
+        for a in reversed(found.definitions):
+            sides = [side.xreplace({a.target: a.value}) for side in sides]
+        self._torques = sp.Tuple(*map(self._plain, (outside, change, *sides)))
+        self._advances = {s.quantity.name: self._plain(s.update) for s in model.states}
+
+    @property
+    def initial(self) -> dict[str, float]:
+        """The hidden states before anything has moved, by name."""
+        return {state.quantity.name: float(state.initial) for state in self.model.states}
+
+    def prepared(self, parameters: Mapping[str, Any]) -> dict[str, Any]:
+        """The parameters by name, each a number or (trajectories,), and what follows from them alone.
+
+        `inertia` is that of the drive at the motor [kg m^2].
+        """
+        with np.errstate(all="ignore"):  # of the pieces of a choice, one is not taken
+            found = {s.name: value_of(e, parameters) for e, s in self._fixed.items()}
+        return {**parameters, **found, "inertia": value_of(meaning(self.model.inertia), parameters)}
+
+    def torques(self, known: Mapping[str, Any]) -> Torques:
+        """The torques for prepared parameters, inputs and hidden states by name.
+
+        The velocity is that before the step: levels and damping are those of its speed, in both directions.
+        """
+        other, armature, *sides = value_of(self._torques, known)
+        half = len(sides) // 2
+        return Torques(other, armature, FrictionSide(*sides[:half]), FrictionSide(*sides[half:]))
+
+    def advanced(self, known: Mapping[str, Any]) -> dict[str, Any]:
+        """The hidden states one step later, for the same and `dt` [s]."""
+        return {name: value_of(x, known) for name, x in self._advances.items()}
+
+    def _plain(self, expression: sp.Expr) -> sp.Expr:
+        found = meaning(self.model.expand(expression))
+        # As printed, a greatest of a number and an array has no common shape.
+        found = found.replace(sp.Max, _greatest)
+        return self._hoisted(found)
+
+    def _hoisted(self, e: sp.Expr) -> sp.Expr:
+        """The expression with a symbol for each of its largest parts of parameters alone."""
+        if e.is_number or e.is_Symbol:
+            return e
+        if self._is_fixed(e):
+            return self._fixed.setdefault(e, sp.Symbol(f"_fixed_{len(self._fixed)}"))
+        if isinstance(e, sp.Piecewise):
+            return self._selected(e)
+        if isinstance(e, sp.Add | sp.Mul):
+            own = [a for a in e.args if self._is_fixed(a)]
+            rest = [self._hoisted(a) for a in e.args if a not in own]
+            return e.func(self._hoisted(e.func(*own)), *rest)
+        return e.func(*map(self._hoisted, e.args))
+
+    def _selected(self, e: sp.Piecewise) -> sp.Expr:
+        """Pieces chosen by parameters alone as a sum, each times 1 or 0: the choice is made once."""
+        if not all(self._is_fixed(condition) for _, condition in e.args):
+            return e
+        pieces = [piece for piece, _ in e.args]
+        chosen = [
+            sp.Piecewise(*((int(k == one), condition) for k, (_, condition) in enumerate(e.args)))
+            for one in range(len(pieces))
+        ]
+        return sp.Add(*(self._hoisted(c) * self._hoisted(x) for c, x in zip(chosen, pieces, strict=True)))
+
+    def _is_fixed(self, e: sp.Basic) -> bool:
+        states = {state.symbol for state in self.model.states}
+        return all(s.name not in _CHANGING and s not in states for s in e.free_symbols)
+
+
+def _greatest(*values: sp.Expr) -> sp.Expr:
+    first, *others = values
+    for other in others:
+        first = (first + other + sp.Abs(first - other)) / 2
+    return first
+
+
+def step(torques: Torques, inertia: Any, omega_m: Any, other: Any, damping: Any, dt: Any) -> Any:
+    """The velocity [rad/s] after a step of the inclusion J dw/dt + damping w + friction(w) = other.
+
+    Moreau's step, as `friction_step` has it: the momentum that all other torques leave is reduced by the
+    level of dry friction, and what lies between the levels is exactly at rest. Damping is solved exactly over
+    the step, for a torque that is constant in it: stable for any dt, and of second order, so that parameters
+    which are fitted to the motion do not take in what a step adds. While presliding builds up, the bristles
+    hold what is less, and all damping acts at the end of the step.
+
+    Args:
+        torques: at the start of the step.
+        inertia: of the drive at the motor [kg m^2].
+        omega_m: velocity before it [rad/s].
+        other: all torques but friction [N m].
+        damping: of the drive, beside that of friction [N m s/rad].
+        dt: duration [s].
+    """
+    back, ahead = torques.backward, torques.forward
+
+    def chosen(by: Any, name: str) -> Any:
+        one, two = getattr(ahead, name), getattr(back, name)
+        return one if one is two else np.where(by > 0.0, one, two)
+
+    if ahead.held is None:
+        decay = dt * (chosen(omega_m, "viscous") + damping) / inertia
+        # decay/(1 - exp(-decay)), whose limit is 1.
+        some = np.maximum(decay, LEAST_DECAY)
+        more = some / -np.expm1(-some)
+        momentum = inertia * omega_m * more * np.exp(-decay) + dt * other
+        return _shrunk(momentum, dt * back.dry, dt * ahead.dry) / (inertia * more)
+    momentum = inertia * omega_m + dt * other
+    over = _shrunk(momentum, dt * back.dry, dt * ahead.dry)
+    excess = _shrunk(momentum, dt * back.held, dt * ahead.held)
+    slid = over / (inertia + dt * (chosen(excess, "viscous") + damping))
+    bent = excess / (inertia + dt * (chosen(excess, "damping") + chosen(excess, "stiffness") + damping))
+    return np.where(excess > 0.0, np.maximum(bent, slid), np.minimum(bent, slid))
+
+
+def _shrunk(x: Any, low: Any, high: Any) -> Any:
+    return x - np.minimum(np.maximum(x, low), high)
+
+
+def value_of(expression: sp.Basic, known: Mapping[str, Any]) -> Any:
+    """The value of an expression, or of a tuple of them, at values of its symbols by name."""
+    function, names = function_of(expression)
+    return function(*(known[name] for name in names))
