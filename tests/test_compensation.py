@@ -8,6 +8,7 @@ import dataclasses
 import itertools
 import json
 import math
+import re
 import subprocess
 import sys
 from functools import cache
@@ -27,6 +28,7 @@ from eccentric.model import load_model
 from tests import extended
 from tests.carriage import GIVEN
 from tests.compensated import PUSHES, VELOCITIES, Compensation, drawn, emitted, module
+from tests.compiled import FLAGS, run
 from tests.hosts import need
 from tests.test_proof import SPECIFIED, alarms, proved
 
@@ -466,6 +468,20 @@ def test_c_refuses_what_python_refuses(compiled: Compensation) -> None:
     assert compiled.settings(velocity=7)[0] == 1
     assert compiled.settings(velocity="measured", gain=0.95)[0] == 3
     assert compiled.settings()[0] == 0
+
+
+def test_the_page_compiles(tmp_path: Path) -> None:
+    """The C of docs/in-the-loop.md, as it stands there, without a warning; its settings are valid."""
+    need("gcc")
+    folder = emitted(tmp_path)
+    page = (Path(__file__).resolve().parents[1] / "docs" / "in-the-loop.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"^```c\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    called = "int main(void) { return set_up() + (control(0.1, 2.0, 0.1, 2.0, 0.0) < 0.0); }\n"
+    (tmp_path / "main.c").write_text(code.replace("int set_up", "int set_up(void);\nint set_up") + called)
+    sources = [tmp_path / "main.c", folder / "c2_parallel.c", folder / "c2_parallel_compensation.c"]
+    run("gcc", *FLAGS, f"-I{folder}", "-o", tmp_path / "main", *sources, "-lm")
+
+    assert subprocess.run([tmp_path / "main"], check=False).returncode == 0
 
 
 def test_the_default_is_prepared(compiled: Compensation) -> None:
