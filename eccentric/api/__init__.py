@@ -9,6 +9,7 @@
     compared    compare    -> CompareResult
     planned     plan       -> PlanResult
     emitted     emit       -> files
+    exported    export     -> ExportResult, files
     adapted     adapt      -> AdaptResult
     simulated   bench      -> BenchResult;  bench_arm -> ArmBenchResult;  bench_fleet -> files
     fleet       diagnose_fleet -> FleetResult
