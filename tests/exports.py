@@ -22,7 +22,13 @@ BENCH = {
     "C_m": 0.0443,
 }
 """A fit of the bundled log, rounded."""
-UNEQUAL = {f"{letter}_{sign}": x for letter in ("B_m", "C_m") for sign, x in (("pos", 0.02), ("neg", 0.03))}
+UNEQUAL = {"B_m_pos": 8e-4, "B_m_neg": 1.2e-3, "C_m_pos": 0.03, "C_m_neg": 0.05}
+BENCH_UNEQUAL = {
+    **{x: y for x, y in BENCH.items() if x[:2] not in {"B_", "C_"}},
+    **{f"{x}_{sign}": BENCH[x] for x in ("B_lN", "C_lN") for sign in ("pos", "neg")},
+    **UNEQUAL,
+}
+"""The same with unequal friction of the motor by direction."""
 STEADY = 0.4
 """Angle [rad] at which friction of `BENCH` is larger than gravity."""
 

@@ -35,5 +35,6 @@ TARGETS: Mapping[str, Target] = {
 
 EXPORTS: Mapping[str, Target] = {
     "mjcf": Target("MuJoCo model: a pendulum whose joint has the friction"),
+    "budget": Target("Python module that writes the friction into MuJoCo before each step"),
 }
 """Name, as in `--to` and the name of its file -> target."""

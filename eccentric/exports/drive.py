@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import inspect
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
@@ -24,6 +25,11 @@ Floats = NDArray[np.float64]
 
 DEFAULT_SPEEDS = (1.0, 60.0)
 """Motor speeds [rad/s] over which friction is compared where no log says more."""
+
+
+def _inputs(function: Callable[..., Any]) -> tuple[str, ...]:
+    """What an emitted function takes besides parameters and `out`."""
+    return tuple(x for x in inspect.signature(function).parameters if x not in {"parameters", "out"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,10 +90,18 @@ class Drive:
             place = f"model {self.name}: {', '.join(missing)}"
             raise InputError(place, "a value, from a fit.json or in the derivation", "none", why="to export")
 
-    def other_inputs(self, function: str = "friction_budget") -> tuple[str, ...]:
-        """The inputs of a function that no motion has: a temperature, a current."""
-        own = {"theta_m", "omega_m", "alpha_m", "torque", "dt", "parameters", "out"}
-        return tuple(x for x in inspect.signature(getattr(self.module, function)).parameters if x not in own)
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """The inputs of friction, in the order of `friction_budget`."""
+        return _inputs(self.module.friction_budget)
+
+    def other_inputs(self) -> tuple[str, ...]:
+        """Those that no motion has: a temperature, a current."""
+        return tuple(x for x in self.inputs if x not in {"theta_m", "omega_m", "alpha_m"})
+
+    def takes(self, name: str) -> bool:
+        """Whether friction depends on this input."""
+        return name in self.inputs
 
     def require_motion_alone(self) -> None:
         """Raise InputError if friction depends on more than angle, velocity and acceleration."""
@@ -108,10 +122,9 @@ class Drive:
         Args:
             angle, velocity: of the link [rad, rad/s]; they broadcast. The acceleration is taken as 0.
         """
-        mu, function = self.p.mu, self.module.friction_budget
+        mu = self.p.mu
         motion = {"theta_m": angle / mu, "omega_m": velocity / mu, "alpha_m": np.zeros(())}
-        taken = [x for x in inspect.signature(function).parameters if x in motion]
-        found = np.asarray(function(*(motion[x] for x in taken), self.p))
+        found = np.asarray(self.module.friction_budget(*(motion[x] for x in self.inputs), self.p))
         shape = np.broadcast_shapes(np.shape(angle), np.shape(velocity))
         lower, upper, viscous = (np.broadcast_to(found[..., k], shape) for k in range(3))
         return lower / mu, upper / mu, viscous / mu**2
@@ -149,9 +162,11 @@ class Drive:
         self.require("J_l")
         about_centre = self.p.J_l - self.mass * self.centre**2
         if about_centre <= 0.0:
-            least = f"more than {self.mass * self.centre**2:.4g} kg m^2"
-            place = f"model {self.name}: J_l about the axis, with M at L"
-            raise InputError(place, least, f"{self.p.J_l:.4g}")
+            raise InputError(
+                f"model {self.name}: J_l",
+                f"more than {self.mass * self.centre**2:.4g} kg m^2, about the axis with M at L",
+                f"{self.p.J_l:.4g}",
+            )
         return about_centre
 
     @cached_property
@@ -164,9 +179,8 @@ class Drive:
         if function is None:
             return 0.0, 0.0
         angle = np.linspace(-np.pi, np.pi, 720, endpoint=False)
-        taken = [x for x in inspect.signature(function).parameters if x not in {"parameters", "out"}]
         still = {"theta_m": angle / p.mu}
-        values = [still.get(x, np.zeros_like(angle)) for x in taken]
+        values = [still.get(x, np.zeros_like(angle)) for x in _inputs(function)]
         torque = np.broadcast_to(function(*values, p), angle.shape) / p.mu
         whole = p.M * p.g * p.L
         cosine = float(2.0 * np.mean(torque * np.sin(angle)) / whole) if whole else 0.0
