@@ -36,5 +36,8 @@ TARGETS: Mapping[str, Target] = {
 EXPORTS: Mapping[str, Target] = {
     "mjcf": Target("MuJoCo model: a pendulum whose joint has the friction"),
     "budget": Target("Python module that writes the friction into MuJoCo before each step"),
+    "urdf": Target("URDF: damping and friction of a joint"),
+    "usd": Target("USD with the attributes of Newton: friction, damping, armature"),
+    "bam": Target("parameters for BAM, its model M1"),
 }
 """Name, as in `--to` and the name of its file -> target."""
