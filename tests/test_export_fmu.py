@@ -28,7 +28,8 @@ def built(of: Drive, folder: Path) -> Path:
 
     archive = written(export(of, "fmu").files, folder) / f"{of.name}.fmu"
     unpacked = Path(fmpy.extract(str(archive), str(folder / "unpacked")))
-    build_platform_binary(unpacked)
+    (folder / "build").mkdir()
+    build_platform_binary(unpacked, folder / "build")
     return unpacked
 
 

@@ -29,7 +29,7 @@ class _Variable:
 
     reference: int
     name: str
-    meaning: str
+    described: str
     causality: str
     start: str = "0.0"
     initial: str = ""
@@ -92,12 +92,12 @@ def _variables(drive: Drive) -> list[_Variable]:
     """All but the time, in the order of their references."""
     meanings = {q.name: f"{q.meaning} [{q.unit}]" for q in (*drive.model.inputs, *drive.model.parameters)}
     listed = [
-        ("torque", "torque of the motor [N m]", "input", "0.0", ""),
+        ("torque", "motor torque [N m]", "input", "0.0", ""),
         *((x, meanings[x], "input", "0.0", "") for x in drive.other_inputs()),
         ("theta_m", meanings.get("theta_m", "motor angle [rad]"), "output", "0.0", "exact"),
         ("omega_m", meanings["omega_m"], "output", "0.0", "exact"),
         ("friction", "friction torque [N m]", "output", "0.0", "calculated"),
-        ("step", "longest internal step [s]", "parameter", _STEP, "exact"),
+        ("step", "longest step [s]", "parameter", _STEP, "exact"),
         *(
             (q.name, meanings[q.name], "parameter", decimal(getattr(drive.p, q.name)), "exact")
             for q in drive.model.parameters
