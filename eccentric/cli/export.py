@@ -10,7 +10,8 @@ from eccentric.core import EXPORTS
 NAME = "export"
 HELP = "write a drive, with its friction, as a model of a simulator"
 EXAMPLE = """eccentric export build/fit/fit.json --to mjcf --out build/mujoco
-eccentric export build/bench --to mjcf --out build/mujoco
+eccentric export build/bench --to budget --out build/pendulum
+eccentric export build/fit --to fmu --out build/fmu
 eccentric export my_derivation.py --parameters build/fit/fit.json --to mjcf --out build/mujoco"""
 
 _OPTIONS = {
