@@ -103,4 +103,9 @@ def test_without_inertia_there_is_no_pendulum() -> None:
     """The module needs none: it writes into a user's own model."""
     files = export(Drive(load_model("c2_parallel"), "c2_parallel"), "budget").files
 
-    assert sorted(files) == ["c2_parallel.py", "c2_parallel_budget.py", "eccentric_runtime.py"]
+    assert sorted(files) == [
+        "c2_parallel.py",
+        "c2_parallel_budget.py",
+        "c2_parallel_budget_warp.py",
+        "eccentric_runtime.py",
+    ]

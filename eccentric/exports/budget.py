@@ -10,12 +10,14 @@ from eccentric.emission import render, template
 from eccentric.exports.drive import Drive
 from eccentric.exports.export import Exported, head
 from eccentric.exports.mjcf import FREE, pendulum
+from eccentric.exports.warp import functions
 
 
 def write(drive: Drive) -> Exported:
-    """NAME.py with its runtime, NAME_budget.py, and NAME.xml, a pendulum without friction of its own.
+    """NAME.py with its runtime, NAME_budget.py, NAME_budget_warp.py, and NAME.xml, a bare pendulum.
 
-    The pendulum is left out where an inertia is not known.
+    The pendulum is left out where an inertia is not known, and the module for Warp where friction depends on more
+    than the motion.
     """
     names, others = head(drive), list(drive.other_inputs())
     follows = drive.takes("alpha_m")
@@ -37,6 +39,10 @@ def write(drive: Drive) -> Exported:
         **render(drive.model, "eccentric export", drive.origin, ("numpy",)),
         f"{drive.name}_budget.py": module,
     }
+    if not others:  # a kernel has the state of the engine alone
+        files[f"{drive.name}_budget_warp.py"] = template("exports/budget_warp.py").render(
+            names | functions(drive.model, "friction_budget") | {"taken": ", ".join(drive.inputs)}
+        )
     known = drive.p.J_m is not None and drive.p.J_l is not None
     if known:
         lines = template("exports/written.xml").render(names).splitlines()
