@@ -16,7 +16,7 @@ from eccentric.exports.warp import functions
 def write(drive: Drive) -> Exported:
     """NAME.py with its runtime, NAME_budget.py, NAME_budget_warp.py, and NAME.xml, a bare pendulum.
 
-    The pendulum is left out where an inertia is not known, and the module for Warp where friction depends on more
+    The pendulum is left out where an inertia is not known, the module for Warp where friction depends on more
     than the motion.
     """
     names, others = head(drive), list(drive.other_inputs())
