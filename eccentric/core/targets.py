@@ -39,6 +39,7 @@ EXPORTS: Mapping[str, Target] = {
     "urdf": Target("URDF: damping and friction of a joint"),
     "usd": Target("USD with the attributes of Newton: friction, damping, armature"),
     "bam": Target("parameters for BAM, its model M1"),
+    "newton": Target("drive component for Newton, in Warp"),
     "fmu": Target("FMU in source: FMI 3.0, co-simulation"),
 }
 """Name, as in `--to` and the name of its file -> target."""

@@ -64,7 +64,8 @@ def functions(model: Model, name: str) -> dict[str, Any]:
     ]
     results = [places.get(x.name, x.name) for x in routine.results]
     listed.append(_function(name, [x.quantity.name for x in routine.inputs], parts[-1], results, language))
-    return {"coefficients": coefficients, "functions": listed}
+    inputs = [x.quantity.name for x in routine.inputs]
+    return {"coefficients": coefficients, "functions": listed, "inputs": inputs}
 
 
 def _function(
