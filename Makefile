@@ -4,6 +4,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+SIMULATORS := build/simulators
 STRICT := -std=c99 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Werror
 
 # What the generated files follow from. Sources are listed, never outputs:
@@ -19,7 +20,7 @@ LINT := $(VENV)/.stamp-lint
 DOCS := $(VENV)/.stamp-docs
 DERIVED := $(VENV)/.stamp-derived
 
-.PHONY: run test test-slow derive figures docs lint check bench freeze compare mutants weight clean
+.PHONY: run test test-slow test-exports derive figures docs lint check bench freeze compare mutants weight clean
 .NOTPARALLEL:
 
 run: $(DERIVED)
@@ -37,6 +38,15 @@ test: $(TEST)
 # What `make test` samples; of some of it `make bench` has more.
 test-slow: $(TEST)
 	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m slow
+
+# Every export in the package that it is for. Warp and Newton take 700 MB: an environment of their own, over the
+# first one, that no other target needs. Its tests are skipped by `make test`, which says so.
+test-exports: $(TEST)
+	@test -x $(SIMULATORS)/bin/pip || $(PYTHON) -m venv $(SIMULATORS)
+	@cd $(VENV) && realpath lib/python*/site-packages > $$(echo $(abspath $(SIMULATORS))/lib/python*/site-packages)/first.pth
+	@$(SIMULATORS)/bin/pip install -qq --disable-pip-version-check -c constraints.txt mujoco-warp newton \
+	    newton-usd-schemas usd-core
+	@OMP_NUM_THREADS=1 $(SIMULATORS)/bin/python -m pytest tests/test_export_*.py tests/test_exports_page.py
 
 derive: $(RUN)
 	@$(BIN)/eccentric derive

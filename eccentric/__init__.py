@@ -10,6 +10,7 @@
     simulate              logs, rig, models -> SimulateResult: their motion against the measured one
     plan                  logs, rig, limits -> PlanResult: the motion that would decide what is open
     load_model, emit      a derivation -> Model; a Model -> NumPy module and C99 files
+    export                a Model or a fit -> files of a simulator  -> ExportResult
     compile               a Model -> a Python module whose functions are the emitted C
     adapt                 a log through the emitted estimator of friction      -> AdaptResult
     bench                 a virtual test bench: log, rig and truth             -> BenchResult
@@ -32,6 +33,7 @@ through their `__init__`:
     plan      verdict + limits         -> the next motion               (planning)
     follow    channels + fit           -> coefficients over time        (adaptation)
     watch     logs of a fleet          -> what changed, joint by joint  (fleet)
+    export    Model -> a simulator's model                         (exports)
     run       Model -> its C           -> a Python module               (compiled)
     check     the paper's claims       -> findings, figures             (paper)
     show      results                  -> text, JSON, HTML              (presentation)

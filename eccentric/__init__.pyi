@@ -8,6 +8,7 @@ from eccentric.api import BenchResult as BenchResult
 from eccentric.api import CompareResult as CompareResult
 from eccentric.api import Correlation as Correlation
 from eccentric.api import DiagnosisResult as DiagnosisResult
+from eccentric.api import ExportResult as ExportResult
 from eccentric.api import FitResult as FitResult
 from eccentric.api import FleetResult as FleetResult
 from eccentric.api import LogDescription as LogDescription
@@ -28,6 +29,7 @@ from eccentric.api import diagnose_arm as diagnose_arm
 from eccentric.api import diagnose_fleet as diagnose_fleet
 from eccentric.api import draft_rig as draft_rig
 from eccentric.api import emit as emit
+from eccentric.api import export as export
 from eccentric.api import fit as fit
 from eccentric.api import fit_arm as fit_arm
 from eccentric.api import plan as plan

@@ -25,7 +25,7 @@ LAYERS = (
     {"effects", "derivations", "logs"},
     {"emission", "rigs"},
     {"signals", "drafting", "paper", "compiled", "arms", "output"},
-    {"identification", "adaptation"},
+    {"identification", "adaptation", "exports"},
     {"diagnosis", "fleet", "simulation"},
     {"joints", "planning"},
     {"presentation"},

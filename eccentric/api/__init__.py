@@ -10,6 +10,7 @@
     simulation  simulate   -> SimulateResult
     planned     plan       -> PlanResult
     emitted     emit       -> files
+    exported    export     -> ExportResult, files
     adapted     adapt      -> AdaptResult
     simulated   bench      -> BenchResult;  bench_arm -> ArmBenchResult;  bench_fleet -> files
     fleet       diagnose_fleet -> FleetResult

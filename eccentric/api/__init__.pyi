@@ -13,6 +13,8 @@ from eccentric.api.drafted import RigDraft as RigDraft
 from eccentric.api.drafted import check_rig as check_rig
 from eccentric.api.drafted import draft_rig as draft_rig
 from eccentric.api.emitted import emit as emit
+from eccentric.api.exported import ExportResult as ExportResult
+from eccentric.api.exported import export as export
 from eccentric.api.fitted import FitResult as FitResult
 from eccentric.api.fitted import fit as fit
 from eccentric.api.fleet import FleetResult as FleetResult

@@ -44,6 +44,7 @@ COMMANDS = (
     "audit",
     "figures",
     "emit",
+    "export",
     "rig",
     "fit",
     "diagnose",

@@ -29,6 +29,7 @@ _EXTRAS = {
     "report": (("matplotlib", "bokeh"), "figures in the report of a diagnosis"),
     "arms": (("yourdfpy",), "arms by URDF"),
     "arms-bench": (("mujoco-core",), "the virtual bench of an arm"),
+    "exports": (("mujoco-core", "fmpy"), "running what export writes"),
     "fleet": (("dask", "distributed", "pyarrow"), "the logs of a fleet"),
     **{t.extra: (t.packages, f"the {t.meaning}") for t in TARGETS.values() if t.extra},
     "completion": (("argcomplete",), "completion in the shell"),

@@ -8,7 +8,7 @@
     transaction  a temporary folder beside the target, and a set of files in the place of another
     locks        who writes where: advisory locks of files; signals that are deferred while files are moved
     cache        what was derived or built once, in the user's cache
-    targets      what models are emitted for, without importing what emits them
+    targets      what models are emitted for and exported to, without importing what does so
 
 What holds, whenever a run is killed: a file is the old one or the new one. Files of one set that are there
 are all of one run; between the first move and the last some may be missing. They are then in the folder
@@ -59,5 +59,5 @@ from eccentric.core.places import (
     shown,
 )
 from eccentric.core.scripts import asks, loads_behind, remember_loads, run_script, run_text, scripts_behind
-from eccentric.core.targets import TARGETS
+from eccentric.core.targets import EXPORTS, TARGETS
 from eccentric.core.transaction import MARKER, workshop

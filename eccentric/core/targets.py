@@ -1,7 +1,8 @@
-"""The targets that models are emitted for: all that help, `doctor` and messages say of them.
+"""The targets that models are emitted for and exported to: all that help, `doctor` and messages say of them.
 
-A target is a line here and a folder of its name in `eccentric/emission/backends`. The line is not there,
-since to import `eccentric.emission` is to import SymPy, for which no help page waits.
+A target of `emit` is a line here and a folder of its name in `eccentric/emission/backends`, one of `export` a
+line and a file of its name in `eccentric/exports`. The lines are not there, since to import those rooms is to
+import SymPy, for which no help page waits.
 """
 
 from collections.abc import Mapping
@@ -31,3 +32,14 @@ TARGETS: Mapping[str, Target] = {
     "jax": Target("JAX module", extra="jax", packages=("jax",)),
 }
 """Name, as in `--backend` and the name of its folder -> target."""
+
+EXPORTS: Mapping[str, Target] = {
+    "mjcf": Target("MuJoCo model: a pendulum whose joint has the friction"),
+    "budget": Target("Python module that writes the friction into MuJoCo before each step"),
+    "urdf": Target("URDF: damping and friction of a joint"),
+    "usd": Target("USD with the attributes of Newton: friction, damping, armature"),
+    "bam": Target("parameters for BAM, its model M1"),
+    "newton": Target("drive component for Newton, in Warp"),
+    "fmu": Target("FMU in source: FMI 3.0, co-simulation"),
+}
+"""Name, as in `--to` and the name of its file -> target."""

@@ -15,6 +15,7 @@ from eccentric.presentation.diagnosis_json import diagnosis_document as diagnosi
 from eccentric.presentation.diagnosis_text import diagnosis_lines as diagnosis_lines
 from eccentric.presentation.diagnosis_text import diagnosis_sentence as diagnosis_sentence
 from eccentric.presentation.diagnosis_text import stability_words as stability_words
+from eccentric.presentation.export_text import export_lines as export_lines
 from eccentric.presentation.fit_json import emitted_parameters as emitted_parameters
 from eccentric.presentation.fit_json import fit_document as fit_document
 from eccentric.presentation.fit_text import NEEDS_MATPLOTLIB as NEEDS_MATPLOTLIB

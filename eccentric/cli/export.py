@@ -1,0 +1,68 @@
+"""`eccentric export`: a drive as a model of a simulator, with its friction at rest and in motion."""
+
+import argparse
+from pathlib import Path
+
+import eccentric
+from eccentric.cli.arguments import add_folder, options
+from eccentric.core import EXPORTS
+
+NAME = "export"
+HELP = "write a drive, with its friction, as a model of a simulator"
+EXAMPLE = """eccentric export build/fit/fit.json --to mjcf --out build/mujoco
+eccentric export build/bench --to budget --out build/pendulum
+eccentric export build/fit --to fmu --out build/fmu
+eccentric export my_derivation.py --parameters build/fit/fit.json --to mjcf --out build/mujoco"""
+
+_OPTIONS = {
+    "to": "--to",
+    "speeds": "--speeds",
+    "prefix": "--prefix",
+    "accept_misfit": "--accept-misfit",
+}
+"""Argument -> its option."""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument(
+        "source",
+        metavar="MODEL|RESULT",
+        help="a fit.json, the folder of a fit or a diagnosis, a model's name, or the path of a derivation",
+    )
+    targets = "; ".join(f"{name}: {target.meaning}" for name, target in EXPORTS.items())
+    parser.add_argument("--to", metavar="TARGET", required=True, help=f"the simulator: {targets}")
+    add_folder(parser, "the files of the simulator")
+    parser.add_argument("--parameters", type=Path, metavar="FIT.json", help="fitted values for a model")
+    parser.add_argument(
+        "--speeds",
+        nargs=2,
+        type=float,
+        metavar=("LOW", "HIGH"),
+        help="motor speeds [rad/s] over which friction with constant coefficients is fitted;"
+        " default: those of the log, without one 1 to 60",
+    )
+    parser.add_argument("--prefix", metavar="NAME", help="name of the files; default: the model's name")
+    parser.add_argument(
+        "--accept-misfit",
+        action="store_true",
+        help="export the parameters of a fit although its log does not fit the rig",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the files, print how close the friction in them is, and their names."""
+    with options(_OPTIONS):
+        written = eccentric.export(
+            arguments.source,
+            arguments.to,
+            arguments.out,
+            parameters=arguments.parameters,
+            speeds=arguments.speeds,
+            prefix=arguments.prefix,
+            accept_misfit=arguments.accept_misfit,
+        )
+    print(written)
+    names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written.paths)
+    print(f"{arguments.out}: {names}")
+    return 0

@@ -1,0 +1,72 @@
+"""The files of a target, and how close the friction in them is to the drive's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+
+from eccentric.core import EXPORTS, InputError
+from eccentric.emission import plain
+from eccentric.exports.drive import Drive
+from eccentric.exports.law import ConstantLaw
+from eccentric.version import __version__
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What a target writes.
+
+    Attributes:
+        files: name -> content.
+        law: the friction with constant coefficients in them, None if they have the drive's own.
+        left_out: largest torque at the joint, cogging or of a spring, that they do not have [N m].
+    """
+
+    files: Mapping[str, str | bytes]
+    law: ConstantLaw | None = None
+    left_out: float = 0.0
+
+
+def export(drive: Drive, to: str) -> Exported:
+    """The files of a drive for a target.
+
+    Raises:
+        InputError: there is no such target, or it cannot take this drive.
+    """
+    if to not in EXPORTS:
+        raise InputError("to", f"one of {', '.join(EXPORTS)}", f"{to!r}")
+    write: Callable[[Drive], Exported] = import_module(f"eccentric.exports.{to}").write
+    return write(drive)
+
+
+def head(drive: Drive) -> dict[str, object]:
+    """The variables that the templates of all targets have: name, title, source, version."""
+    # Two hyphens would end a comment of XML.
+    title, origin = (plain(text).replace("--", "- -") for text in (drive.model.title, drive.origin))
+    return {
+        "name": drive.name,
+        "title": title,
+        "origin": origin,
+        "version": __version__,
+        "back_emf": drive.model.back_emf_in_friction,
+    }
+
+
+def stated(drive: Drive, law: ConstantLaw) -> dict[str, object]:
+    """The variables of templates that state how close a law is: error, range, levels at rest."""
+    low, high = drive.link_speeds
+    return {
+        "exact": law.exact,
+        "identified": drive.identified,
+        "range": f"{low:.4g} to {high:.4g} rad/s",
+        "error_rms": f"{law.error_rms:.3g}",
+        "error_max": f"{law.error_max:.3g}",
+        "error_percent": f"{100.0 * law.error_rms / law.friction_rms:.2g}" if law.friction_rms else "0",
+        "breakaway": f"{law.breakaway[0]:.4g} to {law.breakaway[1]:.4g}",
+    }
+
+
+def decimal(value: float) -> str:
+    """The shortest decimal that is this number."""
+    return repr(float(value) + 0.0)

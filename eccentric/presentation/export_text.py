@@ -1,0 +1,38 @@
+"""How close the friction of an export is to the drive's, in words."""
+
+from __future__ import annotations
+
+from eccentric.exports import Drive, Exported
+
+
+def export_lines(drive: Drive, exported: Exported) -> list[str]:
+    """What a person reads of an export; values at the joint, on the link side of the gear."""
+    law = exported.law
+    low, high = drive.link_speeds
+    whence = "as in the log" if drive.identified else "no log names a range"
+    lines = []
+    if law is None:
+        lines.append("friction: the drive's own")
+    elif law.exact:
+        lines.append("friction: the drive's own, as it has constant coefficients")
+    else:
+        share = 100.0 * law.error_rms / law.friction_rms
+        lines.append(
+            f"friction: the nearest with constant coefficients, link speeds {low:.4g} to {high:.4g} rad/s,"
+            f" {whence}: error {law.error_rms:.3g} N m RMS ({share:.2g} % of the friction),"
+            f" {law.error_max:.3g} N m at most"
+        )
+        lines.append(
+            f"at rest it holds {law.lower:.4g} N m backwards and {law.upper:.4g} N m forwards;"
+            f" the drive {law.breakaway[0]:.4g} to {law.breakaway[1]:.4g} N m, depending on the angle"
+        )
+    if exported.left_out > 1e-9 * max(drive.p.M * drive.p.g * drive.p.L, 1e-9):
+        lines.append(
+            f"left out: a torque of up to {exported.left_out:.3g} N m that depends on the angle"
+            " (cogging, a spring, a load)"
+        )
+    if drive.model.back_emf_in_friction:
+        lines.append(
+            "friction contains the back-EMF: drive the joint by k_i u/R, the torque of the voltage u"
+        )
+    return lines

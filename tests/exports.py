@@ -1,0 +1,66 @@
+"""Drives that are exported, and what the tests of all targets have in common."""
+
+from pathlib import Path
+
+import numpy as np
+
+from eccentric.exports import Drive
+from eccentric.model import load_model, with_values
+
+J = {"J_m": 1e-4, "J_l": 0.04276066}
+BENCH = {
+    **J,
+    "M": 0.489,
+    "M_l": 0.181,
+    "L": 0.279,
+    "mu": 0.2,
+    "k_i": 0.063,
+    "k_e": 0.063,
+    "B_lN": 0.006384,
+    "C_lN": 0.07297,
+    "B_m": 0.0009273,
+    "C_m": 0.0443,
+}
+"""A fit of the bundled log, rounded."""
+UNEQUAL = {"B_m_pos": 8e-4, "B_m_neg": 1.2e-3, "C_m_pos": 0.03, "C_m_neg": 0.05}
+BENCH_UNEQUAL = {
+    **{x: y for x, y in BENCH.items() if x[:2] not in {"B_", "C_"}},
+    **{f"{x}_{sign}": BENCH[x] for x in ("B_lN", "C_lN") for sign in ("pos", "neg")},
+    **UNEQUAL,
+}
+"""The same with unequal friction of the motor by direction."""
+STEADY = 0.4
+"""Angle [rad] at which friction of `BENCH` is larger than gravity."""
+
+
+def drive(name: str, values: dict[str, float] | None = None, **more: float) -> Drive:
+    """Return a bundled model with these values as its defaults."""
+    return Drive(with_values(load_model(name), {**(J if values is None else values), **more}, name), name)
+
+
+def swing_down(of: Drive, angle: float, seconds: float = 6.0, dt: float = 1e-4) -> float:
+    """Return the link angle at which `friction_step` brings a link to rest that starts at rest."""
+    theta_m, omega_m, p = angle / of.p.mu, 0.0, of.p
+    for _ in range(round(seconds / dt)):
+        torque = -of.module.gravity_torque(theta_m, p)
+        omega_m = float(of.module.friction_step(theta_m, omega_m, torque, dt, p)[0])
+        theta_m += dt * omega_m
+        if omega_m == 0.0:
+            break
+    return theta_m * p.mu
+
+
+def written(files: dict[str, str | bytes], folder: Path) -> Path:
+    """Write the files of an export into a folder; return it."""
+    for name, content in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    return folder
+
+
+def link_states(count: int = 200, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """Angles and velocities of a link, all moving."""
+    random = np.random.default_rng(seed)
+    return random.uniform(-9.0, 9.0, count), random.choice([-1.0, 1.0], count) * random.uniform(
+        0.2, 12.0, count
+    )

@@ -1,0 +1,158 @@
+"""A pendulum for MuJoCo: its friction, inertia and gravity in the engine are those of the model."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+from eccentric.cli import main
+from eccentric.exports import Drive, export
+from eccentric.exports.law import nearest
+from tests.exports import BENCH, BENCH_UNEQUAL, STEADY, drive, link_states
+
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo (mujoco-core) is not installed")
+
+
+def loaded(of: Drive) -> tuple["mujoco.MjModel", "mujoco.MjData"]:
+    """Return the exported model as MuJoCo reads it, and its state."""
+    model = mujoco.MjModel.from_xml_string(export(of, "mjcf").files[f"{of.name}.xml"])
+    return model, mujoco.MjData(model)
+
+
+def torque_of(model: "mujoco.MjModel", data: "mujoco.MjData", angle: float, velocity: float) -> float:
+    """Return the torque of friction that MuJoCo applies in a state, a constant one included."""
+    data.qpos[0], data.qvel[0] = angle, velocity
+    mujoco.mj_forward(model, data)
+    return -float(data.qfrc_passive[0] + data.qfrc_constraint[0] + data.qfrc_actuator[0])
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [("c1_perpendicular", {}), ("c1_asymmetric", {}), ("c1_asymmetric", {"C_m_neg": 0.011})],
+    ids=["c1", "equal sides", "unequal levels"],
+)
+def test_c1_is_exact(name: str, values: dict[str, float]) -> None:
+    """Friction of case C1 is a polynomial, as that of a joint is: to 1e-12 of the emitted torque."""
+    of = drive(name, None, **values)
+    model, data = loaded(of)
+    for angle, velocity in zip(*link_states(), strict=True):
+        omega_m = velocity / of.p.mu
+        expected = float(of.module.mechanical_friction_torque(omega_m, of.p)) / of.p.mu
+        assert torque_of(model, data, angle, velocity) == pytest.approx(expected, rel=1e-12)
+    assert export(of, "mjcf").law.exact
+
+
+def test_c1_has_the_papers_coefficients() -> None:
+    """With Table 1, by the paper's (12) and (13) without the back-EMF, on the link side."""
+    of = drive("c1_perpendicular")
+    law, p = nearest(of), of.p
+    force, weight = p.M * p.L, p.M_l * p.g  # F_N = M L w^2, F_T as in Table 1
+    expected = [
+        p.C_m / p.mu + p.C_lT * weight,
+        p.B_m / p.mu**2 + p.B_lT * weight,
+        p.C_lN * force,
+        p.B_lN * force,
+    ]
+
+    assert [law.level, *law.damping] == pytest.approx(expected, rel=1e-10)
+
+
+def test_the_nearest_law_is_that_of_another_solver() -> None:
+    """Bounded least squares by a trust region, over a whole grid: same coefficients, same error."""
+    of = drive("c2_asymmetric", BENCH_UNEQUAL)
+    low, high = of.link_speeds
+    angle, speed = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 240, endpoint=False), np.linspace(low, high, 64))
+    v = np.concatenate([speed.ravel(), -speed.ravel()])
+    theta_m = np.tile(angle.ravel(), 2) / of.p.mu
+    torque = of.module.mechanical_friction_torque(theta_m, v / of.p.mu, of.p) / of.p.mu
+    columns = np.column_stack([v > 0.0, -1.0 * (v < 0.0), v, v * np.abs(v), v**3])
+    found = lsq_linear(columns, torque, (0.0, np.inf), tol=1e-14)
+    error = torque - columns @ found.x
+    law = nearest(of)
+
+    assert [law.upper, law.lower, *law.damping] == pytest.approx(found.x, rel=1e-4, abs=1e-5)
+    assert law.error_rms == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-4)
+    assert law.error_max == pytest.approx(np.abs(error).max(), rel=2e-2)
+
+
+def test_what_friction_holds_stays() -> None:
+    """A link that friction holds has not moved after 5 s, not by one bit; more torque moves it."""
+    of = drive("c2_parallel", BENCH)
+    model, data = loaded(of)
+    data.qpos[0] = STEADY
+    mujoco.mj_step(model, data, 2500)
+    assert data.qpos[0] == STEADY
+    assert abs(data.qvel[0]) < 1e-15
+
+    gravity = float(of.module.gravity_torque(STEADY / of.p.mu, of.p))
+    for share, moves in ((0.999, False), (1.001, True)):
+        mujoco.mj_resetData(model, data)
+        data.qpos[0], data.ctrl[0] = STEADY, gravity + share * export(of, "mjcf").law.level * of.p.mu
+        mujoco.mj_step(model, data, 500)
+        assert moves == (data.qpos[0] != STEADY)
+
+
+@pytest.mark.parametrize(
+    ("name", "phi"), [("c2_parallel", 0.0), ("rotating_link", 0.7), ("c1_perpendicular", np.pi / 2)]
+)
+def test_inertia_and_gravity(name: str, phi: float) -> None:
+    """J_l + J_m/mu^2 at the joint, gravity M g L cos(phi) sin(angle), and the motor's torque over mu."""
+    of = drive(name, None, **({"phi": phi} if name == "rotating_link" else {}))
+    p, (model, data) = of.p, loaded(of)
+    data.qpos[0], data.ctrl[0] = 1.1, 0.3
+    mujoco.mj_forward(model, data)
+    inertia = np.zeros((1, 1))
+    mujoco.mj_fullM(model, data, inertia)
+
+    assert inertia[0, 0] == pytest.approx(p.J_l + p.J_m / p.mu**2, rel=1e-12)
+    assert data.qfrc_bias[0] == pytest.approx(
+        p.M * p.g * p.L * np.cos(phi) * np.sin(1.1), rel=1e-12, abs=1e-14
+    )
+    assert data.qfrc_actuator[0] == pytest.approx(0.3 / p.mu, rel=1e-12)
+    assert model.body_mass[1] == pytest.approx(p.M + p.M_l, rel=1e-12)
+
+
+def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """Return the one line that a command is refused with."""
+    assert main(["export", *arguments]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert len(said.err.splitlines()) == 1
+    return said.err
+
+
+@pytest.mark.parametrize(
+    ("source", "more", "said"),
+    [
+        ("c2_parallel", [], r"c2_parallel: J_m: a value"),
+        ("linear_axis", [], r"a turning drive .* received a linear axis"),
+        ("examples/arms/planar_2r.toml", [], r"a model of one drive .* an arm"),
+        ("c2_parallel", ["--speeds", "5", "5"], r"--speeds: motor speeds 0 < LOW < HIGH"),
+        ("nothing_of_that_name", [], r"unknown"),
+        ("docs", [], r"docs: the folder of a fit or a diagnosis"),
+    ],
+)
+def test_what_cannot_be_exported(
+    source: str, more: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line says what is required; nothing is written."""
+    line = refused([source, "--to", "mjcf", "--out", str(tmp_path / "out"), *more], capsys)
+
+    assert re.search(said, line), line
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_unknown_target(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The known ones are named."""
+    assert "--to: one of mjcf, budget" in refused(
+        ["c2_parallel", "--to", "x", "--out", str(tmp_path / "out")], capsys
+    )
+
+
+@pytest.mark.parametrize("wrong", [{"J_l": 0.02}])
+def test_an_inertia_that_no_such_body_has(wrong: dict[str, float]) -> None:
+    """J_l is about the axis, M L^2 included: less than that of the masses alone is refused."""
+    with pytest.raises(Exception, match=r"J_l: more than 0\.02778 kg m"):
+        export(drive("c2_parallel", BENCH, **wrong), "mjcf")
