@@ -303,7 +303,7 @@ def budget(found: Levels, omega_m: sp.Symbol = v.omega_m.symbol) -> tuple[tuple[
     return ("lower", found.backward.dry), ("upper", found.forward.dry), ("viscous", viscous)
 
 
-class Named:
+class NamedSteps:
     """Assignments of one routine; called, it names a value that depends on the state."""
 
     def __init__(self, model: Model) -> None:
@@ -354,7 +354,7 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
     velocity over the step, and that of sliding. The greater speed is the solution for the smaller of both.
     """
     omega_m, torque, dt = v.omega_m.symbol, v.torque.symbol, v.dt.symbol
-    named = Named(model)
+    named = NamedSteps(model)
     forward, backward = named.sides(found)
     without = "momentum at the end of the step, if there were no friction [N m s]"
     momentum = named("momentum", inertia * omega_m + dt * torque, without)
@@ -389,7 +389,7 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
 def acceleration(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
     """The acceleration by a torque, 0 at rest within the levels, with what it is computed from."""
     omega_m, torque = v.omega_m.symbol, v.torque.symbol
-    named = Named(model)
+    named = NamedSteps(model)
     forward, backward = named.sides(found)
     starting = named("starting", Shrunk(torque, backward.held, forward.held))
     damping = chosen(omega_m, forward.damping, backward.damping)

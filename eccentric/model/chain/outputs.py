@@ -18,7 +18,7 @@ from eccentric.model.model import Model
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, differentiate, needed
 from eccentric.model.outputs import STEP, armature_parameters, held_states, step_updates, step_words
 from eccentric.model.quantity import Definition, quantity
-from eccentric.model.rest import Levels, Named, budget, levels
+from eccentric.model.rest import Levels, NamedSteps, budget, levels
 from eccentric.model.steps import HalfCosine, HalfSine, meaning
 
 _AXES = "xyz"
@@ -252,12 +252,12 @@ class _Outputs:
         return _expressions(results, _stable(self._found, self._model, definitions))
 
     def _by_torques(
-        self, computed: Callable[[Recursion, Named, Matrix, list[Levels]], Stepped]
+        self, computed: Callable[[Recursion, NamedSteps, Matrix, list[Levels]], Stepped]
     ) -> Expressions:
         """What the torques make of the motion: the inertia, the levels, and the steps from them."""
         definitions, entries = self._inertia()
         there = {a.target for a in definitions}
-        named = Named(self._model)
+        named = NamedSteps(self._model)
         inertia = [[named(f"M_{j}_{k}", x) for k, x in enumerate(row)] for j, row in enumerate(entries)]
         steps, results = computed(self._found, named, inertia, self._levels)
         before = (*definitions, *(a for a in self._both_ways if a.target not in there))

@@ -24,7 +24,7 @@ import sympy as sp
 from eccentric.model import vocabulary as v
 from eccentric.model.chain.recursion import Recursion
 from eccentric.model.output import Assignment, differentiate, needed
-from eccentric.model.rest import Levels, Named, Side, chosen
+from eccentric.model.rest import Levels, NamedSteps, Side, chosen
 from eccentric.model.steps import AtZero, Bounded, ByDirection, Forward, Gated, Magnitude, Shrunk
 
 Matrix = Sequence[Sequence[sp.Expr]]
@@ -128,7 +128,7 @@ class _Found:
     piece: _Piece
 
 
-def _laws(named: Named, levels: Sequence[Levels]) -> list[_Law]:
+def _laws(named: NamedSteps, levels: Sequence[Levels]) -> list[_Law]:
     """Those of a time step."""
     dt = v.dt.symbol
     laws = []
@@ -155,7 +155,7 @@ class _Solved:
 
     def __init__(
         self,
-        named: Named,
+        named: NamedSteps,
         inertia: Matrix,
         laws: Sequence[_Law],
         momentum: Sequence[sp.Expr],
@@ -300,7 +300,7 @@ def _torques(found: Recursion) -> list[sp.Symbol]:
 Stepped = tuple[tuple[Assignment, ...], Results]
 
 
-def step(found: Recursion, named: Named, inertia: Matrix, levels: Sequence[Levels]) -> Stepped:
+def step(found: Recursion, named: NamedSteps, inertia: Matrix, levels: Sequence[Levels]) -> Stepped:
     """Velocities after a time step and the friction torques in it, and what they are computed from."""
     dt, joints = v.dt.symbol, range(len(levels))
     omega_m = [inputs.omega_m.symbol for inputs in found.inputs]
@@ -319,7 +319,7 @@ def step(found: Recursion, named: Named, inertia: Matrix, levels: Sequence[Level
     return tuple(named.listed), tuple(results)
 
 
-def acceleration(found: Recursion, named: Named, inertia: Matrix, levels: Sequence[Levels]) -> Stepped:
+def acceleration(found: Recursion, named: NamedSteps, inertia: Matrix, levels: Sequence[Levels]) -> Stepped:
     """Accelerations by the torques; what is at rest and held within its levels has 0."""
     laws = []
     for j, (inputs, level) in enumerate(zip(found.inputs, levels, strict=True)):
