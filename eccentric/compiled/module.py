@@ -100,7 +100,7 @@ def _general(
         *inputs, parameters, out = bound.arguments.values()
         source._model.check(parameters)  # noqa: SLF001 - emission's own
         if called.requires:
-            source._model.require(called.requires, inputs[-1], parameters)  # noqa: SLF001 - emission's own
+            source._model.require(called.requires, called.inputs[-1], inputs[-1], parameters)  # noqa: SLF001 - emission's own
         arrays, real = source.runtime.arrays(inputs, called.inputs) if inputs else ([], np.float64)
         shape, ends = _samples(called, arrays)
         if out is not None:

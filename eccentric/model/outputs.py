@@ -396,7 +396,9 @@ def _moved_inertia(model: Model) -> sp.Expr:
     whole = -sp.diff(sp.Add(*(KINDS[t.kind] * t.value for t in others)), v.alpha_m.symbol)
     parts = sp.Add.make_args(sp.expand_mul(whole))
     constant = sp.Add(*(part for part in parts if part.free_symbols <= model.parameter_symbols))
-    return whole if constant in (0, whole) else sp.Max(whole, constant / 100)
+    if constant in (0, whole):
+        return whole
+    return constant / 100 + sp.Max(0, whole - constant / 100)
 
 
 def _require(model: Model) -> None:
