@@ -1,5 +1,6 @@
 """Drives that are exported, and what the tests of all targets have in common."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +51,7 @@ def swing_down(of: Drive, angle: float, seconds: float = 6.0, dt: float = 1e-4) 
     return theta_m * p.mu
 
 
-def written(files: dict[str, str | bytes], folder: Path) -> Path:
+def written(files: Mapping[str, str | bytes], folder: Path) -> Path:
     """Write the files of an export into a folder; return it."""
     for name, content in files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)

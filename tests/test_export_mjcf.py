@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,13 +16,13 @@ from tests.exports import BENCH, BENCH_UNEQUAL, STEADY, drive, link_states
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo (mujoco-core) is not installed")
 
 
-def loaded(of: Drive) -> tuple["mujoco.MjModel", "mujoco.MjData"]:
+def loaded(of: Drive) -> tuple[Any, Any]:
     """Return the exported model as MuJoCo reads it, and its state."""
     model = mujoco.MjModel.from_xml_string(export(of, "mjcf").files[f"{of.name}.xml"])
     return model, mujoco.MjData(model)
 
 
-def torque_of(model: "mujoco.MjModel", data: "mujoco.MjData", angle: float, velocity: float) -> float:
+def torque_of(model: Any, data: Any, angle: float, velocity: float) -> float:
     """Return the torque of friction that MuJoCo applies in a state, a constant one included."""
     data.qpos[0], data.qvel[0] = angle, velocity
     mujoco.mj_forward(model, data)
@@ -41,7 +42,7 @@ def test_c1_is_exact(name: str, values: dict[str, float]) -> None:
         omega_m = velocity / of.p.mu
         expected = float(of.module.mechanical_friction_torque(omega_m, of.p)) / of.p.mu
         assert torque_of(model, data, angle, velocity) == pytest.approx(expected, rel=1e-12)
-    assert export(of, "mjcf").law.exact
+    assert nearest(of).exact
 
 
 def test_c1_has_the_papers_coefficients() -> None:
@@ -89,7 +90,7 @@ def test_what_friction_holds_stays() -> None:
     gravity = float(of.module.gravity_torque(STEADY / of.p.mu, of.p))
     for share, moves in ((0.999, False), (1.001, True)):
         mujoco.mj_resetData(model, data)
-        data.qpos[0], data.ctrl[0] = STEADY, gravity + share * export(of, "mjcf").law.level * of.p.mu
+        data.qpos[0], data.ctrl[0] = STEADY, gravity + share * nearest(of).level * of.p.mu
         mujoco.mj_step(model, data, 500)
         assert moves == (data.qpos[0] != STEADY)
 

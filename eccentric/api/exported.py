@@ -79,10 +79,8 @@ def export(
         fitted = read_parameters(given)
         require_fit(fitted.fits_the_rig, fitted.source, accept_misfit)
         chosen, identified = with_fitted(chosen, fitted, name), _speeds_in(given)
-    low, high = speeds if speeds is not None else identified or DEFAULT_SPEEDS
-    drive = Drive(
-        chosen, origin_of(model), (float(low), float(high)), speeds is None and identified is not None
-    )
+    chosen_speeds = tuple(map(float, speeds if speeds is not None else identified or DEFAULT_SPEEDS))
+    drive = Drive(chosen, origin_of(model), chosen_speeds, speeds is None and identified is not None)
     found = exported(drive, to)
     with whole_folder(out, f"export {name} {to}") as folder:
         for file, content in found.files.items():

@@ -45,7 +45,7 @@ class Drive:
 
     model: Model
     origin: str
-    speeds: tuple[float, float] = DEFAULT_SPEEDS
+    speeds: tuple[float, ...] = DEFAULT_SPEEDS
     identified: bool = False
 
     def __post_init__(self) -> None:
@@ -65,9 +65,9 @@ class Drive:
         if model.states:
             names = ", ".join(state.quantity.name for state in model.states)
             raise InputError(place, "friction without hidden states", names, why="to export")
-        low, high = self.speeds
-        if not 0.0 < low < high < math.inf:
-            raise InputError("speeds", "motor speeds 0 < LOW < HIGH in rad/s", f"{low:g} {high:g}")
+        if len(self.speeds) != 2 or not 0.0 < self.speeds[0] < self.speeds[1] < math.inf:
+            given = " ".join(f"{x:g}" for x in self.speeds)
+            raise InputError("speeds", "motor speeds 0 < LOW < HIGH in rad/s", given)
 
     @property
     def name(self) -> str:

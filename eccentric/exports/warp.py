@@ -62,7 +62,7 @@ def functions(model: Model, name: str) -> dict[str, Any]:
         _function(f"_{x.name}", [x.argument.name], part, [str(x.assignments[-1].target)], language)
         for x, part in zip(helpers, parts, strict=False)
     ]
-    results = [places.get(x.name, x.name) for x in routine.results]
+    results = [places.get(str(x), str(x)) for x in routine.results]
     listed.append(_function(name, [x.quantity.name for x in routine.inputs], parts[-1], results, language))
     inputs = [x.quantity.name for x in routine.inputs]
     return {"coefficients": coefficients, "functions": listed, "inputs": inputs}

@@ -9,7 +9,7 @@ def export_lines(drive: Drive, exported: Exported) -> list[str]:
     """What a person reads of an export; values at the joint, on the link side of the gear."""
     law = exported.law
     low, high = drive.link_speeds
-    whence = "as in the log" if drive.identified else "no log names a range"
+    whence = ", as in the log" if drive.identified else ""
     lines = []
     if law is None:
         lines.append("friction: the drive's own")
@@ -18,8 +18,8 @@ def export_lines(drive: Drive, exported: Exported) -> list[str]:
     else:
         share = 100.0 * law.error_rms / law.friction_rms
         lines.append(
-            f"friction: the nearest with constant coefficients, link speeds {low:.4g} to {high:.4g} rad/s,"
-            f" {whence}: error {law.error_rms:.3g} N m RMS ({share:.2g} % of the friction),"
+            f"friction: the nearest with constant coefficients, link speeds {low:.4g} to {high:.4g} rad/s"
+            f"{whence}: error {law.error_rms:.3g} N m RMS ({share:.2g} % of the friction),"
             f" {law.error_max:.3g} N m at most"
         )
         lines.append(
