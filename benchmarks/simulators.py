@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.record import Measured, Part, progress
-from eccentric.exports import Drive, export
+from eccentric.exports import ExportedDrive, export
 from eccentric.model import load_model, with_values
 
 VALUES = {
@@ -49,7 +49,7 @@ def measured(quick: bool) -> Part:
     import mujoco
 
     name = "c2_parallel"
-    of = Drive(with_values(load_model(name), VALUES, name), name)
+    of = ExportedDrive(with_values(load_model(name), VALUES, name), name)
     with tempfile.TemporaryDirectory() as folder:
         for file, content in export(of, "budget").files.items():
             (Path(folder) / file).write_bytes(content if isinstance(content, bytes) else content.encode())
@@ -88,7 +88,7 @@ def states(count: int = 1000) -> tuple[np.ndarray, np.ndarray]:
     return angle.astype(np.float32), (random.choice([-1.0, 1.0], count) * speed).astype(np.float32)
 
 
-def emitted(of: Drive, angle: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+def emitted(of: ExportedDrive, angle: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """The torque of the emitted module at the joint [N m]."""
     mu = of.p.mu
     return (
@@ -96,7 +96,7 @@ def emitted(of: Drive, angle: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     )
 
 
-def ends(of: Drive) -> list[float]:
+def ends(of: ExportedDrive) -> list[float]:
     """Where `friction_step` brings the link to rest, in fine steps [rad]."""
     found = []
     for start in STARTS:
@@ -111,7 +111,9 @@ def ends(of: Drive) -> list[float]:
     return found
 
 
-def native(of: Drive, model: Any, module: ModuleType, quick: bool) -> tuple[dict[str, Measured], list[str]]:
+def native(
+    of: ExportedDrive, model: Any, module: ModuleType, quick: bool
+) -> tuple[dict[str, Measured], list[str]]:
     """Figures and rows of MuJoCo."""
     import mujoco
 
@@ -158,7 +160,7 @@ def native(of: Drive, model: Any, module: ModuleType, quick: bool) -> tuple[dict
     ]
 
 
-def in_warp(of: Drive, model: Any, module: ModuleType, quick: bool) -> list[str]:
+def in_warp(of: ExportedDrive, model: Any, module: ModuleType, quick: bool) -> list[str]:
     """Rows of mujoco-warp."""
     import mujoco
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program c315b83e).
+ * (eccentric 0.1.0, program 7f3a2e96).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0xc315b83eUL
+#if C1_ASYMMETRIC_PROGRAM != 0x7f3a2e96UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -636,106 +636,6 @@ void c1_asymmetric_friction_budget_n(
     }
 }
 
-REAL_INLINE void c1_asymmetric_friction_step_at(
-    real omega_m,
-    real torque,
-    real dt,
-    real *out,
-    const c1_asymmetric_coefficients *c)
-{
-    /* time step, at least the shortest [s] */
-    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
-    /* normal force on the axis of rotation [N], eq (8) */
-    const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    /* levels of dry friction [N m] */
-    const real upper = c->C_lN_pos_mu * F_N + c->C_pos;
-    const real slope_forward = c->B_lN_pos_mu2 * F_N + c->B_pos;
-    const real lower = -c->C_lN_neg_mu * F_N - c->C_neg;
-    const real slope_backward = c->B_lN_neg_mu2 * F_N + c->B_neg;
-    /* momentum at the end of the step, if there were no friction [N m s] */
-    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
-    const real highest = elapsed * upper;
-    const real lowest = elapsed * lower;
-    const real held_back = ((momentum > highest) ? highest : ((momentum < lowest) ? lowest : momentum));
-    /* its part that friction at rest does not take up [N m s] */
-    const real excess = momentum - held_back + REAL(0.0) * (highest - lowest);
-    const real damped = ((excess > REAL(0.0)) ? slope_forward : slope_backward);
-    const real base = REAL_GIVEN(c->J) + damped * elapsed;
-    const real velocity_after = excess / base;
-    const real unlimited = momentum / elapsed;
-    const real dry = ((unlimited > upper) ? upper : ((unlimited < lower) ? lower : unlimited));
-    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    const real part_1 = damped * velocity_after + dry;
-    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
-}
-
-void c1_asymmetric_friction_step(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL torque,
-    ECCENTRIC_REAL dt,
-    ECCENTRIC_REAL *out,
-    const c1_asymmetric_coefficients *c)
-{
-    c1_asymmetric_friction_step_at(omega_m, torque, dt, out, c);
-}
-
-void c1_asymmetric_friction_step_n(
-    size_t n,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *torque,
-    const ECCENTRIC_REAL *dt,
-    ECCENTRIC_REAL *out,
-    const c1_asymmetric_coefficients *c)
-{
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        c1_asymmetric_friction_step_at(omega_m[k], torque[k], dt[k], &out[2u * k], &own);
-    }
-}
-
-REAL_INLINE real c1_asymmetric_acceleration_at(
-    real omega_m,
-    real torque,
-    const c1_asymmetric_coefficients *c)
-{
-    /* normal force on the axis of rotation [N], eq (8) */
-    const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    /* levels of dry friction [N m] */
-    const real upper = c->C_lN_pos_mu * F_N + c->C_pos;
-    const real slope_forward = c->B_lN_pos_mu2 * F_N + c->B_pos;
-    const real lower = -c->C_lN_neg_mu * F_N - c->C_neg;
-    const real slope_backward = c->B_lN_neg_mu2 * F_N + c->B_neg;
-    const real held_back = ((torque > upper) ? upper : ((torque < lower) ? lower : torque));
-    const real starting = torque - held_back + REAL(0.0) * (upper - lower);
-    const real part_3 = torque - upper;
-    const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? -lower + torque :
-        starting));
-    const real part_4 = -omega_m * ((omega_m > REAL(0.0)) ? slope_forward : slope_backward);
-    const real part_1 = part_2 + part_4;
-    return part_1 / REAL_GIVEN(c->J);
-}
-
-ECCENTRIC_REAL c1_asymmetric_acceleration(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL torque,
-    const c1_asymmetric_coefficients *c)
-{
-    return c1_asymmetric_acceleration_at(omega_m, torque, c);
-}
-
-void c1_asymmetric_acceleration_n(
-    size_t n,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *torque,
-    ECCENTRIC_REAL *out,
-    const c1_asymmetric_coefficients *c)
-{
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_asymmetric_acceleration_at(omega_m[k], torque[k], &own);
-    }
-}
-
 ECCENTRIC_REAL c1_asymmetric_gravity_torque(const c1_asymmetric_coefficients *c)
 {
     (void)c;
@@ -890,6 +790,106 @@ void c1_asymmetric_electrical_residual_n(
     const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_asymmetric_electrical_residual_at(omega_m[k], i[k], u[k], &own);
+    }
+}
+
+REAL_INLINE void c1_asymmetric_friction_step_at(
+    real omega_m,
+    real torque,
+    real dt,
+    real *out,
+    const c1_asymmetric_coefficients *c)
+{
+    /* time step, at least the shortest [s] */
+    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    /* levels of dry friction [N m] */
+    const real upper = c->C_lN_pos_mu * F_N + c->C_pos;
+    const real slope_forward = c->B_lN_pos_mu2 * F_N + c->B_pos;
+    const real lower = -c->C_lN_neg_mu * F_N - c->C_neg;
+    const real slope_backward = c->B_lN_neg_mu2 * F_N + c->B_neg;
+    /* momentum at the end of the step, if there were no friction [N m s] */
+    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
+    const real highest = elapsed * upper;
+    const real lowest = elapsed * lower;
+    const real held_back = ((momentum > highest) ? highest : ((momentum < lowest) ? lowest : momentum));
+    /* its part that friction at rest does not take up [N m s] */
+    const real excess = momentum - held_back + REAL(0.0) * (highest - lowest);
+    const real damped = ((excess > REAL(0.0)) ? slope_forward : slope_backward);
+    const real base = REAL_GIVEN(c->J) + damped * elapsed;
+    const real velocity_after = excess / base;
+    const real unlimited = momentum / elapsed;
+    const real dry = ((unlimited > upper) ? upper : ((unlimited < lower) ? lower : unlimited));
+    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
+    const real part_1 = damped * velocity_after + dry;
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
+}
+
+void c1_asymmetric_friction_step(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    c1_asymmetric_friction_step_at(omega_m, torque, dt, out, c);
+}
+
+void c1_asymmetric_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        c1_asymmetric_friction_step_at(omega_m[k], torque[k], dt[k], &out[2u * k], &own);
+    }
+}
+
+REAL_INLINE real c1_asymmetric_acceleration_at(
+    real omega_m,
+    real torque,
+    const c1_asymmetric_coefficients *c)
+{
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    /* levels of dry friction [N m] */
+    const real upper = c->C_lN_pos_mu * F_N + c->C_pos;
+    const real slope_forward = c->B_lN_pos_mu2 * F_N + c->B_pos;
+    const real lower = -c->C_lN_neg_mu * F_N - c->C_neg;
+    const real slope_backward = c->B_lN_neg_mu2 * F_N + c->B_neg;
+    const real held_back = ((torque > upper) ? upper : ((torque < lower) ? lower : torque));
+    const real starting = torque - held_back + REAL(0.0) * (upper - lower);
+    const real part_3 = torque - upper;
+    const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? -lower + torque :
+        starting));
+    const real part_4 = -omega_m * ((omega_m > REAL(0.0)) ? slope_forward : slope_backward);
+    const real part_1 = part_2 + part_4;
+    return part_1 / REAL_GIVEN(c->J);
+}
+
+ECCENTRIC_REAL c1_asymmetric_acceleration(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    const c1_asymmetric_coefficients *c)
+{
+    return c1_asymmetric_acceleration_at(omega_m, torque, c);
+}
+
+void c1_asymmetric_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_asymmetric_acceleration_at(omega_m[k], torque[k], &own);
     }
 }
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program c315b83e).
+ * (eccentric 0.1.0, program 7f3a2e96).
  * Case C1 with friction that differs between the directions of motion.
  */
 /* Begin with c1_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0xc315b83eUL
+#define C1_ASYMMETRIC_PROGRAM 0x7f3a2e96UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_asymmetric_mechanical_friction_torque_double. */
@@ -52,10 +52,6 @@
 #define c1_asymmetric_breakaway_torque ECCENTRIC_JOIN(c1_asymmetric_breakaway_torque_, ECCENTRIC_REAL)
 #define c1_asymmetric_friction_budget ECCENTRIC_JOIN(c1_asymmetric_friction_budget_, ECCENTRIC_REAL)
 #define c1_asymmetric_friction_budget_n ECCENTRIC_JOIN(c1_asymmetric_friction_budget_n_, ECCENTRIC_REAL)
-#define c1_asymmetric_friction_step ECCENTRIC_JOIN(c1_asymmetric_friction_step_, ECCENTRIC_REAL)
-#define c1_asymmetric_friction_step_n ECCENTRIC_JOIN(c1_asymmetric_friction_step_n_, ECCENTRIC_REAL)
-#define c1_asymmetric_acceleration ECCENTRIC_JOIN(c1_asymmetric_acceleration_, ECCENTRIC_REAL)
-#define c1_asymmetric_acceleration_n ECCENTRIC_JOIN(c1_asymmetric_acceleration_n_, ECCENTRIC_REAL)
 #define c1_asymmetric_gravity_torque ECCENTRIC_JOIN(c1_asymmetric_gravity_torque_, ECCENTRIC_REAL)
 #define c1_asymmetric_voltage ECCENTRIC_JOIN(c1_asymmetric_voltage_, ECCENTRIC_REAL)
 #define c1_asymmetric_voltage_n ECCENTRIC_JOIN(c1_asymmetric_voltage_n_, ECCENTRIC_REAL)
@@ -65,6 +61,10 @@
 #define c1_asymmetric_mechanical_residual_n ECCENTRIC_JOIN(c1_asymmetric_mechanical_residual_n_, ECCENTRIC_REAL)
 #define c1_asymmetric_electrical_residual ECCENTRIC_JOIN(c1_asymmetric_electrical_residual_, ECCENTRIC_REAL)
 #define c1_asymmetric_electrical_residual_n ECCENTRIC_JOIN(c1_asymmetric_electrical_residual_n_, ECCENTRIC_REAL)
+#define c1_asymmetric_friction_step ECCENTRIC_JOIN(c1_asymmetric_friction_step_, ECCENTRIC_REAL)
+#define c1_asymmetric_friction_step_n ECCENTRIC_JOIN(c1_asymmetric_friction_step_n_, ECCENTRIC_REAL)
+#define c1_asymmetric_acceleration ECCENTRIC_JOIN(c1_asymmetric_acceleration_, ECCENTRIC_REAL)
+#define c1_asymmetric_acceleration_n ECCENTRIC_JOIN(c1_asymmetric_acceleration_n_, ECCENTRIC_REAL)
 #define c1_asymmetric_polynomial ECCENTRIC_JOIN(c1_asymmetric_polynomial_, ECCENTRIC_REAL)
 #define c1_asymmetric_polynomial_neg ECCENTRIC_JOIN(c1_asymmetric_polynomial_neg_, ECCENTRIC_REAL)
 
@@ -333,50 +333,6 @@ void c1_asymmetric_friction_budget_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
- *  NaN unless dt is 0 or the parameters give J_m and J_l.
- *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[in]  torque  torque on the motor side of everything but friction [N m]
- *  @param[in]  dt  time step, positive [s]
- *  @param[out] out  2 values: omega_m, friction [rad/s, N m]
- *  @param[in]  c  coefficients
- */
-void c1_asymmetric_friction_step(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL torque,
-    ECCENTRIC_REAL dt,
-    ECCENTRIC_REAL *out,
-    const c1_asymmetric_coefficients *c);
-
-/** friction_step over arrays of n samples, each with 2 of `out`. */
-void c1_asymmetric_friction_step_n(
-    size_t n,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *torque,
-    const ECCENTRIC_REAL *dt,
-    ECCENTRIC_REAL *out,
-    const c1_asymmetric_coefficients *c);
-
-/** Acceleration by a torque, 0 at rest within the levels of dry friction.
- *  NaN unless torque is 0 or the parameters give J_m and J_l.
- *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[in]  torque  torque on the motor side of everything but friction [N m]
- *  @param[in]  c  coefficients
- *  @return acceleration [rad/s^2]
- */
-ECCENTRIC_REAL c1_asymmetric_acceleration(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL torque,
-    const c1_asymmetric_coefficients *c);
-
-/** acceleration over arrays of n samples. */
-void c1_asymmetric_acceleration_n(
-    size_t n,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *torque,
-    ECCENTRIC_REAL *out,
-    const c1_asymmetric_coefficients *c);
-
 /** Gravity torque G, eq (5).
  *  @param[in]  c  coefficients
  *  @return gravity_torque [N m]
@@ -465,6 +421,50 @@ void c1_asymmetric_electrical_residual_n(
     const ECCENTRIC_REAL *omega_m,
     const ECCENTRIC_REAL *i,
     const ECCENTRIC_REAL *u,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+ *  NaN unless dt is 0 or the parameters give J_m and J_l.
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  torque  torque on the motor side of everything but friction [N m]
+ *  @param[in]  dt  time step, positive [s]
+ *  @param[out] out  2 values: omega_m, friction [rad/s, N m]
+ *  @param[in]  c  coefficients
+ */
+void c1_asymmetric_friction_step(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** friction_step over arrays of n samples, each with 2 of `out`. */
+void c1_asymmetric_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** Acceleration by a torque, 0 at rest within the levels of dry friction.
+ *  NaN unless torque is 0 or the parameters give J_m and J_l.
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  torque  torque on the motor side of everything but friction [N m]
+ *  @param[in]  c  coefficients
+ *  @return acceleration [rad/s^2]
+ */
+ECCENTRIC_REAL c1_asymmetric_acceleration(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    const c1_asymmetric_coefficients *c);
+
+/** acceleration over arrays of n samples. */
+void c1_asymmetric_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 

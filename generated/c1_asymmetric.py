@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program c315b83e).
+# (eccentric 0.1.0, program 7f3a2e96).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -181,11 +181,11 @@ def _prepare(p, c):
 
 _INPUTS = {
     "omega_m": "motor velocity [rad/s]",
-    "torque": "torque on the motor side of everything but friction [N m]",
-    "dt": "time step, positive [s]",
     "alpha_m": "motor acceleration [rad/s^2]",
     "i": "armature current [A]",
     "u": "armature voltage [V]",
+    "torque": "torque on the motor side of everything but friction [N m]",
+    "dt": "time step, positive [s]",
 }
 _model = runtime.Model(Parameters, _prepare, _INPUTS)
 
@@ -379,54 +379,6 @@ def friction_budget(c, omega_m):
     return result_lower, result_upper, result_viscous
 
 
-@_model.function(needs=("J_m", "J_l"))
-def friction_step(c, omega_m, torque, dt):
-    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
-
-    In rad/s, N m; last axis (omega_m, friction).
-    """
-    # time step, at least the shortest [s]
-    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
-    # normal force on the axis of rotation [N], eq (8)
-    F_N = c.L_M_mu2 * omega_m * omega_m
-    # levels of dry friction [N m]
-    upper = c.C_lN_pos_mu * F_N + c.C_pos
-    slope_forward = c.B_lN_pos_mu2 * F_N + c.B_pos
-    lower = -c.C_lN_neg_mu * F_N - c.C_neg
-    slope_backward = c.B_lN_neg_mu2 * F_N + c.B_neg
-    # momentum at the end of the step, if there were no friction [N m s]
-    momentum = c.J * omega_m + elapsed * torque
-    highest = elapsed * upper
-    lowest = elapsed * lower
-    held_back = np.where(momentum > highest, highest, np.where(momentum < lowest, lowest, momentum))
-    # its part that friction at rest does not take up [N m s]
-    excess = momentum - held_back + 0.0 * (highest - lowest)
-    damped = np.where(excess > 0.0, slope_forward, slope_backward)
-    base = c.J + damped * elapsed
-    velocity_after = excess / base
-    unlimited = momentum / elapsed
-    dry = np.where(unlimited > upper, upper, np.where(unlimited < lower, lower, unlimited))
-    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
-    result_friction = np.where(dt < 1.0e-9, 0.0, damped * velocity_after + dry)
-    return result_omega_m, result_friction
-
-
-@_model.function(needs=("J_m", "J_l"))
-def acceleration(c, omega_m, torque):
-    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
-    # normal force on the axis of rotation [N], eq (8)
-    F_N = c.L_M_mu2 * omega_m * omega_m
-    # levels of dry friction [N m]
-    upper = c.C_lN_pos_mu * F_N + c.C_pos
-    slope_forward = c.B_lN_pos_mu2 * F_N + c.B_pos
-    lower = -c.C_lN_neg_mu * F_N - c.C_neg
-    slope_backward = c.B_lN_neg_mu2 * F_N + c.B_neg
-    held_back = np.where(torque > upper, upper, np.where(torque < lower, lower, torque))
-    starting = torque - held_back + 0.0 * (upper - lower)
-    part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, -lower + torque, starting))
-    return (part_2 + (-omega_m * np.where(omega_m > 0.0, slope_forward, slope_backward))) / c.J
-
-
 @_model.function
 def gravity_torque(c):
     """Gravity torque G, eq (5) [N m]."""
@@ -477,6 +429,54 @@ def mechanical_residual(c, omega_m, i, alpha_m=0.0):
 def electrical_residual(c, omega_m, i, u):
     """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m]."""
     return -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u
+
+
+@_model.function(needs=("J_m", "J_l"))
+def friction_step(c, omega_m, torque, dt):
+    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+
+    In rad/s, N m; last axis (omega_m, friction).
+    """
+    # time step, at least the shortest [s]
+    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
+    # normal force on the axis of rotation [N], eq (8)
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    # levels of dry friction [N m]
+    upper = c.C_lN_pos_mu * F_N + c.C_pos
+    slope_forward = c.B_lN_pos_mu2 * F_N + c.B_pos
+    lower = -c.C_lN_neg_mu * F_N - c.C_neg
+    slope_backward = c.B_lN_neg_mu2 * F_N + c.B_neg
+    # momentum at the end of the step, if there were no friction [N m s]
+    momentum = c.J * omega_m + elapsed * torque
+    highest = elapsed * upper
+    lowest = elapsed * lower
+    held_back = np.where(momentum > highest, highest, np.where(momentum < lowest, lowest, momentum))
+    # its part that friction at rest does not take up [N m s]
+    excess = momentum - held_back + 0.0 * (highest - lowest)
+    damped = np.where(excess > 0.0, slope_forward, slope_backward)
+    base = c.J + damped * elapsed
+    velocity_after = excess / base
+    unlimited = momentum / elapsed
+    dry = np.where(unlimited > upper, upper, np.where(unlimited < lower, lower, unlimited))
+    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
+    result_friction = np.where(dt < 1.0e-9, 0.0, damped * velocity_after + dry)
+    return result_omega_m, result_friction
+
+
+@_model.function(needs=("J_m", "J_l"))
+def acceleration(c, omega_m, torque):
+    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
+    # normal force on the axis of rotation [N], eq (8)
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    # levels of dry friction [N m]
+    upper = c.C_lN_pos_mu * F_N + c.C_pos
+    slope_forward = c.B_lN_pos_mu2 * F_N + c.B_pos
+    lower = -c.C_lN_neg_mu * F_N - c.C_neg
+    slope_backward = c.B_lN_neg_mu2 * F_N + c.B_neg
+    held_back = np.where(torque > upper, upper, np.where(torque < lower, lower, torque))
+    starting = torque - held_back + 0.0 * (upper - lower)
+    part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, -lower + torque, starting))
+    return (part_2 + (-omega_m * np.where(omega_m > 0.0, slope_forward, slope_backward))) / c.J
 
 
 @_model.function

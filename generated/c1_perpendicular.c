@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 3e21e472).
+ * (eccentric 0.1.0, program 489238ac).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x3e21e472UL
+#if C1_PERPENDICULAR_PROGRAM != 0x489238acUL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -509,99 +509,6 @@ void c1_perpendicular_friction_budget_n(
     }
 }
 
-REAL_INLINE void c1_perpendicular_friction_step_at(
-    real omega_m,
-    real torque,
-    real dt,
-    real *out,
-    const c1_perpendicular_coefficients *c)
-{
-    /* time step, at least the shortest [s] */
-    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
-    /* normal force on the axis of rotation [N], eq (8) */
-    const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    /* levels of dry friction [N m] */
-    const real upper = c->C + c->C_lN_mu * F_N;
-    const real slope = c->B + c->B_lN_mu2 * F_N;
-    /* momentum at the end of the step, if there were no friction [N m s] */
-    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
-    const real highest = elapsed * upper;
-    const real held_back = c1_perpendicular_within(momentum, highest);
-    /* its part that friction at rest does not take up [N m s] */
-    const real excess = momentum - held_back + REAL(0.0) * highest;
-    const real base = REAL_GIVEN(c->J) + elapsed * slope;
-    const real velocity_after = excess / base;
-    const real unlimited = momentum / elapsed;
-    const real dry = c1_perpendicular_within(unlimited, upper);
-    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    const real part_1 = dry + slope * velocity_after;
-    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
-}
-
-void c1_perpendicular_friction_step(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL torque,
-    ECCENTRIC_REAL dt,
-    ECCENTRIC_REAL *out,
-    const c1_perpendicular_coefficients *c)
-{
-    c1_perpendicular_friction_step_at(omega_m, torque, dt, out, c);
-}
-
-void c1_perpendicular_friction_step_n(
-    size_t n,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *torque,
-    const ECCENTRIC_REAL *dt,
-    ECCENTRIC_REAL *out,
-    const c1_perpendicular_coefficients *c)
-{
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_friction_step_at(omega_m[k], torque[k], dt[k], &out[2u * k], &own);
-    }
-}
-
-REAL_INLINE real c1_perpendicular_acceleration_at(
-    real omega_m,
-    real torque,
-    const c1_perpendicular_coefficients *c)
-{
-    /* normal force on the axis of rotation [N], eq (8) */
-    const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    /* levels of dry friction [N m] */
-    const real upper = c->C + c->C_lN_mu * F_N;
-    const real slope = c->B + c->B_lN_mu2 * F_N;
-    const real held_back = c1_perpendicular_within(torque, upper);
-    const real starting = torque - held_back + REAL(0.0) * upper;
-    const real part_3 = torque - upper;
-    const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? torque + upper :
-        starting));
-    const real part_1 = -omega_m * slope + part_2;
-    return part_1 / REAL_GIVEN(c->J);
-}
-
-ECCENTRIC_REAL c1_perpendicular_acceleration(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL torque,
-    const c1_perpendicular_coefficients *c)
-{
-    return c1_perpendicular_acceleration_at(omega_m, torque, c);
-}
-
-void c1_perpendicular_acceleration_n(
-    size_t n,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *torque,
-    ECCENTRIC_REAL *out,
-    const c1_perpendicular_coefficients *c)
-{
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_acceleration_at(omega_m[k], torque[k], &own);
-    }
-}
-
 ECCENTRIC_REAL c1_perpendicular_gravity_torque(const c1_perpendicular_coefficients *c)
 {
     (void)c;
@@ -744,6 +651,99 @@ void c1_perpendicular_electrical_residual_n(
     const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_perpendicular_electrical_residual_at(omega_m[k], i[k], u[k], &own);
+    }
+}
+
+REAL_INLINE void c1_perpendicular_friction_step_at(
+    real omega_m,
+    real torque,
+    real dt,
+    real *out,
+    const c1_perpendicular_coefficients *c)
+{
+    /* time step, at least the shortest [s] */
+    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    /* levels of dry friction [N m] */
+    const real upper = c->C + c->C_lN_mu * F_N;
+    const real slope = c->B + c->B_lN_mu2 * F_N;
+    /* momentum at the end of the step, if there were no friction [N m s] */
+    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
+    const real highest = elapsed * upper;
+    const real held_back = c1_perpendicular_within(momentum, highest);
+    /* its part that friction at rest does not take up [N m s] */
+    const real excess = momentum - held_back + REAL(0.0) * highest;
+    const real base = REAL_GIVEN(c->J) + elapsed * slope;
+    const real velocity_after = excess / base;
+    const real unlimited = momentum / elapsed;
+    const real dry = c1_perpendicular_within(unlimited, upper);
+    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
+    const real part_1 = dry + slope * velocity_after;
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
+}
+
+void c1_perpendicular_friction_step(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    c1_perpendicular_friction_step_at(omega_m, torque, dt, out, c);
+}
+
+void c1_perpendicular_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        c1_perpendicular_friction_step_at(omega_m[k], torque[k], dt[k], &out[2u * k], &own);
+    }
+}
+
+REAL_INLINE real c1_perpendicular_acceleration_at(
+    real omega_m,
+    real torque,
+    const c1_perpendicular_coefficients *c)
+{
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    /* levels of dry friction [N m] */
+    const real upper = c->C + c->C_lN_mu * F_N;
+    const real slope = c->B + c->B_lN_mu2 * F_N;
+    const real held_back = c1_perpendicular_within(torque, upper);
+    const real starting = torque - held_back + REAL(0.0) * upper;
+    const real part_3 = torque - upper;
+    const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? torque + upper :
+        starting));
+    const real part_1 = -omega_m * slope + part_2;
+    return part_1 / REAL_GIVEN(c->J);
+}
+
+ECCENTRIC_REAL c1_perpendicular_acceleration(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_acceleration_at(omega_m, torque, c);
+}
+
+void c1_perpendicular_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_perpendicular_acceleration_at(omega_m[k], torque[k], &own);
     }
 }
 

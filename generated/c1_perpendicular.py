@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program 3e21e472).
+# (eccentric 0.1.0, program 489238ac).
 # Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
@@ -137,11 +137,11 @@ def _prepare(p, c):
 
 _INPUTS = {
     "omega_m": "motor velocity [rad/s]",
-    "torque": "torque on the motor side of everything but friction [N m]",
-    "dt": "time step, positive [s]",
     "alpha_m": "motor acceleration [rad/s^2]",
     "i": "armature current [A]",
     "u": "armature voltage [V]",
+    "torque": "torque on the motor side of everything but friction [N m]",
+    "dt": "time step, positive [s]",
 }
 _model = runtime.Model(Parameters, _prepare, _INPUTS)
 
@@ -272,48 +272,6 @@ def friction_budget(c, omega_m):
     return result_lower, result_upper, result_viscous
 
 
-@_model.function(needs=("J_m", "J_l"))
-def friction_step(c, omega_m, torque, dt):
-    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
-
-    In rad/s, N m; last axis (omega_m, friction).
-    """
-    # time step, at least the shortest [s]
-    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
-    # normal force on the axis of rotation [N], eq (8)
-    F_N = c.L_M_mu2 * omega_m * omega_m
-    # levels of dry friction [N m]
-    upper = c.C + c.C_lN_mu * F_N
-    slope = c.B + c.B_lN_mu2 * F_N
-    # momentum at the end of the step, if there were no friction [N m s]
-    momentum = c.J * omega_m + elapsed * torque
-    highest = elapsed * upper
-    held_back = np.clip(momentum, -highest, highest)
-    # its part that friction at rest does not take up [N m s]
-    excess = momentum - held_back + 0.0 * highest
-    base = c.J + elapsed * slope
-    velocity_after = excess / base
-    unlimited = momentum / elapsed
-    dry = np.clip(unlimited, -upper, upper)
-    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
-    result_friction = np.where(dt < 1.0e-9, 0.0, dry + slope * velocity_after)
-    return result_omega_m, result_friction
-
-
-@_model.function(needs=("J_m", "J_l"))
-def acceleration(c, omega_m, torque):
-    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
-    # normal force on the axis of rotation [N], eq (8)
-    F_N = c.L_M_mu2 * omega_m * omega_m
-    # levels of dry friction [N m]
-    upper = c.C + c.C_lN_mu * F_N
-    slope = c.B + c.B_lN_mu2 * F_N
-    held_back = np.clip(torque, -upper, upper)
-    starting = torque - held_back + 0.0 * upper
-    part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, torque + upper, starting))
-    return (-omega_m * slope + part_2) / c.J
-
-
 @_model.function
 def gravity_torque(c):
     """Gravity torque G, eq (5) [N m]."""
@@ -357,6 +315,48 @@ def mechanical_residual(c, omega_m, i, alpha_m=0.0):
 def electrical_residual(c, omega_m, i, u):
     """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m]."""
     return -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u
+
+
+@_model.function(needs=("J_m", "J_l"))
+def friction_step(c, omega_m, torque, dt):
+    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+
+    In rad/s, N m; last axis (omega_m, friction).
+    """
+    # time step, at least the shortest [s]
+    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
+    # normal force on the axis of rotation [N], eq (8)
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    # levels of dry friction [N m]
+    upper = c.C + c.C_lN_mu * F_N
+    slope = c.B + c.B_lN_mu2 * F_N
+    # momentum at the end of the step, if there were no friction [N m s]
+    momentum = c.J * omega_m + elapsed * torque
+    highest = elapsed * upper
+    held_back = np.clip(momentum, -highest, highest)
+    # its part that friction at rest does not take up [N m s]
+    excess = momentum - held_back + 0.0 * highest
+    base = c.J + elapsed * slope
+    velocity_after = excess / base
+    unlimited = momentum / elapsed
+    dry = np.clip(unlimited, -upper, upper)
+    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
+    result_friction = np.where(dt < 1.0e-9, 0.0, dry + slope * velocity_after)
+    return result_omega_m, result_friction
+
+
+@_model.function(needs=("J_m", "J_l"))
+def acceleration(c, omega_m, torque):
+    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
+    # normal force on the axis of rotation [N], eq (8)
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    # levels of dry friction [N m]
+    upper = c.C + c.C_lN_mu * F_N
+    slope = c.B + c.B_lN_mu2 * F_N
+    held_back = np.clip(torque, -upper, upper)
+    starting = torque - held_back + 0.0 * upper
+    part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, torque + upper, starting))
+    return (-omega_m * slope + part_2) / c.J
 
 
 @_model.function

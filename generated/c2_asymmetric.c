@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 38bfde4c).
+ * (eccentric 0.1.0, program 31d94bc9).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x38bfde4cUL
+#if C2_ASYMMETRIC_PROGRAM != 0x31d94bc9UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -336,8 +336,8 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     .mu_scale_N = (real)(0.001),
     .C_lN_neg_mu_weight_plus_C_m_neg = (real)(0.117872),
     .C_lN_pos_mu_weight_plus_C_m_pos = (real)(0.117872),
-    .J = (real)(ECCENTRIC_NOT_GIVEN),
     .L_M_g_mu2 = (real)(0.04905),
+    .J = (real)(ECCENTRIC_NOT_GIVEN),
     .B_lN_pos_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
     .B_lN_neg_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
     .B_m_pos_R_per_k_i = (real)(0.02),
@@ -391,8 +391,8 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     .mu_scale_N = 0.001,
     .C_lN_neg_mu_weight_plus_C_m_neg = 0.117872,
     .C_lN_pos_mu_weight_plus_C_m_pos = 0.117872,
-    .J = ECCENTRIC_NOT_GIVEN,
     .L_M_g_mu2 = 0.04905,
+    .J = ECCENTRIC_NOT_GIVEN,
     .B_lN_pos_R_mu2_scale_N_per_k_i = 4.0e-5,
     .B_lN_neg_R_mu2_scale_N_per_k_i = 4.0e-5,
     .B_m_pos_R_per_k_i = 0.02,
@@ -451,9 +451,9 @@ int c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coeff
     const double mu_scale_N = p->mu * scale_N.high;
     const double C_lN_neg_mu_weight_plus_C_m_neg = p->C_lN_neg * p->mu * weight.high + p->C_m_neg;
     const double C_lN_pos_mu_weight_plus_C_m_pos = p->C_lN_pos * p->mu * weight.high + p->C_m_pos;
+    const double L_M_g_mu2 = p->L * p->M * p->g * p->mu * p->mu;
     const double J = ((p->J_l == ECCENTRIC_NOT_GIVEN) || (p->J_m == ECCENTRIC_NOT_GIVEN)) ?
         ECCENTRIC_NOT_GIVEN : (p->J_l * p->mu * p->mu + p->J_m);
-    const double L_M_g_mu2 = p->L * p->M * p->g * p->mu * p->mu;
     const double B_lN_pos_R_mu2_scale_N_per_k_i = p->B_lN_pos * p->R * p->mu * p->mu * scale_N.high / p->k_i;
     const double B_lN_neg_R_mu2_scale_N_per_k_i = p->B_lN_neg * p->R * p->mu * p->mu * scale_N.high / p->k_i;
     const double B_m_pos_R_per_k_i = p->B_m_pos * p->R / p->k_i;
@@ -504,8 +504,8 @@ int c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coeff
     c->mu_scale_N = (real)(mu_scale_N);
     c->C_lN_neg_mu_weight_plus_C_m_neg = (real)(C_lN_neg_mu_weight_plus_C_m_neg);
     c->C_lN_pos_mu_weight_plus_C_m_pos = (real)(C_lN_pos_mu_weight_plus_C_m_pos);
-    c->J = (real)(J);
     c->L_M_g_mu2 = (real)(L_M_g_mu2);
+    c->J = (real)(J);
     c->B_lN_pos_R_mu2_scale_N_per_k_i = (real)(B_lN_pos_R_mu2_scale_N_per_k_i);
     c->B_lN_neg_R_mu2_scale_N_per_k_i = (real)(B_lN_neg_R_mu2_scale_N_per_k_i);
     c->B_m_pos_R_per_k_i = (real)(B_m_pos_R_per_k_i);
@@ -1034,152 +1034,6 @@ void c2_asymmetric_friction_budget_n(
     }
 }
 
-REAL_INLINE void c2_asymmetric_friction_step_at(
-    real omega_m,
-    real torque,
-    real dt,
-    real chord,
-    real *out,
-    const c2_asymmetric_coefficients *c)
-{
-    /* time step, at least the shortest [s] */
-    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
-    const real size = REAL_FABS(omega_m);
-    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
-    const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real q = c->mu_omega_star * speed * chord;
-    /* normal force over scale_N [rad^2/s^2] */
-    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
-    /* levels of dry friction [N m] */
-    const real upper = c->C_lN_pos_mu_scale_N * load + c->C_m_pos;
-    const real slope_forward = c->B_lN_pos_mu2_scale_N * load + c->B_m_pos;
-    const real lower = -c->C_lN_neg_mu_scale_N * load - c->C_m_neg;
-    const real slope_backward = c->B_lN_neg_mu2_scale_N * load + c->B_m_neg;
-    /* momentum at the end of the step, if there were no friction [N m s] */
-    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
-    const real highest = elapsed * upper;
-    const real lowest = elapsed * lower;
-    const real held_back = ((momentum > highest) ? highest : ((momentum < lowest) ? lowest : momentum));
-    /* its part that friction at rest does not take up [N m s] */
-    const real excess = momentum - held_back + REAL(0.0) * (highest - lowest);
-    const real damped = ((excess > REAL(0.0)) ? slope_forward : slope_backward);
-    const real base = REAL_GIVEN(c->J) + damped * elapsed;
-    const real velocity_after = excess / base;
-    const real unlimited = momentum / elapsed;
-    const real dry = ((unlimited > upper) ? upper : ((unlimited < lower) ? lower : unlimited));
-    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    const real part_1 = damped * velocity_after + dry;
-    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
-}
-
-void c2_asymmetric_friction_step(
-    ECCENTRIC_REAL theta_m,
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL torque,
-    ECCENTRIC_REAL dt,
-    ECCENTRIC_REAL *out,
-    const c2_asymmetric_coefficients *c)
-{
-    const real from_top = c2_asymmetric_from_top(theta_m, c);
-    const real chord = c2_asymmetric_chord(from_top, c);
-    c2_asymmetric_friction_step_at(omega_m, torque, dt, chord, out, c);
-}
-
-void c2_asymmetric_friction_step_n(
-    size_t n,
-    const ECCENTRIC_REAL *theta_m,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *torque,
-    const ECCENTRIC_REAL *dt,
-    ECCENTRIC_REAL *out,
-    const c2_asymmetric_coefficients *c)
-{
-    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    real from_top[REAL_BLOCK];
-    real chord[REAL_BLOCK];
-    for (size_t first = 0; first < n; first += REAL_BLOCK) {
-        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
-        for (size_t k = 0; k < count; ++k) {
-            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            chord[k] = c2_asymmetric_chord(from_top[k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            c2_asymmetric_friction_step_at(omega_m[first + k], torque[first + k], dt[first + k], chord[k],
-                &out[2u * (first + k)], &own);
-        }
-    }
-}
-
-REAL_INLINE real c2_asymmetric_acceleration_at(
-    real omega_m,
-    real torque,
-    real chord,
-    const c2_asymmetric_coefficients *c)
-{
-    const real size = REAL_FABS(omega_m);
-    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
-    const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real q = c->mu_omega_star * speed * chord;
-    /* normal force over scale_N [rad^2/s^2] */
-    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
-    /* levels of dry friction [N m] */
-    const real upper = c->C_lN_pos_mu_scale_N * load + c->C_m_pos;
-    const real slope_forward = c->B_lN_pos_mu2_scale_N * load + c->B_m_pos;
-    const real lower = -c->C_lN_neg_mu_scale_N * load - c->C_m_neg;
-    const real slope_backward = c->B_lN_neg_mu2_scale_N * load + c->B_m_neg;
-    const real held_back = ((torque > upper) ? upper : ((torque < lower) ? lower : torque));
-    const real starting = torque - held_back + REAL(0.0) * (upper - lower);
-    const real part_3 = torque - upper;
-    const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? -lower + torque :
-        starting));
-    const real part_4 = -omega_m * ((omega_m > REAL(0.0)) ? slope_forward : slope_backward);
-    const real part_1 = part_2 + part_4;
-    return part_1 / REAL_GIVEN(c->J);
-}
-
-ECCENTRIC_REAL c2_asymmetric_acceleration(
-    ECCENTRIC_REAL theta_m,
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL torque,
-    const c2_asymmetric_coefficients *c)
-{
-    const real from_top = c2_asymmetric_from_top(theta_m, c);
-    const real chord = c2_asymmetric_chord(from_top, c);
-    return c2_asymmetric_acceleration_at(omega_m, torque, chord, c);
-}
-
-void c2_asymmetric_acceleration_n(
-    size_t n,
-    const ECCENTRIC_REAL *theta_m,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *torque,
-    ECCENTRIC_REAL *out,
-    const c2_asymmetric_coefficients *c)
-{
-    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    real from_top[REAL_BLOCK];
-    real chord[REAL_BLOCK];
-    for (size_t first = 0; first < n; first += REAL_BLOCK) {
-        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
-        for (size_t k = 0; k < count; ++k) {
-            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            chord[k] = c2_asymmetric_chord(from_top[k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            out[first + k] = c2_asymmetric_acceleration_at(omega_m[first + k], torque[first + k], chord[k],
-                &own);
-        }
-    }
-}
-
 REAL_INLINE real c2_asymmetric_gravity_torque_at(
     real chord,
     real half_sine,
@@ -1466,6 +1320,152 @@ void c2_asymmetric_electrical_residual_n(
     const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c2_asymmetric_electrical_residual_at(omega_m[k], i[k], u[k], &own);
+    }
+}
+
+REAL_INLINE void c2_asymmetric_friction_step_at(
+    real omega_m,
+    real torque,
+    real dt,
+    real chord,
+    real *out,
+    const c2_asymmetric_coefficients *c)
+{
+    /* time step, at least the shortest [s] */
+    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
+    /* levels of dry friction [N m] */
+    const real upper = c->C_lN_pos_mu_scale_N * load + c->C_m_pos;
+    const real slope_forward = c->B_lN_pos_mu2_scale_N * load + c->B_m_pos;
+    const real lower = -c->C_lN_neg_mu_scale_N * load - c->C_m_neg;
+    const real slope_backward = c->B_lN_neg_mu2_scale_N * load + c->B_m_neg;
+    /* momentum at the end of the step, if there were no friction [N m s] */
+    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
+    const real highest = elapsed * upper;
+    const real lowest = elapsed * lower;
+    const real held_back = ((momentum > highest) ? highest : ((momentum < lowest) ? lowest : momentum));
+    /* its part that friction at rest does not take up [N m s] */
+    const real excess = momentum - held_back + REAL(0.0) * (highest - lowest);
+    const real damped = ((excess > REAL(0.0)) ? slope_forward : slope_backward);
+    const real base = REAL_GIVEN(c->J) + damped * elapsed;
+    const real velocity_after = excess / base;
+    const real unlimited = momentum / elapsed;
+    const real dry = ((unlimited > upper) ? upper : ((unlimited < lower) ? lower : unlimited));
+    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
+    const real part_1 = damped * velocity_after + dry;
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
+}
+
+void c2_asymmetric_friction_step(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    c2_asymmetric_friction_step_at(omega_m, torque, dt, chord, out, c);
+}
+
+void c2_asymmetric_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_asymmetric_friction_step_at(omega_m[first + k], torque[first + k], dt[first + k], chord[k],
+                &out[2u * (first + k)], &own);
+        }
+    }
+}
+
+REAL_INLINE real c2_asymmetric_acceleration_at(
+    real omega_m,
+    real torque,
+    real chord,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
+    /* levels of dry friction [N m] */
+    const real upper = c->C_lN_pos_mu_scale_N * load + c->C_m_pos;
+    const real slope_forward = c->B_lN_pos_mu2_scale_N * load + c->B_m_pos;
+    const real lower = -c->C_lN_neg_mu_scale_N * load - c->C_m_neg;
+    const real slope_backward = c->B_lN_neg_mu2_scale_N * load + c->B_m_neg;
+    const real held_back = ((torque > upper) ? upper : ((torque < lower) ? lower : torque));
+    const real starting = torque - held_back + REAL(0.0) * (upper - lower);
+    const real part_3 = torque - upper;
+    const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? -lower + torque :
+        starting));
+    const real part_4 = -omega_m * ((omega_m > REAL(0.0)) ? slope_forward : slope_backward);
+    const real part_1 = part_2 + part_4;
+    return part_1 / REAL_GIVEN(c->J);
+}
+
+ECCENTRIC_REAL c2_asymmetric_acceleration(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    const c2_asymmetric_coefficients *c)
+{
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    return c2_asymmetric_acceleration_at(omega_m, torque, chord, c);
+}
+
+void c2_asymmetric_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_acceleration_at(omega_m[first + k], torque[first + k], chord[k],
+                &own);
+        }
     }
 }
 

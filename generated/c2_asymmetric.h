@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 38bfde4c).
+ * (eccentric 0.1.0, program 31d94bc9).
  * Case C2 with friction that differs between the directions of motion.
  */
 /* Begin with c2_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x38bfde4cUL
+#define C2_ASYMMETRIC_PROGRAM 0x31d94bc9UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_asymmetric_mechanical_friction_torque_double. */
@@ -52,10 +52,6 @@
 #define c2_asymmetric_breakaway_torque ECCENTRIC_JOIN(c2_asymmetric_breakaway_torque_, ECCENTRIC_REAL)
 #define c2_asymmetric_friction_budget ECCENTRIC_JOIN(c2_asymmetric_friction_budget_, ECCENTRIC_REAL)
 #define c2_asymmetric_friction_budget_n ECCENTRIC_JOIN(c2_asymmetric_friction_budget_n_, ECCENTRIC_REAL)
-#define c2_asymmetric_friction_step ECCENTRIC_JOIN(c2_asymmetric_friction_step_, ECCENTRIC_REAL)
-#define c2_asymmetric_friction_step_n ECCENTRIC_JOIN(c2_asymmetric_friction_step_n_, ECCENTRIC_REAL)
-#define c2_asymmetric_acceleration ECCENTRIC_JOIN(c2_asymmetric_acceleration_, ECCENTRIC_REAL)
-#define c2_asymmetric_acceleration_n ECCENTRIC_JOIN(c2_asymmetric_acceleration_n_, ECCENTRIC_REAL)
 #define c2_asymmetric_gravity_torque ECCENTRIC_JOIN(c2_asymmetric_gravity_torque_, ECCENTRIC_REAL)
 #define c2_asymmetric_gravity_torque_n ECCENTRIC_JOIN(c2_asymmetric_gravity_torque_n_, ECCENTRIC_REAL)
 #define c2_asymmetric_voltage ECCENTRIC_JOIN(c2_asymmetric_voltage_, ECCENTRIC_REAL)
@@ -66,6 +62,10 @@
 #define c2_asymmetric_mechanical_residual_n ECCENTRIC_JOIN(c2_asymmetric_mechanical_residual_n_, ECCENTRIC_REAL)
 #define c2_asymmetric_electrical_residual ECCENTRIC_JOIN(c2_asymmetric_electrical_residual_, ECCENTRIC_REAL)
 #define c2_asymmetric_electrical_residual_n ECCENTRIC_JOIN(c2_asymmetric_electrical_residual_n_, ECCENTRIC_REAL)
+#define c2_asymmetric_friction_step ECCENTRIC_JOIN(c2_asymmetric_friction_step_, ECCENTRIC_REAL)
+#define c2_asymmetric_friction_step_n ECCENTRIC_JOIN(c2_asymmetric_friction_step_n_, ECCENTRIC_REAL)
+#define c2_asymmetric_acceleration ECCENTRIC_JOIN(c2_asymmetric_acceleration_, ECCENTRIC_REAL)
+#define c2_asymmetric_acceleration_n ECCENTRIC_JOIN(c2_asymmetric_acceleration_n_, ECCENTRIC_REAL)
 
 /* With gcc, and clang from 13 on, the bounds below hold whatever the flags: the source undoes what would break them, or
  * refuses it. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
@@ -155,8 +155,8 @@ typedef struct {
     ECCENTRIC_REAL mu_scale_N; /**< mu scale_N */
     ECCENTRIC_REAL C_lN_neg_mu_weight_plus_C_m_neg; /**< C_lN_neg mu weight + C_m_neg */
     ECCENTRIC_REAL C_lN_pos_mu_weight_plus_C_m_pos; /**< C_lN_pos mu weight + C_m_pos */
-    ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
     ECCENTRIC_REAL L_M_g_mu2; /**< L M g mu^2 */
+    ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
     ECCENTRIC_REAL B_lN_pos_R_mu2_scale_N_per_k_i; /**< B_lN_pos R mu^2 scale_N/k_i */
     ECCENTRIC_REAL B_lN_neg_R_mu2_scale_N_per_k_i; /**< B_lN_neg R mu^2 scale_N/k_i */
     ECCENTRIC_REAL B_m_pos_R_per_k_i; /**< B_m_pos R/k_i */
@@ -372,56 +372,6 @@ void c2_asymmetric_friction_budget_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
- *  NaN unless dt is 0 or the parameters give J_m and J_l.
- *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
- *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[in]  torque  torque on the motor side of everything but friction [N m]
- *  @param[in]  dt  time step, positive [s]
- *  @param[out] out  2 values: omega_m, friction [rad/s, N m]
- *  @param[in]  c  coefficients
- */
-void c2_asymmetric_friction_step(
-    ECCENTRIC_REAL theta_m,
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL torque,
-    ECCENTRIC_REAL dt,
-    ECCENTRIC_REAL *out,
-    const c2_asymmetric_coefficients *c);
-
-/** friction_step over arrays of n samples, each with 2 of `out`. */
-void c2_asymmetric_friction_step_n(
-    size_t n,
-    const ECCENTRIC_REAL *theta_m,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *torque,
-    const ECCENTRIC_REAL *dt,
-    ECCENTRIC_REAL *out,
-    const c2_asymmetric_coefficients *c);
-
-/** Acceleration by a torque, 0 at rest within the levels of dry friction.
- *  NaN unless torque is 0 or the parameters give J_m and J_l.
- *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
- *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[in]  torque  torque on the motor side of everything but friction [N m]
- *  @param[in]  c  coefficients
- *  @return acceleration [rad/s^2]
- */
-ECCENTRIC_REAL c2_asymmetric_acceleration(
-    ECCENTRIC_REAL theta_m,
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL torque,
-    const c2_asymmetric_coefficients *c);
-
-/** acceleration over arrays of n samples. */
-void c2_asymmetric_acceleration_n(
-    size_t n,
-    const ECCENTRIC_REAL *theta_m,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *torque,
-    ECCENTRIC_REAL *out,
-    const c2_asymmetric_coefficients *c);
-
 /** Gravity torque G, eq (5).
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  c  coefficients
@@ -527,6 +477,56 @@ void c2_asymmetric_electrical_residual_n(
     const ECCENTRIC_REAL *omega_m,
     const ECCENTRIC_REAL *i,
     const ECCENTRIC_REAL *u,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c);
+
+/** Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+ *  NaN unless dt is 0 or the parameters give J_m and J_l.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  torque  torque on the motor side of everything but friction [N m]
+ *  @param[in]  dt  time step, positive [s]
+ *  @param[out] out  2 values: omega_m, friction [rad/s, N m]
+ *  @param[in]  c  coefficients
+ */
+void c2_asymmetric_friction_step(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c);
+
+/** friction_step over arrays of n samples, each with 2 of `out`. */
+void c2_asymmetric_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c);
+
+/** Acceleration by a torque, 0 at rest within the levels of dry friction.
+ *  NaN unless torque is 0 or the parameters give J_m and J_l.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  torque  torque on the motor side of everything but friction [N m]
+ *  @param[in]  c  coefficients
+ *  @return acceleration [rad/s^2]
+ */
+ECCENTRIC_REAL c2_asymmetric_acceleration(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    const c2_asymmetric_coefficients *c);
+
+/** acceleration over arrays of n samples. */
+void c2_asymmetric_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 

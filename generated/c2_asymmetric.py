@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program 38bfde4c).
+# (eccentric 0.1.0, program 31d94bc9).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -142,8 +142,8 @@ def _prepare(p, c):
     c.mu_scale_N = p.mu * c.scale_N.high
     c.C_lN_neg_mu_weight_plus_C_m_neg = p.C_lN_neg * p.mu * weight.high + p.C_m_neg
     c.C_lN_pos_mu_weight_plus_C_m_pos = p.C_lN_pos * p.mu * weight.high + p.C_m_pos
-    c.J = J_l * p.mu * p.mu + J_m
     c.L_M_g_mu2 = p.L * p.M * p.g * p.mu * p.mu
+    c.J = J_l * p.mu * p.mu + J_m
     c.B_lN_pos_R_mu2_scale_N_per_k_i = p.B_lN_pos * p.R * p.mu * p.mu * c.scale_N.high / p.k_i
     c.B_lN_neg_R_mu2_scale_N_per_k_i = p.B_lN_neg * p.R * p.mu * p.mu * c.scale_N.high / p.k_i
     c.B_m_pos_R_per_k_i = p.B_m_pos * p.R / p.k_i
@@ -174,11 +174,11 @@ def _prepare(p, c):
 _INPUTS = {
     "theta_m": "motor angle [rad]",
     "omega_m": "motor velocity [rad/s]",
-    "torque": "torque on the motor side of everything but friction [N m]",
-    "dt": "time step, positive [s]",
     "alpha_m": "motor acceleration [rad/s^2]",
     "i": "armature current [A]",
     "u": "armature voltage [V]",
+    "torque": "torque on the motor side of everything but friction [N m]",
+    "dt": "time step, positive [s]",
 }
 _model = runtime.Model(Parameters, _prepare, _INPUTS)
 
@@ -405,52 +405,6 @@ def friction_budget(c, theta_m, omega_m):
     return result_lower, result_upper, result_viscous
 
 
-@_model.function(needs=("J_m", "J_l"))
-def friction_step(c, theta_m, omega_m, torque, dt):
-    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
-
-    In rad/s, N m; last axis (omega_m, friction).
-    """
-    # time step, at least the shortest [s]
-    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
-    load = _load(c, theta_m, omega_m)[0]
-    # levels of dry friction [N m]
-    upper = c.C_lN_pos_mu_scale_N * load + c.C_m_pos
-    slope_forward = c.B_lN_pos_mu2_scale_N * load + c.B_m_pos
-    lower = -c.C_lN_neg_mu_scale_N * load - c.C_m_neg
-    slope_backward = c.B_lN_neg_mu2_scale_N * load + c.B_m_neg
-    # momentum at the end of the step, if there were no friction [N m s]
-    momentum = c.J * omega_m + elapsed * torque
-    highest = elapsed * upper
-    lowest = elapsed * lower
-    held_back = np.where(momentum > highest, highest, np.where(momentum < lowest, lowest, momentum))
-    # its part that friction at rest does not take up [N m s]
-    excess = momentum - held_back + 0.0 * (highest - lowest)
-    damped = np.where(excess > 0.0, slope_forward, slope_backward)
-    base = c.J + damped * elapsed
-    velocity_after = excess / base
-    unlimited = momentum / elapsed
-    dry = np.where(unlimited > upper, upper, np.where(unlimited < lower, lower, unlimited))
-    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
-    result_friction = np.where(dt < 1.0e-9, 0.0, damped * velocity_after + dry)
-    return result_omega_m, result_friction
-
-
-@_model.function(needs=("J_m", "J_l"))
-def acceleration(c, theta_m, omega_m, torque):
-    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
-    load = _load(c, theta_m, omega_m)[0]
-    # levels of dry friction [N m]
-    upper = c.C_lN_pos_mu_scale_N * load + c.C_m_pos
-    slope_forward = c.B_lN_pos_mu2_scale_N * load + c.B_m_pos
-    lower = -c.C_lN_neg_mu_scale_N * load - c.C_m_neg
-    slope_backward = c.B_lN_neg_mu2_scale_N * load + c.B_m_neg
-    held_back = np.where(torque > upper, upper, np.where(torque < lower, lower, torque))
-    starting = torque - held_back + 0.0 * (upper - lower)
-    part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, -lower + torque, starting))
-    return (part_2 + (-omega_m * np.where(omega_m > 0.0, slope_forward, slope_backward))) / c.J
-
-
 @_model.function
 def gravity_torque(c, theta_m):
     """Gravity torque G, eq (5) [N m]."""
@@ -507,3 +461,49 @@ def mechanical_residual(c, theta_m, omega_m, i, alpha_m=0.0):
 def electrical_residual(c, omega_m, i, u):
     """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m]."""
     return -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u
+
+
+@_model.function(needs=("J_m", "J_l"))
+def friction_step(c, theta_m, omega_m, torque, dt):
+    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+
+    In rad/s, N m; last axis (omega_m, friction).
+    """
+    # time step, at least the shortest [s]
+    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
+    load = _load(c, theta_m, omega_m)[0]
+    # levels of dry friction [N m]
+    upper = c.C_lN_pos_mu_scale_N * load + c.C_m_pos
+    slope_forward = c.B_lN_pos_mu2_scale_N * load + c.B_m_pos
+    lower = -c.C_lN_neg_mu_scale_N * load - c.C_m_neg
+    slope_backward = c.B_lN_neg_mu2_scale_N * load + c.B_m_neg
+    # momentum at the end of the step, if there were no friction [N m s]
+    momentum = c.J * omega_m + elapsed * torque
+    highest = elapsed * upper
+    lowest = elapsed * lower
+    held_back = np.where(momentum > highest, highest, np.where(momentum < lowest, lowest, momentum))
+    # its part that friction at rest does not take up [N m s]
+    excess = momentum - held_back + 0.0 * (highest - lowest)
+    damped = np.where(excess > 0.0, slope_forward, slope_backward)
+    base = c.J + damped * elapsed
+    velocity_after = excess / base
+    unlimited = momentum / elapsed
+    dry = np.where(unlimited > upper, upper, np.where(unlimited < lower, lower, unlimited))
+    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
+    result_friction = np.where(dt < 1.0e-9, 0.0, damped * velocity_after + dry)
+    return result_omega_m, result_friction
+
+
+@_model.function(needs=("J_m", "J_l"))
+def acceleration(c, theta_m, omega_m, torque):
+    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
+    load = _load(c, theta_m, omega_m)[0]
+    # levels of dry friction [N m]
+    upper = c.C_lN_pos_mu_scale_N * load + c.C_m_pos
+    slope_forward = c.B_lN_pos_mu2_scale_N * load + c.B_m_pos
+    lower = -c.C_lN_neg_mu_scale_N * load - c.C_m_neg
+    slope_backward = c.B_lN_neg_mu2_scale_N * load + c.B_m_neg
+    held_back = np.where(torque > upper, upper, np.where(torque < lower, lower, torque))
+    starting = torque - held_back + 0.0 * (upper - lower)
+    part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, -lower + torque, starting))
+    return (part_2 + (-omega_m * np.where(omega_m > 0.0, slope_forward, slope_backward))) / c.J

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program ae90e729).
+ * (eccentric 0.1.0, program eec5be99).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0xae90e729UL
+#if C2_PARALLEL_PROGRAM != 0xeec5be99UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -319,8 +319,8 @@ const c2_parallel_coefficients c2_parallel_default = {
     .mu2_scale_N = (real)(2.0e-4),
     .mu_scale_N = (real)(0.001),
     .C_lN_mu_weight_plus_C_m = (real)(0.117872),
-    .J = (real)(ECCENTRIC_NOT_GIVEN),
     .L_M_g_mu2 = (real)(0.04905),
+    .J = (real)(ECCENTRIC_NOT_GIVEN),
     .B_lN_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
     .B_m_R_per_k_i_plus_k_e = (real)(0.22),
     .C_lN_R_mu_scale_N_per_k_i = (real)(0.004),
@@ -359,8 +359,8 @@ const c2_parallel_coefficients c2_parallel_default = {
     .mu2_scale_N = 2.0e-4,
     .mu_scale_N = 0.001,
     .C_lN_mu_weight_plus_C_m = 0.117872,
-    .J = ECCENTRIC_NOT_GIVEN,
     .L_M_g_mu2 = 0.04905,
+    .J = ECCENTRIC_NOT_GIVEN,
     .B_lN_R_mu2_scale_N_per_k_i = 4.0e-5,
     .B_m_R_per_k_i_plus_k_e = 0.22,
     .C_lN_R_mu_scale_N_per_k_i = 0.004,
@@ -408,9 +408,9 @@ int c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficient
     const double mu2_scale_N = p->mu * p->mu * scale_N.high;
     const double mu_scale_N = p->mu * scale_N.high;
     const double C_lN_mu_weight_plus_C_m = p->C_lN * p->mu * weight.high + p->C_m;
+    const double L_M_g_mu2 = p->L * p->M * p->g * p->mu * p->mu;
     const double J = ((p->J_l == ECCENTRIC_NOT_GIVEN) || (p->J_m == ECCENTRIC_NOT_GIVEN)) ?
         ECCENTRIC_NOT_GIVEN : (p->J_l * p->mu * p->mu + p->J_m);
-    const double L_M_g_mu2 = p->L * p->M * p->g * p->mu * p->mu;
     const double B_lN_R_mu2_scale_N_per_k_i = p->B_lN * p->R * p->mu * p->mu * scale_N.high / p->k_i;
     const double B_m_R_per_k_i_plus_k_e = p->B_m * p->R / p->k_i + p->k_e;
     const double C_lN_R_mu_scale_N_per_k_i = p->C_lN * p->R * p->mu * scale_N.high / p->k_i;
@@ -446,8 +446,8 @@ int c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficient
     c->mu2_scale_N = (real)(mu2_scale_N);
     c->mu_scale_N = (real)(mu_scale_N);
     c->C_lN_mu_weight_plus_C_m = (real)(C_lN_mu_weight_plus_C_m);
-    c->J = (real)(J);
     c->L_M_g_mu2 = (real)(L_M_g_mu2);
+    c->J = (real)(J);
     c->B_lN_R_mu2_scale_N_per_k_i = (real)(B_lN_R_mu2_scale_N_per_k_i);
     c->B_m_R_per_k_i_plus_k_e = (real)(B_m_R_per_k_i_plus_k_e);
     c->C_lN_R_mu_scale_N_per_k_i = (real)(C_lN_R_mu_scale_N_per_k_i);
@@ -918,145 +918,6 @@ void c2_parallel_friction_budget_n(
     }
 }
 
-REAL_INLINE void c2_parallel_friction_step_at(
-    real omega_m,
-    real torque,
-    real dt,
-    real chord,
-    real *out,
-    const c2_parallel_coefficients *c)
-{
-    /* time step, at least the shortest [s] */
-    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
-    const real size = REAL_FABS(omega_m);
-    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
-    const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real q = c->mu_omega_star * speed * chord;
-    /* normal force over scale_N [rad^2/s^2] */
-    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
-    /* levels of dry friction [N m] */
-    const real upper = c->C_lN_mu_scale_N * load + c->C_m;
-    const real slope = c->B_lN_mu2_scale_N * load + c->B_m;
-    /* momentum at the end of the step, if there were no friction [N m s] */
-    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
-    const real highest = elapsed * upper;
-    const real held_back = c2_parallel_within(momentum, highest);
-    /* its part that friction at rest does not take up [N m s] */
-    const real excess = momentum - held_back + REAL(0.0) * highest;
-    const real base = REAL_GIVEN(c->J) + elapsed * slope;
-    const real velocity_after = excess / base;
-    const real unlimited = momentum / elapsed;
-    const real dry = c2_parallel_within(unlimited, upper);
-    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    const real part_1 = dry + slope * velocity_after;
-    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
-}
-
-void c2_parallel_friction_step(
-    ECCENTRIC_REAL theta_m,
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL torque,
-    ECCENTRIC_REAL dt,
-    ECCENTRIC_REAL *out,
-    const c2_parallel_coefficients *c)
-{
-    const real from_top = c2_parallel_from_top(theta_m, c);
-    const real chord = c2_parallel_chord(from_top, c);
-    c2_parallel_friction_step_at(omega_m, torque, dt, chord, out, c);
-}
-
-void c2_parallel_friction_step_n(
-    size_t n,
-    const ECCENTRIC_REAL *theta_m,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *torque,
-    const ECCENTRIC_REAL *dt,
-    ECCENTRIC_REAL *out,
-    const c2_parallel_coefficients *c)
-{
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
-    real from_top[REAL_BLOCK];
-    real chord[REAL_BLOCK];
-    for (size_t first = 0; first < n; first += REAL_BLOCK) {
-        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
-        for (size_t k = 0; k < count; ++k) {
-            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            chord[k] = c2_parallel_chord(from_top[k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            c2_parallel_friction_step_at(omega_m[first + k], torque[first + k], dt[first + k], chord[k],
-                &out[2u * (first + k)], &own);
-        }
-    }
-}
-
-REAL_INLINE real c2_parallel_acceleration_at(
-    real omega_m,
-    real torque,
-    real chord,
-    const c2_parallel_coefficients *c)
-{
-    const real size = REAL_FABS(omega_m);
-    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
-    const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real q = c->mu_omega_star * speed * chord;
-    /* normal force over scale_N [rad^2/s^2] */
-    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
-    /* levels of dry friction [N m] */
-    const real upper = c->C_lN_mu_scale_N * load + c->C_m;
-    const real slope = c->B_lN_mu2_scale_N * load + c->B_m;
-    const real held_back = c2_parallel_within(torque, upper);
-    const real starting = torque - held_back + REAL(0.0) * upper;
-    const real part_3 = torque - upper;
-    const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? torque + upper :
-        starting));
-    const real part_1 = -omega_m * slope + part_2;
-    return part_1 / REAL_GIVEN(c->J);
-}
-
-ECCENTRIC_REAL c2_parallel_acceleration(
-    ECCENTRIC_REAL theta_m,
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL torque,
-    const c2_parallel_coefficients *c)
-{
-    const real from_top = c2_parallel_from_top(theta_m, c);
-    const real chord = c2_parallel_chord(from_top, c);
-    return c2_parallel_acceleration_at(omega_m, torque, chord, c);
-}
-
-void c2_parallel_acceleration_n(
-    size_t n,
-    const ECCENTRIC_REAL *theta_m,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *torque,
-    ECCENTRIC_REAL *out,
-    const c2_parallel_coefficients *c)
-{
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
-    real from_top[REAL_BLOCK];
-    real chord[REAL_BLOCK];
-    for (size_t first = 0; first < n; first += REAL_BLOCK) {
-        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
-        for (size_t k = 0; k < count; ++k) {
-            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            chord[k] = c2_parallel_chord(from_top[k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            out[first + k] = c2_parallel_acceleration_at(omega_m[first + k], torque[first + k], chord[k],
-                &own);
-        }
-    }
-}
-
 REAL_INLINE real c2_parallel_gravity_torque_at(real chord, real half_sine, const c2_parallel_coefficients *c)
 {
     return (-c->L_M_g_mu2) * chord * half_sine;
@@ -1318,6 +1179,145 @@ void c2_parallel_electrical_residual_n(
     const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c2_parallel_electrical_residual_at(omega_m[k], i[k], u[k], &own);
+    }
+}
+
+REAL_INLINE void c2_parallel_friction_step_at(
+    real omega_m,
+    real torque,
+    real dt,
+    real chord,
+    real *out,
+    const c2_parallel_coefficients *c)
+{
+    /* time step, at least the shortest [s] */
+    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
+    /* levels of dry friction [N m] */
+    const real upper = c->C_lN_mu_scale_N * load + c->C_m;
+    const real slope = c->B_lN_mu2_scale_N * load + c->B_m;
+    /* momentum at the end of the step, if there were no friction [N m s] */
+    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
+    const real highest = elapsed * upper;
+    const real held_back = c2_parallel_within(momentum, highest);
+    /* its part that friction at rest does not take up [N m s] */
+    const real excess = momentum - held_back + REAL(0.0) * highest;
+    const real base = REAL_GIVEN(c->J) + elapsed * slope;
+    const real velocity_after = excess / base;
+    const real unlimited = momentum / elapsed;
+    const real dry = c2_parallel_within(unlimited, upper);
+    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
+    const real part_1 = dry + slope * velocity_after;
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_1);
+}
+
+void c2_parallel_friction_step(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c)
+{
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    c2_parallel_friction_step_at(omega_m, torque, dt, chord, out, c);
+}
+
+void c2_parallel_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c)
+{
+    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_parallel_friction_step_at(omega_m[first + k], torque[first + k], dt[first + k], chord[k],
+                &out[2u * (first + k)], &own);
+        }
+    }
+}
+
+REAL_INLINE real c2_parallel_acceleration_at(
+    real omega_m,
+    real torque,
+    real chord,
+    const c2_parallel_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
+    /* levels of dry friction [N m] */
+    const real upper = c->C_lN_mu_scale_N * load + c->C_m;
+    const real slope = c->B_lN_mu2_scale_N * load + c->B_m;
+    const real held_back = c2_parallel_within(torque, upper);
+    const real starting = torque - held_back + REAL(0.0) * upper;
+    const real part_3 = torque - upper;
+    const real part_2 = ((omega_m > REAL(0.0)) ? part_3 : ((omega_m < REAL(0.0)) ? torque + upper :
+        starting));
+    const real part_1 = -omega_m * slope + part_2;
+    return part_1 / REAL_GIVEN(c->J);
+}
+
+ECCENTRIC_REAL c2_parallel_acceleration(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL torque,
+    const c2_parallel_coefficients *c)
+{
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    return c2_parallel_acceleration_at(omega_m, torque, chord, c);
+}
+
+void c2_parallel_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *torque,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c)
+{
+    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_parallel_acceleration_at(omega_m[first + k], torque[first + k], chord[k],
+                &own);
+        }
     }
 }
 

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.1.0, program ae90e729).
+# (eccentric 0.1.0, program eec5be99).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
@@ -126,8 +126,8 @@ def _prepare(p, c):
     c.mu2_scale_N = p.mu * p.mu * c.scale_N.high
     c.mu_scale_N = p.mu * c.scale_N.high
     c.C_lN_mu_weight_plus_C_m = p.C_lN * p.mu * weight.high + p.C_m
-    c.J = J_l * p.mu * p.mu + J_m
     c.L_M_g_mu2 = p.L * p.M * p.g * p.mu * p.mu
+    c.J = J_l * p.mu * p.mu + J_m
     c.B_lN_R_mu2_scale_N_per_k_i = p.B_lN * p.R * p.mu * p.mu * c.scale_N.high / p.k_i
     c.B_m_R_per_k_i_plus_k_e = p.B_m * p.R / p.k_i + p.k_e
     c.C_lN_R_mu_scale_N_per_k_i = p.C_lN * p.R * p.mu * c.scale_N.high / p.k_i
@@ -151,11 +151,11 @@ def _prepare(p, c):
 _INPUTS = {
     "theta_m": "motor angle [rad]",
     "omega_m": "motor velocity [rad/s]",
-    "torque": "torque on the motor side of everything but friction [N m]",
-    "dt": "time step, positive [s]",
     "alpha_m": "motor acceleration [rad/s^2]",
     "i": "armature current [A]",
     "u": "armature voltage [V]",
+    "torque": "torque on the motor side of everything but friction [N m]",
+    "dt": "time step, positive [s]",
 }
 _model = runtime.Model(Parameters, _prepare, _INPUTS)
 
@@ -329,46 +329,6 @@ def friction_budget(c, theta_m, omega_m):
     return result_lower, result_upper, result_viscous
 
 
-@_model.function(needs=("J_m", "J_l"))
-def friction_step(c, theta_m, omega_m, torque, dt):
-    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
-
-    In rad/s, N m; last axis (omega_m, friction).
-    """
-    # time step, at least the shortest [s]
-    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
-    load = _load(c, theta_m, omega_m)[0]
-    # levels of dry friction [N m]
-    upper = c.C_lN_mu_scale_N * load + c.C_m
-    slope = c.B_lN_mu2_scale_N * load + c.B_m
-    # momentum at the end of the step, if there were no friction [N m s]
-    momentum = c.J * omega_m + elapsed * torque
-    highest = elapsed * upper
-    held_back = np.clip(momentum, -highest, highest)
-    # its part that friction at rest does not take up [N m s]
-    excess = momentum - held_back + 0.0 * highest
-    base = c.J + elapsed * slope
-    velocity_after = excess / base
-    unlimited = momentum / elapsed
-    dry = np.clip(unlimited, -upper, upper)
-    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
-    result_friction = np.where(dt < 1.0e-9, 0.0, dry + slope * velocity_after)
-    return result_omega_m, result_friction
-
-
-@_model.function(needs=("J_m", "J_l"))
-def acceleration(c, theta_m, omega_m, torque):
-    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
-    load = _load(c, theta_m, omega_m)[0]
-    # levels of dry friction [N m]
-    upper = c.C_lN_mu_scale_N * load + c.C_m
-    slope = c.B_lN_mu2_scale_N * load + c.B_m
-    held_back = np.clip(torque, -upper, upper)
-    starting = torque - held_back + 0.0 * upper
-    part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, torque + upper, starting))
-    return (-omega_m * slope + part_2) / c.J
-
-
 @_model.function
 def gravity_torque(c, theta_m):
     """Gravity torque G, eq (5) [N m]."""
@@ -418,3 +378,43 @@ def mechanical_residual(c, theta_m, omega_m, i, alpha_m=0.0):
 def electrical_residual(c, omega_m, i, u):
     """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m]."""
     return -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u
+
+
+@_model.function(needs=("J_m", "J_l"))
+def friction_step(c, theta_m, omega_m, torque, dt):
+    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+
+    In rad/s, N m; last axis (omega_m, friction).
+    """
+    # time step, at least the shortest [s]
+    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
+    load = _load(c, theta_m, omega_m)[0]
+    # levels of dry friction [N m]
+    upper = c.C_lN_mu_scale_N * load + c.C_m
+    slope = c.B_lN_mu2_scale_N * load + c.B_m
+    # momentum at the end of the step, if there were no friction [N m s]
+    momentum = c.J * omega_m + elapsed * torque
+    highest = elapsed * upper
+    held_back = np.clip(momentum, -highest, highest)
+    # its part that friction at rest does not take up [N m s]
+    excess = momentum - held_back + 0.0 * highest
+    base = c.J + elapsed * slope
+    velocity_after = excess / base
+    unlimited = momentum / elapsed
+    dry = np.clip(unlimited, -upper, upper)
+    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
+    result_friction = np.where(dt < 1.0e-9, 0.0, dry + slope * velocity_after)
+    return result_omega_m, result_friction
+
+
+@_model.function(needs=("J_m", "J_l"))
+def acceleration(c, theta_m, omega_m, torque):
+    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
+    load = _load(c, theta_m, omega_m)[0]
+    # levels of dry friction [N m]
+    upper = c.C_lN_mu_scale_N * load + c.C_m
+    slope = c.B_lN_mu2_scale_N * load + c.B_m
+    held_back = np.clip(torque, -upper, upper)
+    starting = torque - held_back + 0.0 * upper
+    part_2 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, torque + upper, starting))
+    return (-omega_m * slope + part_2) / c.J

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 7b93f22c).
+ * (eccentric 0.1.0, program a9fdd78d).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x7b93f22cUL
+#if ROTATING_LINK_PROGRAM != 0xa9fdd78dUL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -330,8 +330,8 @@ const rotating_link_coefficients rotating_link_default = {
     .F_T_mu2_sin_phi = (real)(0.0),
     .F_T_mu_sin_phi = (real)(0.0),
     .omega_star2 = (real)(1373.4),
-    .J = (real)(ECCENTRIC_NOT_GIVEN),
     .L_M_g_p_mu2 = (real)(0.04905),
+    .J = (real)(ECCENTRIC_NOT_GIVEN),
     .B_lN_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
     .B_R_per_k_i_plus_k_e = (real)(0.22),
     .C_lN_R_mu_scale_N_per_k_i = (real)(0.004),
@@ -377,8 +377,8 @@ const rotating_link_coefficients rotating_link_default = {
     .F_T_mu2_sin_phi = 0.0,
     .F_T_mu_sin_phi = 0.0,
     .omega_star2 = 1373.4,
-    .J = ECCENTRIC_NOT_GIVEN,
     .L_M_g_p_mu2 = 0.04905,
+    .J = ECCENTRIC_NOT_GIVEN,
     .B_lN_R_mu2_scale_N_per_k_i = 4.0e-5,
     .B_R_per_k_i_plus_k_e = 0.22,
     .C_lN_R_mu_scale_N_per_k_i = 0.004,
@@ -436,9 +436,9 @@ int rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coeff
     const double F_T_mu2_sin_phi = p->F_T * p->mu * p->mu * sin(p->phi);
     const double F_T_mu_sin_phi = p->F_T * p->mu * sin(p->phi);
     const double omega_star2 = omega_star.high * omega_star.high;
+    const double L_M_g_p_mu2 = p->L * p->M * g_p.high * p->mu * p->mu;
     const double J = ((p->J_l == ECCENTRIC_NOT_GIVEN) || (p->J_m == ECCENTRIC_NOT_GIVEN)) ?
         ECCENTRIC_NOT_GIVEN : (p->J_l * p->mu * p->mu + p->J_m);
-    const double L_M_g_p_mu2 = p->L * p->M * g_p.high * p->mu * p->mu;
     const double B_lN_R_mu2_scale_N_per_k_i = p->B_lN * p->R * p->mu * p->mu * scale_N / p->k_i;
     const double B_R_per_k_i_plus_k_e = B * p->R / p->k_i + p->k_e;
     const double C_lN_R_mu_scale_N_per_k_i = p->C_lN * p->R * p->mu * scale_N / p->k_i;
@@ -481,8 +481,8 @@ int rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coeff
     c->F_T_mu2_sin_phi = (real)(F_T_mu2_sin_phi);
     c->F_T_mu_sin_phi = (real)(F_T_mu_sin_phi);
     c->omega_star2 = (real)(omega_star2);
-    c->J = (real)(J);
     c->L_M_g_p_mu2 = (real)(L_M_g_p_mu2);
+    c->J = (real)(J);
     c->B_lN_R_mu2_scale_N_per_k_i = (real)(B_lN_R_mu2_scale_N_per_k_i);
     c->B_R_per_k_i_plus_k_e = (real)(B_R_per_k_i_plus_k_e);
     c->C_lN_R_mu_scale_N_per_k_i = (real)(C_lN_R_mu_scale_N_per_k_i);
@@ -1134,167 +1134,6 @@ void rotating_link_friction_budget_n(
     }
 }
 
-REAL_INLINE void rotating_link_friction_step_at(
-    real omega_m,
-    real alpha_m,
-    real torque,
-    real dt,
-    real chord,
-    real half_sine,
-    real *out,
-    const rotating_link_coefficients *c)
-{
-    /* time step, at least the shortest [s] */
-    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
-    const real size = REAL_FABS(omega_m);
-    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
-    const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real size_2 = alpha_m * c->per_mu;
-    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
-    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
-        size_2));
-    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
-    /* normal force over scale_N [rad^2/s^2] */
-    const real load = rotating_link_square_root(p * p + q * q);
-    /* levels of dry friction [N m] */
-    const real upper = c->C + c->C_lN_mu_scale_N * load;
-    const real slope = c->B + c->B_lN_mu2_scale_N * load;
-    /* momentum at the end of the step, if there were no friction [N m s] */
-    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
-    const real highest = elapsed * upper;
-    const real held_back = rotating_link_within(momentum, highest);
-    /* its part that friction at rest does not take up [N m s] */
-    const real excess = momentum - held_back + REAL(0.0) * highest;
-    const real base = REAL_GIVEN(c->J) + elapsed * slope;
-    const real velocity_after = excess / base;
-    const real unlimited = momentum / elapsed;
-    const real dry = rotating_link_within(unlimited, upper);
-    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
-    const real part_2 = dry + slope * velocity_after;
-    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_2);
-}
-
-void rotating_link_friction_step(
-    ECCENTRIC_REAL theta_m,
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL alpha_m,
-    ECCENTRIC_REAL torque,
-    ECCENTRIC_REAL dt,
-    ECCENTRIC_REAL *out,
-    const rotating_link_coefficients *c)
-{
-    const real from_top = rotating_link_from_top(theta_m, c);
-    const real chord = rotating_link_chord(from_top, c);
-    const real half_sine = rotating_link_half_sine(from_top, c);
-    rotating_link_friction_step_at(omega_m, alpha_m, torque, dt, chord, half_sine, out, c);
-}
-
-void rotating_link_friction_step_n(
-    size_t n,
-    const ECCENTRIC_REAL *theta_m,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *alpha_m,
-    const ECCENTRIC_REAL *torque,
-    const ECCENTRIC_REAL *dt,
-    ECCENTRIC_REAL *out,
-    const rotating_link_coefficients *c)
-{
-    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    real from_top[REAL_BLOCK];
-    real chord[REAL_BLOCK];
-    real half_sine[REAL_BLOCK];
-    for (size_t first = 0; first < n; first += REAL_BLOCK) {
-        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
-        for (size_t k = 0; k < count; ++k) {
-            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            chord[k] = rotating_link_chord(from_top[k], &own);
-            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            rotating_link_friction_step_at(omega_m[first + k], alpha_m[first + k], torque[first + k], dt[first
-                + k], chord[k], half_sine[k], &out[2u * (first + k)], &own);
-        }
-    }
-}
-
-REAL_INLINE real rotating_link_acceleration_at(
-    real omega_m,
-    real alpha_m,
-    real torque,
-    real chord,
-    real half_sine,
-    const rotating_link_coefficients *c)
-{
-    const real size = REAL_FABS(omega_m);
-    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
-    const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real size_2 = alpha_m * c->per_mu;
-    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
-    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
-        size_2));
-    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
-    /* normal force over scale_N [rad^2/s^2] */
-    const real load = rotating_link_square_root(p * p + q * q);
-    /* levels of dry friction [N m] */
-    const real upper = c->C + c->C_lN_mu_scale_N * load;
-    const real slope = c->B + c->B_lN_mu2_scale_N * load;
-    const real held_back = rotating_link_within(torque, upper);
-    const real starting = torque - held_back + REAL(0.0) * upper;
-    const real part_4 = torque - upper;
-    const real part_3 = ((omega_m > REAL(0.0)) ? part_4 : ((omega_m < REAL(0.0)) ? torque + upper :
-        starting));
-    const real part_2 = -omega_m * slope + part_3;
-    return part_2 / REAL_GIVEN(c->J);
-}
-
-ECCENTRIC_REAL rotating_link_acceleration(
-    ECCENTRIC_REAL theta_m,
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL alpha_m,
-    ECCENTRIC_REAL torque,
-    const rotating_link_coefficients *c)
-{
-    const real from_top = rotating_link_from_top(theta_m, c);
-    const real chord = rotating_link_chord(from_top, c);
-    const real half_sine = rotating_link_half_sine(from_top, c);
-    return rotating_link_acceleration_at(omega_m, alpha_m, torque, chord, half_sine, c);
-}
-
-void rotating_link_acceleration_n(
-    size_t n,
-    const ECCENTRIC_REAL *theta_m,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *alpha_m,
-    const ECCENTRIC_REAL *torque,
-    ECCENTRIC_REAL *out,
-    const rotating_link_coefficients *c)
-{
-    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    real from_top[REAL_BLOCK];
-    real chord[REAL_BLOCK];
-    real half_sine[REAL_BLOCK];
-    for (size_t first = 0; first < n; first += REAL_BLOCK) {
-        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
-        for (size_t k = 0; k < count; ++k) {
-            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            chord[k] = rotating_link_chord(from_top[k], &own);
-            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            out[first + k] = rotating_link_acceleration_at(omega_m[first + k], alpha_m[first + k],
-                torque[first + k], chord[k], half_sine[k], &own);
-        }
-    }
-}
-
 REAL_INLINE real rotating_link_gravity_torque_at(
     real chord,
     real half_sine,
@@ -1570,6 +1409,167 @@ void rotating_link_electrical_residual_n(
     const rotating_link_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = rotating_link_electrical_residual_at(omega_m[k], i[k], u[k], &own);
+    }
+}
+
+REAL_INLINE void rotating_link_friction_step_at(
+    real omega_m,
+    real alpha_m,
+    real torque,
+    real dt,
+    real chord,
+    real half_sine,
+    real *out,
+    const rotating_link_coefficients *c)
+{
+    /* time step, at least the shortest [s] */
+    const real elapsed = ((REAL(1.0e-9) > dt) ? REAL(1.0e-9) : dt);
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = rotating_link_square_root(p * p + q * q);
+    /* levels of dry friction [N m] */
+    const real upper = c->C + c->C_lN_mu_scale_N * load;
+    const real slope = c->B + c->B_lN_mu2_scale_N * load;
+    /* momentum at the end of the step, if there were no friction [N m s] */
+    const real momentum = REAL_GIVEN(c->J) * omega_m + elapsed * torque;
+    const real highest = elapsed * upper;
+    const real held_back = rotating_link_within(momentum, highest);
+    /* its part that friction at rest does not take up [N m s] */
+    const real excess = momentum - held_back + REAL(0.0) * highest;
+    const real base = REAL_GIVEN(c->J) + elapsed * slope;
+    const real velocity_after = excess / base;
+    const real unlimited = momentum / elapsed;
+    const real dry = rotating_link_within(unlimited, upper);
+    out[0] = ((dt < REAL(1.0e-9)) ? omega_m : velocity_after);
+    const real part_2 = dry + slope * velocity_after;
+    out[1] = ((dt < REAL(1.0e-9)) ? REAL(0.0) : part_2);
+}
+
+void rotating_link_friction_step(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    rotating_link_friction_step_at(omega_m, alpha_m, torque, dt, chord, half_sine, out, c);
+}
+
+void rotating_link_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            rotating_link_friction_step_at(omega_m[first + k], alpha_m[first + k], torque[first + k], dt[first
+                + k], chord[k], half_sine[k], &out[2u * (first + k)], &own);
+        }
+    }
+}
+
+REAL_INLINE real rotating_link_acceleration_at(
+    real omega_m,
+    real alpha_m,
+    real torque,
+    real chord,
+    real half_sine,
+    const rotating_link_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = rotating_link_square_root(p * p + q * q);
+    /* levels of dry friction [N m] */
+    const real upper = c->C + c->C_lN_mu_scale_N * load;
+    const real slope = c->B + c->B_lN_mu2_scale_N * load;
+    const real held_back = rotating_link_within(torque, upper);
+    const real starting = torque - held_back + REAL(0.0) * upper;
+    const real part_4 = torque - upper;
+    const real part_3 = ((omega_m > REAL(0.0)) ? part_4 : ((omega_m < REAL(0.0)) ? torque + upper :
+        starting));
+    const real part_2 = -omega_m * slope + part_3;
+    return part_2 / REAL_GIVEN(c->J);
+}
+
+ECCENTRIC_REAL rotating_link_acceleration(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    ECCENTRIC_REAL torque,
+    const rotating_link_coefficients *c)
+{
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_acceleration_at(omega_m, alpha_m, torque, chord, half_sine, c);
+}
+
+void rotating_link_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    const ECCENTRIC_REAL *torque,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_acceleration_at(omega_m[first + k], alpha_m[first + k],
+                torque[first + k], chord[k], half_sine[k], &own);
+        }
     }
 }
 

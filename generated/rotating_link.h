@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 7b93f22c).
+ * (eccentric 0.1.0, program a9fdd78d).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Begin with rotating_link_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x7b93f22cUL
+#define ROTATING_LINK_PROGRAM 0xa9fdd78dUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in rotating_link_mechanical_friction_torque_double. */
@@ -53,10 +53,6 @@
 #define rotating_link_breakaway_torque_n ECCENTRIC_JOIN(rotating_link_breakaway_torque_n_, ECCENTRIC_REAL)
 #define rotating_link_friction_budget ECCENTRIC_JOIN(rotating_link_friction_budget_, ECCENTRIC_REAL)
 #define rotating_link_friction_budget_n ECCENTRIC_JOIN(rotating_link_friction_budget_n_, ECCENTRIC_REAL)
-#define rotating_link_friction_step ECCENTRIC_JOIN(rotating_link_friction_step_, ECCENTRIC_REAL)
-#define rotating_link_friction_step_n ECCENTRIC_JOIN(rotating_link_friction_step_n_, ECCENTRIC_REAL)
-#define rotating_link_acceleration ECCENTRIC_JOIN(rotating_link_acceleration_, ECCENTRIC_REAL)
-#define rotating_link_acceleration_n ECCENTRIC_JOIN(rotating_link_acceleration_n_, ECCENTRIC_REAL)
 #define rotating_link_gravity_torque ECCENTRIC_JOIN(rotating_link_gravity_torque_, ECCENTRIC_REAL)
 #define rotating_link_gravity_torque_n ECCENTRIC_JOIN(rotating_link_gravity_torque_n_, ECCENTRIC_REAL)
 #define rotating_link_voltage ECCENTRIC_JOIN(rotating_link_voltage_, ECCENTRIC_REAL)
@@ -67,6 +63,10 @@
 #define rotating_link_mechanical_residual_n ECCENTRIC_JOIN(rotating_link_mechanical_residual_n_, ECCENTRIC_REAL)
 #define rotating_link_electrical_residual ECCENTRIC_JOIN(rotating_link_electrical_residual_, ECCENTRIC_REAL)
 #define rotating_link_electrical_residual_n ECCENTRIC_JOIN(rotating_link_electrical_residual_n_, ECCENTRIC_REAL)
+#define rotating_link_friction_step ECCENTRIC_JOIN(rotating_link_friction_step_, ECCENTRIC_REAL)
+#define rotating_link_friction_step_n ECCENTRIC_JOIN(rotating_link_friction_step_n_, ECCENTRIC_REAL)
+#define rotating_link_acceleration ECCENTRIC_JOIN(rotating_link_acceleration_, ECCENTRIC_REAL)
+#define rotating_link_acceleration_n ECCENTRIC_JOIN(rotating_link_acceleration_n_, ECCENTRIC_REAL)
 
 /* With gcc, and clang from 13 on, the bounds below hold whatever the flags: the source undoes what would break them, or
  * refuses it. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
@@ -154,8 +154,8 @@ typedef struct {
     ECCENTRIC_REAL F_T_mu2_sin_phi; /**< F_T mu^2 sin(phi) */
     ECCENTRIC_REAL F_T_mu_sin_phi; /**< F_T mu sin(phi) */
     ECCENTRIC_REAL omega_star2; /**< omega_star^2 */
-    ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
     ECCENTRIC_REAL L_M_g_p_mu2; /**< L M g_p mu^2 */
+    ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
     ECCENTRIC_REAL B_lN_R_mu2_scale_N_per_k_i; /**< B_lN R mu^2 scale_N/k_i */
     ECCENTRIC_REAL B_R_per_k_i_plus_k_e; /**< B R/k_i + k_e */
     ECCENTRIC_REAL C_lN_R_mu_scale_N_per_k_i; /**< C_lN R mu scale_N/k_i */
@@ -396,62 +396,6 @@ void rotating_link_friction_budget_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
- *  NaN unless dt is 0 or the parameters give J_m and J_l.
- *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
- *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[in]  alpha_m  motor acceleration [rad/s^2]
- *  @param[in]  torque  torque on the motor side of everything but friction [N m]
- *  @param[in]  dt  time step, positive [s]
- *  @param[out] out  2 values: omega_m, friction [rad/s, N m]
- *  @param[in]  c  coefficients
- */
-void rotating_link_friction_step(
-    ECCENTRIC_REAL theta_m,
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL alpha_m,
-    ECCENTRIC_REAL torque,
-    ECCENTRIC_REAL dt,
-    ECCENTRIC_REAL *out,
-    const rotating_link_coefficients *c);
-
-/** friction_step over arrays of n samples, each with 2 of `out`. */
-void rotating_link_friction_step_n(
-    size_t n,
-    const ECCENTRIC_REAL *theta_m,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *alpha_m,
-    const ECCENTRIC_REAL *torque,
-    const ECCENTRIC_REAL *dt,
-    ECCENTRIC_REAL *out,
-    const rotating_link_coefficients *c);
-
-/** Acceleration by a torque, 0 at rest within the levels of dry friction.
- *  NaN unless torque is 0 or the parameters give J_m and J_l.
- *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
- *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[in]  alpha_m  motor acceleration [rad/s^2]
- *  @param[in]  torque  torque on the motor side of everything but friction [N m]
- *  @param[in]  c  coefficients
- *  @return acceleration [rad/s^2]
- */
-ECCENTRIC_REAL rotating_link_acceleration(
-    ECCENTRIC_REAL theta_m,
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL alpha_m,
-    ECCENTRIC_REAL torque,
-    const rotating_link_coefficients *c);
-
-/** acceleration over arrays of n samples. */
-void rotating_link_acceleration_n(
-    size_t n,
-    const ECCENTRIC_REAL *theta_m,
-    const ECCENTRIC_REAL *omega_m,
-    const ECCENTRIC_REAL *alpha_m,
-    const ECCENTRIC_REAL *torque,
-    ECCENTRIC_REAL *out,
-    const rotating_link_coefficients *c);
-
 /** Gravity torque G, eq (5).
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  c  coefficients
@@ -557,6 +501,62 @@ void rotating_link_electrical_residual_n(
     const ECCENTRIC_REAL *omega_m,
     const ECCENTRIC_REAL *i,
     const ECCENTRIC_REAL *u,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c);
+
+/** Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+ *  NaN unless dt is 0 or the parameters give J_m and J_l.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  torque  torque on the motor side of everything but friction [N m]
+ *  @param[in]  dt  time step, positive [s]
+ *  @param[out] out  2 values: omega_m, friction [rad/s, N m]
+ *  @param[in]  c  coefficients
+ */
+void rotating_link_friction_step(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    ECCENTRIC_REAL torque,
+    ECCENTRIC_REAL dt,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c);
+
+/** friction_step over arrays of n samples, each with 2 of `out`. */
+void rotating_link_friction_step_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    const ECCENTRIC_REAL *torque,
+    const ECCENTRIC_REAL *dt,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c);
+
+/** Acceleration by a torque, 0 at rest within the levels of dry friction.
+ *  NaN unless torque is 0 or the parameters give J_m and J_l.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  torque  torque on the motor side of everything but friction [N m]
+ *  @param[in]  c  coefficients
+ *  @return acceleration [rad/s^2]
+ */
+ECCENTRIC_REAL rotating_link_acceleration(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    ECCENTRIC_REAL torque,
+    const rotating_link_coefficients *c);
+
+/** acceleration over arrays of n samples. */
+void rotating_link_acceleration_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    const ECCENTRIC_REAL *torque,
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program 7b93f22c).
+# (eccentric 0.1.0, program a9fdd78d).
 # Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 """Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
@@ -141,8 +141,8 @@ def _prepare(p, c):
     c.F_T_mu2_sin_phi = F_T * p.mu * p.mu * math.sin(p.phi)
     c.F_T_mu_sin_phi = F_T * p.mu * math.sin(p.phi)
     c.omega_star2 = omega_star.high * omega_star.high
-    c.J = J_l * p.mu * p.mu + J_m
     c.L_M_g_p_mu2 = p.L * p.M * g_p.high * p.mu * p.mu
+    c.J = J_l * p.mu * p.mu + J_m
     c.B_lN_R_mu2_scale_N_per_k_i = p.B_lN * p.R * p.mu * p.mu * c.scale_N / p.k_i
     c.B_R_per_k_i_plus_k_e = c.B * p.R / p.k_i + p.k_e
     c.C_lN_R_mu_scale_N_per_k_i = p.C_lN * p.R * p.mu * c.scale_N / p.k_i
@@ -167,10 +167,10 @@ _INPUTS = {
     "theta_m": "motor angle [rad]",
     "omega_m": "motor velocity [rad/s]",
     "alpha_m": "motor acceleration [rad/s^2]",
-    "torque": "torque on the motor side of everything but friction [N m]",
-    "dt": "time step, positive [s]",
     "i": "armature current [A]",
     "u": "armature voltage [V]",
+    "torque": "torque on the motor side of everything but friction [N m]",
+    "dt": "time step, positive [s]",
 }
 _model = runtime.Model(Parameters, _prepare, _INPUTS)
 
@@ -361,46 +361,6 @@ def friction_budget(c, theta_m, omega_m, alpha_m):
     return result_lower, result_upper, result_viscous
 
 
-@_model.function(needs=("J_m", "J_l"))
-def friction_step(c, theta_m, omega_m, alpha_m, torque, dt):
-    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
-
-    In rad/s, N m; last axis (omega_m, friction).
-    """
-    # time step, at least the shortest [s]
-    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
-    load = _load(c, theta_m, omega_m, alpha_m)[0]
-    # levels of dry friction [N m]
-    upper = c.C + c.C_lN_mu_scale_N * load
-    slope = c.B + c.B_lN_mu2_scale_N * load
-    # momentum at the end of the step, if there were no friction [N m s]
-    momentum = c.J * omega_m + elapsed * torque
-    highest = elapsed * upper
-    held_back = np.clip(momentum, -highest, highest)
-    # its part that friction at rest does not take up [N m s]
-    excess = momentum - held_back + 0.0 * highest
-    base = c.J + elapsed * slope
-    velocity_after = excess / base
-    unlimited = momentum / elapsed
-    dry = np.clip(unlimited, -upper, upper)
-    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
-    result_friction = np.where(dt < 1.0e-9, 0.0, dry + slope * velocity_after)
-    return result_omega_m, result_friction
-
-
-@_model.function(needs=("J_m", "J_l"))
-def acceleration(c, theta_m, omega_m, alpha_m, torque):
-    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
-    load = _load(c, theta_m, omega_m, alpha_m)[0]
-    # levels of dry friction [N m]
-    upper = c.C + c.C_lN_mu_scale_N * load
-    slope = c.B + c.B_lN_mu2_scale_N * load
-    held_back = np.clip(torque, -upper, upper)
-    starting = torque - held_back + 0.0 * upper
-    part_3 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, torque + upper, starting))
-    return (-omega_m * slope + part_3) / c.J
-
-
 @_model.function
 def gravity_torque(c, theta_m):
     """Gravity torque G, eq (5) [N m]."""
@@ -447,3 +407,43 @@ def mechanical_residual(c, theta_m, omega_m, i, alpha_m=0.0):
 def electrical_residual(c, omega_m, i, u):
     """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m]."""
     return -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u
+
+
+@_model.function(needs=("J_m", "J_l"))
+def friction_step(c, theta_m, omega_m, alpha_m, torque, dt):
+    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
+
+    In rad/s, N m; last axis (omega_m, friction).
+    """
+    # time step, at least the shortest [s]
+    elapsed = np.where(1.0e-9 > dt, 1.0e-9, dt)
+    load = _load(c, theta_m, omega_m, alpha_m)[0]
+    # levels of dry friction [N m]
+    upper = c.C + c.C_lN_mu_scale_N * load
+    slope = c.B + c.B_lN_mu2_scale_N * load
+    # momentum at the end of the step, if there were no friction [N m s]
+    momentum = c.J * omega_m + elapsed * torque
+    highest = elapsed * upper
+    held_back = np.clip(momentum, -highest, highest)
+    # its part that friction at rest does not take up [N m s]
+    excess = momentum - held_back + 0.0 * highest
+    base = c.J + elapsed * slope
+    velocity_after = excess / base
+    unlimited = momentum / elapsed
+    dry = np.clip(unlimited, -upper, upper)
+    result_omega_m = np.where(dt < 1.0e-9, omega_m, velocity_after)
+    result_friction = np.where(dt < 1.0e-9, 0.0, dry + slope * velocity_after)
+    return result_omega_m, result_friction
+
+
+@_model.function(needs=("J_m", "J_l"))
+def acceleration(c, theta_m, omega_m, alpha_m, torque):
+    """Acceleration by a torque, 0 at rest within the levels of dry friction [rad/s^2]."""
+    load = _load(c, theta_m, omega_m, alpha_m)[0]
+    # levels of dry friction [N m]
+    upper = c.C + c.C_lN_mu_scale_N * load
+    slope = c.B + c.B_lN_mu2_scale_N * load
+    held_back = np.clip(torque, -upper, upper)
+    starting = torque - held_back + 0.0 * upper
+    part_3 = np.where(omega_m > 0.0, torque - upper, np.where(omega_m < 0.0, torque + upper, starting))
+    return (-omega_m * slope + part_3) / c.J

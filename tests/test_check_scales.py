@@ -191,7 +191,9 @@ def test_no_mean_of_rows_reaches_over_a_gap() -> None:
     omega, many = np.where(used, stretch, 1e3), len(stretch)
     c = SimpleNamespace(
         motion=SimpleNamespace(theta_m=omega, omega_m=omega, alpha_m=omega),
-        motor=SimpleNamespace(off=np.zeros(many, dtype=bool), current=omega, torque=None, voltage=None),
+        motor=SimpleNamespace(
+            coasting=False, off=np.zeros(many, dtype=bool), current=omega, torque=None, voltage=None
+        ),
         selection=SimpleNamespace(fit_rows=used),
         time=SimpleNamespace(t=0.1 * np.arange(many), segment=(stretch + 1.0) // 2.0),
         carried=(),

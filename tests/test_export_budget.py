@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from eccentric.exports import Drive, export
+from eccentric.exports import ExportedDrive, export
 from eccentric.model import load_model
 from tests.exports import BENCH, BENCH_UNEQUAL, STEADY, drive, link_states, swing_down, written
 
@@ -36,7 +36,7 @@ def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
             del sys.modules[name]
 
 
-Case = tuple[Drive, ModuleType, Any, Any]
+Case = tuple[ExportedDrive, ModuleType, Any, Any]
 
 
 def test_torque_is_the_emitted_one(case: Case) -> None:
@@ -101,7 +101,7 @@ def test_arrays_are_written_at_once(case: Case) -> None:
 
 def test_without_inertia_there_is_no_pendulum() -> None:
     """The module needs none: it writes into a user's own model."""
-    files = export(Drive(load_model("c2_parallel"), "c2_parallel"), "budget").files
+    files = export(ExportedDrive(load_model("c2_parallel"), "c2_parallel"), "budget").files
 
     assert sorted(files) == [
         "c2_parallel.py",

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from eccentric.exports import Drive, export
+from eccentric.exports import ExportedDrive, export
 from tests.exports import BENCH, STEADY, drive, swing_down, written
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
@@ -17,12 +17,12 @@ pytestmark = pytest.mark.skipif(
 
 
 @pytest.fixture(scope="module")
-def of() -> Drive:
+def of() -> ExportedDrive:
     """A fit of the bundled log."""
     return drive("c2_parallel", BENCH)
 
 
-def built(of: Drive, folder: Path) -> Path:
+def built(of: ExportedDrive, folder: Path) -> Path:
     """Return the folder of the FMU, with the library that FMPy built from its sources."""
     from fmpy.build import build_platform_binary
 
@@ -34,7 +34,7 @@ def built(of: Drive, folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def run(of: Drive, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
+def run(of: ExportedDrive, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
     """Simulate the built FMU."""
     unpacked = built(of, tmp_path_factory.mktemp("fmu"))
     return lambda **more: fmpy.simulate_fmu(
@@ -44,7 +44,7 @@ def run(of: Drive, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., An
     )
 
 
-def test_it_is_valid(of: Drive, tmp_path: Path) -> None:
+def test_it_is_valid(of: ExportedDrive, tmp_path: Path) -> None:
     """FMPy finds nothing wrong with the description, and the same export is the same file."""
     from fmpy.validation import validate_fmu
 
@@ -54,7 +54,7 @@ def test_it_is_valid(of: Drive, tmp_path: Path) -> None:
     assert first.read_bytes() == second.read_bytes()
 
 
-def test_what_friction_holds_stays(run: Callable[..., Any], of: Drive) -> None:
+def test_what_friction_holds_stays(run: Callable[..., Any], of: ExportedDrive) -> None:
     """A drive at rest within the levels has not moved after 5 s; friction is what gravity takes, reversed."""
     theta_m = STEADY / of.p.mu
     end = run(stop_time=5.0, start_values={"theta_m": theta_m})[-1]
@@ -63,7 +63,7 @@ def test_what_friction_holds_stays(run: Callable[..., Any], of: Drive) -> None:
     assert end["friction"] == pytest.approx(-float(of.module.gravity_torque(theta_m, of.p)), rel=1e-12)
 
 
-def test_it_swings_down_as_friction_step_does(run: Callable[..., Any], of: Drive) -> None:
+def test_it_swings_down_as_friction_step_does(run: Callable[..., Any], of: ExportedDrive) -> None:
     """The same steps in NumPy end at the same angle."""
     end = run(stop_time=6.0, start_values={"theta_m": 2.1 / of.p.mu})[-1]
 
@@ -71,7 +71,7 @@ def test_it_swings_down_as_friction_step_does(run: Callable[..., Any], of: Drive
     assert end["theta_m"] * of.p.mu == pytest.approx(swing_down(of, 2.1), abs=1e-9)
 
 
-def test_a_longer_communication_step_changes_little(run: Callable[..., Any], of: Drive) -> None:
+def test_a_longer_communication_step_changes_little(run: Callable[..., Any], of: ExportedDrive) -> None:
     """Internal steps are no longer than `step`, whatever the communication step."""
     ends = [
         run(stop_time=6.0, step_size=x, output_interval=x, start_values={"theta_m": 2.1 / of.p.mu})[-1]
@@ -81,7 +81,7 @@ def test_a_longer_communication_step_changes_little(run: Callable[..., Any], of:
     assert ends[0]["theta_m"] == pytest.approx(ends[1]["theta_m"], abs=1e-9)
 
 
-def test_parameters_can_be_set(run: Callable[..., Any], of: Drive) -> None:
+def test_parameters_can_be_set(run: Callable[..., Any], of: ExportedDrive) -> None:
     """Without friction and gravity it accelerates by torque over inertia; an invalid parameter is refused."""
     none = dict.fromkeys(("B_lN", "C_lN", "B_m", "C_m", "g"), 0.0)
     torque = 0.01

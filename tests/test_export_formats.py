@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 
 from eccentric.core import InputError
-from eccentric.exports import Drive, export
+from eccentric.exports import ExportedDrive, export
 from eccentric.model import load_model, with_values
 from tests.exports import BENCH, drive, written
 
 
 @pytest.fixture(scope="module")
-def of() -> Drive:
+def of() -> ExportedDrive:
     """A drive in a tilted plane."""
     return drive("rotating_link", BENCH, phi=0.4, R=1.0)
 
 
-def line(of: Drive) -> tuple[float, float]:
+def line(of: ExportedDrive) -> tuple[float, float]:
     """Level and slope of friction over the speed, by a fit of a line to all points of a grid."""
     speed = np.linspace(*of.link_speeds, 64)
     angle = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
@@ -28,7 +28,7 @@ def line(of: Drive) -> tuple[float, float]:
     return level, slope
 
 
-def test_urdf_in_mujoco_and_yourdfpy(of: Drive, tmp_path: Path) -> None:
+def test_urdf_in_mujoco_and_yourdfpy(of: ExportedDrive, tmp_path: Path) -> None:
     """Both read the friction of the joint, the mass and where it is."""
     mujoco = pytest.importorskip("mujoco", reason="MuJoCo (mujoco-core) is not installed")
     yourdfpy = pytest.importorskip("yourdfpy", reason="yourdfpy is not installed")
@@ -50,7 +50,7 @@ def test_urdf_in_mujoco_and_yourdfpy(of: Drive, tmp_path: Path) -> None:
     assert inertia[0, 0] == pytest.approx(of.p.J_l, rel=1e-9)
 
 
-def test_usd_in_newton(of: Drive, tmp_path: Path) -> None:
+def test_usd_in_newton(of: ExportedDrive, tmp_path: Path) -> None:
     """Newton reads friction, damping per radian, armature, mass and inertia, in single precision."""
     newton = pytest.importorskip("newton", reason="Newton is not installed")
     pytest.importorskip("newton_usd_schemas", reason="newton-usd-schemas is not installed")
@@ -71,7 +71,7 @@ def test_usd_in_newton(of: Drive, tmp_path: Path) -> None:
     )
 
 
-def test_bam(of: Drive) -> None:
+def test_bam(of: ExportedDrive) -> None:
     """By its published formulas: friction M1, and the torque of a voltage at the joint."""
     values = json.loads(export(of, "bam").files[f"{of.name}.json"])
     level, slope = line(of)
@@ -91,4 +91,4 @@ def test_bam_needs_the_motor() -> None:
     """A fit of a current alone has neither R nor k_e."""
     model = with_values(load_model("c2_parallel"), BENCH, "c2_parallel", voltage_known=False)
     with pytest.raises(InputError, match="R and k_i is required to export"):
-        export(Drive(model, "x"), "bam")
+        export(ExportedDrive(model, "x"), "bam")

@@ -9,14 +9,14 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from eccentric.cli import main
-from eccentric.exports import Drive, export
+from eccentric.exports import ExportedDrive, export
 from eccentric.exports.law import nearest
 from tests.exports import BENCH, BENCH_UNEQUAL, STEADY, drive, link_states
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo (mujoco-core) is not installed")
 
 
-def loaded(of: Drive) -> tuple[Any, Any]:
+def loaded(of: ExportedDrive) -> tuple[Any, Any]:
     """Return the exported model as MuJoCo reads it, and its state."""
     model = mujoco.MjModel.from_xml_string(export(of, "mjcf").files[f"{of.name}.xml"])
     return model, mujoco.MjData(model)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from eccentric.core import InputError
-from eccentric.exports import Drive, export
+from eccentric.exports import ExportedDrive, export
 from tests.exports import BENCH, STEADY, drive, link_states, swing_down, written
 
 newton = pytest.importorskip("newton", reason="Newton is not installed")
@@ -19,13 +19,13 @@ DT = 2e-3
 
 
 @pytest.fixture(scope="module")
-def of() -> Drive:
+def of() -> ExportedDrive:
     """A fit of the bundled log."""
     return drive("c2_parallel", BENCH)
 
 
 @pytest.fixture(scope="module")
-def module(of: Drive, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
+def module(of: ExportedDrive, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
     """The written module."""
     folder = written(export(of, "newton").files, tmp_path_factory.mktemp("newton"))
     names = {f"{of.name}_newton", of.name, "eccentric_runtime"}
@@ -38,7 +38,9 @@ def module(of: Drive, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Modu
             del sys.modules[name]
 
 
-def pendulums(of: Drive, module: ModuleType, angle: np.ndarray, velocity: np.ndarray) -> tuple[Any, Any, Any]:
+def pendulums(
+    of: ExportedDrive, module: ModuleType, angle: np.ndarray, velocity: np.ndarray
+) -> tuple[Any, Any, Any]:
     """Return the model of as many pendulums, its state and its control."""
     builder = newton.ModelBuilder(up_axis=newton.Axis.Z, gravity=(0.0, 0.0, -of.p.g))
     for _ in angle:
@@ -65,7 +67,7 @@ def act(model: Any, state: Any, control: Any) -> None:
         actuator.step(state, control, dt=DT)
 
 
-def test_torque_is_that_of_the_step(of: Drive, module: ModuleType) -> None:
+def test_torque_is_that_of_the_step(of: ExportedDrive, module: ModuleType) -> None:
     """By the emitted step in NumPy, to 1e-6 of the largest: single precision."""
     angle, velocity = (x.astype(np.float32) for x in link_states())
     model, state, control = pendulums(of, module, angle, velocity)
@@ -77,7 +79,7 @@ def test_torque_is_that_of_the_step(of: Drive, module: ModuleType) -> None:
     assert control.joint_f.numpy() == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
 
 
-def test_links_come_to_rest_where_they_should(of: Drive, module: ModuleType) -> None:
+def test_links_come_to_rest_where_they_should(of: ExportedDrive, module: ModuleType) -> None:
     """In steps of 2 ms they end within 1 mrad of steps of 0.1 ms; what is held hardly creeps."""
     start = np.array([2.1, -2.8, STEADY])
     model, state, control = pendulums(of, module, start, np.zeros(3))

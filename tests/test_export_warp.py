@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eccentric.exports import Drive, export
+from eccentric.exports import ExportedDrive, export
 from tests.exports import BENCH, BENCH_UNEQUAL, STEADY, drive, link_states, swing_down, written
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo (mujoco-core) is not installed")
@@ -38,7 +38,7 @@ def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
             del sys.modules[name]
 
 
-Case = tuple[Drive, ModuleType, Any]
+Case = tuple[ExportedDrive, ModuleType, Any]
 
 
 def worlds(

@@ -114,7 +114,7 @@ def test_a_table_may_be_toml_and_a_rig_may_be_for_all(tmp_path: Path) -> None:
         ("rigs.csv", f"joint,rig\nA,{'x' * 200_000}\n", r"after line 1: not a table .*field larger"),
         ("rigs.toml", "[joints.A]\nmass = 1\n", "unknown key 'mass'"),
         ("rigs.toml", "[joints.A]\nknown = {}\n", "the path of a rig file is required"),
-        ("rigs.toml", "drive = 3\n", "drive: one of current, voltage, torque is required"),
+        ("rigs.toml", "drive = 3\n", "drive: one of current, voltage, torque, none is required"),
     ],
 )
 def test_a_table_that_is_wrong_says_where(name: str, text: str, message: str, tmp_path: Path) -> None:

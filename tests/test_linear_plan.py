@@ -35,7 +35,10 @@ def test_limits_are_read_in_units_of_length_and_force() -> None:
 @pytest.mark.parametrize(
     ("limits", "message"),
     [
-        ({**LIMITS, "speed_m_s": "10 rpm"}, "speed_m_s: a unit like m/s, mm/s is required, received 'rpm'"),
+        (
+            {**LIMITS, "speed_m_s": "10 rpm"},
+            "speed_m_s: a unit like m/s, mm/s, m/min, km/h, mph is required, received 'rpm'",
+        ),
         ({**LIMITS, "speed_rad_s": 3}, "unknown key 'speed_rad_s'"),
         ({**LIMITS, "current_A": 3}, "only one of current_A and force_N is required, received both"),
         ({k: x for k, x in LIMITS.items() if k != "force_N"}, "current_A or force_N is required"),

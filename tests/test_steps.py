@@ -25,6 +25,11 @@ FORMULA = {
     steps.Across: ((x, y), sp.sin(sp.atan2(y, x))),
     steps.Gated: ((x, y), x * y),
     steps.Leading: ((x,), x),
+    steps.Quotient: ((x, y), x / y),
+    steps.AtZero: ((x, y, z), sp.Piecewise((y, sp.Eq(x, 0)), (z, True))),
+    steps.BySign: ((x, y, z, positive), sp.Piecewise((y, x > 0), (z, x < 0), (positive, True))),
+    steps.Clipped: ((x, z, positive), sp.Piecewise((positive, x > positive), (z, x < z), (x, True))),
+    steps.Shrunk: ((x, z, positive), sp.Piecewise((x - positive, x > positive), (x - z, x < z), (0, True))),
 }
 # A point of every combination of signs, away from zero, and numbers that no formula is special at.
 POINTS = tuple(

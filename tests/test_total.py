@@ -34,11 +34,15 @@ PLAIN = (0.0, -0.0, 1.0, -2.5, 1e3)
 @both_precisions
 @pytest.mark.parametrize(("name", "function"), VECTORS, ids=map(".".join, VECTORS))
 def test_nan_is_told_at_standstill_too(name: str, function: str, dtype: type[np.floating]) -> None:
-    """A NaN in any input is in some element of the result, whatever the direction of motion."""
+    """A NaN in any input is in some element of the result, whatever the direction of motion.
+
+    But not in a step without time, which takes no torque.
+    """
     inputs = oracle.inputs(name, function)
     for k in range(len(inputs)):
         states = np.array(list(itertools.product(PLAIN, repeat=len(inputs))), dtype).T
         states[k] = np.nan
+        states = states[:, ~(states[inputs.index("dt")] <= 0.0)] if "dt" in inputs else states
 
         result = getattr(module(name), function)(*states, with_inertia(name))
 

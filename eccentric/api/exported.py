@@ -13,7 +13,7 @@ from eccentric.api.inputs import ModelSource, is_arm, model_of, origin_of
 from eccentric.api.result import require_fit
 from eccentric.core import InputError, given_path, refuse_other_files, whole_folder
 from eccentric.emission import checked_name, document_of, read_parameters, with_fitted
-from eccentric.exports import DEFAULT_SPEEDS, Drive
+from eccentric.exports import DEFAULT_SPEEDS, ExportedDrive
 from eccentric.exports import export as exported
 from eccentric.model import model_names
 from eccentric.presentation import export_lines
@@ -80,7 +80,7 @@ def export(
         require_fit(fitted.fits_the_rig, fitted.source, accept_misfit)
         chosen, identified = with_fitted(chosen, fitted, name), _speeds_in(given)
     chosen_speeds = tuple(map(float, speeds if speeds is not None else identified or DEFAULT_SPEEDS))
-    drive = Drive(chosen, origin_of(model), chosen_speeds, speeds is None and identified is not None)
+    drive = ExportedDrive(chosen, origin_of(model), chosen_speeds, speeds is None and identified is not None)
     found = exported(drive, to)
     with whole_folder(out, f"export {name} {to}") as folder:
         for file, content in found.files.items():

@@ -9,6 +9,6 @@ solver for is exported as levels of dry friction and damping, never as a torque.
 May import: `core`, `model`, `emission`.
 """
 
-from eccentric.exports.drive import DEFAULT_SPEEDS, Drive
+from eccentric.exports.drive import DEFAULT_SPEEDS, ExportedDrive
 from eccentric.exports.export import Exported, export
 from eccentric.exports.law import ConstantLaw

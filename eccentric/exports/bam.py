@@ -9,12 +9,12 @@ from __future__ import annotations
 import json
 
 from eccentric.core import InputError
-from eccentric.exports.drive import Drive
+from eccentric.exports.drive import ExportedDrive
 from eccentric.exports.export import Exported
 from eccentric.exports.law import nearest
 
 
-def write(drive: Drive) -> Exported:
+def write(drive: ExportedDrive) -> Exported:
     """NAME.json; `actuator` is the name to register the drive under in BAM.
 
     Raises:

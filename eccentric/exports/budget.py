@@ -7,13 +7,13 @@ rest.
 from __future__ import annotations
 
 from eccentric.emission import render, template
-from eccentric.exports.drive import Drive
+from eccentric.exports.drive import ExportedDrive
 from eccentric.exports.export import Exported, head
 from eccentric.exports.mjcf import FREE, pendulum
 from eccentric.exports.warp import functions
 
 
-def write(drive: Drive) -> Exported:
+def write(drive: ExportedDrive) -> Exported:
     """NAME.py with its runtime, NAME_budget.py, NAME_budget_warp.py, and NAME.xml, a bare pendulum.
 
     The pendulum is left out where an inertia is not known, the module for Warp where friction depends on more

@@ -33,7 +33,7 @@ def _inputs(function: Callable[..., Any]) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class Drive:
+class ExportedDrive:
     """One drive that swings a mass.
 
     Attributes:

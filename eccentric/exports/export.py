@@ -8,7 +8,7 @@ from importlib import import_module
 
 from eccentric.core import EXPORTS, InputError
 from eccentric.emission import plain
-from eccentric.exports.drive import Drive
+from eccentric.exports.drive import ExportedDrive
 from eccentric.exports.law import ConstantLaw
 from eccentric.version import __version__
 
@@ -28,7 +28,7 @@ class Exported:
     left_out: float = 0.0
 
 
-def export(drive: Drive, to: str) -> Exported:
+def export(drive: ExportedDrive, to: str) -> Exported:
     """The files of a drive for a target.
 
     Raises:
@@ -36,11 +36,11 @@ def export(drive: Drive, to: str) -> Exported:
     """
     if to not in EXPORTS:
         raise InputError("to", f"one of {', '.join(EXPORTS)}", f"{to!r}")
-    write: Callable[[Drive], Exported] = import_module(f"eccentric.exports.{to}").write
+    write: Callable[[ExportedDrive], Exported] = import_module(f"eccentric.exports.{to}").write
     return write(drive)
 
 
-def head(drive: Drive) -> dict[str, object]:
+def head(drive: ExportedDrive) -> dict[str, object]:
     """The variables that the templates of all targets have: name, title, source, version."""
     # Two hyphens would end a comment of XML.
     title, origin = (plain(text).replace("--", "- -") for text in (drive.model.title, drive.origin))
@@ -53,7 +53,7 @@ def head(drive: Drive) -> dict[str, object]:
     }
 
 
-def stated(drive: Drive, law: ConstantLaw) -> dict[str, object]:
+def stated(drive: ExportedDrive, law: ConstantLaw) -> dict[str, object]:
     """The variables of templates that state how close a law is: error, range, levels at rest."""
     low, high = drive.link_speeds
     return {

@@ -14,7 +14,7 @@ import zipfile
 from dataclasses import dataclass
 
 from eccentric.emission import plain, render, template
-from eccentric.exports.drive import Drive
+from eccentric.exports.drive import ExportedDrive
 from eccentric.exports.export import Exported, decimal, head
 
 _STEP = "0.0001"
@@ -45,7 +45,7 @@ class _Variable:
         return "fixed" if self.causality == "parameter" else "continuous"
 
 
-def write(drive: Drive) -> Exported:
+def write(drive: ExportedDrive) -> Exported:
     """NAME.fmu: input `torque` of the motor, outputs `theta_m`, `omega_m`, `friction`, and the parameters.
 
     Raises:
@@ -88,7 +88,7 @@ def _taken(function: object) -> list[str]:
     return [x for x in parameters if x not in {"parameters", "out"}]
 
 
-def _variables(drive: Drive) -> list[_Variable]:
+def _variables(drive: ExportedDrive) -> list[_Variable]:
     """All but the time, in the order of their references."""
     meanings = {q.name: f"{q.meaning} [{q.unit}]" for q in (*drive.model.inputs, *drive.model.parameters)}
     listed = [

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from eccentric.exports.drive import Drive, Floats
+from eccentric.exports.drive import ExportedDrive, Floats
 
 _ANGLES, _SPEEDS = 720, 64
 """Points of a turn of the link and of the speeds of each direction."""
@@ -62,7 +62,9 @@ class ConstantLaw:
         return dry + a * velocity + b * velocity * np.abs(velocity) + c * velocity**3
 
 
-def nearest(drive: Drive, powers: tuple[int, ...] = (1, 2, 3), *, symmetric: bool = False) -> ConstantLaw:
+def nearest(
+    drive: ExportedDrive, powers: tuple[int, ...] = (1, 2, 3), *, symmetric: bool = False
+) -> ConstantLaw:
     """The nearest law of a drive.
 
     Args:

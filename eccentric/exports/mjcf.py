@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from eccentric.emission import template
-from eccentric.exports.drive import Drive
+from eccentric.exports.drive import ExportedDrive
 from eccentric.exports.export import Exported, decimal, head, stated
 from eccentric.exports.law import ConstantLaw, nearest
 
@@ -11,7 +11,7 @@ FREE = ConstantLaw(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, (0.0, 0.0))
 """No friction: that of a joint whose friction is written before each step."""
 
 
-def write(drive: Drive) -> Exported:
+def write(drive: ExportedDrive) -> Exported:
     """NAME.xml, with the nearest friction with constant coefficients.
 
     Raises:
@@ -22,7 +22,7 @@ def write(drive: Drive) -> Exported:
     return Exported({f"{drive.name}.xml": pendulum(drive, law, lines)}, law, left_out)
 
 
-def pendulum(drive: Drive, law: ConstantLaw, lines: list[str]) -> str:
+def pendulum(drive: ExportedDrive, law: ConstantLaw, lines: list[str]) -> str:
     """The model with this friction; `lines` say of it how close it is."""
     p, left_out = drive.p, drive.gravity[1]
     about = max(p.M * p.g * p.L, law.level)

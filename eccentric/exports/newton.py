@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from eccentric.core import InputError
 from eccentric.emission import render, template
-from eccentric.exports.drive import Drive
+from eccentric.exports.drive import ExportedDrive
 from eccentric.exports.export import Exported, head
 from eccentric.exports.warp import functions
 
 
-def write(drive: Drive) -> Exported:
+def write(drive: ExportedDrive) -> Exported:
     """NAME.py with its runtime, and NAME_newton.py.
 
     Raises:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from eccentric.emission import template
-from eccentric.exports.drive import Drive
+from eccentric.exports.drive import ExportedDrive
 from eccentric.exports.export import Exported, decimal, head, stated
 from eccentric.exports.law import nearest
 
 
-def write(drive: Drive) -> Exported:
+def write(drive: ExportedDrive) -> Exported:
     """NAME.urdf, with one level for both directions and damping in proportion to the velocity.
 
     The armature J_m/mu^2, for which URDF has no word, is a comment.

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 from eccentric.emission import template
-from eccentric.exports.drive import Drive
+from eccentric.exports.drive import ExportedDrive
 from eccentric.exports.export import Exported, decimal, head, stated
 from eccentric.exports.law import nearest
 
 
-def write(drive: Drive) -> Exported:
+def write(drive: ExportedDrive) -> Exported:
     """NAME.usda; angles of USD are in degrees, and so is the damping [N m s/deg].
 
     Raises:

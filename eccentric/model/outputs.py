@@ -297,23 +297,6 @@ def drive_interface(model: Model) -> Interface:
             budget(dry),
             before=dry.definitions,
         ),
-        output(
-            "friction_step",
-            "rad/s, N m",
-            "velocity after a time step and the friction torque in it",
-            stepped,
-            before=(*dry.definitions, *on_the_way),
-            requires=inertia,
-            without_time={v.omega_m.name: v.omega_m.symbol, "friction": sp.Integer(0)},
-        ),
-        output(
-            "acceleration",
-            "rad/s^2",
-            "acceleration by a torque, 0 at rest within the levels of dry friction",
-            accelerated,
-            before=(*dry.definitions, *on_its_way),
-            requires=inertia,
-        ),
         output("gravity_torque", "N m", "gravity torque G, eq (5)", one(gravity)),
         output(
             "voltage", "V", "armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4)", one(voltage), **moved
@@ -333,6 +316,26 @@ def drive_interface(model: Model) -> Interface:
             one(electrical_residual),
         ),
     ]
+    if moved_inertia != 0:  # else the model knows no acceleration
+        listed += [
+            output(
+                "friction_step",
+                "rad/s, N m",
+                "velocity after a time step and the friction torque in it",
+                stepped,
+                before=(*dry.definitions, *on_the_way),
+                requires=inertia,
+                without_time={v.omega_m.name: v.omega_m.symbol, "friction": sp.Integer(0)},
+            ),
+            output(
+                "acceleration",
+                "rad/s^2",
+                "acceleration by a torque, 0 at rest within the levels of dry friction",
+                accelerated,
+                before=(*dry.definitions, *on_its_way),
+                requires=inertia,
+            ),
+        ]
     if model.states:
         listed.append(
             output(

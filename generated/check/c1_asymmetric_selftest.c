@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program c315b83e).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 7f3a2e96).
  * Self-test of c1_asymmetric.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c1_asymmetric_selftest.c ../c1_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program c315b83e).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 7f3a2e96).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 3e21e472).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 489238ac).
  * Self-test of c1_perpendicular.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c1_perpendicular_selftest.c ../c1_perpendicular.c -lm     single precision: -DECCENTRIC_REAL=float

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 3e21e472).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 489238ac).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 38bfde4c).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 31d94bc9).
  * Driver of a proof: for all inputs within the ranges below, no function of c2_asymmetric.c has undefined
  * behaviour, overflows or returns a NaN or an infinity, for the parameters set in main. Set your own there.
  * Run Frama-C's Eva: 0 alarms and 100 % of the logical properties are the proof, and the intervals that it

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 38bfde4c).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 31d94bc9).
  * Self-test of c2_asymmetric.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c2_asymmetric_selftest.c ../c2_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float

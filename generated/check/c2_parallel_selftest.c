@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program ae90e729).
+ * Generated: do not edit. Written beside c2_parallel.c (program eec5be99).
  * Self-test of c2_parallel.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c2_parallel_selftest.c ../c2_parallel.c -lm     single precision: -DECCENTRIC_REAL=float

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 7b93f22c).
+ * Generated: do not edit. Written beside rotating_link.c (program a9fdd78d).
  * Self-test of rotating_link.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. rotating_link_selftest.c ../rotating_link.c -lm     single precision: -DECCENTRIC_REAL=float
