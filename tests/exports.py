@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from eccentric.exports import Drive
+from eccentric.exports import ExportedDrive
 from eccentric.model import load_model, with_values
 
 J = {"J_m": 1e-4, "J_l": 0.04276066}
@@ -34,12 +34,14 @@ STEADY = 0.4
 """Angle [rad] at which friction of `BENCH` is larger than gravity."""
 
 
-def drive(name: str, values: dict[str, float] | None = None, **more: float) -> Drive:
+def drive(name: str, values: dict[str, float] | None = None, **more: float) -> ExportedDrive:
     """Return a bundled model with these values as its defaults."""
-    return Drive(with_values(load_model(name), {**(J if values is None else values), **more}, name), name)
+    return ExportedDrive(
+        with_values(load_model(name), {**(J if values is None else values), **more}, name), name
+    )
 
 
-def swing_down(of: Drive, angle: float, seconds: float = 6.0, dt: float = 1e-4) -> float:
+def swing_down(of: ExportedDrive, angle: float, seconds: float = 6.0, dt: float = 1e-4) -> float:
     """Return the link angle at which `friction_step` brings a link to rest that starts at rest."""
     theta_m, omega_m, p = angle / of.p.mu, 0.0, of.p
     for _ in range(round(seconds / dt)):
