@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from eccentric.exports import Drive, Exported
+from eccentric.exports import ExportedDrive, Exported
 
 
-def export_lines(drive: Drive, exported: Exported) -> list[str]:
+def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
     """What a person reads of an export; values at the joint, on the link side of the gear."""
     law = exported.law
     low, high = drive.link_speeds
