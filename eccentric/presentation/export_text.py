@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from eccentric.exports import ExportedDrive, Exported
+from eccentric.exports import Exported, ExportedDrive
 
 
 def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
