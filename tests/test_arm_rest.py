@@ -85,7 +85,7 @@ def test_torques_within_the_levels_move_nothing(geared: bool) -> None:
     _, found, p = arms(3, geared)
     q, zero = RANDOM.uniform(-9, 9, (100, 3)), np.zeros((100, 3))
     lower, upper = np.moveaxis(found.breakaway_torque(q, p).reshape(-1, 3, 2), -1, 0)
-    w = zero
+    w, torque = zero, zero
     for _ in range(1000):
         torque = lower + (upper - lower) * RANDOM.uniform(size=w.shape)
         w = found.friction_step(q, w, zero, torque, 10 ** RANDOM.uniform(-4, -2, 100), p)[:, :3]
