@@ -88,7 +88,7 @@ def test_the_torque_alone_is_small(tmp_path: Path) -> None:
 def compiler_says(folder: Path, model: str, function: str) -> set[str]:
     """Emit one function in every way, and return what the compiler says of each source."""
     said: set[str] = set()
-    needs_inertia = function in {"voltage", "current", "mechanical_residual"}
+    needs_inertia = function in {"voltage", "current", "mechanical_residual", "friction_step", "acceleration"}
     for arrays, fixed in ((True, False), (False, False), *([] if needs_inertia else [(False, True)])):
         out = folder / f"{arrays}-{fixed}"
         eccentric.emit(model, out, functions=[function], backend="c99", arrays=arrays, fixed=fixed)
