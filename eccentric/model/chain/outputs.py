@@ -140,7 +140,7 @@ class _Outputs:
                 " rotors of a given inertia aside",
                 self._inertial_regressor,
             ),
-            # Each of these is longer than all others together.
+            # These are long: the matrix aside, only on request.
             self._output(
                 "mass_matrix",
                 "kg m^2",
