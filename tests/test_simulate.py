@@ -238,3 +238,72 @@ def test_bad_input_is_one_line(arguments: list[str], said: str, capsys: pytest.C
 
     (line,) = capsys.readouterr().err.strip().splitlines()
     assert said in line
+
+
+# What a controller makes is what drives, whatever the log has.
+
+
+def swing_of_a_servo(drive: DrivePlant, logged: float) -> np.ndarray:
+    """The angle of a drive whose controller always asks for 2 V, on a log of another voltage."""
+    t = np.linspace(0.0, 0.3, 301)
+    log = recording(t, logged)
+    log = dataclasses.replace(log, inputs={**log.inputs, "u": log.inputs["signal"]}, by_voltage=True)
+    return run(drive, log, feedback=_Constant(2.0))
+
+
+@dataclasses.dataclass(frozen=True)
+class _Constant:
+    """A controller that always asks for the same."""
+
+    value: float
+
+    def signal(self, rows: np.ndarray, at: float, theta: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        """The value, whatever the state."""
+        del rows, at, theta
+        return np.full(np.shape(omega), self.value)
+
+
+def with_armature(drive: DrivePlant) -> DrivePlant:
+    """The same with a law that has the torque of changes in the armature."""
+    return dataclasses.replace(drive, law=Law(drive.law.model, armature=True))
+
+
+@pytest.mark.parametrize("armature", [False, True])
+def test_a_controller_drives_whatever_was_logged(armature: bool) -> None:
+    """Its voltage is that of the armature as well: two logs, one motion, of theta = k_i u t^2/(2 R J)."""
+    drive = plant("c1_perpendicular", gain=0.1, k_i=0.1, R=1.0, k_e=0.0, J_m=0.02)
+    drive = with_armature(drive) if armature else drive
+
+    first, second = (swing_of_a_servo(drive, logged) for logged in (0.0, 5.0))
+
+    assert np.array_equal(first, second)
+    assert first[-1] == pytest.approx(0.1 * 2.0 * 0.3**2 / 2.0 / 0.02, rel=0.01)
+
+
+@pytest.mark.parametrize("armature", [False, True])
+def test_an_offset_of_the_signal_is_no_voltage(armature: bool) -> None:
+    """A log that is off by 0.5 V moves the drive as one without it that has 0.5 V less."""
+    drive = plant("c1_perpendicular", gain=0.1, k_i=0.1, R=1.0, k_e=0.0, J_m=0.02)
+    drive = with_armature(drive) if armature else drive
+    t = np.linspace(0.0, 0.3, 301)
+
+    def moved(by: float, offset: float) -> np.ndarray:
+        log = recording(t, by)
+        log = dataclasses.replace(log, inputs={**log.inputs, "u": log.inputs["signal"]}, by_voltage=True)
+        return run(dataclasses.replace(drive, offset=offset), log)
+
+    assert moved(2.0, 0.5) == pytest.approx(moved(1.5, 0.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_load_acts_with_and_without_a_controller_and_with_the_motor_off(closed: bool) -> None:
+    """0.05 N m less than 0.2 N m of the motor; alone where the motor is off."""
+    drive = plant("c1_perpendicular", gain=0.1, k_i=0.1, R=1.0, k_e=0.0, J_m=0.02)
+    drive = dataclasses.replace(drive, load=0.05)
+    t = np.linspace(0.0, 0.3, 301)
+    on = recording(t, 2.0)
+    off = dataclasses.replace(on, off=np.ones(len(t), bool))
+    feedback = {"feedback": _Constant(2.0)} if closed else {}
+
+    assert run(drive, on, **feedback)[-1] == pytest.approx(0.15 * 0.3**2 / 2.0 / 0.02, rel=0.01)
+    assert run(drive, off, **feedback)[-1] == pytest.approx(-0.05 * 0.3**2 / 2.0 / 0.02, rel=0.01)

@@ -102,7 +102,8 @@ class _Run:
         self._plant, self._recording, self._spans = plant, recording, spans
         self._feedback, self._parts, self.active = feedback, parts, -1
         every = {"gain": plant.gain, "damping": plant.damping, "zero": plant.zero, "offset": plant.offset}
-        self._known = {**_prepared(plant, recording, spans), "ampere": plant.ampere, **every}
+        every |= {"load": plant.load, "ampere": plant.ampere}
+        self._known = {**_prepared(plant, recording, spans), **every}
         shape = np.broadcast_shapes((len(spans),), *(np.shape(x) for x in self._known.values()))
         motion = (recording.theta_m[spans.start] - plant.zero, recording.omega_m[spans.start])
         motion = (*motion, recording.alpha_m[spans.start])
@@ -138,9 +139,11 @@ class _Run:
             torque = gain * signal - damping * middle
             here = {name: first[name] + at * change[name] for name in self._given}
             here |= {"theta_m": theta, "omega_m": middle, "alpha_m": alpha, "i": torque * known["ampere"]}
-            here |= {**known, **self._states_now, "u": here.get("u", 0.0), "dt": dt}
+            voltage = signal if rec.by_voltage else here.get("u", 0.0)
+            here |= {**known, **self._states_now, "u": voltage, "dt": dt}
             found = law.torques(here)
             other = found.other + (found.armature * on if law.armature else 0.0) + damping * middle
+            other = other - known["load"]
             after = step(found, inertia, omega, other, damping, dt)
             if self._states:
                 self._states_now = law.advanced(here)

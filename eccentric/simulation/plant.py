@@ -27,6 +27,7 @@ class DrivePlant:
         damping: torque that the back-EMF takes per velocity while the motor is on [N m s/rad].
         zero: motor angle of the recording at which the mass hangs straight down [rad].
         offset: drive signal of the recording where none acts.
+        load: constant torque against positive motion, whether or not the motor is on [N m].
     """
 
     law: Law
@@ -35,6 +36,7 @@ class DrivePlant:
     damping: Any
     zero: Any = 0.0
     offset: Any = 0.0
+    load: Any = 0.0
 
     @property
     def ampere(self) -> Any:
@@ -62,6 +64,10 @@ def stacked(values: Sequence[float]) -> Any:
     return values[0] if len(set(values)) == 1 else np.array(values, float)[:, None]
 
 
+_OWN = ("gain", "damping", "zero", "offset", "load")
+"""Fields of a plant that are numbers."""
+
+
 def together(plants: Sequence[DrivePlant]) -> DrivePlant:
     """Plants of one law as one plant of as many parameter sets."""
 
@@ -72,7 +78,7 @@ def together(plants: Sequence[DrivePlant]) -> DrivePlant:
     return DrivePlant(
         first.law,
         {name: joined([p.parameters[name] for p in plants]) for name in first.parameters},
-        *(joined([getattr(p, name) for p in plants]) for name in ("gain", "damping", "zero", "offset")),
+        *(joined([getattr(p, name) for p in plants]) for name in _OWN),
     )
 
 

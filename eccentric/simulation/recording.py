@@ -36,6 +36,7 @@ class Recording:
         carried: masses that some runs carry, each with its rows.
         states: hidden states of its model along the measured motion, by name.
         zero: the motor angle of the log that is 0 here [rad].
+        by_voltage: whether the measured drive is the armature voltage, u of the model.
     """
 
     t: Array
@@ -52,6 +53,7 @@ class Recording:
     carried: tuple[tuple[Mask, AddedMass], ...] = ()
     states: Mapping[str, Array] = field(default_factory=dict)
     zero: float = 0.0
+    by_voltage: bool = False
 
     @cached_property
     def changes(self) -> dict[str, Array]:
@@ -81,6 +83,7 @@ def recording_of(channels: Channels) -> Recording:
         wanted=np.ones(len(time.t), bool) if channels.selection.wanted is None else channels.selection.wanted,
         carried=channels.carried,
         zero=zero,
+        by_voltage=motor.measured_by == "voltage",
     )
 
 

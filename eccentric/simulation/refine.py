@@ -243,12 +243,19 @@ def plant_of_problem(
         parameters[machine.rotor] = by_role["inertia"] / scale - rest
     gain, damping = driven(drive, known)
     load = problem.rig.known.get(LOAD, 0.0) + by_role.get("load", 0.0) / scale
-    offset = by_role.get("offset", 0.0)
-    if load:
-        offset += load * load_gain(problem.rig) * scale / gain
+    # A load acts whatever makes the drive signal, so it is a torque of its own, not a term of the model.
+    parameters |= {LOAD: 0.0} if LOAD in parameters else {}
     moved = at.get("theta_zero_rad", 0.0) - aligned.get("theta_zero_rad", 0.0)
     zero = moved / problem.rig.value("mu") if moved else 0.0
-    return DrivePlant(law, parameters, gain / scale, damping / scale, zero, offset)
+    return DrivePlant(
+        law,
+        parameters,
+        gain / scale,
+        damping / scale,
+        zero,
+        offset=by_role.get("offset", 0.0),
+        load=load * load_gain(problem.rig),
+    )
 
 
 def _spans(
