@@ -57,7 +57,8 @@ def stated(drive: ExportedDrive, law: ConstantLaw) -> dict[str, object]:
     """The variables of templates that state how close a law is: error, range, levels at rest."""
     low, high = drive.link_speeds
     return {
-        "exact": law.exact,
+        "exact": law.exact and not drive.takes("alpha_m"),
+        "accelerated": drive.takes("alpha_m"),
         "identified": drive.identified,
         "range": f"{low:.4g} to {high:.4g} rad/s",
         "error_rms": f"{law.error_rms:.3g}",

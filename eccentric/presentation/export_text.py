@@ -13,7 +13,7 @@ def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
     lines = []
     if law is None:
         lines.append("friction: the drive's own")
-    elif law.exact:
+    elif law.exact and not drive.takes("alpha_m"):
         lines.append("friction: the drive's own, as it has constant coefficients")
     else:
         share = 100.0 * law.error_rms / law.friction_rms
@@ -22,9 +22,12 @@ def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
             f"{whence}: error {law.error_rms:.3g} N m RMS ({share:.2g} % of the friction),"
             f" {law.error_max:.3g} N m at most"
         )
+        if drive.takes("alpha_m"):
+            lines.append("friction that follows the acceleration is left out: the error is at constant speed")
+        least, most = (f"{x:.4g}" for x in law.breakaway)
+        own = f"{least} N m" if least == most else f"{least} to {most} N m, depending on the angle"
         lines.append(
-            f"at rest it holds {law.lower:.4g} N m backwards and {law.upper:.4g} N m forwards;"
-            f" the drive {law.breakaway[0]:.4g} to {law.breakaway[1]:.4g} N m, depending on the angle"
+            f"at rest it holds {law.lower:.4g} N m backwards and {law.upper:.4g} N m forwards; the drive {own}"
         )
     if exported.left_out > 1e-9 * max(drive.p.M * drive.p.g * drive.p.L, 1e-9):
         lines.append(
