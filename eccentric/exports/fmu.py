@@ -88,12 +88,16 @@ def _taken(function: object) -> list[str]:
     return [x for x in parameters if x not in {"parameters", "out"}]
 
 
+_STARTS = {"temperature": "25.0"}
+"""Values of inputs that nothing is connected to, other than 0: a room's temperature in degC."""
+
+
 def _variables(drive: ExportedDrive) -> list[_Variable]:
     """All but the time, in the order of their references."""
     meanings = {q.name: f"{q.meaning} [{q.unit}]" for q in (*drive.model.inputs, *drive.model.parameters)}
     listed = [
         ("torque", "motor torque [N m]", "input", "0.0", ""),
-        *((x, meanings[x], "input", "0.0", "") for x in drive.other_inputs()),
+        *((x, meanings[x], "input", _STARTS.get(x, "0.0"), "") for x in drive.other_inputs()),
         ("theta_m", meanings.get("theta_m", "motor angle [rad]"), "output", "0.0", "exact"),
         ("omega_m", meanings["omega_m"], "output", "0.0", "exact"),
         ("friction", "friction torque [N m]", "output", "0.0", "calculated"),

@@ -27,7 +27,8 @@ def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
         least, most = (f"{x:.4g}" for x in law.breakaway)
         own = f"{least} N m" if least == most else f"{least} to {most} N m, depending on the angle"
         lines.append(
-            f"at rest it holds {law.lower:.4g} N m backwards and {law.upper:.4g} N m forwards; the drive {own}"
+            f"at rest it holds {law.lower:.4g} N m backwards and {law.upper:.4g} N m forwards;"
+            f" the drive {own}"
         )
     if exported.left_out > 1e-9 * max(drive.p.M * drive.p.g * drive.p.L, 1e-9):
         lines.append(
