@@ -110,7 +110,7 @@ CHECKS: dict[str, Check] = {
         r"(averages|windows|repeat)", never=[r"nothing_missing", r"well above the 0 N m"]
     ),
     "check_silent_on_R_and_k_e": _says(
-        r"\bR\b.{0,60}0\.[67]\d*", r"k_e.{0,60}0\.018", never=["nothing is wrong"]
+        r"\bR\b.{0,60}0\.[67]\d*", r"k_e.{0,60}0\.018", never=["no problems found"]
     ),
     "coarse_voltage_quarter_row": _value(r"J\*R/k_i +", 0.0095 / (2.0 * math.pi), 0.01),
     "cogging_order_above_24": _says(r"cogging.{0,12}n ?= ?84|84 (per|times a|times per) turn"),

@@ -83,7 +83,7 @@ def sample(n: int = 5000, runs: int = 1, text: str = "", unit: str = "N m", **ch
         ),
         conclusion=Conclusion(
             verdict="named",
-            sentence=f"The model lacks wobble[n=2]{text}.",
+            sentence=f"Missing: wobble[n=2]{text}.",
             depends_on=("link_angle", "direction"),
             closest="",
             next_measurement=f"Turn slowly.{text}",

@@ -234,7 +234,7 @@ def test_a_notebook_shows_sentence_and_table(result: DiagnosisResult) -> None:
     page = result._repr_html_()
 
     assert page.count("<tr>") == 1 + len(result.table())
-    assert page.index("The model lacks") < page.index("<table>")
+    assert page.index("Missing: ") < page.index("<table>")
 
 
 def test_it_can_be_pickled(result: DiagnosisResult) -> None:

@@ -20,11 +20,11 @@ LOG = str(BENCH / "bench.csv.gz")
 def test_a_draft_is_written_and_what_it_lacks_is_listed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """`--out` writes a rig file and says what is to be typed; `--check` asks for it with status 1."""
+    """`--out` writes a rig file and says what is still to fill in; `--check` asks for it with status 1."""
     out = tmp_path / "rig.toml"
 
     assert 0 == cli.main(["rig", LOG, "--out", str(out)])
-    assert "to be typed: M, L, M_l" in capsys.readouterr().out
+    assert "still to fill in: M, L, M_l" in capsys.readouterr().out
     assert "theta_m_rad" == tomllib.loads(out.read_text(encoding="utf-8"))["columns"]["theta_m"]
     assert 1 == cli.main(["rig", LOG, "--check", str(out)])
     assert 3 == len(capsys.readouterr().out.splitlines())

@@ -156,7 +156,7 @@ def test_what_is_clear_is_told_beside_what_is_not() -> None:
     assert ("not_identifiable", []) == (said["verdict"], said["effects"])
     assert {"load_dependent", "gear_efficiency"} == set(said["tied"])
     assert ["stribeck"] == [e["family"] for e in said["clear"]]
-    assert said["sentence"].startswith("The model lacks Stribeck friction")
+    assert said["sentence"].startswith("Missing: Stribeck friction")
     assert all(family in said["sentence"] for family in said["tied"])
 
     adopted = [replace(a, undecided=bool(a.alike)) for a in found.attribution.adopted]

@@ -10,7 +10,7 @@ from tests.extended import CASES, effects, every_case
 
 @every_case
 def test_headlines_are_distinct_noun_phrases(case: str) -> None:
-    """A headline continues "the model lacks ...": no sentence of its own, no id, no brackets."""
+    """A headline continues "Missing: ...": no sentence of its own, no id, no brackets."""
     headlines = {effect.id: effect.words.headline for effect in effects(case).values()}
 
     assert [] == [

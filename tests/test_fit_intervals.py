@@ -85,7 +85,7 @@ def test_an_undeclared_effect_shows_beside_the_bounds(plain: tuple[Channels, Rig
     found = fit(with_current(channels, channels.motor.current + more), rig, load_model("c2_parallel"))
     assert found.bounds_active != []
     assert found.rmse["paper_unbounded"] < found.rmse["paper"]
-    assert "a sign that the model lacks an effect" in "\n".join(fit_lines(found, ["log"]))
+    assert "which suggests a missing effect" in "\n".join(fit_lines(found, ["log"]))
 
 
 def test_unknown_mass_is_found_within_its_range(plain: tuple[Channels, Rig]) -> None:

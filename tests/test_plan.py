@@ -344,7 +344,7 @@ def test_a_current_that_moves_nothing_is_refused(
     [
         (
             0.9,
-            "With 0.2 kg more on the link, this motion would decide with a probability of 90 %: plan it with",
+            "With 0.2 kg more on the link, this motion would have a 90 % chance of settling it: plan it with",
         ),
         (0.3, "0.2 kg more on the link would not decide either."),
     ],
@@ -398,7 +398,7 @@ def test_the_command_prints_what_is_open(
 
     said.write_text(json.dumps({**diagnosis_document(found), "logs": ["log.csv"]}), encoding="utf-8")
     assert main(given) == 0
-    assert re.search(r"decides with a probability of \d+ %", capsys.readouterr().out)
+    assert re.search(r"has a \d+ % chance of settling it", capsys.readouterr().out)
     assert (out / "reference.csv").exists()
 
 

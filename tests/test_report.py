@@ -39,10 +39,10 @@ def test_the_verdict_comes_first(plain: str) -> None:
     """The sentence precedes every section, and the sections follow the order of the questions."""
     text = Reader(plain).text
     headings = [
-        "The model lacks wobble[n=2].", "Error before and after", "Residual over every channel",
+        "Missing: wobble[n=2].", "Error before and after", "Residual over every channel",
         "Friction torque",
-        "The held-out part in time", "What was considered", "Parameters", "The model as an equation",
-        "Quality of the data", "What to measure next", "How to reproduce",
+        "The held-out part over time", "Candidates considered", "Parameters", "The model as an equation",
+        "Data quality", "What to measure next", "How to reproduce",
     ]  # fmt: skip
     places = [text.index(heading) for heading in headings]
 

@@ -170,11 +170,11 @@ def test_the_headline_answers_in_words() -> None:
         search=replace(data.search, tied=("wobble", "dent")),
     )
 
-    assert "The model lacks a shaft that wobbles" == headline(data)
-    assert "The model lacks wobble[n=2] or a dent" == headline(tied)
+    assert "Missing: a shaft that wobbles" == headline(data)
+    assert "Missing: wobble[n=2] or a dent" == headline(tied)
     beside = replace(tied, conclusion=replace(tied.conclusion, clear=("a rub",)))
-    assert "The model lacks a rub, and wobble[n=2] or a dent" == headline(beside)
-    assert "This log proves nothing that the model lacks" == headline(nothing_missing(data))
+    assert "Missing: a rub, and wobble[n=2] or a dent" == headline(beside)
+    assert "Nothing is missing, as far as this log can show" == headline(nothing_missing(data))
     unexplained = replace(data.conclusion, verdict="unexplained")
     misfit, unconfirmed = replace(unexplained, fits_the_rig=False), replace(unexplained, confirmed=False)
     assert "no known effect explains" in headline(replace(data, conclusion=unexplained))

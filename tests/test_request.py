@@ -57,8 +57,8 @@ def test_the_best_effect_is_shown_with_its_gain_where_none_is_named(
     assert gain["percent"] == pytest.approx(100.0 * (1.0 - errors["extended"] / errors["paper"]))
     assert 10.0 < gain["percent"] < 70.0
     assert gain["interval_95"][0] < gain["percent"] < gain["interval_95"][1]
-    (line,) = [line for line in without.lines if line.startswith("Best effect: ")]
-    assert f"({best['id']}) takes out {gain['percent']:.1f} %" in line
+    (line,) = [line for line in without.lines if line.startswith("Best candidate: ")]
+    assert f"({best['id']}), with {gain['percent']:.1f} % lower held-out error" in line
     assert line.endswith("and is not the whole story.")
     assert line == without.data.conclusion.closest
 

@@ -1,4 +1,4 @@
-"""What the answer says of how many variants of the log find an effect."""
+"""What the answer says of how many resampled logs find an effect."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ A: Variant = grid(candidate("a", {2: 1.0}))[0]
     [
         (None, ""),
         (Adopted("electrical", A, (), 0.1), "stability not checked (too few stretches)"),
-        (Adopted("electrical", A, (), 0.1, 100, 100), "in 100 of 100 variants of the log"),
+        (Adopted("electrical", A, (), 0.1, 100, 100), "found in 100 of 100 resampled logs"),
         (
             Adopted("electrical", A, (), 0.1, 93, 100, {"b": 6}),
-            "in 93 of 100 variants of the log (b in 6)",
+            "found in 93 of 100 resampled logs (b in 6)",
         ),
         (
             Adopted("electrical", A, (), 0.1, 62, 100, {"b": 30}, by_both=True),
-            "in 62 of 100 variants of the electrical balance alone (b in 30); both balances together decide",
+            "found in 62 of 100 resampled logs by the electrical balance alone (b in 30); both balances together decide",
         ),
     ],
 )

@@ -125,7 +125,7 @@ class CompareResult(Printed):
             low, high = (base * (1.0 - percent / 100.0) for percent in reversed(e.interval))
             whisker = None if e.name == BASELINE else [[max(e.rmse - low, 0.0)], [max(high - e.rmse, 0.0)]]
             axes.barh(place, e.rmse, xerr=whisker, color=color, height=0.6, capsize=3.0)
-        axes.axvline(found.noise_floor, color="black", linestyle=":", label="noise of the sensors")
+        axes.axvline(found.noise_floor, color="black", linestyle=":", label="sensor noise")
         axes.set_yticks(range(len(found.entries)), [e.name for e in found.entries])
         axes.invert_yaxis()
         axes.set_xlim(left=0.0)

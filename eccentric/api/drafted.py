@@ -80,7 +80,7 @@ class RigDraft:
         ]
         rows += [f"  left out: {columns}, {why}" for columns, why in folded(self.left_out)]
         rows += [f"check: {doubt}" for doubt in self.doubts]
-        return "\n".join([*rows, f"to be typed: {', '.join(self.needed) or 'nothing'}"])
+        return "\n".join([*rows, f"still to fill in: {', '.join(self.needed) or 'nothing'}"])
 
     def write(self, out: str | os.PathLike[str]) -> Path:
         """Write the rig file. InputError if there is one already: a draft replaces nobody's work."""
@@ -118,7 +118,7 @@ class RigCheck:
         found = (
             f"the rig can be used, but see {counted(len(self.doubts), 'doubt')}"
             if self.doubts
-            else "nothing is wrong"
+            else "no problems found"
         )
         return "\n".join([f"{found}; the log determines:", *(f"  {line}" for line in self.estimated)])
 
@@ -344,7 +344,7 @@ def _unless(ratio: Ratio) -> str:
         return f", unless the winding was {warmer:.0f} K warmer" if 0.0 < warmer < 150.0 else ""
     if ratio.letter == "k_e":
         return ""
-    return ", unless friction that the model lacks accounts for the difference"
+    return ", unless friction missing from the model accounts for the difference"
 
 
 def _too_long(fit: Any, rig: Rig) -> Iterator[str]:

@@ -20,7 +20,7 @@ from eccentric.cli.arguments import (
 from eccentric.core import own_folder
 
 NAME = "diagnose"
-HELP = "find what the model lacks on a log, add it, emit the model, report the error before and after"
+HELP = "find the effect that is missing from the model, add it, emit the extended model, report both errors"
 EXAMPLE = """eccentric diagnose examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
 eccentric diagnose my.csv --rig my.toml --effects my_effects.py --out build/mine
 eccentric diagnose my.csv --rig my.toml --with stribeck --without cogging,backlash --out build/mine"""

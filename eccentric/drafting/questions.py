@@ -118,7 +118,7 @@ def _known(
                 "case",
                 '"C1"',
                 why,
-                doubt or "a light mass, or an axis that hardly turns, looks the same",
+                doubt or "a light mass or a barely moving axis would look the same in the log",
             )
         )
     else:

@@ -19,8 +19,8 @@ _WIDTH = 100
 def toml_of(draft: Draft, name: str) -> str:
     """The text of a rig file; without the questions answered, it may be too little for a fit."""
     lines = [
-        "# Drafted by eccentric from the log. # says what speaks for the line below, # ? what to check,",
-        "# and a line that begins with #? asks for what no log shows: remove the mark and put your value.",
+        "# Drafted by eccentric from the log. A # comment gives the evidence for the next line, # ? marks a",
+        "# line to check, and #? asks for a value that no log shows: uncomment the line and enter yours.",
         *(f"# {_line(fact)}" for fact in draft.facts),
         "",
         f"name = {_quoted(name)}",

@@ -146,7 +146,7 @@ class Words:
     """What a person reads about an effect.
 
     Attributes:
-        headline: a noun phrase that continues "the model lacks ...": "friction that varies
+        headline: a noun phrase that continues "Missing: ...": "friction that varies
             twice per turn of the link"; "" for an effect that is known by its id only.
         title: a heading for the family, where its effects have headlines of their own.
         meaning: what the family is and where it comes from, one sentence.

@@ -51,7 +51,7 @@ def course_lines(course: Replay, log: str) -> list[str]:
     if course.correlation > _CORRELATED:
         lines.append(
             f"the innovations are correlated from row to row ({course.correlation:.2g}): the standard errors"
-            " are too small, and unless a filter of the log is the cause, the model lacks an effect:"
+            " are too small, and unless a filter in the log is the cause, an effect is missing:"
             " eccentric diagnose"
         )
     return lines

@@ -72,7 +72,7 @@ def arm_diagnosis_lines(found: ArmDiagnosis) -> list[str]:
         "Coulomb + viscous",
         "with loads",
         "extended",
-        "gain in log-likelihood",
+        "log-likelihood gain",
     )
     rows: list[Sequence[str]] = [head]
     for joint in found.joints:
@@ -86,10 +86,10 @@ def arm_diagnosis_lines(found: ArmDiagnosis) -> list[str]:
         )
     joints = counted(len(found.joints), "joint")
     lines = [
-        f"{few(found.names)}: {found.log.rig.chain.name}, verdict {_plain(found.verdict)}",
+        f"{few(found.names)}: {found.log.rig.chain.name}; verdict: {_plain(found.verdict)}",
         *_excerpt(found.log),
         *_table(rows),
-        f"in an arm of {joints} an effect must gain {0.5 * found.required:.1f} in log-likelihood",
+        f"with {joints}, an effect must gain {0.5 * found.required:.1f} in log-likelihood",
     ]
     for joint in found.by_gain:
         if joint.verdict != "nothing_missing":
@@ -237,7 +237,7 @@ def _lacking(found: ArmDiagnosis) -> str:
             before, after = (score.rmse[score.balance][model] for model in ("paper", "extended"))
             change = f"held-out error {before:.4g} to {after:.4g} {joint.found.unit}"
             parts.append(f"{what} in joint {joint.number} ({change})")
-        return f"The model of the arm lacks {'; '.join(parts)}."
+        return f"Missing in the arm's model: {'; '.join(parts)}."
     open_ = [
         f"joint {joint.number}: {joint.verdict.replace('_', ' ')}"
         for joint in found.joints
@@ -245,7 +245,7 @@ def _lacking(found: ArmDiagnosis) -> str:
     ]
     if open_:
         return f"No effect is named: {', '.join(open_)}."
-    return "Nothing is missing in any joint that this log can show." if found.fits_the_rig else ""
+    return "Nothing is missing in any joint, as far as this log can show." if found.fits_the_rig else ""
 
 
 def _misfit(r_squared: Mapping[int, float]) -> str:

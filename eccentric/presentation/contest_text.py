@@ -62,7 +62,7 @@ def contest_lines(found: Contest, simulated: SimulatedErrors | None = None, unit
         rows.append([_called(e), f"{e.rmse:.4g}", *own, f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e)])
     head = f"{few(found.logs)}: {found.rows} held-out rows ({found.holdout})"
     above = [head, *([found.excerpt] if found.excerpt else [])]
-    noise = f"noise of the sensors: {found.noise_floor:.3g} {found.unit}"
+    noise = f"sensor noise: {found.noise_floor:.3g} {found.unit}"
     return [*above, *aligned(rows), noise, *filter(None, [_first_below(found)])]
 
 

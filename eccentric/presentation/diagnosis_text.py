@@ -26,27 +26,33 @@ from eccentric.presentation.calls_text import calls, share_words
 from eccentric.presentation.fit_text import band_line, inertia_words
 from eccentric.presentation.measurement_text import measurement_sentence
 
-_NONE = "no effect of the library explains"
+VERDICTS = {
+    "named": "effect named",
+    "not_identifiable": "not identifiable from this log",
+    "unexplained": "structure unexplained",
+    "nothing_missing": "nothing missing",
+}
+_NONE = "no effect in the library explains"
 
 
 def diagnosis_sentence(found: Diagnosis) -> str:
     """One sentence that can be sent to a colleague."""
     a, axis, unit = found.attribution, found.rig.axis, _unit(found)
     if a.verdict == "named":
-        lacking = [effect for effect, _ in (*found.effects, *found.undecided)]
-        these = "it" if len(lacking) == 1 else "them"
-        lacks = " and ".join(_named(found, effect) for effect in lacking)
-        return f"The model lacks {lacks}; with {these} {_gain(found)}.{_alike(found)}{_grave(found)}"
+        missing = [effect for effect, _ in (*found.effects, *found.undecided)]
+        these = "it" if len(missing) == 1 else "them"
+        named = " and ".join(_named(found, effect) for effect in missing)
+        return f"Missing: {named}. {_gain(found, these)}.{_alike(found)}{_grave(found)}"
     if a.verdict == "not_identifiable" and found.clear:
         clear = " and ".join(_named(found, effect) for effect, _ in found.clear)
         return (
-            f"The model lacks {clear}; beside it, this log does not distinguish {_tied(found)};"
-            f" with the first of these {_gain(found)}."
+            f"Missing: {clear}. Also missing is one of these, which this log cannot distinguish:"
+            f" {_tied(found, 'or')}. {_gain(found, 'the first of them')}."
         )
     if a.verdict == "not_identifiable":
         return (
-            f"An effect is missing, but this log does not distinguish {_tied(found)};"
-            f" with the first {_gain(found)}."
+            f"An effect is missing, but this log cannot distinguish between {_tied(found, 'and')}."
+            f" {_gain(found, 'the first')}."
         )
     if misfit := found.models.misfit:
         return (
@@ -60,26 +66,23 @@ def diagnosis_sentence(found: Diagnosis) -> str:
         fit = "fits the training part but does" if len(a.unconfirmed) == 1 else "fit the training part but do"
         where = _of_balance(found, found.refused.balance) if found.refused else ""
         return (
-            f"{names[0].upper()}{names[1:]} {fit} not predict the held-out part{where}; no name is given."
-            f" The structure depends on {depends}."
+            f"{names[0].upper()}{names[1:]} {fit} not predict the held-out part{where}: no effect is named."
+            f" The residual depends on {depends}."
         )
     if a.verdict == "unexplained":
         asked = found.asked.request.only
-        explains = f"none of what was asked for ({_listed(asked)}) explains" if asked else _NONE
-        return (
-            f"Structure remains that depends on {depends or 'something unknown'}, and {explains} it;"
-            " no name is given."
-        )
+        explains = f"none of the requested effects ({_listed(asked)}) explains" if asked else _NONE
+        return f"The residual still depends on {depends or 'something unknown'}, and {explains} it."
     left = found.score.rmse[found.score.balance]["paper"]
     if left > PROVABLE * found.noise_floor:
         return (
-            f"Nothing further can be proved from this log: {left:.4g} {unit} remain, well above the"
-            f" {found.noise_floor:.2g} {unit} of the sensors' noise, but no effect explains more of"
-            " it than chance would."
+            f"Nothing more can be proved from this log: the remaining {left:.4g} {unit} are well above"
+            f" the sensor noise of {found.noise_floor:.2g} {unit}, but no effect explains more of them"
+            " than chance would."
         )
     return (
-        f"Nothing is missing: no effect explains more of the residual ({left:.4g} {unit} held out;"
-        f" the sensors' noise alone is {found.noise_floor:.4g} {unit}) than chance would."
+        f"Nothing is missing: no effect explains more of the residual than chance would"
+        f" (held-out error {left:.4g} {unit}; sensor noise alone {found.noise_floor:.4g} {unit})."
     )
 
 
@@ -107,19 +110,17 @@ def closest_sentence(found: Diagnosis) -> str:
     if (best := found.closest) is None:
         return ""
     what = _headline(best.effect.words, best.effect.id)
-    rest = "is not the whole story" if found.attribution.verdict == "unexplained" else "is not proved"
+    rest = "it is not the whole story" if found.attribution.verdict == "unexplained" else "this is not proved"
     percent, (low, high), where = best.percent, best.interval, ""
     if best.below is not None and only_below(best.interval, best.below):
         percent, (low, high) = best.below.percent, best.below.interval
-        where = f" below the {best.below.cut_hz:g} Hz low pass of the {found.rig.axis.term('angle')}"
+        where = f" below {best.below.cut_hz:g} Hz"
     where = _of_balance(found, best.balance) + where
     interval = f"95 % interval {low:.1f} to {high:.1f} %"
     if percent <= 0.0:
         gain = f"95 % interval of its gain {low:.1f} to {high:.1f} %"
-        return f"Best effect: {what}; it does not predict the held-out part{where} better ({gain})."
-    return (
-        f"Best effect: {what} takes out {percent:.1f} % of the held-out error{where} ({interval}) and {rest}."
-    )
+        return f"Best candidate: {what}; it does not lower the held-out error{where} ({gain})."
+    return f"Best candidate: {what}, with {percent:.1f} % lower held-out error{where} ({interval}); {rest}."
 
 
 def _of_balance(found: Diagnosis, balance: str) -> str:
@@ -132,9 +133,9 @@ def sibling_sentence(found: Diagnosis) -> str:
     if (better := found.sibling) is None:
         return ""
     low, high = better.interval
-    ours = found.models.base.name + (" with what was found" if found.models.adopted else "")
+    ours = found.models.base.name + (" with the effects found" if found.models.adopted else "")
     return (
-        f"{better.name} as it stands predicts the held-out part {better.percent:.1f} % better than {ours}"
+        f"{better.name} as shipped has {better.percent:.1f} % lower held-out error than {ours}"
         f" (95 % interval {low:.1f} to {high:.1f} %)."
     )
 
@@ -144,36 +145,37 @@ def _headline(words: Words, effect_id: str) -> str:
     return f"{words.headline} ({effect_id})" if words.headline else effect_id
 
 
-def _listed(names: Sequence[str]) -> str:
+def _listed(names: Sequence[str], last: str = "and") -> str:
     """Names joined as in a sentence."""
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+    return f" {last} ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
-def _gain(found: Diagnosis) -> str:
-    """How the held-out error changes."""
-    score, unit, angle = found.score, _unit(found), found.rig.axis.term("angle")
+def _gain(found: Diagnosis, these: str) -> str:
+    """How the held-out error changes when these are added."""
+    score, unit = found.score, _unit(found)
     before, after = (score.rmse[score.balance][model] for model in ("paper", "extended"))
-    whole = _falls(before, after, unit, score.percent, score.interval)
     of = " of the electrical balance" if score.balance == "electrical" else ""
     if score.below is None or not score.only_below:
-        return f"the held-out error{of} {whole}"
+        lowers, change = _lowers(before, after, unit, score.percent, score.interval)
+        return f"Adding {these} {lowers} the held-out error{of} {change}"
     below = score.below
-    falls = _falls(below.before, below.after, unit, below.percent, below.interval)
+    lowers, change = _lowers(below.before, below.after, unit, below.percent, below.interval)
     goes, why = "goes", ""
     if score.interval[1] < 0.0:
-        goes, why = "rises", ", since the low pass removes the acceleration that faster ripple causes"
+        goes, why = "rises", ", because the low pass removes the acceleration that faster ripple causes"
     return (
-        f"the held-out error below the {below.cut_hz:g} Hz low pass of the {angle} {falls}; row by row it"
+        f"Adding {these} {lowers} the held-out error below {below.cut_hz:g} Hz {change}; row by row it"
         f" {goes} from {before:.4g} to {after:.4g} {unit}{why}"
     )
 
 
-def _falls(before: float, after: float, unit: str, percent: float, interval: tuple[float, float]) -> str:
+def _lowers(
+    before: float, after: float, unit: str, percent: float, interval: tuple[float, float]
+) -> tuple[str, str]:
     low, high = interval
-    falls = "falls" if low > 0.0 else "does not clearly fall:"
     return (
-        f"{falls} from {before:.4g} to {after:.4g} {unit}"
-        f" ({percent:.1f} %, 95 % interval {low:.1f} to {high:.1f} %)"
+        "lowers" if low > 0.0 else "does not clearly lower",
+        f"from {before:.4g} to {after:.4g} {unit} ({percent:.1f} %, 95 % interval {low:.1f} to {high:.1f} %)",
     )
 
 
@@ -185,7 +187,7 @@ def _named(found: Diagnosis, effect: Effect) -> str:
     if effect.corrects and values:
         q, (true, declared) = spoken_quantity(found.rig.axis, effect.corrects.quantity), values
         return (
-            f"the right value of {q.name}, {true:.4g} {q.unit} where the rig file has {declared:.4g}"
+            f"the right value of {q.name}: {true:.4g} {q.unit}, the rig file has {declared:.4g}"
             f" ({effect.id}, {sure}){_or_else(found, effect)}"
         )
     headline = effect.words.headline
@@ -210,10 +212,11 @@ def _values(found: Diagnosis, effect: Effect, correction: Correction) -> tuple[f
     return true, declared
 
 
-def _tied(found: Diagnosis) -> str:
+def _tied(found: Diagnosis, last: str) -> str:
     """The families that explain the log equally well, each by its best member."""
     best = {c.family: c for c in reversed(found.attribution.candidates)}
-    return _listed([_headline(best[family].words, best[family].id) for family in tied_families(found)])
+    names = [_headline(best[family].words, best[family].id) for family in tied_families(found)]
+    return _listed(names, last)
 
 
 def _alike(found: Diagnosis) -> str:
@@ -242,9 +245,9 @@ def _grave(found: Diagnosis) -> str:
 def diagnosis_lines(found: Diagnosis) -> list[str]:
     """At most twenty-four lines for a terminal."""
     a, adopted, axis = found.attribution, found.models.adopted, found.rig.axis
-    out = [f"{few(found.asked.logs)}: {found.models.base.name}, verdict {a.verdict}"]
+    out = [f"{few(found.asked.logs)}: {found.models.base.name}; verdict: {VERDICTS[a.verdict]}"]
     if words := request_words(found.asked.request):
-        out.append(f"as asked: {words}")
+        out.append(f"as requested: {words}")
     out += filter(None, (found.channels.excerpt, found.rig.added_words, inertia_words(found.rig)))
     out.append(diagnosis_sentence(found))
     out += [
@@ -257,7 +260,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         out.append(f"held-out RMSE, {balance} [{_unit(found)}]: {_errors(shown)}")
         if balance == "mechanical" and found.band is not None:
             plain = "base" if axis.model else "paper"
-            out.append(band_line(found.band, axis, "extended" if adopted else plain))
+            out.append(band_line(found.band, _unit(found), "extended" if adopted else plain))
     if adopted and (aliased := _aliased(found)):
         out.append(aliased)
     if found.score.over_runs is not None:
@@ -289,8 +292,8 @@ def _aliased(found: Diagnosis) -> str:
     if share == 0.0:
         return ""
     return (
-        f"in {share:.0f} % of the held-out rows the effect repeats faster than half of the log's rate:"
-        " the motion does not show it there"
+        f"in {share:.0f} % of the held-out rows the effect repeats faster than half the sampling rate:"
+        " the motion cannot show it there"
     )
 
 
@@ -311,21 +314,21 @@ def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
 
 
 def stability_words(found: Diagnosis, effect: Effect) -> str:
-    """In how many variants of the log an adopted effect is found, and what is found instead.
+    """In how many resampled logs an adopted effect is found, and what is found instead.
 
-    "" for an effect that was not searched for; what a log with too few stretches for variants lacks.
+    "" for an effect that was not searched for.
     """
     own = found.attribution.adopted_as(effect.id)
     if own is None:
         return ""
     if not own.variants:
-        return "stability not checked (too few stretches)"
+        return "stability not checked (the log has too few blocks)"
     instead = ", ".join(f"{family} in {times}" for family, times in own.instead.items())
     others = f" ({instead})" if instead else ""
     if own.by_both:
-        alone = f"in {own.found} of {own.variants} variants of the {own.balance} balance alone"
+        alone = f"found in {own.found} of {own.variants} resampled logs by the {own.balance} balance alone"
         return f"{alone}{others}; both balances together decide"
-    return f"in {own.found} of {own.variants} variants of the log{others}"
+    return f"found in {own.found} of {own.variants} resampled logs{others}"
 
 
 def _errors(models: Mapping[str, float]) -> str:
@@ -340,13 +343,13 @@ def _over_runs(over: OverRuns, unit: str, angle: str) -> list[str]:
             continue
         than = {"paper": "linear", "extended": "paper"}[name]
         out.append(
-            f"  {name} against {than}: {abs(percent):.1f} % {'less' if percent > 0 else 'more'} error"
+            f"  {name} against {than}: {abs(percent):.1f} % {'lower' if percent > 0 else 'higher'} error"
             f" (95 % interval of the gain {low:.1f} to {high:.1f} %, {better} of {over.runs} runs better)"
         )
     if over.below is not None and over.gains["extended"][1][0] <= 0.0 < over.below[1][0]:
         percent, (low, high) = over.below
         out.append(
-            f"  below the low pass of the {angle}: {percent:.1f} % less error"
+            f"  below the low pass of the {angle}: {percent:.1f} % lower error"
             f" (95 % interval of the gain {low:.1f} to {high:.1f} %)"
         )
     return out

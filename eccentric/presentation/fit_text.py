@@ -43,28 +43,24 @@ def fit_sentence(fit: Fit) -> str:
     low, high = fit.percent_interval
     gain, interval = _percent(fit.percent), f"95 % interval {_percent(low)} to {_percent(high)} %"
     if low > 0.0 and fit.percent >= LEAST_GAIN_PERCENT:
-        return (
-            f"{subject} predicts the held-out part {gain} % better than "
-            f"Coulomb + viscous friction ({interval})."
-        )
+        return f"{subject} has {gain} % lower held-out error than Coulomb + viscous friction ({interval})."
     if high < 0.0 and fit.percent <= -LEAST_GAIN_PERCENT:
         return (
-            f"{subject} predicts the held-out part {_percent(-fit.percent)} % worse than "
-            f"Coulomb + viscous friction ({interval} of gain)."
+            f"{subject} has {_percent(-fit.percent)} % higher held-out error than "
+            f"Coulomb + viscous friction ({interval} of the gain)."
         )
     if abs(fit.percent) >= LEAST_GAIN_PERCENT:
         return (
-            f"{subject} has no certain gain over Coulomb + viscous friction on the held-out part "
+            f"{subject} has no clear gain over Coulomb + viscous friction in held-out error "
             f"({gain} %, {interval})."
         )
     if (low > 0.0 or high < 0.0) and abs(fit.percent) >= _SHOWN_PERCENT:
         return (
-            f"{subject} predicts the held-out part only slightly {'better' if low > 0.0 else 'worse'} than "
-            f"Coulomb + viscous friction ({_percent(abs(fit.percent))} %, {interval} of gain)."
+            f"{subject} has only slightly {'lower' if low > 0.0 else 'higher'} held-out error than "
+            f"Coulomb + viscous friction ({_percent(abs(fit.percent))} %, {interval} of the gain)."
         )
     return (
-        f"{subject} predicts the held-out part no better than Coulomb + viscous friction "
-        f"({gain} % less error, {interval})."
+        f"{subject} has no lower held-out error than Coulomb + viscous friction ({gain} % lower, {interval})."
     )
 
 
@@ -97,7 +93,7 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     out.append(f"held-out RMSE [{unit}]: {errors}; R^2 of the {drive}: {parts}")
     out += _cubic_lines(fit)
     if fit.band is not None:
-        out.append(band_line(fit.band, axis, shown["paper"]))
+        out.append(band_line(fit.band, unit, shown["paper"]))
     if problem.rig.sampling.moving_threshold_rad_s is None:
         threshold = channels.selection.moving_threshold_rad_s
         key = axis.named("moving_threshold_rad_s")
@@ -129,11 +125,9 @@ def _cubic_lines(fit: Fit) -> list[str]:
     ]
 
 
-def band_line(band: Band, axis: AxisKind, model: str) -> str:
-    """What a model leaves of the motion that it knows."""
-    return (
-        f"below the {band.cut_hz:g} Hz low pass of the {axis.term('angle')}, {model} leaves {band.below:.4g}"
-    )
+def band_line(band: Band, unit: str, model: str) -> str:
+    """The held-out error of a model below the low pass of the angle."""
+    return f"of that, below the {band.cut_hz:g} Hz low pass: {model} {band.below:.4g} {unit}"
 
 
 def estimate_table(shown: Mapping[str, Estimate]) -> list[str]:
@@ -180,13 +174,13 @@ def _bounds_line(fit: Fit, axis: AxisKind) -> list[str]:
     at = "its bound" if len(fit.bounds_active) == 1 else "their bounds"
     out = [f"{axis.named(', '.join(fit.bounds_active))}: at {at}"]
     if any(e.widened for e in fit.coefficients.values()):
-        out[0] += "; this widens the intervals of the estimates without a std error"
+        out[0] += "; where no std error is shown, the interval is wider for that reason"
     if gain <= 0.0:
         return out
     text = f"without bounds the held-out RMSE is {free:.4g}"
     contradicted = any(f.doubts_the_rig for f in fit.problem.drive.channels.intake.findings)
     if gain >= LEAST_GAIN_PERCENT and not contradicted:
-        text += f", {gain:.2g} % less: a sign that the model lacks an effect"
+        text += f", {gain:.2g} % lower, which suggests a missing effect"
     return [*out, text]
 
 

@@ -12,7 +12,7 @@ _MEASUREMENTS = {
         " both directions."
     ),
     "direction": (
-        "Run the same constant speeds forwards and backwards in turn, the first pair again at the end."
+        "Run the same constant speeds forwards and backwards in turn, and repeat the first pair at the end."
     ),
     "link_angle": (
         "{Turn the link} slowly at one constant speed, over {five whole turns} in each direction; repeat at"
@@ -28,8 +28,8 @@ _MEASUREMENTS = {
         " the {link}."
     ),
     "acceleration": (
-        "{Leave J_m and J_l out} of the rig file: the log then identifies the {inertia} and shows what else"
-        " is left."
+        "{Leave J_m and J_l out} of the rig file: the log then identifies the {inertia} and"
+        " shows what remains."
     ),
     "current": (
         "Hold one slow, constant speed with three different masses on the {link}: the current changes, the"
@@ -41,7 +41,7 @@ _MEASUREMENTS = {
         " its temperature logged."
     ),
     "time": (
-        "Run the same course at once and again after an hour at rest, with the temperature logged if"
+        "Repeat the same motion immediately and again after an hour at rest, with the temperature logged if"
         " possible."
     ),
     "history": (
@@ -56,8 +56,8 @@ _HOLD_OTHERS = (
     " held: that separates its own {inertia} from theirs."
 )
 _CONSTANT_FIRST = (
-    "Give {k_i} under [known] first, from the data sheet: while it is open, an effect under load may be a"
-    " wrong constant."
+    "Declare {k_i} under [known] first, from the data sheet: until then, a load effect cannot be told from a"
+    " wrong {k_i}."
 )
 
 

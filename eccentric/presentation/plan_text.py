@@ -18,13 +18,13 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
     plain = "the friction of " + term("the paper's model")
     headlines = {r.family: r.headline or plain for r in plan.rivals}
     if others:
-        said = ["Open after the log, with probabilities:"]
+        said = ["Remaining candidates, with their probabilities:"]
         said += [f"  {r.family}: {headlines[r.family]} ({100 * r.chance:.0f} %)" for r in plan.rivals]
     else:
         said = [f"Nothing is left to decide; this motion narrows the intervals of {headlines[first.family]}"]
     if plan.elsewhere:
         balance = "mechanical" if first.balance == "electrical" else "electrical"
-        said.append(f"Not part of this: {', '.join(plan.elsewhere)}, which the {balance} balance shows.")
+        said.append(f"Not covered: {', '.join(plan.elsewhere)}, which shows in the {balance} balance.")
     if plan.follows:
         said.append(
             f"Something depends on {', '.join(map(axis.named, plan.follows))} that no effect explains."
@@ -37,11 +37,11 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
     if plan.probability is not None:
         closest = min(plan.apart, key=lambda pair: plan.apart[pair])
         said.append(
-            f"This motion decides with a probability of {100 * plan.probability:.0f} %;"
-            f" hardest to tell apart: {closest[0]} from {closest[1]} (deviance {plan.apart[closest]:.3g})."
+            f"This motion has a {100 * plan.probability:.0f} % chance of settling it;"
+            f" hardest to separate: {closest[0]} and {closest[1]} (deviance {plan.apart[closest]:.3g})."
         )
         if plan.probability < WORTH_A_RUN:
-            said.append("No motion within the limits is likely to decide; this is the best of them.")
+            said.append("No motion within the limits is likely to settle it; this is the best one.")
         said += [
             f"{one} and {other} predict the same {term('torque')} on log and motion, whichever is true:"
             " for a drive within these limits, a model with either will do."
@@ -50,13 +50,13 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         if (more := plan.heavier) is not None:
             kg = f"{more.added_kg:.2g} kg more on the link"
             said.append(
-                f"With {kg}, this motion would decide with a probability of {100 * more.probability:.0f} %:"
+                f"With {kg}, this motion would have a {100 * more.probability:.0f} % chance of settling it:"
                 f' plan it with --added "{more.added_kg:.2g} kg".'
                 if more.probability > plan.probability
-                else f"{kg} would not decide either."
+                else f"{kg} would not settle it either."
             )
         if plan.probability < DECIDES and plan.otherwise:
-            said.append(f"What would decide: {measurement_sentence(plan.otherwise, plan.axis)}")
+            said.append(f"What would settle it: {measurement_sentence(plan.otherwise, plan.axis)}")
     else:
         said += [
             f"  {axis.named(name)}: standard error falls to {100 * part:.0f} % of what the log gives"
@@ -65,7 +65,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
             for name, part in plan.narrower.items()
         ]
         if min(plan.narrower.values(), default=0.0) > HARDLY:
-            said.append("Within these limits hardly any motion adds to what the log shows: widen them.")
+            said.append("Hardly any motion within these limits adds to this log: widen them.")
     moved, bounds = plan.motion, plan.bounds
     if plan.added:
         said.append(
@@ -77,7 +77,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         f" {axis.unit('rad')}:"
     )
     said += [f"  {len(tuple(same))} x {words}" for words, same in groupby(plan.parts)]
-    said.append(f"Largest values, beside the limits{term(' (motor side)')}:")
+    said.append(f"Largest values and limits{term(' (motor side)')}:")
     for word, values, limit, unit in (
         ("speed", moved.omega, bounds.speed, axis.unit("rad/s")),
         ("acceleration", moved.alpha, bounds.acceleration, axis.unit("rad/s^2")),

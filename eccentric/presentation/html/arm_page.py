@@ -7,12 +7,13 @@ from typing import Any
 
 from eccentric.joints import ArmDiagnosis, arm_name, why_not_emitted
 from eccentric.presentation.arm_text import arm_diagnosis_sentence
-from eccentric.presentation.html.text import VERDICTS, number, range_of
+from eccentric.presentation.diagnosis_text import VERDICTS
+from eccentric.presentation.html.text import number, range_of
 
 NOTE = (
-    "Errors are RMS values on the held-out part. Each joint is the log of one drive, with what it meets from"
-    " the others as inputs; its own page has what it lacks. The header of its emitted model says which values"
-    " of the emitted arm's bearing_loads are its inputs."
+    "Errors are RMS values on the held-out part. Each joint is treated as one drive, with the loads from the"
+    " other joints as inputs; its own page shows what is missing. The header of its emitted model says which"
+    " values of the emitted arm's bearing_loads are its inputs."
 )
 
 

@@ -206,12 +206,12 @@ def facts_of(found: Diagnosis) -> list[Fact]:
     if found.rig.added:
         facts.insert(1, Fact("added masses", found.rig.added_words))
     if words := request_words(found.asked.request):
-        facts.insert(0, Fact("effects, as asked", words))
+        facts.insert(0, Fact("effects, as requested", words))
     noise, left = found.noise_floor, found.score.rmse["mechanical"]["extended"]
     remark = (
         f"RMS of a row; the held-out error is {left / noise:.3g} times that" if noise > 0.0 else "none seen"
     )
-    return [*facts, Fact("noise of the sensors", f"{noise:.3g} {unit}", remark)]
+    return [*facts, Fact("sensor noise", f"{noise:.3g} {unit}", remark)]
 
 
 _ORIGINS = ("effect", "friction", "bench", "rig", "model", "unseen")

@@ -66,7 +66,7 @@ def simulated(balance: BalanceResiduals, axis: AxisKind = TURNING) -> Simulated 
     names: list[tuple[str, str]] = []
     for curves, height, name in (
         (upper, _HEIGHTS[0], f"{drive.label} [{drive.unit}]"),
-        (errors, _HEIGHTS[1], f"measured less model [{drive.unit}]"),
+        (errors, _HEIGHTS[1], f"measured minus model [{drive.unit}]"),
     ):
         values = np.concatenate(list(curves.values()))
         low, high = float(values.min()), float(values.max())

@@ -18,25 +18,19 @@ from eccentric.presentation.html.panels import Panel, Trace
 
 _MODELS = {"linear": "Coulomb + viscous", "paper": "paper's model", "extended": "extended model"}
 _CURVES = _MODELS | {"before": _MODELS["paper"], "after": _MODELS["extended"], "effect": "fitted effect"}
-VERDICTS = {
-    "named": "effect named",
-    "not_identifiable": "not identifiable on this log",
-    "unexplained": "structure unexplained",
-    "nothing_missing": "nothing missing",
-}
 _HEADLINES = {
-    "named": "The model lacks an effect",
-    "not_identifiable": "The model lacks something, and this log leaves open what",
-    "unexplained": "The model lacks something that no known effect explains",
-    "nothing_missing": "This log proves nothing that the model lacks",
+    "named": "An effect is missing",
+    "not_identifiable": "An effect is missing; this log does not decide which",
+    "unexplained": "Something is missing that no known effect explains",
+    "nothing_missing": "Nothing is missing, as far as this log can show",
 }
 _EACH = (
-    "Each effect that was found is compared with what could take its place: the probabilities of several do"
-    " not add up to 1."
+    "Each effect found is compared with what could take its place, so the probabilities of several do not add"
+    " up to 1."
 )
 _WINDOWS = (
-    "These errors are for smoothed windows, each predicted by a fit to the others; those of the held-out part"
-    " are for single rows."
+    "These errors are of smoothed windows, each predicted by a fit to the others; held-out errors are of"
+    " single rows."
 )
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -54,17 +48,17 @@ def headline(data: ReportData) -> str:
     named = [effect.headline or effect.id for effect in data.extended.effects]
     if data.conclusion.verdict == "named" and named:
         last = f" and {named[-1]}" if len(named) > 1 else named[-1]
-        return f"The model lacks {', '.join(named[:-1])}{last}"
+        return f"Missing: {', '.join(named[:-1])}{last}"
     tied = {
         c.family: c.headline or c.id for c in reversed(data.search.candidates) if c.family in data.search.tied
     }
     if data.conclusion.verdict == "not_identifiable" and 1 < len(tied) <= MOST_NAMED:
         either = " or ".join(reversed(tied.values()))
-        return f"The model lacks {', and '.join([*data.conclusion.clear, either])}"
+        return f"Missing: {', and '.join([*data.conclusion.clear, either])}"
     if data.conclusion.verdict != "named" and not data.conclusion.fits_the_rig:
         return "This log does not fit the rig"
     if not data.conclusion.confirmed:
-        return "The model lacks something, and what fits is not confirmed"
+        return "Something is missing, and the effect that fits is not confirmed"
     return _HEADLINES[data.conclusion.verdict]
 
 
@@ -80,8 +74,8 @@ def runs_words(runs: Sequence[RunErrors]) -> str:
         return ""
     least, most = (f"{run.level[0]:.3g} times in {run_name(run.name)}" for run in apart if run.level)
     return (
-        f"The runs disagree: the friction is {least} and {most} that of the model that was fitted to all of"
-        " them. No single model suits both: diagnose them apart, or log what changed between them."
+        f"The runs disagree: the friction is {least} and {most} that of the model fitted to all runs."
+        " No single model suits both: diagnose them separately, or log what changed between them."
     )
 
 
@@ -92,8 +86,8 @@ def correlation_words(found: Correlations) -> str:
     if size[k, j] < CLOSE:
         return ""
     return (
-        f"{found.names[j]} and {found.names[k]} are closest: the log determines a combination of the two"
-        " better than either."
+        f"{found.names[j]} and {found.names[k]} are the most strongly correlated: the log determines a"
+        " combination of the two better than either."
     )
 
 
@@ -130,8 +124,7 @@ def figure_words(panel: Panel, unit: str, axis: AxisKind) -> tuple[str, str]:
     times = f" × sgn {axis.term('ω')}" if panel.against_motion else ""
     if "before" in curves:
         swing = (
-            f"Over the {label} the means of the residual{times} vary by"
-            f" {number(curves['before'].swing, 3)} {unit}"
+            f"Over the {label} the mean residual{times} varies by {number(curves['before'].swing, 3)} {unit}"
         )
         if "after" in curves:
             swing += f" with {plain} and by {number(curves['after'].swing, 3)} {unit} with the extended one"
@@ -147,9 +140,9 @@ def figure_words(panel: Panel, unit: str, axis: AxisKind) -> tuple[str, str]:
         swing = f"Over the {label} the predicted means{times} are off by at most {' and '.join(parts)}"
         what = "Measured and predicted friction"
     rows = panel.rows[panel.rows > 0]
-    stands = "marks are rows" if rows.max() == 1 else f"marks average {rows.min()} to {rows.max()} rows"
+    stands = "one row per point" if rows.max() == 1 else f"{rows.min()}–{rows.max()} rows per point"
     if panel.left_out:
-        stands += f", {panel.left_out} rows in sparse bins are not drawn"
+        stands += f", {panel.left_out} rows in sparse bins not drawn"
     at = panel.at[np.isfinite(panel.at)]
     extent = f"from {number(float(at[0]), 3)} to {number(float(at[-1]), 3)} {panel.channel.unit}"
     return f"{swing}; {stands}.", f"{what} over the {label} {extent}. {swing}."

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from eccentric.model import AxisKind
+from eccentric.presentation.diagnosis_text import VERDICTS
 from eccentric.presentation.html.arrays import BalanceResiduals, PartErrors, RunErrors, runs_of
 from eccentric.presentation.html.data import CandidateRow, Errors, Parameter, ReportData
 from eccentric.presentation.html.figures import Figures
@@ -14,7 +15,6 @@ from eccentric.presentation.html.limits import SHOWN_RUNS
 from eccentric.presentation.html.panels import friction_panel, residual_panel, trace
 from eccentric.presentation.html.simulated import simulated
 from eccentric.presentation.html.text import (
-    VERDICTS,
     correlation_words,
     curve_name,
     figure_words,
@@ -33,9 +33,9 @@ _ORIGINS = {
     "effect": "fitted, new",
     "friction": "fitted",
     "bench": "estimated jointly",
-    "model": "of the model, not fitted",
+    "model": "model default, not fitted",
     "unseen": "a placeholder: nothing in this log depends on it",
-    "rig": "known from the rig",
+    "rig": "declared in the rig file",
 }
 _LEADING = 5
 """Candidates shown at first: those that lead the list, and all that are adopted or tied."""
@@ -51,7 +51,7 @@ def view(data: ReportData, library: str) -> dict[str, Any]:
     friction = [one for b in shown for one in _friction(figures, b, axis)] if library else []
     traces = [one for b in shown for one in _traces(figures, b, axis)] if library else []
     return {
-        "title": f"What does the model lack? {', '.join(data.source.logs)}",
+        "title": f"What is the model missing? {', '.join(data.source.logs)}",
         "headline": headline(data),
         "data": data,
         "verdict": VERDICTS[data.conclusion.verdict],
@@ -133,7 +133,7 @@ def _key_figures(data: ReportData) -> list[tuple[str, str]]:
     if adopted:
         found.append(("probability", f"{min(adopted):.2f}"))
     if first.noise_floor is not None:
-        found.append(("noise of the sensors", f"{number(first.noise_floor, 3)} {first.unit}"))
+        found.append(("sensor noise", f"{number(first.noise_floor, 3)} {first.unit}"))
     return found
 
 
