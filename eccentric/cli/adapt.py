@@ -8,7 +8,7 @@ from eccentric.cli.arguments import add_folder, options, print_warnings
 from eccentric.core import own_folder
 
 NAME = "adapt"
-HELP = "replay a log through the emitted estimator of friction: coefficients over time, alarms"
+HELP = "replay a log through the emitted friction estimator: coefficients over time, alarms"
 EXAMPLE = """eccentric adapt examples/bench/bench.csv.gz --rig examples/bench/bench.toml --out build/adapted
 eccentric adapt tuesday.csv --rig my_rig.toml --parameters build/monday/fit.json --out build/tuesday"""
 _OPTIONS = {"forgetting": "--forgetting", "false_alarms": "--false-alarms", "settle": "--settle"}
@@ -20,11 +20,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("logs", metavar="LOG", nargs="+", help="logs of one rig: .csv[.gz], .parquet, .mat, .json[.gz]")
     add("--rig", metavar="RIG", required=True, help="what is known about the rig: .toml or .json")
-    add("--model", metavar="MODEL", help="a model or the path of a derivation (by the rig's case)")
+    add("--model", metavar="MODEL", help="a model or the path of a derivation (default: by the rig's case)")
     add("--parameters", type=Path, metavar="FIT.json", help="fit to start from; default: a fit of this log")
-    add("--forgetting", type=float, metavar="L", help="forgetting per row; default: 0.999")
-    add("--false-alarms", type=float, metavar="N", help="samples between two false alarms; default: 1e7")
-    add("--settle", type=int, metavar="N", help="samples left out after a reversal; default: 20")
+    add("--forgetting", type=float, metavar="L", help="forgetting factor per row; default: 0.999")
+    add(
+        "--false-alarms",
+        type=float,
+        metavar="N",
+        help="mean samples between false alarms; default: 1e7",
+    )
+    add("--settle", type=int, metavar="N", help="samples skipped after a reversal; default: 20")
     add_folder(parser, "adapt.json, adapt.png and adapt.svg")
 
 

@@ -65,7 +65,7 @@ def add_logs(parser: argparse.ArgumentParser) -> None:
         help="what is known about the rig: .toml or .json, see docs/rig.md",
     )
     parser.description = f"{parser.description}\n\n{_STATUS}"
-    add("--model", metavar="MODEL", help="a model or the path of a derivation (by the rig's case)")
+    add("--model", metavar="MODEL", help="a model or the path of a derivation (default: by the rig's case)")
 
 
 def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
@@ -75,8 +75,8 @@ def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
         metavar="DIR",
         type=Path,
         required=True,
-        help=f"folder of its own for {files}: new, empty, or one that eccentric wrote, and not the working "
-        "directory; those of an earlier run are replaced, everything else in it stays",
+        help=f"folder for {files}: new, empty, or one written by eccentric, and not the working directory; "
+        "files from an earlier run are replaced, all others are kept",
     )
 
 

@@ -48,8 +48,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "--out",
         metavar="LOG.csv.gz",
-        help="the log, with the rig LOG.json and the sealed LOG.truth.json beside it, for an arm LOG.toml "
-        "and LOG.arm.toml; no file is overwritten",
+        help="the log; its rig LOG.json and the sealed LOG.truth.json (for an arm LOG.toml and LOG.arm.toml) "
+        "are written next to it; no file is overwritten",
     )
     add(
         "--effect",

@@ -36,8 +36,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     several = {"metavar": "EFFECT,...", "action": "append", "default": []}
     add("--with", dest="including", help="effects that the model has from the start", **several)
-    add("--without", help="effects that the search may not offer", **several)
-    add("--only", help="the only effects or families that the search may offer", **several)
+    add("--without", help="effects to leave out of the search", **several)
+    add("--only", help="the only effects or families to search", **several)
     parser.add_argument("--effects", metavar="FILE", type=Path, help="a Python file with your own effects")
     add_folder(parser, "the report and the extended model")
     parser.add_argument("--open", action="store_true", help="open the report in the browser")

@@ -18,7 +18,7 @@ from eccentric.core import TARGETS, InputError
 from eccentric.version import __version__
 
 NAME = "doctor"
-HELP = "show what is installed and what to install for what is missing; or what kind of log a file is"
+HELP = "show what is installed and how to install what is missing; or, for a file, what kind of log it is"
 EXAMPLE = """eccentric doctor
 eccentric doctor my_log.csv"""
 

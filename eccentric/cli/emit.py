@@ -64,23 +64,23 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=lambda text: [name.strip() for name in text.split(",")],
         default=[],
         metavar="NAME,...",
-        help="emit these functions and the coefficients that they need; default: all",
+        help="emit only these functions and the coefficients they need; default: all",
     )
     parser.add_argument(
         "--arrays",
         action="store_true",
         default=None,
-        help="with --functions: array functions in C as well, in a header of their own",
+        help="with --functions: also emit the array functions in C, in a separate header",
     )
     parser.add_argument(
         "--fixed",
         action="store_true",
-        help="C for the default parameters only: no structure of parameters, no prepare, no self-test",
+        help="C for the default parameters only: no parameter structure, no prepare, no self-test",
     )
     parser.add_argument(
         "--single-file",
         action="store_true",
-        help="with numpy only: put what the module runs on into it, not into eccentric_runtime.py beside it",
+        help="with numpy only: include the runtime in the module instead of writing eccentric_runtime.py",
     )
     parser.add_argument(
         "--adapt", action="store_true", help="add an estimator that follows the friction in the field"
@@ -91,16 +91,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="add a friction compensation for a loop, which cannot chatter",
     )
     parser.add_argument(
-        "--forgetting", type=float, metavar="L", help="with --adapt: forgetting per row; default: 0.999"
+        "--forgetting",
+        type=float,
+        metavar="L",
+        help="with --adapt: forgetting factor a row; default: 0.999",
     )
     parser.add_argument(
         "--false-alarms",
         type=float,
         metavar="N",
-        help="with --adapt: mean number of samples between two false alarms; default: 1e7",
+        help="with --adapt: mean number of samples between false alarms; default: 1e7",
     )
     parser.add_argument(
-        "--settle", type=int, metavar="N", help="with --adapt: samples left out after a reversal; default: 20"
+        "--settle", type=int, metavar="N", help="with --adapt: samples skipped after a reversal; default: 20"
     )
 
 

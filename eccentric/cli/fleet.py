@@ -17,9 +17,7 @@ eccentric fleet /data/fleet --rigs rigs.csv --out report --scheduler tcp://10.0.
 
 PROBLEMS = 1
 """Exit status of a run that has done all that could be done, and names the rest in problems.csv."""
-_STATUS = (
-    f"exit status: 0; {PROBLEMS} if problems.csv names what could not be done, all else is; 2 on bad input"
-)
+_STATUS = f"exit status: 0; {PROBLEMS} if some logs failed (listed in problems.csv); 2 on bad input"
 _OPTIONS = {"pattern": "--pattern", "rate": "--rate", "workers": "--workers"}
 _WRITTEN = ["report.html", "fleet.json", "coefficients/", "changes.csv", "problems.csv", "joints/", "sums/"]
 _SHOWN = 8
@@ -45,8 +43,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         type=Path,
         required=True,
-        help="folder of its own for sums, coefficients, the page and reports; what is there from an earlier "
-        "run is used: only new and changed logs are read",
+        help="folder for sums, coefficients, the page and reports; results of an earlier run are reused: "
+        "only new and changed logs are read",
     )
     add("--pattern", metavar="NAME", help="how file names tell joint and period: '{joint}_{period}'")
     add("--scheduler", metavar="ADDRESS", help="a Dask scheduler (by default a cluster on this machine)")

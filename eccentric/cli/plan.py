@@ -7,7 +7,7 @@ from eccentric.cli.arguments import add_folder, add_logs, arm_of, bar, print_war
 from eccentric.core import InputError, own_folder
 
 NAME = "plan"
-HELP = "plan the motion that would tell apart what a diagnosis left open, within the limits of the drive"
+HELP = "plan a motion to decide between the remaining candidates, within the limits of the drive"
 EXAMPLE = """eccentric plan my.csv --rig my.toml --limits limits.toml --out build/plan
 eccentric diagnose my.csv my_new.csv --rig my.toml --out build/settled"""
 
@@ -26,12 +26,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--diagnosis",
         metavar="JSON",
-        help="what `diagnose` wrote of these logs, diagnosis.json: what is open is taken from it",
+        help="the diagnosis.json of these logs: take the remaining candidates from it",
     )
     parser.add_argument(
         "--added",
         metavar="MASS",
-        help='a mass that the link is to carry beside its own, as "0.2 kg": motions are planned with it',
+        help='a mass to be added to the link, such as "0.2 kg": plan motions with it',
     )
     add_folder(parser, "the reference, as CSV and C, and its picture")
 

@@ -8,7 +8,7 @@ from eccentric.cli.arguments import bar, coloured, log_suffixes, print_warnings
 from eccentric.core import InputError
 
 NAME = "rig"
-HELP = "draft the rig file of a log that nobody has described, or list all that is wrong with a rig file"
+HELP = "draft the rig file of an undocumented log, or list everything wrong with a rig file"
 EXAMPLE = """eccentric rig examples/bench/bench.csv.gz --out my_rig.toml
 eccentric rig examples/bench/bench.csv.gz --check examples/bench/bench.toml
 eccentric rig my_log.csv --arm my_arm.urdf --out my_rig.toml"""
@@ -22,10 +22,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "--check",
         metavar="RIG",
-        help="check this rig file against the logs instead; status 1 if something is wrong",
+        help="check this rig file against the logs instead; status 1 if there are problems",
     )
     add("--arm", metavar="ARM", help="the arm whose joints the log has, .toml or .urdf: columns by pattern")
-    add("--rate", metavar="HZ", type=float, help="rows per second of a log without a column of time")
+    add(
+        "--rate",
+        metavar="HZ",
+        type=float,
+        help="rows per second of a log without a time column",
+    )
     add("--name", help="name of the rig (that of the log)")
 
 
