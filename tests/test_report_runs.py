@@ -138,7 +138,7 @@ def test_the_plain_install_has_this_figure_and_no_captions_of_others(monkeypatch
     page = shown(with_balance(data, driven(data.errors.balances[0])), monkeypatch)
 
     assert 1 == page.count("<svg")
-    assert "Measured and simulated" in page
+    assert "Measured and predicted" in page
     assert 1 == page.count("<figcaption")
     assert "Residual over every channel" not in page
 

@@ -193,6 +193,7 @@ class Conclusion:
         fits_the_rig: whether the log can be from this rig.
         confirmed: whether what fits the training part predicts the held-out part as well.
         clear: what effects are called that nothing else explains, beside a tie.
+        calls: how firmware calls the extended model, where an effect is named; none otherwise.
     """
 
     verdict: str
@@ -203,6 +204,7 @@ class Conclusion:
     fits_the_rig: bool = True
     confirmed: bool = True
     clear: tuple[str, ...] = ()
+    calls: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Effect
 from eccentric.identification import DRIVE_UNITS, Refit, in_drive_unit
 from eccentric.model import AxisKind, spoken
-from eccentric.presentation.calls_text import share_words
+from eccentric.presentation.calls_text import calls, share_words
 from eccentric.presentation.diagnosis_text import (
     closest_sentence,
     diagnosis_sentence,
@@ -254,6 +254,7 @@ def report_data(
             fits_the_rig=found.models.fits_the_rig,
             confirmed=not attribution.unconfirmed,
             clear=tuple(effect.words.headline or effect.id for effect, _ in found.clear),
+            calls=_calls(found),
         ),
         errors=HeldOutErrors(
             holdout=found.channels.selection.holdout.rule,
@@ -289,15 +290,23 @@ def _simulated(found: Diagnosis, simulated: SimulatedErrors | None) -> Iterator[
         if not shown:
             continue
         count = simulated.windows[k]
-        windows = f"{count} window{'s' * (count > 1)} of the held-out part"
+        windows = f"{count} held-out window{'s' * (count > 1)}"
         yield Errors(
             f"simulated {axis.term('motor angle')} over {horizon:g} s",
             axis.unit("rad"),
             shown,
-            note="Mean absolute error of the motion that the drive signal of the log makes, from the measured"
-            f" state at the start of {windows}.",
+            note="Mean absolute error of the motion simulated from the log's drive signal, starting from the"
+            f" measured state of {windows}.",
             own_scale=True,
         )
+
+
+def _calls(found: Diagnosis) -> tuple[str, ...]:
+    """How firmware calls the extended model; none where the answer is a wrong value in the rig file."""
+    if found.attribution.verdict != "named" or all(effect.corrects for effect, _ in found.effects):
+        return ()
+    first, *rest = calls(found)
+    return first.removeprefix("to call: "), *rest
 
 
 def _candidates(found: Diagnosis) -> Iterator[CandidateRow]:
