@@ -346,14 +346,14 @@ def test_a_current_that_moves_nothing_is_refused(
             0.9,
             "With 0.2 kg more on the link, this motion would have a 90 % chance of settling it: plan it with",
         ),
-        (0.3, "0.2 kg more on the link would not decide either."),
+        (0.3, "0.2 kg more on the link would not settle it either."),
     ],
 )
 def test_more_mass_is_told_where_it_helps_and_where_not(contest: Separation, more: float, words: str) -> None:
     """Beside a plan that is not likely to decide, which says so."""
     plan = replace(planned(contest.question, read_bounds(LIMITS)), probability=0.4)
     said = plan_lines(replace(plan, heavier=Heavier(0.2, more)))
-    assert "No motion within the limits is likely to decide; this is the best of them." in said
+    assert "No motion within the limits is likely to settle it; this is the best one." in said
     assert any(line.startswith(words) for line in said)
 
 

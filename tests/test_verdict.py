@@ -303,7 +303,7 @@ def test_the_next_measurement_is_that_of_the_verdict(
     [
         (NextMeasurement("vary", "of_a"), "Change the of a alone, in five steps"),
         (BETWEEN, "separates what a is from b: other speeds"),
-        (replace(BETWEEN, constant_first=True), "Give k_i under [known] first"),
+        (replace(BETWEEN, constant_first=True), "Declare k_i under [known] first"),
         (NextMeasurement("correct"), "Correct the rig file or the log first."),
         (NextMeasurement("hold_others"), "with the others held"),
         (None, ""),
