@@ -36,12 +36,13 @@ def diagnosis_sentence(found: Diagnosis) -> str:
         lacking = [effect for effect, _ in (*found.effects, *found.undecided)]
         these = "it" if len(lacking) == 1 else "them"
         lacks = " and ".join(_named(found, effect) for effect in lacking)
-        return f"The model lacks {lacks}; with {these} {_gain(found)}.{_alike(found)}{_grave(found)}"
+        more = f"{_causes(found)}{_alike(found)}{_grave(found)}"
+        return f"The model lacks {lacks}; with {these} {_gain(found)}.{more}"
     if a.verdict == "not_identifiable" and found.clear:
         clear = " and ".join(_named(found, effect) for effect, _ in found.clear)
         return (
             f"The model lacks {clear}; beside it, this log does not distinguish {_tied(found)};"
-            f" with the first of these {_gain(found)}."
+            f" with the first of these {_gain(found)}.{_causes(found)}"
         )
     if a.verdict == "not_identifiable":
         return (
@@ -223,6 +224,20 @@ def _alike(found: Diagnosis) -> str:
     return "".join(
         f" As the rig is declared, {name} looks the same as {other}." for name, other in alike.items()
     )
+
+
+def causes_of(found: Diagnosis, effect: Effect) -> tuple[str, ...]:
+    """What may be behind an effect whose name says what it does: also families that fit this log as well."""
+    own = found.attribution.adopted_as(effect.id)
+    best = {c.family: c for c in reversed(found.attribution.candidates)}
+    covered = [best[family] for family in own.covers if family in best] if own else []
+    return (*effect.words.causes, *(_headline(c.words, c.id) for c in covered))
+
+
+def _causes(found: Diagnosis) -> str:
+    """The possible causes of named effects."""
+    every = [", ".join(causes_of(found, effect)) for effect, _ in (*found.effects, *found.clear)]
+    return "".join(f" Possible causes: {causes}." for causes in every if causes)
 
 
 def _grave(found: Diagnosis) -> str:
