@@ -90,7 +90,7 @@ KEPT = {
         ),
         "an exponential, a root or a quotient, which have errors of their own": (
             "stribeck[d=0.5]", "stribeck[d=1]", "stribeck[d=1.5]", "stribeck[d=2]", "local_defect",
-            "sqrt_speed", "eddy_current", "stribeck_load[F_N]",
+            "sublinear_viscous[n=0.5]", "sublinear_viscous[n=0]", "eddy_current", "stribeck_load[F_N]",
             "stribeck_temperature",
             "bearing_load[degressive]", "bearing_load[progressive]", "bearing_load[preload]",
         ),

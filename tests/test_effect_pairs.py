@@ -233,6 +233,8 @@ def test_a_temperature_scales_viscous_asymmetry_whichever_effect_came_first() ->
 
 VISCOUS = {
     "viscous_asymmetry",
+    "sublinear_viscous[n=0.5]",
+    "sublinear_viscous[n=0]",
     "viscosity_temperature[bearing]",
     "hidden_thermal_drift[bearing]",
 }
@@ -278,7 +280,6 @@ MIXED = {"backlash"}
 NEITHER = {
     "quadratic_drag",
     "cubic_drag",
-    "sqrt_speed",
     "oneway_windage[+]",
     "oneway_windage[-]",
     "eddy_current",

@@ -53,6 +53,23 @@ def test_one_clear_effect_is_named() -> None:
     assert (100, 100, {}) == (only.found, only.variants, only.instead)
 
 
+@pytest.mark.parametrize(
+    ("odds", "named", "probability"), [(0.9, "b", 1.0), (0.3, "b", 1.0), (0.01, "a", 0.99)]
+)
+def test_one_name_covers_another_until_that_one_is_clearly_ahead(
+    odds: float, named: str, probability: float
+) -> None:
+    """`b` does what `a` does as well: `a` has a name of its own at four times its odds."""
+    b = rival("b", odds)
+    covering = replace(b, evidence=replace(b.evidence, covers=("a",)))
+    found = verdict({2: 3.0}, A, covering, candidate("c", {4: 1.0}))
+    (only,) = found.adopted
+
+    assert ("named", (), named) == (found.verdict, found.tied, only.variant.candidate.family)
+    assert found.candidates[0].probability == pytest.approx(probability, abs=0.02)
+    assert only.covers == (("a",) if named == "b" else ())
+
+
 def test_errors_of_candidates_are_root_mean_squares() -> None:
     """What a candidate leaves is sqrt(1 + what it lacks squared), in the unit of the target."""
     found = verdict({2: 3.0, 3: 0.2}, A, B)

@@ -152,6 +152,7 @@ class Words:
         meaning: what the family is and where it comes from, one sentence.
         hint: what to measure to separate it from others, as a noun phrase or an instruction.
         kin: families that follow the same variable; None for one that has no kin.
+        causes: what may be behind an effect whose headline says what it does, not where it comes from.
         tell_apart: family, or name of a kin -> the measurement that separates the effect from it, one
             sentence; it takes precedence over the kin's.
     """
@@ -160,6 +161,7 @@ class Words:
     title: str = ""
     meaning: str = ""
     hint: str = ""
+    causes: tuple[str, ...] = ()
     kin: Kin | None = None
     tell_apart: Mapping[str, str] = field(default_factory=dict)
 
@@ -238,6 +240,8 @@ class Evidence:
         second_order: families that look like what its record leaves out: terms of second order, or a bound
             that it has not.
         one_of: of how many orders it is one, each as likely as the others.
+        covers: families that do what its headline says as well: where a log does not tell them apart, this is
+            the name of all.
     """
 
     depends_on: tuple[str, ...]
@@ -247,6 +251,7 @@ class Evidence:
     repeats: bool = False
     second_order: tuple[str, ...] = ()
     one_of: int = 1
+    covers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -303,7 +308,9 @@ class Effect:
         own = self.words
         apart = {other: axis.text(text) for other, text in own.tell_apart.items()}
         named = {name: axis.text(getattr(own, name)) for name in ("headline", "title", "meaning", "hint")}
-        return replace(self, formula=axis.text(self.formula), words=replace(own, tell_apart=apart, **named))
+        causes = tuple(map(axis.text, own.causes))
+        words = replace(own, tell_apart=apart, causes=causes, **named)
+        return replace(self, formula=axis.text(self.formula), words=words)
 
     @property
     def id(self) -> str:

@@ -65,6 +65,7 @@ def addition(
     repeats: bool = False,
     second_order: tuple[str, ...] = (),
     one_of: int = 1,
+    covers: tuple[str, ...] = (),
     per_turn: sp.Expr | int = 0,
     words: Words | None = None,
     corrects: Correction | None = None,
@@ -79,7 +80,7 @@ def addition(
         kind: of the terms without a role, see `eccentric.model.KINDS`.
         per_turn: of the terms, as in `eccentric.model.Term`.
         bounds: of each coefficient; by default at least 0 if its domain says so, else open.
-        depends_on, needs, aliases, special_of, repeats, second_order, one_of: as in `Evidence`.
+        depends_on, needs, aliases, special_of, repeats, second_order, one_of, covers: as in `Evidence`.
         definitions, states, inputs: as in `eccentric.model.Change`.
     """
     roles = [role] * len(columns) if isinstance(role, Role) else role
@@ -97,7 +98,7 @@ def addition(
         formula=formula,
         reference=reference,
         change=Change({balance: terms}, definitions, states, inputs),
-        evidence=Evidence(depends_on, needs, aliases, special_of, repeats, second_order, one_of),
+        evidence=Evidence(depends_on, needs, aliases, special_of, repeats, second_order, one_of, covers),
         coefficients=tuple(q for q, _ in columns),
         shapes=shapes,
         words=words or Words(),

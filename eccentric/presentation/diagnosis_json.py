@@ -11,7 +11,7 @@ from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Effect
 from eccentric.identification import Estimate, in_drive_unit
 from eccentric.model import TURNING
-from eccentric.presentation.diagnosis_text import diagnosis_sentence, tied_families
+from eccentric.presentation.diagnosis_text import causes_of, diagnosis_sentence, tied_families
 from eccentric.presentation.measurement_text import measurement_sentence
 
 
@@ -204,6 +204,7 @@ def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
         "id": effect.id,
         "family": effect.family,
         "headline": effect.words.headline,
+        "causes": list(causes_of(found, effect)),
         "balance": effect.balance,
         "corrects": None if effect.corrects is None else axis.named(effect.corrects.quantity.name),
         "equation": axis.named(f"{equation.left} = {sp.sstr(equation.right)}"),

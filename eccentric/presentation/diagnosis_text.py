@@ -42,12 +42,13 @@ def diagnosis_sentence(found: Diagnosis) -> str:
         missing = [effect for effect, _ in (*found.effects, *found.undecided)]
         these = "it" if len(missing) == 1 else "them"
         named = " and ".join(_named(found, effect) for effect in missing)
-        return f"Missing: {named}. {_gain(found, these)}.{_alike(found)}{_grave(found)}"
+        more = f"{_causes(found)}{_alike(found)}{_grave(found)}"
+        return f"Missing: {named}. {_gain(found, these)}.{more}"
     if a.verdict == "not_identifiable" and found.clear:
         clear = " and ".join(_named(found, effect) for effect, _ in found.clear)
         return (
             f"Missing: {clear}. Also missing is one of these, which this log cannot distinguish:"
-            f" {_tied(found, 'or')}. {_gain(found, 'the first of them')}."
+            f" {_tied(found, 'or')}. {_gain(found, 'the first of them')}.{_causes(found)}"
         )
     if a.verdict == "not_identifiable":
         return (
@@ -226,6 +227,20 @@ def _alike(found: Diagnosis) -> str:
     return "".join(
         f" As the rig is declared, {name} looks the same as {other}." for name, other in alike.items()
     )
+
+
+def causes_of(found: Diagnosis, effect: Effect) -> tuple[str, ...]:
+    """What may be behind an effect whose name says what it does: also families that fit this log as well."""
+    own = found.attribution.adopted_as(effect.id)
+    best = {c.family: c for c in reversed(found.attribution.candidates)}
+    covered = [best[family] for family in own.covers if family in best] if own else []
+    return (*effect.words.causes, *(_headline(c.words, c.id) for c in covered))
+
+
+def _causes(found: Diagnosis) -> str:
+    """The possible causes of named effects."""
+    every = [", ".join(causes_of(found, effect)) for effect, _ in (*found.effects, *found.clear)]
+    return "".join(f" Possible causes: {causes}." for causes in every if causes)
 
 
 def _grave(found: Diagnosis) -> str:

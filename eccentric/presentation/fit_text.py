@@ -59,7 +59,8 @@ def fit_sentence(fit: Fit) -> str:
             f"{subject} has only slightly {'lower' if low > 0.0 else 'higher'} held-out error than "
             f"Coulomb + viscous friction ({_percent(abs(fit.percent))} %, {interval} of the gain)."
         )
-    return f"{subject} has about the same held-out error as Coulomb + viscous friction (gain {gain} %, {interval})."
+    same = "about the same held-out error as Coulomb + viscous friction"
+    return f"{subject} has {same} (gain {gain} %, {interval})."
 
 
 def _called(fit: Fit) -> str:

@@ -74,6 +74,7 @@ class Search:
             self.steps.append(self.best)
         self._compare()
         self._examine(self.steps)
+        self._share_names()
         self.smoothed = self.smooth.rank(self.best.variants)
 
     def deviance(self, before: Fitted, after: Fitted, screen: Screen | None = None) -> float:
@@ -228,6 +229,7 @@ class Search:
             found = {other: chance / sum(open_to.values()) for other, chance in open_to.items()}
         if same := self.same(place):
             found |= dict.fromkeys((family, *same), sum(found[f] for f in (family, *same)) / (1 + len(same)))
+        found[family] += sum(found.pop(other, 0.0) for other in self.best.variants[place].covers)
         return found
 
     def same(self, place: int) -> tuple[str, ...]:
@@ -253,7 +255,8 @@ class Search:
         family = self.best.variants[place].candidate.family
         if family in self.by_both:
             return True
-        return self.chances(place)[family] >= limits.SURE and self.stability.nearly_all(family)
+        names = family, *self.best.variants[place].covers
+        return self.chances(place)[family] >= limits.SURE and self.stability.nearly_all(*names)
 
     def instead(self, family: str) -> dict[str, int]:
         """Families that variants of the log find in the place of an adopted one: in how many, most first.
@@ -261,6 +264,7 @@ class Search:
         A declared value counts on top of the few effects that may be tied: one measurement settles it.
         """
         beside = {variant.candidate.family for variant in self.best.variants}
+        beside |= {other for v in self.best.variants if v.candidate.family == family for other in v.covers}
         declared = {c.family for c in self.screen.candidates if c.tolerance}
         least = limits.POSSIBLE * self.stability.variants
         found = self.stability.instead(family, beside, declared, limits.IN_PLACE)
@@ -278,7 +282,11 @@ class Search:
             return
         self.stability = stability_of(self.screen, self._models())
         families = [v.candidate.family for v in self.best.variants]
-        kept = [k for k, f in enumerate(families) if self.stability.nearly_all(f, *self.instead(f))]
+        kept = [
+            k
+            for k, variant in enumerate(self.best.variants)
+            if self.stability.nearly_all(families[k], *variant.covers, *self.instead(families[k]))
+        ]
         if len(kept) < len(families):
             left = self.screen.refine(self.screen.fit([self.best.variants[k] for k in kept]))
             dropped = {family for k, family in enumerate(families) if k not in kept}
@@ -295,6 +303,22 @@ class Search:
                 self._examine([step for step in steps if step is not again])
             else:
                 self.best, self.alternatives = left, [self.alternatives[k] for k in kept]
+
+    def _share_names(self) -> None:
+        """A family that covers an adopted one takes its place, unless that one is clearly ahead."""
+        while general := self._covering():
+            self.best = self.screen.refine(general)
+            self._compare(0)
+
+    def _covering(self) -> Fitted | None:
+        """The best model with a likely family that covers an adopted one which is not clearly ahead."""
+        for place, variant in enumerate(self.best.variants):
+            chances = {} if self.clear(place) else self.chances(place)
+            for family, (_, fitted) in self.alternatives[place].items():
+                covered = variant.candidate.family in fitted.last.evidence.covers
+                if covered and chances.get(family, 0.0) > limits.POSSIBLE:
+                    return fitted
+        return None
 
     def _models(self) -> list[Fitted]:
         """The best model first, then those that came close, each set of effects once."""

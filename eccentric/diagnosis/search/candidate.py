@@ -145,6 +145,11 @@ class Variant:
         """What distinguishes it from other variants."""
         return (self.candidate.id, *self.values.values())
 
+    @property
+    def covers(self) -> tuple[str, ...]:
+        """Families that its name stands for as well."""
+        return self.candidate.evidence.covers
+
 
 def instrument_of(variant: Variant) -> Variant | None:
     """The same variant on its instruments, None if it has none."""

@@ -73,7 +73,7 @@ class Adopted:
         alike: families that explain the log equally well, its own first; none if it is clearly
         ahead; undecided: whether it is a declared value, and what is alike is an effect: beside the
         name of another the two stay open; by_both: whether too few variants find it, and both balances
-        together decide.
+        together decide; covers: likely families that its name stands for as well.
     """
 
     balance: str
@@ -86,6 +86,7 @@ class Adopted:
     alike: tuple[str, ...] = ()
     undecided: bool = False
     by_both: bool = False
+    covers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -222,11 +223,17 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
                 variant,
                 tuple(map(float, own)),
                 float(share),
-                stability.found(family),
+                stability.found(family, *variant.covers),
                 stability.variants,
                 search.instead(family),
                 () if clear else _alike(family, chances),
-                by_both=family in search.by_both and not stability.nearly_all(family),
+                by_both=family in search.by_both and not stability.nearly_all(family, *variant.covers),
+                covers=tuple(
+                    other
+                    for other in variant.covers
+                    if other in (options := search.alternatives[place])
+                    and _instead(search, place, other, options[other][0]) > limits.POSSIBLE
+                ),
             )
             found.append((one, entry))
     found.sort(key=lambda pair: -pair[0].share)
