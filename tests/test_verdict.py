@@ -28,10 +28,12 @@ A, B = candidate("a", {2: 1.0}), candidate("b", {3: 1.0})
 
 
 def verdict(amplitudes: dict[int, float], *candidates: Candidate, smooth: Candidate | None = None,
-            scale: float = 1e-3, runs: int = 1) -> Attribution:  # fmt: skip
+            scale: float = 1e-3, runs: int = 1, ruled_out: tuple[Candidate, ...] = ()
+) -> Attribution:  # fmt: skip
     """The verdict on one mechanical balance; the smooth term, if any, comes without a penalty."""
     given = () if smooth is None else (smooth,)
-    return decided({"mechanical": search(amplitudes, *candidates, smooth=given, scale=scale)}, runs)
+    found = search(amplitudes, *candidates, smooth=given, ruled_out=ruled_out, scale=scale)
+    return decided({"mechanical": found}, runs)
 
 
 def rival(family: str, odds: float) -> Candidate:
@@ -71,6 +73,21 @@ def test_effects_are_listed_by_share_and_before_all_others() -> None:
     assert ["b", "a"] == [one.variant.candidate.id for one in found.adopted]
     assert [8.0, 2.0] == [pytest.approx(one.coefficients[0], rel=1e-6) for one in found.adopted]
     assert ["b", "a", "c"] == [c.id for c in found.candidates]
+
+
+@pytest.mark.parametrize(
+    ("part", "expected"), [(0.99 * 0.04, ("named", ())), (1.01 * 0.04, ("unexplained", ("x",)))]
+)
+def test_a_cause_that_the_drive_cannot_have_is_no_headline(
+    part: float, expected: tuple[str, tuple[str, ...]]
+) -> None:
+    """The next candidate is named if it is as good, within `UNEXPLAINED` of the structure; else none is."""
+    assert limits.UNEXPLAINED == 0.04
+    impossible = replace(candidate("x", {2: math.sqrt(1.0 - part), 3: math.sqrt(part)}), possible=False)
+    found = verdict({2: 30.0 * math.sqrt(1.0 - part), 3: 30.0 * math.sqrt(part)}, A, ruled_out=(impossible,))
+
+    assert expected == (found.verdict, tuple(c.family for c in found.ruled_out))
+    assert ["a"] == [c.family for c in found.candidates]
 
 
 @pytest.mark.parametrize("least_blocks", [1, 10**6], ids=["variants", "the log alone"])

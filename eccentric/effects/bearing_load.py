@@ -28,6 +28,8 @@ preload = quantity(
 )
 total = quantity("bearing_F", "N", "force on the preloaded bearing", "", "positive", letter="F")
 
+ROLLING = ("ball", "roller")
+CONTACTS = (*ROLLING, "plain")
 HERTZ = "K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985 (area of a Hertzian contact)"
 PALMGREN = (
     "A. Palmgren, Ball and Roller Bearing Engineering, SKF Industries, 1959; rolling: J. A. Greenwood,"
@@ -70,15 +72,15 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     power = "C mu F_0 (F_N/F_0)^({}) sgn w, F_0 the weight"
     return (
         _by(
-            "degressive", C, own.symbol * half, (own, relative), (), power.format("1/2"), HERTZ,
+            "degressive", C, own.symbol * half, (own, relative), (), CONTACTS, power.format("1/2"), HERTZ,
             "bearing friction that grows more slowly than the normal force",
         ),
         _by(
-            "progressive", C, v.F_N.symbol * half, (own, relative), (), power.format("3/2"), PALMGREN,
-            "bearing friction that grows faster than the normal force",
+            "progressive", C, v.F_N.symbol * half, (own, relative), (), ROLLING, power.format("3/2"),
+            PALMGREN, "bearing friction that grows faster than the normal force",
         ),
         _by(
-            "preload", C_p, total.symbol, (across,), (shape,), "C_p mu sqrt(F_N^2 + F_p^2) sgn w",
+            "preload", C_p, total.symbol, (across,), (shape,), ROLLING, "C_p mu sqrt(F_N^2 + F_p^2) sgn w",
             "standard form: radial and axial load added as vectors", "a preload of the link's bearing",
         ),
     )  # fmt: skip
@@ -86,7 +88,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 def _by(
     variant: str, coefficient: Quantity, force: sp.Expr, definitions: tuple[Definition, ...],
-    shapes: tuple[Shape, ...], formula: str, reference: str, headline: str,
+    shapes: tuple[Shape, ...], parts: tuple[str, ...], formula: str, reference: str, headline: str,
 ) -> Effect:  # fmt: skip
     return addition(
         "bearing_load",
@@ -100,5 +102,6 @@ def _by(
         shapes=shapes,
         definitions=definitions,
         inputs=(v.theta_m,),
+        only_with={"bearing": parts},
         words=replace(WORDS, headline=headline),
     )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from eccentric.effects.effect import Effect, Setting, Words, how_often
 from eccentric.effects.forms import harmonic, of_flux
-from eccentric.model import quantity
+from eccentric.model import MAGNETS, quantity
 from eccentric.model import vocabulary as v
 
 ORDERS = range(1, 25)
@@ -43,6 +43,7 @@ def _order(n: int, setting: Setting) -> Effect:
         reference="T. M. Jahns and W. L. Soong, IEEE Trans. Industrial Electronics 43(2), 1996",
         inputs=(v.theta_m,),
         repeats=True,
+        only_with={"motor": MAGNETS},
         one_of=max(n, len(ORDERS)),
         per_turn=n,
         words=replace(WORDS, headline=f"a torque constant that ripples {how_often(n)} per turn of the motor"),

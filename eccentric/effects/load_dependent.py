@@ -8,7 +8,7 @@ import sympy as sp
 
 from eccentric.effects.effect import LOAD, Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, direction, gravity, of_an_arm, transmitted
-from eccentric.model import Definition, Load, Role, quantity
+from eccentric.model import GEARS, Definition, Load, Role, quantity
 from eccentric.model import vocabulary as v
 
 eta = quantity(
@@ -54,6 +54,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 shapes=shape,
                 definitions=(*constants, Definition(load, torque)),
                 inputs=inputs,
+                only_with={"gear": GEARS},
                 words=replace(WORDS, headline=f"gear friction in proportion to the {variant} torque"),
             )
         )
@@ -71,6 +72,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                     shapes=shape,
                     definitions=(*constants, Definition(load, torque)),
                     inputs=inputs,
+                    only_with={"gear": GEARS},
                     words=replace(
                         WORDS, headline="gear friction that grows progressively with the transmitted torque"
                     ),

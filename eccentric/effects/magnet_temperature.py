@@ -6,7 +6,7 @@ import sympy as sp
 
 from eccentric.effects.effect import TEMPERATURE, Effect, Setting, Words
 from eccentric.effects.forms import constant, of_flux
-from eccentric.model import quantity
+from eccentric.model import MAGNETS, quantity
 from eccentric.model import vocabulary as v
 
 fall = quantity(
@@ -49,6 +49,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         " University Press, 1989",
         definitions=(zero,),
         inputs=(v.temperature,),
+        only_with={"motor": MAGNETS},
         words=WORDS,
     )
     return (effect,)

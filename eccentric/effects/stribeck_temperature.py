@@ -51,6 +51,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         definitions=(zero,),
         inputs=(v.temperature,),
         needs=("temperature",),
+        only_with={"lubricant": ("grease", "oil")},
         words=WORDS,
     )
     return (effect,)

@@ -32,6 +32,7 @@ factor = quantity(
     letter="kappa",
 )
 
+FILM = {"lubricant": ("grease", "oil")}
 REYNOLDS = "O. Reynolds, Phil. Trans. Royal Society 177, 1886"
 ROBOT = "A. C. Bittencourt, E. Wernholt, S. Sander-Tavallaey and T. Brogårdh, IROS 2010"
 WORDS = Words(
@@ -91,6 +92,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             definitions=(zero,),
             inputs=(v.temperature,),
             needs=("temperature",),
+            only_with=FILM,
             words=replace(WORDS, headline="viscous friction of one bearing that falls with temperature"),
         ),
     )
@@ -113,5 +115,6 @@ def _scaling(
         change=Change(definitions=definitions, scales={Role.VISCOUS: factor.symbol}, inputs=(v.temperature,)),
         evidence=Evidence(depends_on=("temperature",), needs=("temperature",)),
         shapes=(shape,),
+        only_with=FILM,
         words=replace(WORDS, headline=headline),
     )

@@ -38,6 +38,7 @@ from eccentric.model.load import in_general_letters, load_model, model_names, wi
 from eccentric.model.model import Change, Extension, Model, spoken
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, differentiate, needed
 from eccentric.model.outputs import drive_interface, interface_of, moving, normal_force
+from eccentric.model.parts import DRIVE_PARTS, GEARS, IRON, MAGNETS, MOTORS, NO_PART, Parts, missing
 from eccentric.model.quantity import C_KEYWORDS, Definition, Quantity, State, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.rest import law_at_rest, levels
@@ -65,8 +66,14 @@ __all__ = [
     "AXES",
     "CONTACT",
     "C_KEYWORDS",
+    "DRIVE_PARTS",
+    "GEARS",
+    "IRON",
     "KINDS",
     "LINEAR",
+    "MAGNETS",
+    "MOTORS",
+    "NO_PART",
     "STEPS",
     "TURNING",
     "Across",
@@ -105,6 +112,7 @@ __all__ = [
     "OpaqueStep",
     "Output",
     "PartValues",
+    "Parts",
     "Placement",
     "Quantity",
     "Recursion",
@@ -131,6 +139,7 @@ __all__ = [
     "levels",
     "load_model",
     "meaning",
+    "missing",
     "model_names",
     "moving",
     "needed",

@@ -33,8 +33,9 @@ class Search:
     """The search on one balance.
 
     base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
-    smoothed: smooth terms beside the adopted ones; alternatives: per adopted variant, family -> (probability,
-        fit); steps: the best model after each step; tried: other models that were compared with it;
+    ruled_out: candidates that the drive cannot have; smoothed: those and smooth terms beside the adopted
+        ones, neither of which is a cause; alternatives: per adopted variant, family -> (probability, fit);
+        steps: the best model after each step; tried: other models that were compared with it;
         required: deviance that an addition has to gain; stability: of the adopted effects; by_both: of
         effects that this balance alone leaves open, family -> deviance by which the other one, or both
         together, prefer it.
@@ -52,6 +53,7 @@ class Search:
     required: float = limits.LEAST_DEVIANCE
     stability: Stability = field(default_factory=Stability)
     by_both: dict[str, float] = field(default_factory=dict)
+    ruled_out: Screen | None = None
 
     def run(self) -> None:
         """Adopt, compare, then fit the smooth terms to what is left."""
@@ -75,6 +77,13 @@ class Search:
         self._compare()
         self._examine(self.steps)
         self.smoothed = self.smooth.rank(self.best.variants)
+        if self.ruled_out is not None and self.ruled_out.candidates:
+            self.smoothed += self.ruled_out.rank(self.best.variants)
+
+    def release(self) -> None:
+        """Forget all columns, as `Screen.release` does."""
+        for screen in filter(None, (self.screen, self.smooth, self.ruled_out)):
+            screen.release()
 
     def deviance(self, before: Fitted, after: Fitted, screen: Screen | None = None) -> float:
         """Twice the gain in log-likelihood from one fit to another, of the cross-validated scores."""
