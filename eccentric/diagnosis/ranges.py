@@ -45,9 +45,10 @@ def range_checks(fit: Refit, parts: Parts, unit: str) -> tuple[RangeCheck, ...]:
     return tuple(
         check
         for effect, _ in fit.effects
-        for known in effect.plausible
-        if _in_its_unit(effect, known, unit)
-        and (check := _check(effect, known.for_parts(parts), fit)) is not None
+        for known in (plausible.for_parts(parts) for plausible in effect.plausible)
+        if np.isfinite(known.high)
+        and _in_its_unit(effect, known, unit)
+        and (check := _check(effect, known, fit)) is not None
     )
 
 

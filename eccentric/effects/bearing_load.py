@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import LOAD, Effect, Setting, Shape, Words
+from eccentric.effects.effect import LOAD, Effect, Plausible, Setting, Shape, Words
 from eccentric.effects.forms import addition, constant, direction, weight
 from eccentric.model import Definition, Load, Magnitude, Quantity, Role, quantity
 from eccentric.model import vocabulary as v
@@ -35,6 +35,23 @@ PALMGREN = (
     "A. Palmgren, Ball and Roller Bearing Engineering, SKF Industries, 1959; rolling: J. A. Greenwood,"
     " H. Minshall and D. Tabor, Proc. Royal Society A 259, 1961"
 )
+TABLES = "SKF, Rolling Bearings, 2016, table of constant coefficients; JTEKT, Bearing Knowledge 8-4, undated"
+
+
+def _coefficient(lever: Quantity) -> Plausible:
+    """The least coefficient of friction that a bearing can have: that of one as wide as the link is long."""
+    return Plausible(
+        lever.symbol / v.L.symbol,
+        "1",
+        0.0,
+        0.2,
+        f"plain bearings: {TABLES}",
+        "the coefficient of friction of the bearing, if it were as wide as the link is long,",
+        above="not the bearing alone",
+        by_part=dict.fromkeys(ROLLING, (0.0, 0.005, TABLES)),
+    )
+
+
 WORDS = Words(
     title="Bearing friction that is not in proportion to its load",
     meaning=(
@@ -103,5 +120,6 @@ def _by(
         definitions=definitions,
         inputs=(v.theta_m,),
         only_with={"bearing": parts},
+        plausible=(_coefficient(coefficient),),
         words=replace(WORDS, headline=headline),
     )

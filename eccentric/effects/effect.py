@@ -256,7 +256,7 @@ class Plausible:
     Attributes:
         value: the figure, in parameters of the effect and of the model it extends.
         unit: of the figure; it need not be one of SI: "%/K".
-        low, high: range that the source gives.
+        low, high: range that the source gives; without an end if only drives with some parts have a range.
         source: author, maker or standard; title; year.
         name: the figure as a noun phrase: "the temperature coefficient of the resistance".
         usual: its usual value, None where there is none, and `whose` that is: "copper's".

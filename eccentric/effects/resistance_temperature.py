@@ -39,6 +39,15 @@ COPPER = Plausible(
     above="not the winding alone",
     below="a part of the resistance that is not copper, or a sensor that warms up more than the winding",
 )
+WARMING = Plausible(
+    100 * rise.symbol,
+    "%",
+    0.0,
+    63.0,
+    "copper, IEC 60028, 1925, from 20 degC to 180 degC, class H of IEC 60085, 2007",
+    "the rise of the resistance over the log",
+    above="more than a winding survives",
+)
 WORDS = Words(
     title="A winding resistance that rises with temperature",
     meaning="The winding's resistance rises with its temperature, logged or computed from R i^2.",
@@ -86,6 +95,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             shapes=(Shape(tau, *thermal_times(setting), "log", 8),),
             definitions=definitions,
             states=(state,),
+            plausible=(WARMING,),
             needs=("current", "voltage"),
             words=replace(WORDS, headline="a winding resistance that rises as the winding heats up"),
         )
