@@ -75,16 +75,20 @@ def test_effects_are_listed_by_share_and_before_all_others() -> None:
     assert ["b", "a", "c"] == [c.id for c in found.candidates]
 
 
-@pytest.mark.parametrize(
-    ("part", "expected"), [(0.99 * 0.04, ("named", ())), (1.01 * 0.04, ("unexplained", ("x",)))]
-)
+@pytest.mark.parametrize(("part", "expected"), [(0.99, ("named", ())), (1.01, ("unexplained", ("x",)))])
+@pytest.mark.parametrize("place", ["instead", "beside"])
 def test_a_cause_that_the_drive_cannot_have_is_no_headline(
-    part: float, expected: tuple[str, tuple[str, ...]]
+    place: str, part: float, expected: tuple[str, tuple[str, ...]]
 ) -> None:
-    """The next candidate is named if it is as good, within `UNEXPLAINED` of the structure; else none is."""
-    assert limits.UNEXPLAINED == 0.04
-    impossible = replace(candidate("x", {2: math.sqrt(1.0 - part), 3: math.sqrt(part)}), possible=False)
-    found = verdict({2: 30.0 * math.sqrt(1.0 - part), 3: 30.0 * math.sqrt(part)}, A, ruled_out=(impossible,))
+    """Instead of an effect it has to gain what an effect must, beside it the part that refuses a name."""
+    assert (limits.LEAST_DEVIANCE, limits.UNEXPLAINED) == (24.0, 0.04)
+    if place == "instead":  # and then a leaves 1 + sin^2 of the whole squared
+        sine = math.sqrt(math.expm1(part * 24.0 / N)) / 3.0
+        columns = target = {2: 3.0 * math.sqrt(1.0 - sine**2), 3: 3.0 * sine}
+    else:
+        columns, target = {3: 1.0}, {2: 30.0 * math.sqrt(1.0 - part * 0.04), 3: 30.0 * math.sqrt(part * 0.04)}
+    impossible = replace(candidate("x", columns), possible=False)
+    found = verdict(target, A, ruled_out=(impossible,))
 
     assert expected == (found.verdict, tuple(c.family for c in found.ruled_out))
     assert ["a"] == [c.family for c in found.candidates]

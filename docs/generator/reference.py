@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from html import escape
@@ -136,6 +137,16 @@ def _notes(effect: Effect) -> list[str]:
         )
     if effect.evidence.needs:
         said.append(f"Needs a log with {_list([_words((name,)) for name in effect.evidence.needs])}.")
+    for kind, words in effect.only_with.items():
+        said.append(f"Only on a drive with this {kind}, or one that is not declared: {', '.join(words)}.")
+    for known in effect.plausible:
+        ranges = [("", known.low, known.high, known.source)]
+        ranges += [(f"{part}: ", *of_part) for part, of_part in known.by_part.items()]
+        said += [
+            f"Known of {known.name.rstrip(',')}: {part}{low:g} to {high:g} {known.unit} ({source})."
+            for part, low, high, source in ranges
+            if math.isfinite(high)
+        ]
     if effect.evidence.aliases:
         said.append(f"Indistinguishable from {_links(effect.evidence.aliases)}.")
     if effect.evidence.special_of:

@@ -54,13 +54,13 @@ def _unit(check: RangeCheck) -> str:
 
 
 def ruled_out_sentence(found: Diagnosis) -> str:
-    """Which effect would explain what is left, had the drive the part that it needs; "" for none."""
+    """Which effect explains more, but needs a part that the drive does not have; "" for none."""
     effects = {effect.id: effect for effect in found.offered}
     best = next((effects[c.id] for c in found.attribution.ruled_out if c.id in effects), None)
     if best is None:
         return ""
     name = f"{best.words.headline} ({best.id})" if best.words.headline else best.id
-    return f"{name[0].upper()}{name[1:]} would explain it, but {_needs(best, found.rig.parts)}."
+    return f"{name[0].upper()}{name[1:]} explains more of it, but {_needs(best, found.rig.parts)}."
 
 
 def _needs(effect: Effect, parts: Parts) -> str:

@@ -177,12 +177,14 @@ def decided(searches: dict[str, Search], runs: int = 1) -> Attribution:
     }
     words = {entry.family: entry.words for entry in listed}
     following = next_measurement(verdict, [(family, words[family]) for family in tied], follows)
-    ruled_out = tuple(
-        _ranked(f.last, name, searches[name], f, 0.0) for name, f in unexplained_by if not f.last.possible
-    )
+    ruled_out = {
+        f.last.family: _ranked(f.last, name, searches[name], f, 0.0)
+        for name, f in reversed(unexplained_by)
+        if not f.last.possible
+    }
     return Attribution(
         verdict, tuple(adopted), tuple(tied), tuple(listed), follows, following, searches, deviance,
-        ruled_out=ruled_out,
+        ruled_out=tuple(reversed(ruled_out.values())),
     )  # fmt: skip
 
 
@@ -312,14 +314,21 @@ def _instead(search: Search, place: int, family: str, on_the_log: float) -> floa
 def _left(searches: dict[str, Search], unexplained: float) -> list[tuple[str, Fitted]]:
     """What explains a part of the structure that the adopted effects do not, each with its balance.
 
-    Smooth terms, and effects that the drive cannot have. The larger part comes first.
+    Smooth terms, and models with an effect that the drive cannot have. The larger part comes first.
     """
     left: list[tuple[float, str, Fitted]] = []
     for name, search in searches.items():
-        for fitted in search.smoothed:
-            part = (search.best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
-            enough = part > unexplained or _outlines(search, fitted)
-            if enough and search.explains(search.best, fitted):
+        best, ruled_out = search.best, search.better_but_ruled_out()
+        for fitted in [*search.smoothed, *ruled_out]:
+            part = (best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
+            if fitted.last.possible:
+                enough = part > unexplained or _outlines(search, fitted)
+                enough = enough and search.explains(best, fitted)
+            else:
+                # With no more effects than were adopted it is the better explanation; beside all of them, a
+                # further one.
+                enough = part > unexplained or len(fitted.variants) <= len(best.variants)
+            if enough:
                 left.append((part, name, fitted))
     left.sort(key=lambda one: (one[0], one[2].last.variable, one[1]), reverse=True)
     return [(name, fitted) for _, name, fitted in left]
