@@ -22,7 +22,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks import measured_figures as figures
-from benchmarks import measured_page
+from benchmarks import measured_lines, measured_page
 from benchmarks.measured_free import K_E, free_errors
 from benchmarks.measured_identified import IDENTIFIED
 from benchmarks.measured_logs import ROOT, SETS, measured_log
@@ -53,6 +53,7 @@ def main() -> None:
         log, rig = measured_log(args.data, name)
         found = diagnose([log], rig)
         results[name] = page(name, found)
+        measured_lines.remember({name: measured_lines.line_of(found)})
         if np.any(found.data.drive.off):
             driven = changed(log, rig, DRIVEN_ROWS)
             results[name]["tables"].append(free(found, driven))
@@ -63,6 +64,7 @@ def main() -> None:
     text = json.dumps({name: results[name] for name in SETS if name in results}, indent=1, ensure_ascii=False)
     path.write_text(text + "\n", encoding="utf-8")
     measured_page.write(ROOT / "docs" / "measured-rigs.md", results)
+    measured_lines.write()
 
 
 def changed(log: Path, rig: Path, change: tuple[str, str]) -> Diagnosis:

@@ -11,7 +11,16 @@ import sympy as sp
 from eccentric.core import InputError
 from eccentric.effects import FAMILIES, Effect, Evidence, base_aliases, library, load_effects
 from eccentric.emission import load_module
-from eccentric.model import DRIVE_PARTS, Change, Definition, load_model, quantity
+from eccentric.model import (
+    ANGLE,
+    DRIVE_PARTS,
+    MOTOR_ANGLE,
+    OUTPUT_ANGLE,
+    Change,
+    Definition,
+    load_model,
+    quantity,
+)
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import of_expression, of_unit
 from tests.extended import BASE, CASES, effects, every_case, setting
@@ -41,9 +50,10 @@ def test_records_are_complete(case: str) -> None:
 def test_parts_and_ranges_are_complete(case: str) -> None:
     """An effect needs parts that a rig can name; a range has two ends, a dated source, and known letters."""
     letters = {q.name for q in load_model(BASE[case]).parameters}
+    known_parts = {**DRIVE_PARTS, ANGLE: (*MOTOR_ANGLE, *OUTPUT_ANGLE)}
     for effect in effects(case).values():
         for kind, words in effect.only_with.items():
-            assert (effect.id, set()) == (effect.id, set(words) - set(DRIVE_PARTS[kind]))
+            assert (effect.id, set()) == (effect.id, set(words) - set(known_parts[kind]))
         for known in effect.plausible:
             used = {symbol.name for symbol in known.value.free_symbols}
             assert (effect.id, set()) == (effect.id, used - letters - {q.name for q in effect.parameters})
@@ -68,6 +78,7 @@ def test_parts_and_ranges_are_complete(case: str) -> None:
         ({"motor": ("coreless",)}, {"eddy_current", "cogging", "kt_saturation", "magnetic_hysteresis"}),
         ({"motor": ("slotless",)}, {"eddy_current", "cogging"}),
         ({"motor": ("induction",)}, {"cogging", "kt_ripple", "magnet_temperature"}),
+        ({"angle": ("output",)}, {"cogging", "kt_ripple", "motor_harmonic_friction"}),
         ({"bearing": ("plain",)}, {"bearing_load"}),
         ({"lubricant": ("none",)}, {"viscosity_temperature", "stribeck_temperature"}),
         ({}, set()),

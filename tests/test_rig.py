@@ -173,6 +173,18 @@ def test_the_parts_of_a_drive_are_kept_by_kind(tmp_path: Path) -> None:
     assert {"gear": ("planetary", "belt"), "lubricant": ("grease",)} == rig.parts
 
 
+@pytest.mark.parametrize(
+    ("gear", "mu", "expected"), [("worm", "1", ("output",)), ("worm", "1/60", None), ("belt", "1", None)]
+)
+def test_a_reducer_of_ratio_one_hides_the_angle_of_its_motor(
+    tmp_path: Path, gear: str, mu: str, expected: tuple[str, ...] | None
+) -> None:
+    """A worm gear has no ratio of 1: the log is on its output. A belt may have it."""
+    text = f'gear = "{gear}"\n[known]\ncase = "C1"\nmu = "{mu}"'
+
+    assert expected == read_rig(written(tmp_path, text)).parts.get("angle")
+
+
 def test_estimate_is_kept_for_the_fit(tmp_path: Path) -> None:
     """What is to be estimated starts from 0 and is named."""
     rig = read_rig(written(tmp_path, 'input_delay_s = 0.025\ntheta_zero_rad = "estimate"\n' + MINIMAL))

@@ -9,7 +9,7 @@ from html import escape
 from pathlib import Path
 
 from eccentric.effects import FAMILIES, Effect, base_aliases
-from eccentric.model import Model, Quantity
+from eccentric.model import ANGLE, Model, Quantity
 from eccentric.presentation.html.formulas import short_formula
 from generator.formula import equations, typesetter
 from generator.pictures import draw
@@ -138,7 +138,8 @@ def _notes(effect: Effect) -> list[str]:
     if effect.evidence.needs:
         said.append(f"Needs a log with {_list([_words((name,)) for name in effect.evidence.needs])}.")
     for kind, words in effect.only_with.items():
-        said.append(f"Only on a drive with this {kind}, or one that is not declared: {', '.join(words)}.")
+        only = f"a {kind} that is not declared or {', '.join(words)}"
+        said.append(f"Only with {'the angle of the motor' if kind == ANGLE else only}.")
     for known in effect.plausible:
         ranges = [("", known.low, known.high, known.source)]
         ranges += [(f"{part}: ", *of_part) for part, of_part in known.by_part.items()]

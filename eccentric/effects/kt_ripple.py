@@ -9,7 +9,7 @@ import sympy as sp
 
 from eccentric.effects.effect import Effect, Plausible, Setting, Words, how_often
 from eccentric.effects.forms import harmonic, of_flux
-from eccentric.model import MAGNETS, quantity
+from eccentric.model import ANGLE, MAGNETS, MOTOR_ANGLE, quantity
 from eccentric.model import vocabulary as v
 
 ORDERS = range(1, 25)
@@ -56,7 +56,7 @@ def _order(n: int, setting: Setting) -> Effect:
         reference="T. M. Jahns and W. L. Soong, IEEE Trans. Industrial Electronics 43(2), 1996",
         inputs=(v.theta_m,),
         repeats=True,
-        only_with={"motor": MAGNETS},
+        only_with={"motor": MAGNETS, ANGLE: MOTOR_ANGLE},
         plausible=(size,),
         one_of=max(n, len(ORDERS)),
         per_turn=n,

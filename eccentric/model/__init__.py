@@ -38,7 +38,20 @@ from eccentric.model.load import in_general_letters, load_model, model_names, wi
 from eccentric.model.model import Change, Extension, Model, spoken
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, differentiate, needed
 from eccentric.model.outputs import drive_interface, interface_of, moving, normal_force
-from eccentric.model.parts import DRIVE_PARTS, GEARS, IRON, MAGNETS, MOTORS, NO_PART, Parts, missing
+from eccentric.model.parts import (
+    ANGLE,
+    DRIVE_PARTS,
+    GEARS,
+    IRON,
+    MAGNETS,
+    MOTOR_ANGLE,
+    MOTORS,
+    NO_PART,
+    OUTPUT_ANGLE,
+    REDUCERS,
+    Parts,
+    missing,
+)
 from eccentric.model.quantity import C_KEYWORDS, Definition, Quantity, State, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.rest import law_at_rest, levels
@@ -63,6 +76,7 @@ from eccentric.model.steps import (
 )
 
 __all__ = [
+    "ANGLE",
     "AXES",
     "CONTACT",
     "C_KEYWORDS",
@@ -73,7 +87,10 @@ __all__ = [
     "LINEAR",
     "MAGNETS",
     "MOTORS",
+    "MOTOR_ANGLE",
     "NO_PART",
+    "OUTPUT_ANGLE",
+    "REDUCERS",
     "STEPS",
     "TURNING",
     "Across",

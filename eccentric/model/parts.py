@@ -33,6 +33,12 @@ MAGNETS = (*IRON, "coreless", "slotless")
 MOTORS = (*MAGNETS, "induction")
 
 
+REDUCERS = frozenset({"strain wave", "planetary", "worm"})
+"""Gears whose ratio is never 1."""
+ANGLE, MOTOR_ANGLE, OUTPUT_ANGLE = "angle", ("motor",), ("output",)
+"""Kind and words of what follows from a rig: whether the angle of the motor is known at all."""
+
+
 def missing(needs: Parts, given: Parts) -> dict[str, tuple[str, ...]]:
     """Kind -> the words of which a drive of the `given` parts has none; empty where nothing is missing."""
     return {

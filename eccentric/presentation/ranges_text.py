@@ -6,7 +6,7 @@ from typing import Any
 
 from eccentric.diagnosis import Diagnosis, RangeCheck
 from eccentric.effects import Effect
-from eccentric.model import Parts
+from eccentric.model import ANGLE, Parts
 
 
 def range_document(check: RangeCheck) -> dict[str, Any]:
@@ -65,7 +65,9 @@ def ruled_out_sentence(found: Diagnosis) -> str:
 
 def _needs(effect: Effect, parts: Parts) -> str:
     return " and ".join(
-        f'it needs {kind} = "{_any_of(words)}" where the rig file has "{" + ".join(parts[kind])}"'
+        "it needs the angle of the motor, which is not in a log of the output of this gear (mu = 1)"
+        if kind == ANGLE
+        else f'it needs {kind} = "{_any_of(words)}" where the rig file has "{" + ".join(parts[kind])}"'
         for kind, words in effect.lacks(parts).items()
     )
 

@@ -23,7 +23,18 @@ from eccentric.core import (
     shown,
 )
 from eccentric.logs import parse_value
-from eccentric.model import AXES, DRIVE_PARTS, LINEAR, NO_PART, TURNING, AxisKind, Parts
+from eccentric.model import (
+    ANGLE,
+    AXES,
+    DRIVE_PARTS,
+    LINEAR,
+    NO_PART,
+    OUTPUT_ANGLE,
+    REDUCERS,
+    TURNING,
+    AxisKind,
+    Parts,
+)
 from eccentric.rigs.controller import Controller, read_controller
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names, read_parts
 from eccentric.rigs.known import AddedMass, mass_alone, read_added, read_knowns
@@ -241,6 +252,9 @@ def _parts(content: Mapping[str, Any], where: str, known: Mapping[str, float]) -
     parts, mu = read_parts(content, where), known.get("mu", 1.0)
     if parts.get("gear") == (NO_PART,) and mu != 1.0:
         raise InputError(f"{where}: gear", "a gear", '"none"', why=f"with mu = {mu:g}")
+    if mu == 1.0 and REDUCERS.intersection(parts.get("gear", ())):
+        # Such a gear is inside what the rig calls the motor: the log is on its output.
+        return {**parts, ANGLE: OUTPUT_ANGLE}
     return parts
 
 
