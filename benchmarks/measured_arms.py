@@ -55,8 +55,6 @@ def main() -> None:
         arm = read_arm_rig(rig)
         found = fit_arm([log], arm, ["data.csv.gz"], print)
         results[name] = {"fit": fit_table(found)}
-        if found.bodies is not None:
-            results[name]["bodies"] = bodies_table(found)
         diagnosed = diagnose_arm([log], arm, ["data.csv.gz"], tell=print)
         results[name]["diagnosis"] = diagnosis_table(diagnosed)
         own = {f"{name} {joint.number}": measured_lines.line_of(joint.found) for joint in diagnosed.joints}
@@ -90,17 +88,6 @@ def fit_table(found: ArmFit) -> list[list[str]]:
         errors = (f"{joint.rmse[key]:.3g}" for key in ("linear", "followed"))
         name, load = f"{joint.number} {joint.name}", follows.replace("_", " ") or "-"
         rows.append([name, load, *errors, gain, f"{joint.torque_rms:.3g}", runs])
-    return rows
-
-
-def bodies_table(found: ArmFit) -> list[list[str]]:
-    """Base parameters with their intervals."""
-    if found.bodies is None:
-        return []
-    rows = [["sum of inertial parameters", "value", "95 % interval", "unit"]]
-    for estimate, words in zip(found.bodies.estimates.values(), found.bodies.sums, strict=True):
-        low, high = estimate.interval
-        rows.append([words, f"{estimate.value:.3g}", f"{low:.3g} to {high:.3g}", estimate.unit])
     return rows
 
 

@@ -16,12 +16,14 @@ import re
 import sys
 import tomllib
 import warnings
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from eccentric.core import InputError
 from eccentric.diagnosis import Diagnosis, diagnose
+from eccentric.model import ANGLE, NO_PART
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE, MEASURED = ROOT / "docs" / "measured-rigs.md", ROOT / "docs" / "measured"
@@ -60,14 +62,16 @@ def remember(lines: dict[str, Line]) -> None:
 
 def _of_a_stranger(log: Path, parts: dict[str, str]) -> Line:
     rig = tomllib.loads((log.parent / f"rig-{log.stem}.toml").read_text(encoding="utf-8"))
-    made_of = ", ".join(parts.values())
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return line_of(diagnose([log], rig | parts))
     except InputError as error:
-        why = str(error).replace(f"{log.parent}/", "").replace(log.name, "the log")
-        return {"made of": made_of, "cause": "-", "ranges": "-", "says": f"refused: {why}"}
+        # The first clause: what else may help is for the person who has the log.
+        why = str(error.inside("rig")).replace(f"{log.parent}/", "").replace(log.name, "the log")
+        why = re.split("[;:] ", why.removeprefix("the log: "))[0]
+        made_of = {kind: (word,) for kind, word in parts.items()}
+        return {"made of": _made_of(made_of), "cause": "-", "ranges": "-", "says": f"refused: {why}"}
 
 
 def line_of(found: Diagnosis) -> Line:
@@ -96,11 +100,18 @@ def line_of(found: Diagnosis) -> Line:
         for check in found.ranges
     ]
     return {
-        "made of": ", ".join(" + ".join(words) for words in found.rig.parts.values()) or "not declared",
+        "made of": _made_of(found.rig.parts),
         "cause": ", ".join(f"`{name}`" for name in named) or "-",
         "ranges": "; ".join(ranges) or "-",
         "says": says,
     }
+
+
+def _made_of(parts: Mapping[str, Sequence[str]]) -> str:
+    words = (
+        f"no {kind}" if NO_PART in own else " + ".join(own) for kind, own in parts.items() if kind != ANGLE
+    )
+    return ", ".join(words) or "not declared"
 
 
 def write() -> None:
