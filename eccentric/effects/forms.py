@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
-from eccentric.effects.effect import Correction, Effect, Evidence, Setting, Shape, Words
+from eccentric.effects.effect import Correction, Effect, Evidence, Plausible, Setting, Shape, Words
 from eccentric.model import (
     Across,
     Along,
@@ -24,6 +24,7 @@ from eccentric.model import (
     HalfSine,
     Load,
     Magnitude,
+    Parts,
     Quantity,
     Role,
     Sgn,
@@ -69,11 +70,14 @@ def addition(
     per_turn: sp.Expr | int = 0,
     words: Words | None = None,
     corrects: Correction | None = None,
+    only_with: Parts | None = None,
+    plausible: tuple[Plausible, ...] = (),
 ) -> Effect:
     """An effect that adds coefficient times basis to one balance, one term for each of the columns.
 
     Args:
-        family, variant, balance, formula, reference, shapes, words, corrects: as in `Effect`.
+        family, variant, balance, formula, reference, shapes, words, corrects, only_with, plausible: as in
+            `Effect`.
         columns: coefficient and basis of each term.
         role: of the terms, or of each of them; a term with a role is friction.
         load: the load that the friction is proportional to.
@@ -103,6 +107,8 @@ def addition(
         shapes=shapes,
         words=words or Words(),
         corrects=corrects,
+        only_with=only_with or {},
+        plausible=plausible,
     )
 
 

@@ -25,6 +25,7 @@ from eccentric.model import spoken_quantity
 from eccentric.presentation.calls_text import calls, share_words
 from eccentric.presentation.fit_text import band_line, inertia_words
 from eccentric.presentation.measurement_text import measurement_sentence
+from eccentric.presentation.ranges_text import outside_sentences, range_line, ruled_out_sentence
 
 VERDICTS = {
     "named": "effect named",
@@ -33,10 +34,15 @@ VERDICTS = {
     "nothing_missing": "nothing missing",
 }
 _NONE = "no effect in the library explains"
+_NONE_HERE = "no cause that this drive can have explains"
 
 
 def diagnosis_sentence(found: Diagnosis) -> str:
-    """One sentence that can be sent to a colleague."""
+    """One sentence that can be sent to a colleague, and one for each estimate outside its known range."""
+    return " ".join([_verdict(found), *outside_sentences(found)])
+
+
+def _verdict(found: Diagnosis) -> str:
     a, axis, unit = found.attribution, found.rig.axis, _unit(found)
     if a.verdict == "named":
         missing = [effect for effect, _ in (*found.effects, *found.undecided)]
@@ -73,6 +79,7 @@ def diagnosis_sentence(found: Diagnosis) -> str:
     if a.verdict == "unexplained":
         asked = found.asked.request.only
         explains = f"none of the requested effects ({_listed(asked)}) explains" if asked else _NONE
+        explains = _NONE_HERE if a.ruled_out else explains
         return f"The residual still depends on {depends or 'something unknown'}, and {explains} it."
     left = found.score.rmse[found.score.balance]["paper"]
     if left > PROVABLE * found.noise_floor:
@@ -268,6 +275,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     out += [
         _effect(found, effect, own) for effect, own in (*found.effects, *found.undecided, *found.clear)[:3]
     ]
+    out += [f"  {range_line(check)}" for check in found.ranges if check.outside]
     for balance, models in found.score.rmse.items():
         shown = {name: error for name, error in models.items() if name != "extended" or adopted}
         if axis.model:  # the base model of a carriage is Coulomb + viscous friction
@@ -280,7 +288,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         out.append(aliased)
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, _unit(found), axis.term("angle"))
-    out += filter(None, [closest_sentence(found), sibling_sentence(found)])
+    out += filter(None, [ruled_out_sentence(found), closest_sentence(found), sibling_sentence(found)])
     if a.verdict == "unexplained" and found.models.fits_the_rig:
         out.append("closest candidates, none sufficient:")
         out += [f"  {_headline(c.words, c.id)}" for c in a.candidates[:4]]

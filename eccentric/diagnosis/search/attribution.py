@@ -33,8 +33,9 @@ class Search:
     """The search on one balance.
 
     base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
-    smoothed: smooth terms beside the adopted ones; alternatives: per adopted variant, family -> (probability,
-        fit); steps: the best model after each step; tried: other models that were compared with it;
+    smoothed: smooth terms beside the adopted ones; ruled_out: candidates that the drive cannot have;
+        alternatives: per adopted variant, family -> (probability, fit);
+        steps: the best model after each step; tried: other models that were compared with it;
         required: deviance that an addition has to gain; stability: of the adopted effects; by_both: of
         effects that this balance alone leaves open, family -> deviance by which the other one, or both
         together, prefer it.
@@ -52,6 +53,7 @@ class Search:
     required: float = limits.LEAST_DEVIANCE
     stability: Stability = field(default_factory=Stability)
     by_both: dict[str, float] = field(default_factory=dict)
+    ruled_out: Screen | None = None
 
     def run(self) -> None:
         """Adopt, compare, then fit the smooth terms to what is left."""
@@ -76,6 +78,30 @@ class Search:
         self._examine(self.steps)
         self._share_names()
         self.smoothed = self.smooth.rank(self.best.variants)
+
+    def better_but_ruled_out(self) -> list[Fitted]:
+        """Models with a candidate that the drive cannot have, last, that explain more than the best one.
+
+        It stands alone, beside the adopted effects, or in the place of one of them: several of those may
+        imitate what it does.
+        """
+        screen = self.ruled_out
+        if screen is None or not screen.candidates:
+            return []
+        places = range(len(self.best.variants))
+        beside = [list(self.best.variants), *(_without(self.best, place) for place in places), []]
+        return [
+            fitted
+            for others in beside
+            for fitted in screen.rank(others, leaders=limits.LEADERS_OF_A_SWAP)
+            if self.worth_it(self.best, fitted, screen)
+            and self._gained(list(others), fitted.variants[-1], fitted, screen)
+        ]
+
+    def release(self) -> None:
+        """Forget all columns, as `Screen.release` does."""
+        for screen in filter(None, (self.screen, self.smooth, self.ruled_out)):
+            screen.release()
 
     def deviance(self, before: Fitted, after: Fitted, screen: Screen | None = None) -> float:
         """Twice the gain in log-likelihood from one fit to another, of the cross-validated scores."""

@@ -45,6 +45,7 @@ from eccentric.presentation.html.data import (
 from eccentric.presentation.html.equation import friction_equations, typesetter_of
 from eccentric.presentation.html.text import number, range_of
 from eccentric.presentation.measurement_text import measurement_sentence
+from eccentric.presentation.ranges_text import range_line, ruled_out_sentence
 from eccentric.rigs import KNOWNS
 from eccentric.signals import Rows
 from eccentric.simulation import SimulatedErrors
@@ -249,7 +250,9 @@ def report_data(
             verdict=attribution.verdict,
             sentence=diagnosis_sentence(found),
             depends_on=tuple(map(axis.named, attribution.depends_on)),
-            closest=" ".join(filter(None, [closest_sentence(found), sibling_sentence(found)])),
+            closest=" ".join(
+                filter(None, [ruled_out_sentence(found), closest_sentence(found), sibling_sentence(found)])
+            ),
             next_measurement=measurement_sentence(attribution.next_measurement, axis),
             fits_the_rig=found.models.fits_the_rig,
             confirmed=not attribution.unconfirmed,
@@ -332,6 +335,7 @@ def _added(effect: Effect, found: Diagnosis) -> AddedEffect:
         share=share_words(found.models.extended, effect),
         headline=effect.words.headline,
         stability=stability_words(found, effect),
+        ranges=tuple(range_line(check) for check in found.ranges if check.effect == effect.id),
     )
 
 
