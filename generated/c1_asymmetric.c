@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 7f3a2e96).
+ * (eccentric 0.1.0, program 7fecd186).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -12,12 +12,12 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x7f3a2e96UL
+#if C1_ASYMMETRIC_PROGRAM != 0x7fecd186UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
-/* Whatever the flags: gcc and clang do not re-associate below, gcc does not contract a * b + c, and what
- * would still break the bounds is refused. Another compiler obeys the standard pragma. */
+/* Under any flags, gcc and clang do not re-associate the code below, gcc does not contract a * b + c, and
+ * flags that would still break the bounds are refused. Other compilers obey the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math, -Ofast and -funsafe-math-optimizations spoil prepare and drop NaN: leave them out"
@@ -31,7 +31,7 @@
 #endif
 #endif
 #if defined(__clang__)
-#if __clang_major__ >= 13 /* 12 knows the pragma as well, but not Apple's 12 */
+#if __clang_major__ >= 13 /* clang 12 knows the pragma as well, but Apple's does not */
 #pragma clang fp reassociate(off) contract(off)
 #else
 #pragma STDC FP_CONTRACT OFF
@@ -40,10 +40,10 @@
 #pragma GCC push_options
 #pragma GCC optimize("no-unsafe-math-optimizations", "no-associative-math", "no-reciprocal-math")
 #pragma GCC optimize("fp-contract=off", "signed-zeros")
-/* With units that fuse, gcc's vectorizer of straight code contracts a b + c beside d e - f all the same. */
+/* With fused multiply-add, gcc's straight-line vectorizer still contracts a b + c next to d e - f. */
 #pragma GCC optimize("no-tree-slp-vectorize")
 #if defined(__riscv_vector)
-#pragma GCC optimize("no-tree-vectorize") /* there loops as well */
+#pragma GCC optimize("no-tree-vectorize") /* and so does its loop vectorizer here */
 #endif
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunknown-pragmas"
@@ -341,7 +341,7 @@ void c1_asymmetric_normal_force_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_asymmetric_normal_force_at(omega_m[k], &own);
     }
@@ -372,7 +372,7 @@ void c1_asymmetric_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_asymmetric_friction_torque_at(omega_m[k], &own);
     }
@@ -407,7 +407,7 @@ void c1_asymmetric_mechanical_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_asymmetric_mechanical_friction_torque_at(omega_m[k], &own);
     }
@@ -446,7 +446,7 @@ void c1_asymmetric_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_asymmetric_friction_torque_gradient_at(omega_m[k], &out[1u * k], &own);
     }
@@ -491,7 +491,7 @@ void c1_asymmetric_friction_torque_with_gradient_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_asymmetric_friction_torque_with_gradient_at(omega_m[k], &out[2u * k], &own);
     }
@@ -539,7 +539,7 @@ void c1_asymmetric_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_asymmetric_friction_torque_jacobian_at(omega_m[k], &out[12u * k], &own);
     }
@@ -578,7 +578,7 @@ void c1_asymmetric_regressor_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_asymmetric_regressor_at(omega_m[k], &out[8u * k], &own);
     }
@@ -630,7 +630,7 @@ void c1_asymmetric_friction_budget_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_asymmetric_friction_budget_at(omega_m[k], &out[3u * k], &own);
     }
@@ -675,7 +675,7 @@ void c1_asymmetric_voltage_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_asymmetric_voltage_at(omega_m[k], alpha_m[k], &own);
     }
@@ -713,7 +713,7 @@ void c1_asymmetric_current_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_asymmetric_current_at(omega_m[k], alpha_m[k], &own);
     }
@@ -755,7 +755,7 @@ void c1_asymmetric_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_asymmetric_mechanical_residual_at(omega_m[k], i[k], alpha_m[k], &own);
     }
@@ -787,7 +787,7 @@ void c1_asymmetric_electrical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_asymmetric_electrical_residual_at(omega_m[k], i[k], u[k], &own);
     }
@@ -844,7 +844,7 @@ void c1_asymmetric_friction_step_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_asymmetric_friction_step_at(omega_m[k], torque[k], dt[k], &out[2u * k], &own);
     }
@@ -887,7 +887,7 @@ void c1_asymmetric_acceleration_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    const c1_asymmetric_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_asymmetric_acceleration_at(omega_m[k], torque[k], &own);
     }

@@ -1,28 +1,28 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 7f3a2e96).
+ * (eccentric 0.1.0, program 7fecd186).
  * Case C1 with friction that differs between the directions of motion.
  */
 /* Begin with c1_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * c1_asymmetric_normal_force; `c` is &c1_asymmetric_default, or the output of c1_asymmetric_prepare for your own parameters.
- * c1_asymmetric_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: its coefficients are
- * then meaningless, and no function checks them. Coefficients that it has not filled, all 0 in a static variable, give 0. */
+ * c1_asymmetric_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: the coefficients are
+ * then meaningless, and no function checks them. Unprepared coefficients, all 0 in a static variable, give 0. */
 #ifndef C1_ASYMMETRIC_H
 #define C1_ASYMMETRIC_H
 
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0x7f3a2e96UL
+#define C1_ASYMMETRIC_PROGRAM 0x7fecd186UL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
- * all functions have it in their names, as in c1_asymmetric_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. Files of different precision do not link,
+ * since it is part of all function names, as in c1_asymmetric_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
 #define ECCENTRIC_PRECISION_float 1
 #define ECCENTRIC_PRECISION_double 2
-#define ECCENTRIC_PRECISION_long 0 * /* makes "long double" a number, which is refused */
+#define ECCENTRIC_PRECISION_long 0 * /* turns "long double" into a number, which is refused */
 #define ECCENTRIC_JOIN_(a, b) a##b
 #define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
 #define ECCENTRIC_PRECISION ECCENTRIC_JOIN(ECCENTRIC_PRECISION_, ECCENTRIC_REAL)
@@ -68,12 +68,13 @@
 #define c1_asymmetric_polynomial ECCENTRIC_JOIN(c1_asymmetric_polynomial_, ECCENTRIC_REAL)
 #define c1_asymmetric_polynomial_neg ECCENTRIC_JOIN(c1_asymmetric_polynomial_neg_, ECCENTRIC_REAL)
 
-/* With gcc, and clang from 13 on, the bounds below hold whatever the flags: the source undoes what would break them, or
- * refuses it. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
- * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined
- * behaviour; clang's -ffp-contract=fast, -freciprocal-math, -fno-signed-zeros, -fapprox-func change bits, -fno-honor-nans NaN.
- * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;
- * an infinity gives NaN, infinity or what follows.
+/* With gcc, and with clang from version 13, the bounds below hold under any flags: the source turns off or refuses every
+ * flag that would break them. Other compilers must round to nearest and obey the pragma FP_CONTRACT.
+ * Every platform with correctly rounded arithmetic then gives the same bits, and no input causes undefined
+ * behaviour. Of clang's flags, -ffp-contract=fast, -freciprocal-math, -fno-signed-zeros and -fapprox-func change bits, and
+ * -fno-honor-nans changes the results for NaN.
+ * A NaN gives NaN. Finite inputs give NaN only if a sum overflows or a required inertia is not set.
+ * An infinity gives NaN, infinity, or a finite value that follows from it.
  * Bounds of the rounding error in float and double, found by search unless marked "proved", with eps = 2^-23
  * and 2^-52; inputs and parameters count as exact:
  *   normal_force within 5 units in the last place (proved for parameters and speeds of 1e-6 to 1e6)
@@ -91,7 +92,7 @@
 extern "C" {
 #endif
 
-/** What a parameter without a default is until it is set: exact in both precisions, so that no initialiser is NaN. */
+/** Value of a parameter without a default until it is set: exact in both precisions, so that no initialiser is NaN. */
 #define ECCENTRIC_NOT_GIVEN (-170141183460469231731687303715884105728.0)
 
 /** Parameters, with the paper's letters, in SI units. */
@@ -121,8 +122,8 @@ typedef struct {
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } c1_asymmetric_parameters;
 
-/** Values that depend on parameters only; c1_asymmetric_prepare fills them and must run first: all 0, as in a
- *  static variable, they give friction of 0. */
+/** Values that depend on parameters only. Call c1_asymmetric_prepare first to compute them: while they are all 0,
+ *  as in a static variable, friction is 0. */
 typedef struct {
     ECCENTRIC_REAL B_lN_neg; /**< viscous friction of the link per normal force, omega_m < 0 [m s/rad] */
     ECCENTRIC_REAL B_lN_pos; /**< viscous friction of the link per normal force, omega_m > 0 [m s/rad] */
@@ -173,17 +174,17 @@ typedef struct {
     ECCENTRIC_REAL B_neg_plus_k_e_k_i_per_R; /**< B_neg + k_e k_i/R */
 } c1_asymmetric_coefficients;
 
-/** The default parameters: Table 1 of the paper with mu = 1/5. */
+/** Default parameters: Table 1 of the paper with mu = 1/5. */
 extern const c1_asymmetric_parameters c1_asymmetric_default_parameters;
 
-/** The coefficients of the default parameters, computed at 50 digits, rounded to the working precision. */
+/** Coefficients of the default parameters, computed with 50 digits and rounded to the working precision. */
 extern const c1_asymmetric_coefficients c1_asymmetric_default;
 
-/** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
+/** Compute the coefficients of a set of parameters; call it once, and again when a parameter changes.
  *  Valid parameters: mu, R, k_i positive; the others not negative.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients, meaningless if a parameter is invalid
- *  @return 0, or the number of the first invalid parameter: 1 for M, in the order of the structure
+ *  @return 0, or the number of the first invalid parameter, counted in the order of the structure from 1 (M)
  */
 int c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coefficients *c);
 
@@ -194,7 +195,7 @@ int c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coeff
  */
 ECCENTRIC_REAL c1_asymmetric_normal_force(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c);
 
-/** normal_force over arrays of n samples. */
+/** normal_force for arrays of n samples. */
 void c1_asymmetric_normal_force_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -208,7 +209,7 @@ void c1_asymmetric_normal_force_n(
  */
 ECCENTRIC_REAL c1_asymmetric_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c);
 
-/** friction_torque over arrays of n samples. */
+/** friction_torque for arrays of n samples. */
 void c1_asymmetric_friction_torque_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -224,7 +225,7 @@ ECCENTRIC_REAL c1_asymmetric_mechanical_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c1_asymmetric_coefficients *c);
 
-/** mechanical_friction_torque over arrays of n samples. */
+/** mechanical_friction_torque for arrays of n samples. */
 void c1_asymmetric_mechanical_friction_torque_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -241,7 +242,7 @@ void c1_asymmetric_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** friction_torque_gradient over arrays of n samples, each with 1 of `out`. */
+/** friction_torque_gradient for arrays of n samples, with 1 values of `out` per sample. */
 void c1_asymmetric_friction_torque_gradient_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -258,7 +259,7 @@ void c1_asymmetric_friction_torque_with_gradient(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** friction_torque_with_gradient over arrays of n samples, each with 2 of `out`. */
+/** friction_torque_with_gradient for arrays of n samples, with 2 values of `out` per sample. */
 void c1_asymmetric_friction_torque_with_gradient_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -276,7 +277,7 @@ void c1_asymmetric_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** friction_torque_jacobian over arrays of n samples, each with 12 of `out`. */
+/** friction_torque_jacobian for arrays of n samples, with 12 values of `out` per sample. */
 void c1_asymmetric_friction_torque_jacobian_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -294,7 +295,7 @@ void c1_asymmetric_regressor(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** regressor over arrays of n samples, each with 8 of `out`. */
+/** regressor for arrays of n samples, with 8 values of `out` per sample. */
 void c1_asymmetric_regressor_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -313,7 +314,7 @@ void c1_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c1_asymmetri
  *  @param[in]  c  coefficients
  */
 void c1_asymmetric_breakaway_torque(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);
-/* What it was called before: a call of that is an error, which names this one. */
+/* The former name: calling it is an error that names this function. */
 #define c1_asymmetric_coulomb_torque c1_asymmetric_coulomb_torque_is_now_breakaway_torque
 
 /** Levels of dry friction at this state, and the viscous coefficient.
@@ -326,7 +327,7 @@ void c1_asymmetric_friction_budget(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** friction_budget over arrays of n samples, each with 3 of `out`. */
+/** friction_budget for arrays of n samples, with 3 values of `out` per sample. */
 void c1_asymmetric_friction_budget_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -351,7 +352,7 @@ ECCENTRIC_REAL c1_asymmetric_voltage(
     ECCENTRIC_REAL alpha_m,
     const c1_asymmetric_coefficients *c);
 
-/** voltage over arrays of n samples. */
+/** voltage for arrays of n samples. */
 void c1_asymmetric_voltage_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -371,7 +372,7 @@ ECCENTRIC_REAL c1_asymmetric_current(
     ECCENTRIC_REAL alpha_m,
     const c1_asymmetric_coefficients *c);
 
-/** current over arrays of n samples. */
+/** current for arrays of n samples. */
 void c1_asymmetric_current_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -393,7 +394,7 @@ ECCENTRIC_REAL c1_asymmetric_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const c1_asymmetric_coefficients *c);
 
-/** mechanical_residual over arrays of n samples. */
+/** mechanical_residual for arrays of n samples. */
 void c1_asymmetric_mechanical_residual_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -415,7 +416,7 @@ ECCENTRIC_REAL c1_asymmetric_electrical_residual(
     ECCENTRIC_REAL u,
     const c1_asymmetric_coefficients *c);
 
-/** electrical_residual over arrays of n samples. */
+/** electrical_residual for arrays of n samples. */
 void c1_asymmetric_electrical_residual_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -439,7 +440,7 @@ void c1_asymmetric_friction_step(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** friction_step over arrays of n samples, each with 2 of `out`. */
+/** friction_step for arrays of n samples, with 2 values of `out` per sample. */
 void c1_asymmetric_friction_step_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -460,7 +461,7 @@ ECCENTRIC_REAL c1_asymmetric_acceleration(
     ECCENTRIC_REAL torque,
     const c1_asymmetric_coefficients *c);
 
-/** acceleration over arrays of n samples. */
+/** acceleration for arrays of n samples. */
 void c1_asymmetric_acceleration_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,

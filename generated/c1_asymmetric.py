@@ -1,13 +1,13 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program 7f3a2e96).
+# (eccentric 0.1.0, program 7fecd186).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
-Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
-Every function takes inputs, parameters=None, out=None; without parameters the defaults of `Parameters` hold.
-A TypeError names what is no real number; a ValueError, what is too large for the float32 beside it.
+Inputs are on the motor side, in SI units. They broadcast, float32 stays float32, and `out` is supported.
+Every function takes inputs, parameters=None, out=None; the default parameters are those of `Parameters`.
+A TypeError names an argument that is not a real number; a ValueError, one too large for float32 inputs.
 
-Below, it is a formula, in which `c` is what follows from the parameters alone: `_prepare` computes it.
+Below, each function is a formula; `c` has the values that depend on parameters only, computed by `_prepare`.
 """
 
 from __future__ import annotations
@@ -70,11 +70,11 @@ JACOBIAN = (
 class Parameters(runtime.Checked):
     """Parameters with the paper's letters, in SI units; the defaults are Table 1 of the paper with mu = 1/5.
 
-    Real numbers of any type are taken, and kept as floats.
+    Real numbers of any type are accepted and stored as floats.
 
     Raises:
-        TypeError: a value is no real number.
-        ValueError: a value is not finite, or has a sign that the quantity cannot have.
+        TypeError: a value is not a real number.
+        ValueError: a value is not finite, or has an impossible sign.
     """
 
     M: float = runtime.nonnegative(0.5, "kg")
@@ -126,7 +126,7 @@ class Parameters(runtime.Checked):
 
 
 def _prepare(p, c):
-    """Compute values that depend on parameters only; those beyond double precision are Pairs."""
+    """Compute values that depend on parameters only; values beyond double precision are Pairs."""
     F_T = p.M_l * p.g if p.F_T is None else p.F_T
     J_m = math.nan if p.J_m is None else p.J_m
     J_l = math.nan if p.J_l is None else p.J_l
@@ -360,7 +360,7 @@ def breakaway_torque(c):
 
 
 def coulomb_torque(*_, **__):
-    """Now `breakaway_torque`."""
+    """Renamed to `breakaway_torque`."""
     raise AttributeError("coulomb_torque: now breakaway_torque, which returns the lower and the upper level")
 
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 489238ac).
+ * (eccentric 0.1.0, program 4dac0a26).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -12,12 +12,12 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x489238acUL
+#if C1_PERPENDICULAR_PROGRAM != 0x4dac0a26UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
-/* Whatever the flags: gcc and clang do not re-associate below, gcc does not contract a * b + c, and what
- * would still break the bounds is refused. Another compiler obeys the standard pragma. */
+/* Under any flags, gcc and clang do not re-associate the code below, gcc does not contract a * b + c, and
+ * flags that would still break the bounds are refused. Other compilers obey the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math, -Ofast and -funsafe-math-optimizations spoil prepare and drop NaN: leave them out"
@@ -31,7 +31,7 @@
 #endif
 #endif
 #if defined(__clang__)
-#if __clang_major__ >= 13 /* 12 knows the pragma as well, but not Apple's 12 */
+#if __clang_major__ >= 13 /* clang 12 knows the pragma as well, but Apple's does not */
 #pragma clang fp reassociate(off) contract(off)
 #else
 #pragma STDC FP_CONTRACT OFF
@@ -40,10 +40,10 @@
 #pragma GCC push_options
 #pragma GCC optimize("no-unsafe-math-optimizations", "no-associative-math", "no-reciprocal-math")
 #pragma GCC optimize("fp-contract=off", "signed-zeros")
-/* With units that fuse, gcc's vectorizer of straight code contracts a b + c beside d e - f all the same. */
+/* With fused multiply-add, gcc's straight-line vectorizer still contracts a b + c next to d e - f. */
 #pragma GCC optimize("no-tree-slp-vectorize")
 #if defined(__riscv_vector)
-#pragma GCC optimize("no-tree-vectorize") /* there loops as well */
+#pragma GCC optimize("no-tree-vectorize") /* and so does its loop vectorizer here */
 #endif
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunknown-pragmas"
@@ -261,7 +261,7 @@ void c1_perpendicular_normal_force_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_perpendicular_normal_force_at(omega_m[k], &own);
     }
@@ -289,7 +289,7 @@ void c1_perpendicular_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_perpendicular_friction_torque_at(omega_m[k], &own);
     }
@@ -319,7 +319,7 @@ void c1_perpendicular_mechanical_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_perpendicular_mechanical_friction_torque_at(omega_m[k], &own);
     }
@@ -352,7 +352,7 @@ void c1_perpendicular_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_perpendicular_friction_torque_gradient_at(omega_m[k], &out[1u * k], &own);
     }
@@ -387,7 +387,7 @@ void c1_perpendicular_friction_torque_with_gradient_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_perpendicular_friction_torque_with_gradient_at(omega_m[k], &out[2u * k], &own);
     }
@@ -423,7 +423,7 @@ void c1_perpendicular_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_perpendicular_friction_torque_jacobian_at(omega_m[k], &out[6u * k], &own);
     }
@@ -457,7 +457,7 @@ void c1_perpendicular_regressor_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_perpendicular_regressor_at(omega_m[k], &out[4u * k], &own);
     }
@@ -503,7 +503,7 @@ void c1_perpendicular_friction_budget_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_perpendicular_friction_budget_at(omega_m[k], &out[3u * k], &own);
     }
@@ -544,7 +544,7 @@ void c1_perpendicular_voltage_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_perpendicular_voltage_at(omega_m[k], alpha_m[k], &own);
     }
@@ -579,7 +579,7 @@ void c1_perpendicular_current_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_perpendicular_current_at(omega_m[k], alpha_m[k], &own);
     }
@@ -616,7 +616,7 @@ void c1_perpendicular_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_perpendicular_mechanical_residual_at(omega_m[k], i[k], alpha_m[k], &own);
     }
@@ -648,7 +648,7 @@ void c1_perpendicular_electrical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_perpendicular_electrical_residual_at(omega_m[k], i[k], u[k], &own);
     }
@@ -701,7 +701,7 @@ void c1_perpendicular_friction_step_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_perpendicular_friction_step_at(omega_m[k], torque[k], dt[k], &out[2u * k], &own);
     }
@@ -741,7 +741,7 @@ void c1_perpendicular_acceleration_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    const c1_perpendicular_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_perpendicular_acceleration_at(omega_m[k], torque[k], &own);
     }

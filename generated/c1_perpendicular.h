@@ -1,28 +1,28 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 489238ac).
+ * (eccentric 0.1.0, program 4dac0a26).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * c1_perpendicular_normal_force; `c` is &c1_perpendicular_default, or the output of c1_perpendicular_prepare for your own parameters.
- * c1_perpendicular_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: its coefficients are
- * then meaningless, and no function checks them. Coefficients that it has not filled, all 0 in a static variable, give 0. */
+ * c1_perpendicular_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: the coefficients are
+ * then meaningless, and no function checks them. Unprepared coefficients, all 0 in a static variable, give 0. */
 #ifndef C1_PERPENDICULAR_H
 #define C1_PERPENDICULAR_H
 
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x489238acUL
+#define C1_PERPENDICULAR_PROGRAM 0x4dac0a26UL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
- * all functions have it in their names, as in c1_perpendicular_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. Files of different precision do not link,
+ * since it is part of all function names, as in c1_perpendicular_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
 #define ECCENTRIC_PRECISION_float 1
 #define ECCENTRIC_PRECISION_double 2
-#define ECCENTRIC_PRECISION_long 0 * /* makes "long double" a number, which is refused */
+#define ECCENTRIC_PRECISION_long 0 * /* turns "long double" into a number, which is refused */
 #define ECCENTRIC_JOIN_(a, b) a##b
 #define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
 #define ECCENTRIC_PRECISION ECCENTRIC_JOIN(ECCENTRIC_PRECISION_, ECCENTRIC_REAL)
@@ -67,12 +67,13 @@
 #define c1_perpendicular_acceleration_n ECCENTRIC_JOIN(c1_perpendicular_acceleration_n_, ECCENTRIC_REAL)
 #define c1_perpendicular_polynomial ECCENTRIC_JOIN(c1_perpendicular_polynomial_, ECCENTRIC_REAL)
 
-/* With gcc, and clang from 13 on, the bounds below hold whatever the flags: the source undoes what would break them, or
- * refuses it. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
- * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined
- * behaviour; clang's -ffp-contract=fast, -freciprocal-math, -fno-signed-zeros, -fapprox-func change bits, -fno-honor-nans NaN.
- * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;
- * an infinity gives NaN, infinity or what follows.
+/* With gcc, and with clang from version 13, the bounds below hold under any flags: the source turns off or refuses every
+ * flag that would break them. Other compilers must round to nearest and obey the pragma FP_CONTRACT.
+ * Every platform with correctly rounded arithmetic then gives the same bits, and no input causes undefined
+ * behaviour. Of clang's flags, -ffp-contract=fast, -freciprocal-math, -fno-signed-zeros and -fapprox-func change bits, and
+ * -fno-honor-nans changes the results for NaN.
+ * A NaN gives NaN. Finite inputs give NaN only if a sum overflows or a required inertia is not set.
+ * An infinity gives NaN, infinity, or a finite value that follows from it.
  * Bounds of the rounding error in float and double, found by search unless marked "proved", with eps = 2^-23
  * and 2^-52; inputs and parameters count as exact:
  *   normal_force within 5 units in the last place (proved for parameters and speeds of 1e-6 to 1e6)
@@ -90,7 +91,7 @@
 extern "C" {
 #endif
 
-/** What a parameter without a default is until it is set: exact in both precisions, so that no initialiser is NaN. */
+/** Value of a parameter without a default until it is set: exact in both precisions, so that no initialiser is NaN. */
 #define ECCENTRIC_NOT_GIVEN (-170141183460469231731687303715884105728.0)
 
 /** Parameters, with the paper's letters, in SI units. */
@@ -114,8 +115,8 @@ typedef struct {
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } c1_perpendicular_parameters;
 
-/** Values that depend on parameters only; c1_perpendicular_prepare fills them and must run first: all 0, as in a
- *  static variable, they give friction of 0. */
+/** Values that depend on parameters only. Call c1_perpendicular_prepare first to compute them: while they are all 0,
+ *  as in a static variable, friction is 0. */
 typedef struct {
     ECCENTRIC_REAL B_lN; /**< viscous friction of the link per normal force [m s/rad] */
     ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */
@@ -148,17 +149,17 @@ typedef struct {
     ECCENTRIC_REAL C_lN_L_M_mu3; /**< C_lN L M mu^3 */
 } c1_perpendicular_coefficients;
 
-/** The default parameters: Table 1 of the paper with mu = 1/5. */
+/** Default parameters: Table 1 of the paper with mu = 1/5. */
 extern const c1_perpendicular_parameters c1_perpendicular_default_parameters;
 
-/** The coefficients of the default parameters, computed at 50 digits, rounded to the working precision. */
+/** Coefficients of the default parameters, computed with 50 digits and rounded to the working precision. */
 extern const c1_perpendicular_coefficients c1_perpendicular_default;
 
-/** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
+/** Compute the coefficients of a set of parameters; call it once, and again when a parameter changes.
  *  Valid parameters: mu, R, k_i positive; the others not negative.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients, meaningless if a parameter is invalid
- *  @return 0, or the number of the first invalid parameter: 1 for M, in the order of the structure
+ *  @return 0, or the number of the first invalid parameter, counted in the order of the structure from 1 (M)
  */
 int c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicular_coefficients *c);
 
@@ -169,7 +170,7 @@ int c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicu
  */
 ECCENTRIC_REAL c1_perpendicular_normal_force(ECCENTRIC_REAL omega_m, const c1_perpendicular_coefficients *c);
 
-/** normal_force over arrays of n samples. */
+/** normal_force for arrays of n samples. */
 void c1_perpendicular_normal_force_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -185,7 +186,7 @@ ECCENTRIC_REAL c1_perpendicular_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c1_perpendicular_coefficients *c);
 
-/** friction_torque over arrays of n samples. */
+/** friction_torque for arrays of n samples. */
 void c1_perpendicular_friction_torque_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -201,7 +202,7 @@ ECCENTRIC_REAL c1_perpendicular_mechanical_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c1_perpendicular_coefficients *c);
 
-/** mechanical_friction_torque over arrays of n samples. */
+/** mechanical_friction_torque for arrays of n samples. */
 void c1_perpendicular_mechanical_friction_torque_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -218,7 +219,7 @@ void c1_perpendicular_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** friction_torque_gradient over arrays of n samples, each with 1 of `out`. */
+/** friction_torque_gradient for arrays of n samples, with 1 values of `out` per sample. */
 void c1_perpendicular_friction_torque_gradient_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -235,7 +236,7 @@ void c1_perpendicular_friction_torque_with_gradient(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** friction_torque_with_gradient over arrays of n samples, each with 2 of `out`. */
+/** friction_torque_with_gradient for arrays of n samples, with 2 values of `out` per sample. */
 void c1_perpendicular_friction_torque_with_gradient_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -252,7 +253,7 @@ void c1_perpendicular_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** friction_torque_jacobian over arrays of n samples, each with 6 of `out`. */
+/** friction_torque_jacobian for arrays of n samples, with 6 values of `out` per sample. */
 void c1_perpendicular_friction_torque_jacobian_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -269,7 +270,7 @@ void c1_perpendicular_regressor(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** regressor over arrays of n samples, each with 4 of `out`. */
+/** regressor for arrays of n samples, with 4 values of `out` per sample. */
 void c1_perpendicular_regressor_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -287,7 +288,7 @@ void c1_perpendicular_friction_coefficients(ECCENTRIC_REAL *out, const c1_perpen
  *  @param[in]  c  coefficients
  */
 void c1_perpendicular_breakaway_torque(ECCENTRIC_REAL *out, const c1_perpendicular_coefficients *c);
-/* What it was called before: a call of that is an error, which names this one. */
+/* The former name: calling it is an error that names this function. */
 #define c1_perpendicular_coulomb_torque c1_perpendicular_coulomb_torque_is_now_breakaway_torque
 
 /** Levels of dry friction at this state, and the viscous coefficient.
@@ -300,7 +301,7 @@ void c1_perpendicular_friction_budget(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** friction_budget over arrays of n samples, each with 3 of `out`. */
+/** friction_budget for arrays of n samples, with 3 values of `out` per sample. */
 void c1_perpendicular_friction_budget_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -325,7 +326,7 @@ ECCENTRIC_REAL c1_perpendicular_voltage(
     ECCENTRIC_REAL alpha_m,
     const c1_perpendicular_coefficients *c);
 
-/** voltage over arrays of n samples. */
+/** voltage for arrays of n samples. */
 void c1_perpendicular_voltage_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -345,7 +346,7 @@ ECCENTRIC_REAL c1_perpendicular_current(
     ECCENTRIC_REAL alpha_m,
     const c1_perpendicular_coefficients *c);
 
-/** current over arrays of n samples. */
+/** current for arrays of n samples. */
 void c1_perpendicular_current_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -367,7 +368,7 @@ ECCENTRIC_REAL c1_perpendicular_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const c1_perpendicular_coefficients *c);
 
-/** mechanical_residual over arrays of n samples. */
+/** mechanical_residual for arrays of n samples. */
 void c1_perpendicular_mechanical_residual_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -389,7 +390,7 @@ ECCENTRIC_REAL c1_perpendicular_electrical_residual(
     ECCENTRIC_REAL u,
     const c1_perpendicular_coefficients *c);
 
-/** electrical_residual over arrays of n samples. */
+/** electrical_residual for arrays of n samples. */
 void c1_perpendicular_electrical_residual_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -413,7 +414,7 @@ void c1_perpendicular_friction_step(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** friction_step over arrays of n samples, each with 2 of `out`. */
+/** friction_step for arrays of n samples, with 2 values of `out` per sample. */
 void c1_perpendicular_friction_step_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -434,7 +435,7 @@ ECCENTRIC_REAL c1_perpendicular_acceleration(
     ECCENTRIC_REAL torque,
     const c1_perpendicular_coefficients *c);
 
-/** acceleration over arrays of n samples. */
+/** acceleration for arrays of n samples. */
 void c1_perpendicular_acceleration_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,

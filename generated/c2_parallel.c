@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program eec5be99).
+ * (eccentric 0.1.0, program 5222c2b0).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -12,12 +12,12 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0xeec5be99UL
+#if C2_PARALLEL_PROGRAM != 0x5222c2b0UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
-/* Whatever the flags: gcc and clang do not re-associate below, gcc does not contract a * b + c, and what
- * would still break the bounds is refused. Another compiler obeys the standard pragma. */
+/* Under any flags, gcc and clang do not re-associate the code below, gcc does not contract a * b + c, and
+ * flags that would still break the bounds are refused. Other compilers obey the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math, -Ofast and -funsafe-math-optimizations spoil prepare and drop NaN: leave them out"
@@ -31,7 +31,7 @@
 #endif
 #endif
 #if defined(__clang__)
-#if __clang_major__ >= 13 /* 12 knows the pragma as well, but not Apple's 12 */
+#if __clang_major__ >= 13 /* clang 12 knows the pragma as well, but Apple's does not */
 #pragma clang fp reassociate(off) contract(off)
 #else
 #pragma STDC FP_CONTRACT OFF
@@ -40,10 +40,10 @@
 #pragma GCC push_options
 #pragma GCC optimize("no-unsafe-math-optimizations", "no-associative-math", "no-reciprocal-math")
 #pragma GCC optimize("fp-contract=off", "signed-zeros")
-/* With units that fuse, gcc's vectorizer of straight code contracts a b + c beside d e - f all the same. */
+/* With fused multiply-add, gcc's straight-line vectorizer still contracts a b + c next to d e - f. */
 #pragma GCC optimize("no-tree-slp-vectorize")
 #if defined(__riscv_vector)
-#pragma GCC optimize("no-tree-vectorize") /* there loops as well */
+#pragma GCC optimize("no-tree-vectorize") /* and so does its loop vectorizer here */
 #endif
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunknown-pragmas"
@@ -62,7 +62,7 @@ extern const char c2_parallel_double_constants[(sizeof(1.0) == sizeof(double)) ?
 #else
 #define REAL_INLINE static inline
 #endif
-/* Samples per block: array functions work on it stage by stage, to keep the arithmetic units busy. */
+/* Samples per block: array functions process a block stage by stage, to keep the arithmetic units busy. */
 #define REAL_BLOCK 32u
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
@@ -84,7 +84,7 @@ extern const char c2_parallel_double_constants[(sizeof(1.0) == sizeof(double)) ?
 #define REAL_COS(x) cos(x)
 #endif
 
-/* The square root of an Arm unit: that of the library sets errno, which costs a branch and a call. */
+/* The square root of an Arm FPU: the library function sets errno, which costs a branch and a call. */
 REAL_INLINE real c2_parallel_square_root(const real x)
 {
 #if defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && (!defined(__thumb__) || defined(__thumb2__))
@@ -170,7 +170,7 @@ REAL_INLINE real c2_parallel_cosine(const real h)
 #endif
 }
 
-/* The leading digits of x, few enough that their product with a number of half turns is exact. */
+/* The leading digits of x, so few that their product with a number of half turns is exact. */
 static double c2_parallel_leading(const double x)
 {
     const double scaled = x * REAL_IN_SINGLE(8796093022209.0, 1048577.0);
@@ -204,7 +204,7 @@ REAL_INLINE real c2_parallel_half_sine(real from_top, const c2_parallel_coeffici
     return c2_parallel_cosine(half_angle);
 }
 
-/* Parameters beyond double precision: unevaluated sums high + low, each result correct to some 104 bits. */
+/* Numbers beyond double precision: unevaluated sums high + low, with results correct to some 104 bits. */
 typedef struct {
     double high;
     double low;
@@ -517,7 +517,7 @@ void c2_parallel_normal_force_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     for (size_t first = 0; first < n; first += REAL_BLOCK) {
@@ -566,7 +566,7 @@ void c2_parallel_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     for (size_t first = 0; first < n; first += REAL_BLOCK) {
@@ -618,7 +618,7 @@ void c2_parallel_mechanical_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     for (size_t first = 0; first < n; first += REAL_BLOCK) {
@@ -683,7 +683,7 @@ void c2_parallel_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     real half_sine[REAL_BLOCK];
@@ -754,7 +754,7 @@ void c2_parallel_friction_torque_with_gradient_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     real half_sine[REAL_BLOCK];
@@ -813,7 +813,7 @@ void c2_parallel_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     for (size_t first = 0; first < n; first += REAL_BLOCK) {
@@ -901,7 +901,7 @@ void c2_parallel_friction_budget_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     for (size_t first = 0; first < n; first += REAL_BLOCK) {
@@ -937,7 +937,7 @@ void c2_parallel_gravity_torque_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     real half_sine[REAL_BLOCK];
@@ -1001,7 +1001,7 @@ void c2_parallel_voltage_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     real half_sine[REAL_BLOCK];
@@ -1064,7 +1064,7 @@ void c2_parallel_current_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     real half_sine[REAL_BLOCK];
@@ -1130,7 +1130,7 @@ void c2_parallel_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     real half_sine[REAL_BLOCK];
@@ -1176,7 +1176,7 @@ void c2_parallel_electrical_residual_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         out[k] = c2_parallel_electrical_residual_at(omega_m[k], i[k], u[k], &own);
     }
@@ -1240,7 +1240,7 @@ void c2_parallel_friction_step_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     for (size_t first = 0; first < n; first += REAL_BLOCK) {
@@ -1303,7 +1303,7 @@ void c2_parallel_acceleration_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    const c2_parallel_coefficients own = *c; /* a copy that no store to `out` can change */
     real from_top[REAL_BLOCK];
     real chord[REAL_BLOCK];
     for (size_t first = 0; first < n; first += REAL_BLOCK) {

@@ -2,17 +2,17 @@
 """The runtime of the NumPy modules emitted by eccentric; it knows no model.
 
 A kernel is a formula in plain NumPy that takes coefficients and inputs. For arrays it is called once, with
-symbols that record what it does. The record is then played on blocks of samples that fit in the cache, in
-buffers that are used again. For floats it is called as it is, with Python's mathematics in NumPy's place.
+symbols that record its operations. The record is then replayed on blocks of samples that fit in the cache,
+in reused buffers. For floats the kernel is called directly, with Python's mathematics in place of NumPy's.
 
-It is one file, so that it is copied with a module in one step. In its order:
+All of it is one file, so that it can be copied with a module in one step. In this order:
 
     Checked               parameters, their signs and units
-    Pair, Coefficients    what follows from them, beyond double precision where that matters
+    Pair, Coefficients    values that depend on them, beyond double precision where that matters
     sine_ratio, cosine    polynomials
     _Tape, _Layout        the record of a kernel, and places for its values
-    _Plan, _Run, _fill    its steps, played block by block
-    arrays                what a caller may pass
+    _Plan, _Run, _fill    its steps, replayed block by block
+    arrays                the arguments of a call
     _Floats               one sample, in Python's numbers
     _Kernel, Model        the functions of a module
 """
@@ -162,7 +162,7 @@ _Real = type[np.float32] | type[np.float64]
 
 
 class Coefficients:
-    """What a kernel needs of the parameters; the module's `_prepare` computes it in double precision."""
+    """The values that a kernel needs from the parameters, computed by `_prepare` in double precision."""
 
     def __init__(self, precision: _Real) -> None:
         self.real: _Real = precision
@@ -175,7 +175,7 @@ class Coefficients:
         return float(self.real(x))
 
     def leading(self, x: float) -> float:
-        """The leading digits of x, few enough that their product with a number of half turns is exact."""
+        """The leading digits of x, so few that their product with a number of half turns is exact."""
         scaled = x * (8796093022209.0 if self.single else 1048577.0)
         return scaled - (scaled - x)
 
@@ -324,8 +324,8 @@ class _Probe(np.ndarray):
         return operation
 
 
-# How operations are called with the array for their result last. What np.clip and the method of arrays end in
-# has no public name, and takes half their time on short arrays.
+# How operations are called with the array for their result last. The ufunc behind np.clip has no public
+# name, and takes half the time on short arrays.
 _CALLS: dict[Any, Any] = {np.minimum: _minimum, np.clip: np.zeros(1).view(_Probe).clip(0.0, 1.0)}
 _MASKS = {np.greater, np.less, np.less_equal, np.equal, np.logical_not}  # what gives true or false
 

@@ -1,28 +1,28 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program a9fdd78d).
+ * (eccentric 0.1.0, program 11d13805).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Begin with rotating_link_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * rotating_link_normal_force; `c` is &rotating_link_default, or the output of rotating_link_prepare for your own parameters.
- * rotating_link_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: its coefficients are
- * then meaningless, and no function checks them. Coefficients that it has not filled, all 0 in a static variable, give 0. */
+ * rotating_link_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: the coefficients are
+ * then meaningless, and no function checks them. Unprepared coefficients, all 0 in a static variable, give 0. */
 #ifndef ROTATING_LINK_H
 #define ROTATING_LINK_H
 
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0xa9fdd78dUL
+#define ROTATING_LINK_PROGRAM 0x11d13805UL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
- * all functions have it in their names, as in rotating_link_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. Files of different precision do not link,
+ * since it is part of all function names, as in rotating_link_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
 #define ECCENTRIC_PRECISION_float 1
 #define ECCENTRIC_PRECISION_double 2
-#define ECCENTRIC_PRECISION_long 0 * /* makes "long double" a number, which is refused */
+#define ECCENTRIC_PRECISION_long 0 * /* turns "long double" into a number, which is refused */
 #define ECCENTRIC_JOIN_(a, b) a##b
 #define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
 #define ECCENTRIC_PRECISION ECCENTRIC_JOIN(ECCENTRIC_PRECISION_, ECCENTRIC_REAL)
@@ -68,16 +68,17 @@
 #define rotating_link_acceleration ECCENTRIC_JOIN(rotating_link_acceleration_, ECCENTRIC_REAL)
 #define rotating_link_acceleration_n ECCENTRIC_JOIN(rotating_link_acceleration_n_, ECCENTRIC_REAL)
 
-/* With gcc, and clang from 13 on, the bounds below hold whatever the flags: the source undoes what would break them, or
- * refuses it. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
- * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined
- * behaviour; clang's -ffp-contract=fast, -freciprocal-math, -fno-signed-zeros, -fapprox-func change bits, -fno-honor-nans NaN.
- * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;
- * an infinity gives NaN, infinity or what follows.
- * In F_N a speed above 2^30 rad/s counts as 2^30 rad/s.
- * An angle too large to have any digits of the phase gives finite but meaningless values.
- * ECCENTRIC_LIBM takes sine and cosine from libm instead of the polynomials here. Their errors in float and
- * double, where h is half the link angle and the rounding is proved by Gappa:
+/* With gcc, and with clang from version 13, the bounds below hold under any flags: the source turns off or refuses every
+ * flag that would break them. Other compilers must round to nearest and obey the pragma FP_CONTRACT.
+ * Every platform with correctly rounded arithmetic then gives the same bits, and no input causes undefined
+ * behaviour. Of clang's flags, -ffp-contract=fast, -freciprocal-math, -fno-signed-zeros and -fapprox-func change bits, and
+ * -fno-honor-nans changes the results for NaN.
+ * A NaN gives NaN. Finite inputs give NaN only if a sum overflows or a required inertia is not set.
+ * An infinity gives NaN, infinity, or a finite value that follows from it.
+ * In F_N, a speed above 2^30 rad/s is limited to 2^30 rad/s.
+ * An angle too large to resolve its phase gives finite but meaningless values.
+ * ECCENTRIC_LIBM uses sine and cosine from libm instead of the polynomials in the source. Errors of the polynomials in
+ * float and double, where h is half the link angle and the rounding error is proved by Gappa:
  *   sin(h)/h: method 1.4e-8 and 4.3e-18, rounding 6.2e-8 and 1.2e-16
  *   cos(h): method 4.1e-9 and 1.4e-17, rounding 2.3e-7 and 4.2e-16
  * Bounds of the rounding error in float and double, found by search unless marked "proved", with eps = 2^-23
@@ -98,7 +99,7 @@
 extern "C" {
 #endif
 
-/** What a parameter without a default is until it is set: exact in both precisions, so that no initialiser is NaN. */
+/** Value of a parameter without a default until it is set: exact in both precisions, so that no initialiser is NaN. */
 #define ECCENTRIC_NOT_GIVEN (-170141183460469231731687303715884105728.0)
 
 /** Parameters, with the paper's letters, in SI units. */
@@ -123,8 +124,8 @@ typedef struct {
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } rotating_link_parameters;
 
-/** Values that depend on parameters only; rotating_link_prepare fills them and must run first: all 0, as in a
- *  static variable, they give friction of 0. */
+/** Values that depend on parameters only. Call rotating_link_prepare first to compute them: while they are all 0,
+ *  as in a static variable, friction is 0. */
 typedef struct {
     ECCENTRIC_REAL B_lN; /**< viscous friction of the link per normal force [m s/rad] */
     ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */
@@ -176,17 +177,17 @@ typedef struct {
 #endif
 } rotating_link_coefficients;
 
-/** The default parameters: Table 1 of the paper with mu = 1/5. */
+/** Default parameters: Table 1 of the paper with mu = 1/5. */
 extern const rotating_link_parameters rotating_link_default_parameters;
 
-/** The coefficients of the default parameters, computed at 50 digits, rounded to the working precision. */
+/** Coefficients of the default parameters, computed with 50 digits and rounded to the working precision. */
 extern const rotating_link_coefficients rotating_link_default;
 
-/** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
+/** Compute the coefficients of a set of parameters; call it once, and again when a parameter changes.
  *  Valid parameters: mu, R, k_i positive; phi from 0 to pi/2; the others not negative.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients, meaningless if a parameter is invalid
- *  @return 0, or the number of the first invalid parameter: 1 for M, in the order of the structure
+ *  @return 0, or the number of the first invalid parameter, counted in the order of the structure from 1 (M)
  */
 int rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coefficients *c);
 
@@ -203,7 +204,7 @@ ECCENTRIC_REAL rotating_link_normal_force(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c);
 
-/** normal_force over arrays of n samples. */
+/** normal_force for arrays of n samples. */
 void rotating_link_normal_force_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -225,7 +226,7 @@ ECCENTRIC_REAL rotating_link_friction_torque(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c);
 
-/** friction_torque over arrays of n samples. */
+/** friction_torque for arrays of n samples. */
 void rotating_link_friction_torque_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -247,7 +248,7 @@ ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c);
 
-/** mechanical_friction_torque over arrays of n samples. */
+/** mechanical_friction_torque for arrays of n samples. */
 void rotating_link_mechanical_friction_torque_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -270,7 +271,7 @@ void rotating_link_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** friction_torque_gradient over arrays of n samples, each with 3 of `out`. */
+/** friction_torque_gradient for arrays of n samples, with 3 values of `out` per sample. */
 void rotating_link_friction_torque_gradient_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -293,7 +294,7 @@ void rotating_link_friction_torque_with_gradient(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** friction_torque_with_gradient over arrays of n samples, each with 4 of `out`. */
+/** friction_torque_with_gradient for arrays of n samples, with 4 values of `out` per sample. */
 void rotating_link_friction_torque_with_gradient_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -316,7 +317,7 @@ void rotating_link_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** friction_torque_jacobian over arrays of n samples, each with 6 of `out`. */
+/** friction_torque_jacobian for arrays of n samples, with 6 values of `out` per sample. */
 void rotating_link_friction_torque_jacobian_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -339,7 +340,7 @@ void rotating_link_regressor(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** regressor over arrays of n samples, each with 4 of `out`. */
+/** regressor for arrays of n samples, with 4 values of `out` per sample. */
 void rotating_link_regressor_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -363,10 +364,10 @@ void rotating_link_breakaway_torque(
     ECCENTRIC_REAL theta_m,
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
-/* What it was called before: a call of that is an error, which names this one. */
+/* The former name: calling it is an error that names this function. */
 #define rotating_link_coulomb_torque rotating_link_coulomb_torque_is_now_breakaway_torque
 
-/** breakaway_torque over arrays of n samples, each with 2 of `out`. */
+/** breakaway_torque for arrays of n samples, with 2 values of `out` per sample. */
 void rotating_link_breakaway_torque_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -387,7 +388,7 @@ void rotating_link_friction_budget(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** friction_budget over arrays of n samples, each with 3 of `out`. */
+/** friction_budget for arrays of n samples, with 3 values of `out` per sample. */
 void rotating_link_friction_budget_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -403,7 +404,7 @@ void rotating_link_friction_budget_n(
  */
 ECCENTRIC_REAL rotating_link_gravity_torque(ECCENTRIC_REAL theta_m, const rotating_link_coefficients *c);
 
-/** gravity_torque over arrays of n samples. */
+/** gravity_torque for arrays of n samples. */
 void rotating_link_gravity_torque_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -424,7 +425,7 @@ ECCENTRIC_REAL rotating_link_voltage(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c);
 
-/** voltage over arrays of n samples. */
+/** voltage for arrays of n samples. */
 void rotating_link_voltage_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -447,7 +448,7 @@ ECCENTRIC_REAL rotating_link_current(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c);
 
-/** current over arrays of n samples. */
+/** current for arrays of n samples. */
 void rotating_link_current_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -472,7 +473,7 @@ ECCENTRIC_REAL rotating_link_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c);
 
-/** mechanical_residual over arrays of n samples. */
+/** mechanical_residual for arrays of n samples. */
 void rotating_link_mechanical_residual_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -495,7 +496,7 @@ ECCENTRIC_REAL rotating_link_electrical_residual(
     ECCENTRIC_REAL u,
     const rotating_link_coefficients *c);
 
-/** electrical_residual over arrays of n samples. */
+/** electrical_residual for arrays of n samples. */
 void rotating_link_electrical_residual_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -523,7 +524,7 @@ void rotating_link_friction_step(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** friction_step over arrays of n samples, each with 2 of `out`. */
+/** friction_step for arrays of n samples, with 2 values of `out` per sample. */
 void rotating_link_friction_step_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -550,7 +551,7 @@ ECCENTRIC_REAL rotating_link_acceleration(
     ECCENTRIC_REAL torque,
     const rotating_link_coefficients *c);
 
-/** acceleration over arrays of n samples. */
+/** acceleration for arrays of n samples. */
 void rotating_link_acceleration_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,

@@ -27,8 +27,10 @@ A: Variant = grid(candidate("a", {2: 1.0}))[0]
         ),
         (
             Adopted("electrical", A, (), 0.1, 62, 100, {"b": 30}, by_both=True),
-            "found in 62 of 100 resampled logs by the electrical balance alone (b in 30);"
-            " both balances together decide",
+            (
+                "found in 62 of 100 resampled logs by the electrical balance alone (b in 30);"
+                " both balances together decide"
+            ),
         ),
     ],
 )

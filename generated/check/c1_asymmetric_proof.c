@@ -1,16 +1,16 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 7f3a2e96).
- * Driver of a proof: for all inputs within the ranges below, no function of c1_asymmetric.c has undefined
- * behaviour, overflows or returns a NaN or an infinity, for the parameters set in main. Set your own there.
- * Run Frama-C's Eva: 0 alarms and 100 % of the logical properties are the proof, and the intervals that it
- * prints contain the results:
+ * Generated: do not edit. Belongs to c1_asymmetric.c (program 7fecd186).
+ * Proof driver: for all inputs in the ranges below and the parameters set in main, no function of c1_asymmetric.c
+ * has undefined behaviour, overflows, or returns NaN or infinity. Set your parameters in main.
+ * Run Frama-C's Eva: the proof is complete with 0 alarms and 100 % of the logical properties proven. The printed
+ * intervals contain the results:
  *
  *   frama-c -eva -eva-slevel 30 -eva-split-return full -eva-subdivide-non-linear 20 \
  *     -warn-special-float non-finite -kernel-warn-key annot:missing-spec=abort \
  *     -cpp-extra-args="-DECCENTRIC_REAL=float -I.." c1_asymmetric_proof.c
  *
- * and the same with -DECCENTRIC_REAL=double. Put your own ranges after -I.. within the quotes, with a backslash,
- * since Frama-C splits at commas: -DRANGE_omega_m=-50\,50
+ * and the same with -DECCENTRIC_REAL=double. Add your ranges after -I.. inside the quotes, with a backslash,
+ * since Frama-C splits options at commas: -DRANGE_omega_m=-50\,50
  */
 #include <float.h>
 #include <math.h>
@@ -37,8 +37,8 @@
 #define RANGE_dt -100, 100 /* time step, positive [s] */
 #endif
 
-/* Eva's specification of fabs loses the relation between argument and result, and an interval that starts at
- * the smallest number loses that of a square root. Written as cases, fabs keeps both. */
+/* Eva's specification of fabs loses the relation between argument and result; that of sqrt loses it for an
+ * interval that starts at the smallest number. Written as cases, both keep it. */
 static double proof_root(double x) { return (x == 0.0) ? 0.0 : sqrt(x); }
 static float proof_rootf(float x) { return (x == 0.0f) ? 0.0f : sqrtf(x); }
 static double proof_size(double x) { return (x < 0.0) ? -x : x; }
@@ -61,7 +61,7 @@ static ECCENTRIC_REAL within(double low, double high)
 #endif
 }
 
-/* Function by function, each from the same initial state. */
+/* Call one function, each time from the same initial state. */
 static void called(int function, const c1_asymmetric_coefficients *c)
 {
     const ECCENTRIC_REAL omega_m = within(RANGE_omega_m);

@@ -1,15 +1,15 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 489238ac).
+ * Generated: do not edit. Belongs to c1_perpendicular.c (program 4dac0a26).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u
 #define FUNCTIONS 18u
 #define VECTORS 32u
-#define NUMBERS 43u /* of a vector */
+#define NUMBERS 43u /* per vector */
 #define KINDS 8u
 #define LARGEST_WIDTH 6u
-#define ARRAY 51u /* samples of an array: more than a block of the array functions, and not a multiple of it */
-#define ARRAYS 10u /* of a section */
+#define ARRAY 51u /* samples per array: more than a block of the array functions, and not a multiple of it */
+#define ARRAYS 10u /* per section */
 
 static const char *const inputs[INPUTS] = {
     "omega_m",
@@ -41,7 +41,7 @@ static const char *const functions[FUNCTIONS] = {
     "voltage",
 };
 
-/* Those that only single precision has come last. */
+/* Coefficients that only single precision has come last. */
 #define COEFFICIENTS (sizeof default_bits / sizeof default_bits[0])
 static const char *const coefficients[] = {
     "B_lN",
@@ -75,7 +75,7 @@ static const char *const coefficients[] = {
     "C_lN_L_M_mu3",
 };
 
-/* The number of values of each function, and its inputs, one bit for each. */
+/* Number of values of each function, and its inputs, one bit each. */
 static const unsigned widths[FUNCTIONS] = {1, 2, 1, 1, 3, 4, 2, 1, 1, 6, 2, 1, 1, 1, 1, 4, 4, 1};
 static const unsigned taken[FUNCTIONS] = {0x11u, 0x0u, 0x9u, 0x7u, 0x1u, 0x0u, 0x31u, 0x1u, 0x1u, 0x1u, 0x1u, 0x0u, 0x1u, 0xbu, 0x1u, 0x0u, 0x1u, 0x9u};
 
@@ -107,7 +107,7 @@ static const real spans[KINDS][INPUTS] = {
     {0x1.0000000000000p+8f, 0x1.0000000000000p+6f, 0x1.0000000000000p+7f, 0x1.0000000000000p+10f, 0x1.0000000000000p+4f, 0x1.0000000000000p+4f},
 };
 
-/* A row is one state and the results of the functions there, as bits. */
+/* Each row is one state and the results of all functions in it, as bits. */
 static const bits vectors[VECTORS][NUMBERS] = {
     {0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0xbd215981, 0x3d215981, 0x0, 0x0, 0xbd215981, 0x3d215981, 0x3a3b265c, 0x3b83126f, 0x3da3d70a, 0x3a3b265c, 0x3d215981, 0x0, 0x0, 0x0, 0x3b9a773a, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x3b9a773a, 0x0, 0x0, 0x0, 0x0, 0x3556bf95, 0x38a7c5ac, 0x3b9a773a, 0x3d215981, 0x0, 0x0, 0x0, 0x0, 0x0},
     {0x80000000, 0xc0200000, 0x40400001, 0xc0400000, 0x3fc00000, 0x461c4000, 0x444adcbb, 0xbd215981, 0x3d215981, 0xbe8a3d71, 0x3de147ae, 0xbd215981, 0x3d215981, 0x3a3b265c, 0x3b83126f, 0x3da3d70a, 0x3a3b265c, 0x3d215981, 0x44ffac42, 0x3fbff3f0, 0x0, 0x3b9a773a, 0x80000000, 0x0, 0x80000000, 0x0, 0x80000000, 0x0, 0x0, 0x3b9a773a, 0x0, 0x0, 0xbd36ae7c, 0x0, 0x3556bf95, 0x38a7c5ac, 0x3b9a773a, 0x3d215981, 0x80000000, 0x0, 0x80000000, 0x0, 0xbe8a3d71},
@@ -186,7 +186,7 @@ static const real spans[KINDS][INPUTS] = {
     {0x1.0000000000000p+8, 0x1.0000000000000p+6, 0x1.0000000000000p+7, 0x1.0000000000000p+10, 0x1.0000000000000p+4, 0x1.0000000000000p+4},
 };
 
-/* A row is one state and the results of the functions there, as bits. */
+/* Each row is one state and the results of all functions in it, as bits. */
 static const bits vectors[VECTORS][NUMBERS] = {
     {0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0xbfa42b302f72b452, 0x3fa42b302f72b452, 0x0, 0x0, 0xbfa42b302f72b452, 0x3fa42b302f72b452, 0x3f4764cb86a6a2c2, 0x3f70624dd2f1a9fc, 0x3fb47ae147ae147b, 0x3f4764cb86a6a2c2, 0x3fa42b302f72b452, 0x0, 0x0, 0x0, 0x3f734ee743c67e54, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x3f734ee743c67e54, 0x0, 0x0, 0x0, 0x0, 0x3eaad7f29abcaf4a, 0x3f14f8b588e368f1, 0x3f734ee743c67e54, 0x3fa42b302f72b452, 0x0, 0x0, 0x0, 0x0, 0x0},
     {0x8000000000000000, 0xc004000000000000, 0x4008000000000001, 0xc008000000000000, 0x3ff8000000000000, 0x40c3880000000000, 0x40895b97530eca85, 0xbfa42b302f72b452, 0x3fa42b302f72b452, 0xbfd147ae147ae148, 0x3fbc28f5c28f5c2a, 0xbfa42b302f72b452, 0x3fa42b302f72b452, 0x3f4764cb86a6a2c2, 0x3f70624dd2f1a9fc, 0x3fb47ae147ae147b, 0x3f4764cb86a6a2c2, 0x3fa42b302f72b452, 0x409ff588310ab80c, 0x3ff7fe7df2671913, 0x0, 0x3f734ee743c67e54, 0x8000000000000000, 0x0, 0x8000000000000000, 0x0, 0x8000000000000000, 0x0, 0x0, 0x3f734ee743c67e54, 0x0, 0x0, 0xbfa6d5cfaacd9e84, 0x0, 0x3eaad7f29abcaf4a, 0x3f14f8b588e368f1, 0x3f734ee743c67e54, 0x3fa42b302f72b452, 0x8000000000000000, 0x0, 0x8000000000000000, 0x0, 0xbfd147ae147ae148},

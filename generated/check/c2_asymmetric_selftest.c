@@ -1,11 +1,11 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 31d94bc9).
- * Self-test of c2_asymmetric.c: the same bits as the emitted NumPy module, with any compiler and on any board.
+ * Generated: do not edit. Belongs to c2_asymmetric.c (program 3f7a07ed).
+ * Self-test: c2_asymmetric.c gives the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c2_asymmetric_selftest.c ../c2_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float
  *
  * Prints "ok" and returns 0, or prints the first deviation and returns 1. -DSECTIONS=1 is for slow boards.
- * If last digits differ, the compiler ignores FP_CONTRACT and fuses product and sum: switch that off.
+ * If only last digits differ, the compiler ignores FP_CONTRACT and fuses products and sums: turn that off.
  */
 #include "c2_asymmetric.h"
 
@@ -24,7 +24,7 @@
 typedef ECCENTRIC_REAL real;
 #include "c2_asymmetric_vectors.h"
 
-/* The bits of a value; all NaN have one pattern, since their sign and payload depend on the processor. */
+/* The bits of a value; all NaNs get the same pattern, since their sign and payload depend on the processor. */
 static bits bits_of(real value)
 {
     bits word = NOT_A_NUMBER;
@@ -32,7 +32,7 @@ static bits bits_of(real value)
     return word;
 }
 
-/* A line with a value: its bits, and six digits, printed as integers since small C libraries lack %g. */
+/* Print a line with a value: its bits and six digits, as integers, since small C libraries have no %g. */
 static void print_value(const char *what, real value)
 {
     const uint64_t word = bits_of(value);
@@ -57,7 +57,7 @@ static void print_value(const char *what, real value)
     }
 }
 
-/* The deviation: value j of a function, at its inputs. */
+/* Print a deviation: value j of a function, with its inputs. */
 static void print_deviation(const char *ending, unsigned function, unsigned j, const real *x, real came, real required)
 {
     printf("c2_asymmetric: %s%s, value %u\n", functions[function], ending, j);
@@ -76,7 +76,7 @@ static c2_asymmetric_coefficients c;
 
 static void evaluate(unsigned function, const real *x, real *out)
 {
-    (void)x; /* none of these functions may have an input */
+    (void)x; /* in case no function has an input */
     switch (function) {
     case 0: out[0] = c2_asymmetric_acceleration(x[0], x[1], x[5], &c); break;
     case 1: c2_asymmetric_breakaway_torque(out, &c); break;
@@ -136,7 +136,7 @@ static int vectors_hold(void)
     return 1;
 }
 
-/* Counter to pseudo-random word: integers only, so that every platform has the same inputs. */
+/* A pseudo-random word from a counter: integers only, so that every platform gets the same inputs. */
 static uint32_t scrambled(uint32_t x)
 {
     x = (x ^ (x >> 16)) * 0x7feb352du;
@@ -144,7 +144,7 @@ static uint32_t scrambled(uint32_t x)
     return x ^ (x >> 16);
 }
 
-/* Input k of sample n: around a centre, or (span 0) arbitrary bits. A span is a power of two: products are exact. */
+/* Input k of sample n: around a centre, or (span 0) arbitrary bits. Spans are powers of two: products are exact. */
 static real generated(uint32_t n, unsigned k)
 {
     const uint32_t high = scrambled(n * 16u + 2u * k), low = scrambled(n * 16u + 2u * k + 1u);
@@ -159,7 +159,7 @@ static real generated(uint32_t n, unsigned k)
     return centres[kind][k] + (sum - SCALE_HALF) * spans[kind][k];
 }
 
-/* Compare the digest of section s of each function with the expected one. */
+/* Compare the digest of each section and function with the expected one. */
 static int stream_holds(void)
 {
     for (uint32_t section = 0; section < SECTIONS; ++section) {
@@ -212,7 +212,7 @@ static void evaluate_array(unsigned function)
     }
 }
 
-/* The array functions give the bits of those for one sample: on the vectors first, then on generated samples. */
+/* Compare array functions with single calls, bit by bit: first on the vectors, then on generated samples. */
 static int arrays_hold(void)
 {
     for (uint32_t first = 0; first < SECTIONS * ARRAYS * ARRAY; first += ARRAY) {

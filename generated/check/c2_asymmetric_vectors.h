@@ -1,15 +1,15 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 31d94bc9).
+ * Generated: do not edit. Belongs to c2_asymmetric.c (program 3f7a07ed).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u
 #define FUNCTIONS 17u
 #define VECTORS 27u
-#define NUMBERS 52u /* of a vector */
+#define NUMBERS 52u /* per vector */
 #define KINDS 8u
 #define LARGEST_WIDTH 8u
-#define ARRAY 51u /* samples of an array: more than a block of the array functions, and not a multiple of it */
-#define ARRAYS 10u /* of a section */
+#define ARRAY 51u /* samples per array: more than a block of the array functions, and not a multiple of it */
+#define ARRAYS 10u /* per section */
 
 static const char *const inputs[INPUTS] = {
     "theta_m",
@@ -41,7 +41,7 @@ static const char *const functions[FUNCTIONS] = {
     "voltage",
 };
 
-/* Those that only single precision has come last. */
+/* Coefficients that only single precision has come last. */
 #define COEFFICIENTS (sizeof default_bits / sizeof default_bits[0])
 static const char *const coefficients[] = {
     "B_lN_neg",
@@ -100,7 +100,7 @@ static const char *const coefficients[] = {
     "period_5",
 };
 
-/* The number of values of each function, and its inputs, one bit for each. */
+/* Number of values of each function, and its inputs, one bit each. */
 static const unsigned widths[FUNCTIONS] = {1, 2, 1, 1, 3, 8, 2, 1, 2, 8, 3, 1, 1, 1, 1, 8, 1};
 static const unsigned taken[FUNCTIONS] = {0x23u, 0x0u, 0x13u, 0xeu, 0x3u, 0x0u, 0x63u, 0x3u, 0x3u, 0x3u, 0x3u, 0x1u, 0x3u, 0x17u, 0x3u, 0x3u, 0x13u};
 
@@ -132,7 +132,7 @@ static const real spans[KINDS][INPUTS] = {
     {0x0.0p+0f, 0x1.0000000000000p+8f, 0x1.0000000000000p+6f, 0x1.0000000000000p+7f, 0x1.0000000000000p+10f, 0x1.0000000000000p+4f, 0x1.0000000000000p+4f},
 };
 
-/* A row is one state and the results of the functions there, as bits. */
+/* Each row is one state and the results of all functions in it, as bits. */
 static const bits vectors[VECTORS][NUMBERS] = {
     {0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0xbdf166e0, 0x3df166e0, 0xb6443333, 0x0, 0xbdf166df, 0x3df166df, 0x3ac470b2, 0x3b83126f, 0x3b83126f, 0x3da3d70a, 0x3da3d70a, 0x39d1b717, 0x39d1b717, 0x3c03126f, 0x3c03126f, 0x0, 0x0, 0x0, 0x0, 0x3bb42e9b, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x3bb42e9b, 0xb37b22cf, 0x0, 0x337b22cf, 0x40dbbe75, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0xb6443333},
     {0x80000000, 0xc0200000, 0x40400001, 0xc0400000, 0x3fc00000, 0x461c4000, 0x4b189680, 0x4aa98b4f, 0xbdf166e0, 0x3df166e0, 0xc0bf1715, 0xbde147ae, 0xbdf26d04, 0x3df26d04, 0x3ac51878, 0x3b83126f, 0x3b83126f, 0x3da3d70a, 0x3da3d70a, 0x39d1b717, 0x39d1b717, 0x3c03126f, 0x3c03126f, 0x4acaf1de, 0x461c3fff, 0xbe074d6d, 0xadd5fbf9, 0x3bc1c7e1, 0x80000000, 0xbf30985e, 0x80000000, 0xbfb0985f, 0x80000000, 0xc0200000, 0x80000000, 0xbf800000, 0xbe074d6d, 0xadd5fbf9, 0x3bc1c7e1, 0xb37b22cf, 0xbdfa1ff9, 0x3e37bcda, 0x40dcbe75, 0x80000000, 0xbf30985e, 0x80000000, 0xbfb0985f, 0x80000000, 0xc0200000, 0x80000000, 0xbf800000, 0xc0cf1715},
@@ -206,7 +206,7 @@ static const real spans[KINDS][INPUTS] = {
     {0x0.0p+0, 0x1.0000000000000p+8, 0x1.0000000000000p+6, 0x1.0000000000000p+7, 0x1.0000000000000p+10, 0x1.0000000000000p+4, 0x1.0000000000000p+4},
 };
 
-/* A row is one state and the results of the functions there, as bits. */
+/* Each row is one state and the results of all functions in it, as bits. */
 static const bits vectors[VECTORS][NUMBERS] = {
     {0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0xbfbe2cdc011d3672, 0x3fbe2cdc011d3672, 0x0, 0x0, 0xbfbe2cdc011d3672, 0x3fbe2cdc011d3672, 0x3f588e1658b1f2d7, 0x3f70624dd2f1a9fc, 0x3f70624dd2f1a9fc, 0x3fb47ae147ae147b, 0x3fb47ae147ae147b, 0x3f3a36e2eb1c432d, 0x3f3a36e2eb1c432d, 0x3f80624dd2f1a9fc, 0x3f80624dd2f1a9fc, 0x0, 0x0, 0x0, 0x8000000000000000, 0x3f7685d3691e26b2, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x8000000000000000, 0x3f7685d3691e26b2, 0x0, 0x0, 0x0, 0x401b77ced916872c, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0},
     {0x8000000000000000, 0xc004000000000000, 0x4008000000000001, 0xc008000000000000, 0x3ff8000000000000, 0x40c3880000000000, 0x416312d000000000, 0x41553169da007482, 0xbfbe2cdc011d3672, 0x3fbe2cdc011d3672, 0xc017e2e1ef73c0c4, 0xbfbc28f5c28f5c2a, 0xbfbe4da09cc319c6, 0x3fbe4da09cc319c6, 0x3f58a30f0e3ad640, 0x3f70624dd2f1a9fc, 0x3f70624dd2f1a9fc, 0x3fb47ae147ae147b, 0x3fb47ae147ae147b, 0x3f3a36e2eb1c432d, 0x3f3a36e2eb1c432d, 0x3f80624dd2f1a9fc, 0x3f80624dd2f1a9fc, 0x41595e3bae057d1a, 0x40c387ffd8c6b07f, 0xbfc0e9adae23945a, 0x0, 0x3f7838fc1ff69573, 0x8000000000000000, 0xbfe6130be0ded28c, 0x8000000000000000, 0xbff6130be0ded28a, 0x8000000000000000, 0xc004000000000000, 0x8000000000000000, 0xbff0000000000000, 0xbfc0e9adae23945a, 0x0, 0x3f7838fc1ff69573, 0x0, 0xbfbf43ff33516624, 0x3fc6f79ad6b07b5e, 0x401b97ced916872c, 0x8000000000000000, 0xbfe6130be0ded28c, 0x8000000000000000, 0xbff6130be0ded28a, 0x8000000000000000, 0xc004000000000000, 0x8000000000000000, 0xbff0000000000000, 0xc019e2e1ef73c0c4},

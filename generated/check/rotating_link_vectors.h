@@ -1,15 +1,15 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program a9fdd78d).
+ * Generated: do not edit. Belongs to rotating_link.c (program 11d13805).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u
 #define FUNCTIONS 17u
 #define VECTORS 31u
-#define NUMBERS 44u /* of a vector */
+#define NUMBERS 44u /* per vector */
 #define KINDS 8u
 #define LARGEST_WIDTH 6u
-#define ARRAY 51u /* samples of an array: more than a block of the array functions, and not a multiple of it */
-#define ARRAYS 10u /* of a section */
+#define ARRAY 51u /* samples per array: more than a block of the array functions, and not a multiple of it */
+#define ARRAYS 10u /* per section */
 
 static const char *const inputs[INPUTS] = {
     "theta_m",
@@ -41,7 +41,7 @@ static const char *const functions[FUNCTIONS] = {
     "voltage",
 };
 
-/* Those that only single precision has come last. */
+/* Coefficients that only single precision has come last. */
 #define COEFFICIENTS (sizeof default_bits / sizeof default_bits[0])
 static const char *const coefficients[] = {
     "B_lN",
@@ -92,7 +92,7 @@ static const char *const coefficients[] = {
     "period_5",
 };
 
-/* The number of values of each function, and its inputs, one bit for each. */
+/* Number of values of each function, and its inputs, one bit each. */
 static const unsigned widths[FUNCTIONS] = {1, 2, 1, 1, 3, 4, 2, 1, 3, 6, 4, 1, 1, 1, 1, 4, 1};
 static const unsigned taken[FUNCTIONS] = {0x33u, 0x1u, 0x13u, 0xeu, 0x13u, 0x0u, 0x73u, 0x13u, 0x13u, 0x13u, 0x13u, 0x1u, 0x13u, 0x17u, 0x13u, 0x13u, 0x13u};
 
@@ -124,7 +124,7 @@ static const real spans[KINDS][INPUTS] = {
     {0x0.0p+0f, 0x1.0000000000000p+8f, 0x1.0000000000000p+6f, 0x1.0000000000000p+7f, 0x1.0000000000000p+10f, 0x1.0000000000000p+4f, 0x1.0000000000000p+4f},
 };
 
-/* A row is one state and the results of the functions there, as bits. */
+/* Each row is one state and the results of all functions in it, as bits. */
 static const bits vectors[VECTORS][NUMBERS] = {
     {0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0xbdee6688, 0x3dee6688, 0xb621ee4b, 0x0, 0xbdee6688, 0x3dee6688, 0x3ac284f6, 0x3b83126f, 0x3da3d70a, 0x3a1752c4, 0x3cd2bdc6, 0x0, 0x0, 0x0, 0x80000000, 0x3bb3b3ac, 0x80000000, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x80000000, 0x3bb3b3ac, 0x80000000, 0xb34f457e, 0x0, 0x334f457e, 0x40b55ccb, 0x0, 0x0, 0x0, 0x0, 0xb621ee4b},
     {0x80000000, 0xc0200000, 0x40400001, 0xc0400000, 0x3fc00000, 0x461c4000, 0x4b189680, 0x4aa98b4e, 0xbdee6688, 0x3dee6688, 0xc0bcb0a2, 0xbde147ae, 0xbdef6db4, 0x3def6db4, 0x3ac32d64, 0x3b83126f, 0x3da3d70a, 0x3a1752c4, 0x3cd2bdc6, 0x4accf07e, 0x461c3ffe, 0xbe05c42e, 0xb90043ce, 0x3bc14d09, 0xb6350b4c, 0xbf11e4a4, 0xbf91e4a5, 0xbde2e21e, 0xbe62e21f, 0xc0200000, 0xbf800000, 0xbe05c42e, 0xb90043ce, 0x3bc14d09, 0xb6350b4c, 0xb34f457e, 0xbdf70d7a, 0x3e36339a, 0x40b65dce, 0xbf11e4a4, 0xbf91e4a5, 0xc0200000, 0xbf800000, 0xc0ccb0a2},
@@ -202,7 +202,7 @@ static const real spans[KINDS][INPUTS] = {
     {0x0.0p+0, 0x1.0000000000000p+8, 0x1.0000000000000p+6, 0x1.0000000000000p+7, 0x1.0000000000000p+10, 0x1.0000000000000p+4, 0x1.0000000000000p+4},
 };
 
-/* A row is one state and the results of the functions there, as bits. */
+/* Each row is one state and the results of all functions in it, as bits. */
 static const bits vectors[VECTORS][NUMBERS] = {
     {0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0xbfbdccd1849241da, 0x3fbdccd1849241da, 0x0, 0x0, 0xbfbdccd1849241da, 0x3fbdccd1849241da, 0x3f58509efebf6ac8, 0x3f70624dd2f1a9fc, 0x3fb47ae147ae147b, 0x3f42ea5871d3b28e, 0x3f9a57b8bdd23a02, 0x0, 0x0, 0x0, 0x0, 0x3f76767592a184ae, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x3f76767592a184ae, 0x0, 0x0, 0x0, 0x0, 0x4016ab9a011f0125, 0x0, 0x0, 0x0, 0x0, 0x0},
     {0x8000000000000000, 0xc004000000000000, 0x4008000000000001, 0xc008000000000000, 0x3ff8000000000000, 0x40c3880000000000, 0x416312d000000000, 0x41553169a4aa5fe2, 0xbfbdccd1849241da, 0x3fbdccd1849241da, 0xc01796140f30e988, 0xbfbc28f5c28f5c2a, 0xbfbdedb73ec70bc0, 0x3fbdedb73ec70bc0, 0x3f5865ace68f4828, 0x3f70624dd2f1a9fc, 0x3fb47ae147ae147b, 0x3f42ea5871d3b28e, 0x3f9a57b8bdd23a02, 0x41599e0f737d66b7, 0x40c387ffd8640022, 0xbfc0b886145f3390, 0xbf200879764bc99c, 0x3f7829a134128b8f, 0xbec6a19e64cb83e7, 0xbfe23c9513f871db, 0xbff23c9513f871da, 0xbfbc5c43dbcbadd8, 0xbfcc5c43dbcbadd8, 0xc004000000000000, 0xbff0000000000000, 0xbfc0b886145f3390, 0xbf200879764bc99c, 0x3f7829a134128b8f, 0xbec6a19e64cb83e7, 0x0, 0xbfbee1afffc8a492, 0x3fc6c6733cec1a94, 0x4016cbba58f68e51, 0xbfe23c9513f871db, 0xbff23c9513f871da, 0xc004000000000000, 0xbff0000000000000, 0xc01996140f30e988},

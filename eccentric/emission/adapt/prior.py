@@ -106,7 +106,7 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
     lows = [-math.inf if c.bounds[0] is None else c.bounds[0] for c in columns]
     highs = [math.inf if c.bounds[1] is None else c.bounds[1] for c in columns]
     noise = _number(fit, axis.named("rmse_holdout_Nm"), "paper")
-    from_fit = "the fit" if fit.get("coefficients") else "no fit"
+    from_fit = "the fit and " if fit.get("coefficients") else ""
     return Prior(
         columns=columns,
         values=values,
@@ -118,7 +118,7 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
         moving=moving,
         friction=friction,
         origin=(
-            f"standard deviations: those of {from_fit}, and a change of {CHANGE:.0%} of each coefficient; "
+            f"standard deviations from {from_fit}a {CHANGE:.0%} change of each coefficient; "
             f"noise: {'held-out error of the fit' if noise else f'{_NOISE:.0%} of the mean friction'}"
         ),
     )

@@ -111,11 +111,11 @@ _SHARE, _SHIFTS = 0.2, (0.5, 2.0)
 """The alarm is made for a change of friction by this share, if that is a shift within these."""
 _FLAGS = (
     ("UPDATED", 1, "the row has changed the coefficients"),
-    ("STILL", 2, "left out: at rest, or just after a start or reversal"),
-    ("RANGE", 4, "left out: an input, or what follows from it, is not finite or out of range"),
-    ("MORE", 8, "alarm: there is more friction than was learned"),
-    ("LESS", 16, "alarm: there is less friction than was learned"),
-    ("BOUND", 32, "a coefficient is kept at a bound"),
+    ("STILL", 2, "row skipped: at rest, or just after a start or reversal"),
+    ("RANGE", 4, "row skipped: an input, or a value computed from it, is not finite or out of range"),
+    ("MORE", 8, "alarm: more friction than learned"),
+    ("LESS", 16, "alarm: less friction than learned"),
+    ("BOUND", 32, "a coefficient is limited to its bound"),
 )
 
 

@@ -52,11 +52,11 @@ def gain_of(model: Model, fit: Mapping[str, Any] | None = None) -> CompensationG
         raise InputError(f"model {model.name}", "friction to compensate", "none")
     covariance = covariance_of_fit(columns, fit)
     if not covariance.any():
-        stated = f"{MOST_WITHOUT_REFERENCE}, since no fit says how well the friction is known"
+        stated = f"{MOST_WITHOUT_REFERENCE}, since without a fit the uncertainty of the friction is unknown"
         return CompensationGain(MOST_WITHOUT_REFERENCE, stated)
     value = sure_share(rows[there], values, covariance)
     return CompensationGain(
-        value, f"{value}: with 97.5 % the friction is nowhere below this share of that of the model"
+        value, f"{value}: with 97.5 % confidence, friction is nowhere below this share of the model's"
     )
 
 

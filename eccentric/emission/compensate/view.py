@@ -185,22 +185,22 @@ def settings_of(axis: AxisKind, gain: CompensationGain) -> list[LoopSetting]:
     speed, angle = axis.unit("rad/s"), axis.unit("rad")
     tick = _STEP[axis] / _TICK
     return [
-        LoopSetting("gain", gain.value, "g: share of the friction that may follow a measurement [1]"),
-        LoopSetting("feedforward", 1.0, "share of the friction that is fed forward from the reference [1]"),
-        LoopSetting("speed_max", _FASTEST[axis], f"beyond this speed the compensation is constant [{speed}]"),
+        LoopSetting("gain", gain.value, "g: share of the friction compensated from a measurement [1]"),
+        LoopSetting("feedforward", 1.0, "share of the friction compensated from the reference [1]"),
+        LoopSetting("speed_max", _FASTEST[axis], f"the compensation is constant above this speed [{speed}]"),
         LoopSetting(
-            "width", _WIDTH[axis], f"speed at which a level is reached, in place of a jump at 0 [{speed}]"
+            "width",
+            _WIDTH[axis],
+            f"speed at which the full level is reached, instead of a jump at 0 [{speed}]",
         ),
         LoopSetting("encoder_step", _STEP[axis], f"one step of the encoder [{angle}]"),
         LoopSetting("tick", _TICK, "time between two calls [s]"),
-        LoopSetting(
-            "band", tick, f"measured speed that counts as none, at least encoder_step/tick [{speed}]"
-        ),
+        LoopSetting("band", tick, f"measured speed that is taken as 0, at least encoder_step/tick [{speed}]"),
         LoopSetting("fade", _FADE[axis], f"speed beyond the band at which the push has faded out [{speed}]"),
         LoopSetting(
             "push_width",
             _PUSH[axis],
-            f"what the push is whole at: an error beyond one encoder_step [{angle}], or a"
+            f"input of the full push: an error beyond one encoder_step [{angle}], or a"
             f" {axis.term('torque')} [{axis.unit('N m')}]",
         ),
     ]
