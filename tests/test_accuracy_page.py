@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks import accuracy, accuracy_any
+from benchmarks import accuracy
 from benchmarks.asked import CODE
 
 MANY, FEW = 12, 5
@@ -40,31 +40,3 @@ def test_the_peers_are_measured_at_the_same_states(real: str, figure: str) -> No
     assert set(accuracy.MEASURED[figure]) - doubled == {who for other, who in errors if other == figure}
     assert {MANY if figure == "force" else FEW} == {e.size for one, e in errors.items() if one[0] == figure}
     assert not CODE[f"{figure} {real}"].reached(float(np.max(errors[figure, "paper"])))
-
-
-@pytest.mark.parametrize("real", FEW_REALS)
-def test_the_peers_are_right_elsewhere(real: str) -> None:
-    """Far from the zero of F_N all forms agree: their errors near it are rounding, not mistakes."""
-    _, errors = accuracy._set("c2_parallel", real, 0, MANY, FEW)
-
-    assert dict.fromkeys(errors, True) == {one: bool(np.max(e) < 1000) for one, e in errors.items()}
-
-
-def test_an_asked_for_figure_has_its_peers() -> None:
-    """Each figure of accuracy is printed with its peers, NaN included."""
-    _, errors = accuracy._set("c2_parallel", "float", NEAR_THE_ZERO, MANY, FEW)
-
-    figures = accuracy._figures("float", [errors])
-
-    assert {f"{one} float" for one in (*accuracy.MEASURED, "nan")} == set(figures)
-    assert {True} == {"the closed form " in figure.peer for figure in figures.values()}
-
-
-@pytest.mark.parametrize("real", accuracy.PRECISIONS)
-def test_any_parameters_are_told_apart(real: str) -> None:
-    """Every bound with any parameters has a figure of its own, measured at random drives, and it holds."""
-    figures = accuracy_any.figures(real, FEW)
-
-    assert {key for key in CODE if key.startswith("any ") and key.endswith(f" {real}")} == set(figures)
-    assert dict.fromkeys(figures, True) == {key: CODE[key].reached(x.value) for key, x in figures.items()}
-    assert 0 < min(figure.value for figure in figures.values())

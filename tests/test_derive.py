@@ -18,15 +18,6 @@ def printed(tmp_path_factory: pytest.TempPathFactory) -> str:
     return done.stdout
 
 
-def test_the_papers_cases_come_first(printed: str) -> None:
-    """Case C1, case C2, then what differs between the directions, then what contains all."""
-    headings = re.findall(r"^(.+)\n=+$", printed, re.MULTILINE)
-
-    assert ["C1: gravity", "C2: gravity", "C1 with", "C2 with", "ink with an unbalanced mass"] == [
-        re.findall(r"C\d: gravity|C\d with|ink with an unbalanced mass", heading)[0] for heading in headings
-    ]
-
-
 def test_functions_are_told_once_and_before_they_stand_in_a_formula(printed: str) -> None:
     """Every function by a name of its own has its plain formula at the head."""
     legend, rest = re.split(r"^Case C1", printed, maxsplit=1, flags=re.MULTILINE)
