@@ -15,31 +15,8 @@ from eccentric.model.limit import of_expression, of_unit
 from tests import paper
 
 ROOT = Path(__file__).resolve().parent.parent
-LETTERS = SimpleNamespace(
-    **{
-        q.name: q.symbol
-        for q in (
-            v.M,
-            v.M_l,
-            v.L,
-            v.g,
-            v.phi,
-            v.mu,
-            v.R,
-            v.k_i,
-            v.k_e,
-            v.J_m,
-            v.J_l,
-            v.F_T,
-            v.B_lN,
-            v.C_lN,
-            v.B_lT,
-            v.C_lT,
-            v.B_m,
-            v.C_m,
-        )
-    }
-)
+NAMES = "M M_l L g phi mu R k_i k_e J_m J_l F_T B_lN C_lN B_lT C_lT B_m C_m"
+LETTERS = SimpleNamespace(**{name: getattr(v, name).symbol for name in NAMES.split()})
 theta_m, omega_m, alpha_m = v.theta_m.symbol, v.omega_m.symbol, v.alpha_m.symbol
 theta_l, omega_l, alpha_l = v.theta_l.symbol, v.omega_l.symbol, v.alpha_l.symbol
 sgn = sp.sign(omega_m)
