@@ -57,15 +57,17 @@ if TYPE_CHECKING:
 DRIVES = ("current", "voltage", "torque")
 COASTING = "none"
 """The drive of a coast-down: nothing turns the motor, and only its inertia is known of what slows it down."""
+REVOLUTION = "revolution"
+"""What a row is the event of, where it is no sample: one turn of the shaft."""
 KEYS = (
     *("format", "name", "log_type", "kind", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
     *("sample_rate_hz", "low_pass_hz", "moving_threshold_rad_s", "holdout_intervals_s", "holdout_runs"),
-    *("runs", "average_over", "added", "kinds", "controller"),
+    *("runs", "average_over", "added", "kinds", "controller", "events"),
     *DRIVE_PARTS,
     *ALIGNMENT,
 )
 """Keys at the top level of a rig file."""
-_OF_A_TURN = frozenset({"encoder_counts_per_rev", "theta_zero_rad", "added"})
+_OF_A_TURN = frozenset({"encoder_counts_per_rev", "theta_zero_rad", "added", "events"})
 _OF_A_CARRIAGE = frozenset({"encoder_step_m"})
 
 
@@ -217,6 +219,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
             sample_rate_hz=_optional(content, "sample_rate_hz", where),
             runs=read_names(content.get("runs", []), f"{where}: runs"),
             kinds=kinds,
+            events=_events(content, where),
         ),
         sampling=Sampling(
             low_pass_hz=read_number(
@@ -256,6 +259,13 @@ def _parts(content: Mapping[str, Any], where: str, known: Mapping[str, float]) -
         # Such a gear is inside what the rig calls the motor: the log is on its output.
         return {**parts, ANGLE: OUTPUT_ANGLE}
     return parts
+
+
+def _events(content: Mapping[str, Any], where: str) -> bool:
+    """Whether a row is the time of one turn."""
+    if (said := content.get("events", REVOLUTION)) != REVOLUTION:
+        raise InputError(f"{where}: events", f'"{REVOLUTION}", or nothing', f"{said!r}")
+    return "events" in content
 
 
 def _coasting(known: dict[str, float], unknown: Mapping[str, Any]) -> bool:
