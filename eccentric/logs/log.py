@@ -171,7 +171,7 @@ def read_log(source: LogSource, name: str = "table") -> Log:
     """Read a log from a file or from a table in memory.
 
     Args:
-        source: a path to a file of one of the `FORMATS`, some of which need an extra (docs/rig.md);
+        source: a path to a file of one of the `FORMATS`, some of which need an extra (docs/rig-reference.md);
             or a table: a mapping of names to arrays (n,), a structured array, or a table of pandas, polars,
             pyarrow or any library with the Arrow PyCapsule or the dataframe interchange protocol; or a Log,
             which is returned unchanged.

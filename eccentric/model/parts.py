@@ -25,7 +25,7 @@ DRIVE_PARTS: Parts = MappingProxyType(
         "lubricant": ("grease", "oil", NO_PART),
     }
 )
-"""Every word that a rig may use; `docs/rig.md` says what each means."""
+"""Every word that a rig may use; `docs/rig-reference.md` says what each means."""
 
 IRON = ("brushed", "brushless", "stepper")
 """Motors with magnets and iron teeth, which attract each other."""
