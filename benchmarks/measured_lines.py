@@ -69,7 +69,7 @@ def _of_a_stranger(log: Path, parts: dict[str, str]) -> Line:
     except InputError as error:
         # The first clause: what else may help is for the person who has the log.
         why = str(error.inside("rig")).replace(f"{log.parent}/", "").replace(log.name, "the log")
-        why = re.split("[;:] ", why.removeprefix("the log: "))[0]
+        why = re.split(r"[;:] | \(first", why.removeprefix("the log: "))[0]
         made_of = {kind: (word,) for kind, word in parts.items()}
         return {"made of": _made_of(made_of), "cause": "-", "ranges": "-", "says": f"refused: {why}"}
 
