@@ -1,6 +1,6 @@
 """Tables of the arms in docs/measured-rigs.md, from logs that are not bundled.
 
-    python benchmarks/measured_arms.py DATA
+    python benchmarks/measured_arms.py DATA [NAME ...]
 
 DATA has one folder for each set of logs, with its data.csv.gz.  Writes docs/measured/arms.json, and puts its
 tables between the marks of the page.  The prose there is handwritten: read it again when arms.json has changed.
@@ -13,11 +13,11 @@ import json
 import re
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from benchmarks import measured_lines
 from eccentric.joints import (
     ArmDiagnosis,
     ArmFit,
@@ -46,16 +46,19 @@ def main() -> None:
     """Fit, diagnose, predict the run with payload; write results and page."""
     parser = argparse.ArgumentParser(description="Write the tables of the arms into docs/measured-rigs.md.")
     parser.add_argument("data", type=Path)
-    data = parser.parse_args().data
-    results: dict[str, Any] = {}
-    for name, folder in ARMS.items():
+    parser.add_argument("names", nargs="*", default=list(ARMS), help=", ".join(ARMS))
+    args = parser.parse_args()
+    data, results = args.data, json.loads(RESULTS.read_text(encoding="utf-8"))
+    for name in args.names:
+        folder = ARMS[name]
         log, rig = read_log(data / folder / "data.csv.gz"), ROOT / "examples" / "rigs" / f"{name}.toml"
         arm = read_arm_rig(rig)
         found = fit_arm([log], arm, ["data.csv.gz"], print)
         results[name] = {"fit": fit_table(found)}
-        if found.bodies is not None:
-            results[name]["bodies"] = bodies_table(found)
-        results[name]["diagnosis"] = diagnosis_table(diagnose_arm([log], arm, ["data.csv.gz"], tell=print))
+        diagnosed = diagnose_arm([log], arm, ["data.csv.gz"], tell=print)
+        results[name]["diagnosis"] = diagnosis_table(diagnosed)
+        own = {f"{name} {joint.number}": measured_lines.line_of(joint.found) for joint in diagnosed.joints}
+        measured_lines.remember(own)
         if name == "ur10e_arm":
             results[name]["payload"] = payload_tables(log, rig)
     RESULTS.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
@@ -65,6 +68,7 @@ def main() -> None:
             mark = re.compile(MARK.format(f"{name} {what}"), re.DOTALL)
             page = mark.sub(lambda m, table=table: m[1] + markdown(table) + m[2], page)
     PAGE.write_text(page, encoding="utf-8")
+    measured_lines.write()
 
 
 def fit_table(found: ArmFit) -> list[list[str]]:
@@ -84,17 +88,6 @@ def fit_table(found: ArmFit) -> list[list[str]]:
         errors = (f"{joint.rmse[key]:.3g}" for key in ("linear", "followed"))
         name, load = f"{joint.number} {joint.name}", follows.replace("_", " ") or "-"
         rows.append([name, load, *errors, gain, f"{joint.torque_rms:.3g}", runs])
-    return rows
-
-
-def bodies_table(found: ArmFit) -> list[list[str]]:
-    """Base parameters with their intervals."""
-    if found.bodies is None:
-        return []
-    rows = [["sum of inertial parameters", "value", "95 % interval", "unit"]]
-    for estimate, words in zip(found.bodies.estimates.values(), found.bodies.sums, strict=True):
-        low, high = estimate.interval
-        rows.append([words, f"{estimate.value:.3g}", f"{low:.3g} to {high:.3g}", estimate.unit])
     return rows
 
 

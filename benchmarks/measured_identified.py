@@ -12,6 +12,7 @@ def _identified(found: Diagnosis, shown: dict[str, tuple[str, float]]) -> dict[s
     return {
         label: [factor * every[name].value, [factor * x for x in every[name].interval]]
         for name, (label, factor) in shown.items()
+        if name in every
     }
 
 

@@ -14,7 +14,6 @@ import json
 import math
 import sys
 import tempfile
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -22,13 +21,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks import measured_figures as figures
-from benchmarks import measured_page
+from benchmarks import measured_lines, measured_page
 from benchmarks.measured_free import K_E, free_errors
 from benchmarks.measured_identified import IDENTIFIED
 from benchmarks.measured_logs import ROOT, SETS, measured_log
 from benchmarks.measured_page import Cell, Table, table
 from eccentric.diagnosis import Diagnosis, diagnose
-from eccentric.identification import improvement
 from eccentric.presentation import diagnosis_lines
 
 OUT = ROOT / "docs" / "measured"
@@ -53,6 +51,7 @@ def main() -> None:
         log, rig = measured_log(args.data, name)
         found = diagnose([log], rig)
         results[name] = page(name, found)
+        measured_lines.remember({name: measured_lines.line_of(found)})
         if np.any(found.data.drive.off):
             driven = changed(log, rig, DRIVEN_ROWS)
             results[name]["tables"].append(free(found, driven))
@@ -63,6 +62,7 @@ def main() -> None:
     text = json.dumps({name: results[name] for name in SETS if name in results}, indent=1, ensure_ascii=False)
     path.write_text(text + "\n", encoding="utf-8")
     measured_page.write(ROOT / "docs" / "measured-rigs.md", results)
+    measured_lines.write()
 
 
 def changed(log: Path, rig: Path, change: tuple[str, str]) -> Diagnosis:
@@ -78,7 +78,7 @@ def changed(log: Path, rig: Path, change: tuple[str, str]) -> Diagnosis:
 
 def page(name: str, found: Diagnosis) -> dict[str, Any]:
     """The page's content for one rig: lines of the terminal, and tables in their order."""
-    tables = [errors(found), *([gains(found)] if len(models(found)) > 1 else []), IDENTIFIED[name](found)]
+    tables = [errors(found), IDENTIFIED[name](found)]
     if found.orders:
         tables.append(orders(found))
     return {"verdict": found.attribution.verdict, "console": diagnosis_lines(found), "tables": tables}
@@ -105,29 +105,6 @@ def errors(found: Diagnosis) -> Table:
         columns["each run left out [mN m]"] = {n: milli * x for n, x in score.over_runs.rmse.items()}
     rows = {label: [column[name] for column in columns.values()] for name, label in models(found).items()}
     return table(["model", *columns], rows)
-
-
-def gains(found: Diagnosis) -> Table:
-    """By how much each model is better than the one before: percent of the RMSE, 95 % interval, runs better."""
-    columns = ["model", "held out: less error [%]", "95 % interval"]
-    over = found.score.over_runs
-    if over is not None:
-        columns += ["each run left out: less error [%]", "95 % interval", "runs better", "of"]
-    names, rows = list(models(found)), {}
-    fits = {"linear": found.models.linear, "paper": found.models.paper, "extended": found.models.extended}
-    for before, after in pairwise(names):
-        # At one scale, as the errors are: they are volts where the torque is not measured.
-        residual = [
-            fits[n].residuals["mechanical"][found.rows.score] * (fits[n].scale or 1.0)
-            for n in (before, after)
-        ]
-        percent, interval = improvement(*residual)
-        row: list[Cell] = [percent, list(interval)]
-        if over is not None:
-            whole, between, better = over.gains[after]
-            row += [whole, list(between), better, over.runs]
-        rows[f"{MODELS[after]} against {MODELS[before]}"] = row
-    return table(columns, rows)
 
 
 def free(found: Diagnosis, driven: Diagnosis) -> Table:

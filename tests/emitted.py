@@ -26,6 +26,7 @@ PRECISIONS = {"double": np.float64, "single": np.float32}
 both_precisions = pytest.mark.parametrize("dtype", list(PRECISIONS.values()), ids=list(PRECISIONS))
 SOME = {name: list(PRECISIONS)[k % 2] for k, name in enumerate(MODELS)}
 """The precision in which `make test` has a model, by turns; the other one is for the slow tests."""
+slow = pytest.mark.slow
 
 
 def some_calls(
@@ -39,9 +40,16 @@ def some_calls(
     return {(names[(k + turn) % len(names)], function) for k, (function, names) in enumerate(having.items())}
 
 
-def in_both(calls: Sequence[tuple[str, str]], models: Sequence[str] = MODELS) -> pytest.MarkDecorator:
-    """Return the parameters of a test of every call in both precisions; few are quick, of these models."""
-    few = some_calls(calls, models)
+def in_both(
+    calls: Sequence[tuple[str, str]], models: Sequence[str] = MODELS, *, by_turns: bool = False
+) -> pytest.MarkDecorator:
+    """Return the parameters of a test of every call in both precisions; few are quick, of these models.
+
+    By turns, a call has one precision, and the next one of its model the other.
+    """
+    few, orders = some_calls(calls, models), dict.fromkeys(calls, 0)
+    for name in MODELS:
+        orders |= {call: k for k, call in enumerate(c for c in calls if c[0] == name)}
     return pytest.mark.parametrize(
         ("name", "function", "dtype"),
         [
@@ -50,10 +58,11 @@ def in_both(calls: Sequence[tuple[str, str]], models: Sequence[str] = MODELS) ->
                 function,
                 dtype,
                 id=f"{name}.{function}-{precision}",
-                marks=() if (name, function) in few and precision == SOME[name] else pytest.mark.slow,
+                marks=() if (name, function) in few and (by_turns or precision == SOME[name]) else slow,
             )
             for name, function in calls
-            for precision, dtype in PRECISIONS.items()
+            for k, (precision, dtype) in enumerate(PRECISIONS.items())
+            if not by_turns or (MODELS.index(name) + orders[name, function] + k) % 2 == 0
         ],
     )
 
@@ -63,21 +72,17 @@ def in_one(calls: Sequence[tuple[str, str]], models: Sequence[str] = MODELS) -> 
     few = some_calls(calls, models)
     return pytest.mark.parametrize(
         ("name", "function"),
-        [
-            pytest.param(*call, id=".".join(call), marks=() if call in few else pytest.mark.slow)
-            for call in calls
-        ],
+        [pytest.param(*call, id=".".join(call), marks=() if call in few else slow) for call in calls],
     )
 
 
 every_call_in_both = in_both(CALLS)
-every_call_on_states_in_both = in_both(CALLED_ON_STATES)
+every_call_by_turns = in_both(CALLS, by_turns=True)
+every_call_on_states_by_turns = in_both(CALLED_ON_STATES, by_turns=True)
 every_model_in_both = pytest.mark.parametrize(
     ("name", "dtype"),
     [
-        pytest.param(
-            name, dtype, id=f"{name}-{precision}", marks=() if precision == SOME[name] else pytest.mark.slow
-        )
+        pytest.param(name, dtype, id=f"{name}-{precision}", marks=() if precision == SOME[name] else slow)
         for name in MODELS
         for precision, dtype in PRECISIONS.items()
     ],

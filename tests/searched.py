@@ -93,6 +93,7 @@ def search(
     amplitudes: Mapping[int, float],
     *candidates: Candidate,
     smooth: tuple[Candidate, ...] = (),
+    ruled_out: tuple[Candidate, ...] = (),
     floor: float = 0.0,
     scale: float = 1e-3,
     independent: bool = True,
@@ -101,7 +102,7 @@ def search(
     balance = design(amplitudes, scale, independent)
     screen = Screen(balance, candidates, floor)
     base = screen.fit([])
-    found = Search(screen, Screen(balance, smooth), base, base)
+    found = Search(screen, Screen(balance, smooth), base, base, ruled_out=Screen(balance, ruled_out))
     found.run()
     return found
 

@@ -3,8 +3,9 @@
 import dataclasses
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from functools import cache
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -24,7 +25,7 @@ from eccentric.emission.program.accuracy import (
 from eccentric.model import Model, load_model
 from tests import accuracy, extended
 from tests.compiled import Real
-from tests.emitted import both_precisions
+from tests.emitted import PRECISIONS, both_precisions
 from tests.paper import Parameters
 from tests.promised import DERIVATIVES, gradient_error
 from tests.test_accuracy import DRIVES, drive_parameters
@@ -32,11 +33,21 @@ from tests.test_accuracy import DRIVES, drive_parameters
 # `make test` has the models themselves, in test_accuracy.
 pytestmark = pytest.mark.slow
 
-# Every drive with the models of the paper: test_accuracy.py.
-SOME = {"mu = 1/5", "much unbalance", "exact velocity"}
-some_drives = pytest.mark.parametrize(
-    "drive", [pytest.param(drive, marks=() if drive in SOME else pytest.mark.slow) for drive in DRIVES]
-)
+# Every drive in both precisions with the models of the paper: test_accuracy.py. Here precisions take turns.
+BOTH = {"mu = 1/5", "exact velocity"}
+
+
+def by_turns(firsts: Sequence[Any], both: Collection[str] = ()) -> list[Any]:
+    """Return each first part with each drive in one precision, the drives named in both."""
+    return [
+        pytest.param(first, drive, dtype, id=f"{first}-{drive}-{precision}")
+        for j, first in enumerate(firsts)
+        for k, drive in enumerate(DRIVES)
+        for n, (precision, dtype) in enumerate(PRECISIONS.items())
+        if drive in both or (j + k + n) % 2 == 0
+    ]
+
+
 FEW = {np.float64: 80, np.float32: 40}  # states of each set
 TILT, MORE = 0.3, 0.4  # rad; and the share by which the mass is greater
 FORCE, FRICTION = "normal force", "friction and its derivatives"
@@ -90,7 +101,7 @@ KEPT = {
         ),
         "an exponential, a root or a quotient, which have errors of their own": (
             "stribeck[d=0.5]", "stribeck[d=1]", "stribeck[d=1.5]", "stribeck[d=2]", "local_defect",
-            "sqrt_speed", "eddy_current", "stribeck_load[F_N]",
+            "sublinear_viscous[n=0.5]", "sublinear_viscous[n=0]", "eddy_current", "stribeck_load[F_N]",
             "stribeck_temperature",
             "bearing_load[degressive]", "bearing_load[progressive]", "bearing_load[preload]",
         ),
@@ -180,10 +191,7 @@ def columns(one: extended.Extended, name: str, at: accuracy.Set, p: Parameters) 
     return [*accuracy.jacobian(name, at, p, own), *added]
 
 
-@pytest.mark.slow
-@both_precisions
-@some_drives
-@pytest.mark.parametrize("case", extended.CASES)
+@pytest.mark.parametrize(("case", "drive", "dtype"), by_turns(extended.CASES, BOTH))
 def test_friction_keeps_its_bounds(case: str, drive: str, dtype: Real) -> None:
     """Effects that leave friction as it is, or add powers of the speed to it, leave it as exact as it was."""
     name = extended.BASE[case]
@@ -209,7 +217,7 @@ def test_friction_keeps_its_bounds(case: str, drive: str, dtype: Real) -> None:
 
 
 @both_precisions
-@pytest.mark.parametrize("made", [models, pytest.param(extended.extended, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("made", [models, extended.extended])
 @pytest.mark.parametrize("case", extended.CASES)
 def test_normal_force(case: str, made: Callable[[str], tuple[extended.Extended, ...]], dtype: Real) -> None:
     """Whatever effects a header promises it of, F_N is right to its last places, the angle shifted or not."""
@@ -223,9 +231,9 @@ def test_normal_force(case: str, made: Callable[[str], tuple[extended.Extended, 
             assert np.max(units) <= NORMAL_FORCE.anywhere, (one.model.name, at.name)
 
 
-@both_precisions
-@some_drives
-@pytest.mark.parametrize("offset", [-LARGEST_SHIFT, -0.7, 1e-3, 1.5, LARGEST_SHIFT])
+@pytest.mark.parametrize(
+    ("offset", "drive", "dtype"), by_turns([-LARGEST_SHIFT, -0.7, 1e-3, 1.5, LARGEST_SHIFT])
+)
 def test_shifted_angle(offset: float, drive: str, dtype: Real) -> None:
     """A shifted angle costs F_N nothing, even near the shifted zero of F_N and far from theta_m = 0."""
     one = extended.with_effect("C2", "angle_offset")

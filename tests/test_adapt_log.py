@@ -96,26 +96,6 @@ def test_files_and_text(tmp_path: Path, rig: Any, capsys: pytest.CaptureFixture[
     assert document["innovation"]["over_assumed"] == pytest.approx(1.0, abs=0.3)
 
 
-def test_bands_end_at_the_bounds_and_the_legend_says_what_grey_is(rig: Any) -> None:
-    """Where viscous friction is nearly 0, its band ends at 0; the legend has all colours."""
-    found = eccentric.adapt(log(0.02), rig, forgetting=0.998)
-    course = found.course
-    reach = course.values - 1.96 * course.deviations
-    assert np.any(reach < course.lowest)
-
-    axes = found.plot()
-
-    for j, ax in enumerate(axes):
-        drawn = np.concatenate(
-            [np.asarray(path.vertices)[:, 1] for c in ax.collections for path in c.get_paths()]
-        )
-        assert course.lowest[j] <= np.min(drawn) <= np.max(drawn) <= course.highest[j]
-    legend = axes[0].get_legend()
-    assert legend is not None
-    words = [text.get_text() for text in legend.get_texts()]
-    assert ["learned", "not excited: std error above half of the prior's", "start", "alarm"] == words
-
-
 @pytest.mark.parametrize(
     ("case", "beside"), [pytest.param("C1", False, marks=pytest.mark.slow), ("C2", True)]
 )

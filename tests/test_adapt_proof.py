@@ -40,7 +40,10 @@ def test_proved(tmp_path: Path, name: str, real: str) -> None:
     [
         pytest.param("_adapt_at_most(d_0 * r_0, ONE)", "_adapt_at_most(d_0 * r_0, ONE + ONE)", marks=slow),
         pytest.param("#define MOST_omega_m 1000.0f", "#define MOST_omega_m 3.0e38f", marks=slow),
-        ("_adapt_at_least(ONE + w_0 * v_0, LEAST_B)", "_adapt_at_least(ONE + w_0 * v_0, ZERO)"),
+        pytest.param(
+            *("_adapt_at_least(ONE + w_0 * v_0, LEAST_B)", "_adapt_at_least(ONE + w_0 * v_0, ZERO)"),
+            marks=slow,
+        ),
         ("k = (j < COUNT) ? j : (COUNT - 1u);", "k = j;"),
     ],
     ids=["no bound of d", "no range of the speed", "no bound of b", "no bound of an index"],

@@ -28,6 +28,14 @@ def test_each_joint_is_a_rig_of_its_own() -> None:
     assert pytest.approx(MU) == [one.known["mu"] for one in rig.joints]
 
 
+def test_the_parts_of_all_joints_or_of_each() -> None:
+    """A word at the top is for all joints, a list under [drives] has one for each."""
+    rig = read_arm_rig(arm_rig_of(ARM, drives={"gear": ["strain wave", "worm"]}) | {"motor": "brushless"})
+
+    assert [("strain wave",), ("worm",)] == [one.parts["gear"] for one in rig.joints]
+    assert [("brushless",)] * 2 == [one.parts["motor"] for one in rig.joints]
+
+
 def test_the_threshold_is_a_speed_of_the_joint() -> None:
     """Gears differ: what counts as moving is a speed of the joint, divided by the gear for its motor."""
     rig = read_arm_rig(arm_rig_of(ARM))
@@ -60,6 +68,7 @@ def test_a_rig_that_names_an_arm_is_known_as_one() -> None:
             r"\[drives\] k_i: one value, or one for each of 2 joints, is requ",
         ),
         ({"drives": {"k_i": "0.1 V"}}, r"rig: \[drives\] k_i: "),
+        ({"drives": {"gear": "harmonic"}}, r"rig: gear: one of strain wave, planetary, worm, "),
         ({"drives": {"mu": 0.1}}, r"\[drives\]: unknown key 'mu'"),
         ({"joints": {"inertial": "closed"}}, r'\[joints\] inertial: "known", "open" or a list of mass, cen'),
         (

@@ -25,17 +25,6 @@ def control() -> ArmRun:
     return simulate_arm(drawn_arm_scenario(4))
 
 
-def test_the_same_seed_gives_the_same_log(control: ArmRun) -> None:
-    """To the last bit, another seed gives another arm."""
-    again = simulate_arm(drawn_arm_scenario(4))
-
-    assert list(control.columns) == list(again.columns)
-    for name, values in control.columns.items():
-        np.testing.assert_array_equal(values, again.columns[name])
-    assert (control.rig, control.arm, control.truth) == (again.rig, again.arm, again.truth)
-    assert control.arm != simulate_arm(drawn_arm_scenario(5)).arm
-
-
 def test_a_control_differs_by_nothing_but_the_effect(control: ArmRun) -> None:
     """Arm, rig and friction coefficients are the same; the truth of one has an effect, the other's none."""
     other = simulate_arm(drawn_arm_scenario(4, effects=["viscous_asymmetry@1"]))
@@ -152,24 +141,6 @@ def test_without_mujoco_its_command_is_named(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(InputError, match=r"MuJoCo is required .*: pip install 'eccentric\[arms-bench\]'$"):
         eccentric.bench_arm("2r")
-
-
-def test_the_bar_is_gone_at_the_end(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """On a terminal a bar grows in one line, which is empty at the end."""
-    from eccentric.cli.arguments import bar
-
-    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
-    show = bar()
-    assert show is not None
-    show(0.5)
-    show(1.0)
-    said = capsys.readouterr().err
-
-    assert "50%" in said
-    assert said.endswith(" \r")
-    assert "\n" not in said
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,6 @@
 """The benchmark of the diagnosis of arms counts families and joints, wrong names and alarms."""
 
-from benchmarks.arms_diagnosis import CONTROLS, LOGS, ArmAnswer, ArmJob, details, figures, jobs
+from benchmarks.arms_diagnosis import ArmAnswer, ArmJob, figures
 
 STRIBECK, COGGING = (2, "stribeck"), (2, "cogging")
 ELSEWHERE = (1, "stribeck")
@@ -29,20 +29,3 @@ def test_family_and_joint_both_count() -> None:
     found = {key: one.value for key, one in figures(ANSWERS).items()}
 
     assert {"arms first": 0.5, "arms wrong": 0.5, "arms alarms": 0.5} == found
-
-
-def test_misses_are_listed() -> None:
-    """Two wrong names and the alarm, one row each."""
-    rows = details(ANSWERS)
-
-    assert 3 == len(rows) - rows.index("| seed | log | truth | verdict | named | first |") - 2
-    assert any("| stribeck in 2 | named | stribeck in 1 | stribeck in 1 |" in row for row in rows)
-
-
-def test_as_many_logs_as_are_said() -> None:
-    """Every seed once; all kinds of arms; controls without a family."""
-    listed = list(jobs(quick=False))
-
-    assert len({job.seed for job in listed}) == len(listed) == LOGS + CONTROLS
-    assert CONTROLS == sum(job.family is None for job in listed)
-    assert {"2r", "3", "6"} == {job.arm for job in listed}

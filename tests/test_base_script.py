@@ -10,7 +10,6 @@ import pytest
 import sympy as sp
 
 from eccentric.diagnosis import base_source
-from eccentric.diagnosis.model_script import _imports
 from eccentric.model import Definition, Model, load_model, model_names, quantity
 from tests.extended import BASE, CASES, effects
 
@@ -60,13 +59,3 @@ def test_letters_may_be_any(tmp_path: Path) -> None:
     model = dataclasses.replace(paper, definitions=(*taken, *paper.definitions))
 
     assert parts(model) == parts(made(model, tmp_path))
-
-
-def test_imports_are_one_line_where_it_fits() -> None:
-    """Lines have 110 characters at most: one of 109 is left as it is, one of 111 goes one name to a line."""
-    fits, exceeds = ("a" * 50, "b" * 39), ("a" * 50, "b" * 41)
-    line = f"from model import {', '.join(fits)}"
-
-    assert 109 == len(line)
-    assert f"{line}\n" == _imports("model", fits)
-    assert f"from model import (\n    {exceeds[0]},\n    {exceeds[1]},\n)\n" == _imports("model", exceeds)

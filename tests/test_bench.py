@@ -73,7 +73,7 @@ def test_the_strength_stated_is_found_in_the_log(
 @pytest.mark.parametrize(
     "family",
     [
-        pytest.param(family, marks=pytest.mark.slow if k % 3 else ())
+        pytest.param(family, marks=pytest.mark.slow if k % 6 else ())
         for k, family in enumerate(sorted(EFFECTS.keys() - {"backlash", "encoder_eccentricity"}))
     ],
 )

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import copysign, cos, exp, pi, sin, sqrt
+from math import asinh, copysign, cos, exp, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -79,6 +79,15 @@ FORMULAS: dict[str, Formula] = {
     "coulomb_asymmetry": lambda s, a, p, e: {"dry": one_way(s, e, a)},
     "viscous_asymmetry": lambda s, a, p, e: {"viscous": one_way(s, e, a)},
     "eddy_current": lambda s, a, p, e: {"drag": a * e.shape[0] ** 2 / (e.shape[0] ** 2 + s.w**2)},
+    "sublinear_viscous[Eyring]": lambda s, a, p, e: {
+        "viscous": a * e.shape[0] / s.w * asinh(s.w / e.shape[0])
+    },
+    "sublinear_viscous[Cross]": lambda s, a, p, e: {
+        "viscous": a * e.shape[0] ** (2 / 3) / (e.shape[0] ** (2 / 3) + abs(s.w) ** (2 / 3))
+    },
+    "sublinear_viscous[power law]": lambda s, a, p, e: {
+        "viscous": a * (e.shape[0] / max(abs(s.w), 0.01 * e.shape[0])) ** 0.4
+    },
     "viscosity_temperature[exponential]": lambda s, a, p, e: {
         "warm viscous": exp(-a * (s.temperature - p.Tamb)) - 1.0
     },

@@ -17,7 +17,7 @@ from tests.compiled import GENERATED, REAL, Library, Real
 from tests.emitted import (
     CALLED_ON_STATES,
     every_call_in_both,
-    every_call_on_states_in_both,
+    every_call_on_states_by_turns,
     every_model,
     every_model_in_both,
     example_states,
@@ -87,7 +87,7 @@ def test_agrees_with_numpy(libraries: Libraries, name: str, function: str, dtype
     assert np.array_equal(np.asarray(getattr(module(name), function)(*states, values), dtype), actual)
 
 
-@every_call_on_states_in_both
+@every_call_on_states_by_turns
 def test_arrays_are_single_calls(libraries: Libraries, name: str, function: str, dtype: Real) -> None:
     """The function of n samples gives the bits of n calls, and writes nothing for n = 0."""
     library = libraries(name, dtype)
@@ -101,7 +101,7 @@ def test_arrays_are_single_calls(libraries: Libraries, name: str, function: str,
     assert 0 == library.many(function, [x[:0] for x in states], coefficients).size
 
 
-@every_call_on_states_in_both
+@every_call_on_states_by_turns
 def test_finite_inputs_give_numbers(libraries: Libraries, name: str, function: str, dtype: Real) -> None:
     """No finite input, however small or large, makes a NaN."""
     library = libraries(name, dtype)

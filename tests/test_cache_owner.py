@@ -93,15 +93,3 @@ def test_a_cache_of_another_user_is_one_clear_line(cache: Path, monkeypatch: pyt
     with pytest.raises(InputError, match=r"a cache of your own is required, .* set XDG_CACHE_HOME$"):
         store()
     assert before == sorted(path.stat().st_mtime_ns for path in (cache, *cache.iterdir()))
-
-
-@pytest.mark.parametrize("size", [0, 1, 6])
-@pytest.mark.parametrize("which", ["arm_*.so", "arm_key.json"], ids=["library", "record"])
-def test_what_is_cut_off_is_built_again(which: str, size: int, cache: Path) -> None:
-    """A file that a full disk has cut off, in place, is not used; after one build it is whole."""
-    (path,) = cache.glob(which)
-    os.truncate(path, size)
-
-    assert not found()
-    store()
-    assert found()

@@ -82,7 +82,7 @@ def test_c_without_a_coefficient_is_refused() -> None:
 
 def test_a_payload_is_prepared(tmp_path: Path) -> None:
     """A chain with a letter has parameters and `prepare`, and is as silent."""
-    base = random_chain(np.random.default_rng(12), 3, aligned=True)
+    base = random_chain(np.random.default_rng(12), 2, aligned=True)
     chain = Chain("arm", base.joints, base.bodies, payload=Body(v.M.symbol, (0, 0, "0.1")), parameters=(v.M,))
     for file, text in render(arm(chain, "An arm"), "a test", "a test").items():
         (tmp_path / file).write_text(text, encoding="utf-8")

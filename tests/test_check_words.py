@@ -71,7 +71,10 @@ def test_a_drive_of_one_sign_in_both_directions_is_not_cured_by_another_sign() -
 
 @pytest.mark.parametrize(
     ("percent", "interval", "said"),
-    [(-0.01, (-0.02, -0.001), "no better than"), (-0.3, (-0.5, -0.1), "only slightly worse than")],
+    [
+        (-0.01, (-0.02, -0.001), "about the same held-out error as"),
+        (-0.3, (-0.5, -0.1), "only slightly higher"),
+    ],
 )
 def test_what_rounds_to_nothing_is_neither_better_nor_worse(
     percent: float, interval: tuple[float, float], said: str

@@ -126,14 +126,18 @@ def test_help_lists_every_command_without_importing_sympy() -> None:
     ],
     ids=["nothing", "unknown command", "abbreviated option", "command without its log"],
 )
-def test_wrong_usage_is_one_line(arguments: list[str], complaint: str) -> None:
+def test_wrong_usage_is_one_line(
+    arguments: list[str], complaint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     """A wrong command line ends with status 2 and one line that says where help is."""
-    done = _python("-m", "eccentric", *arguments)
+    with pytest.raises(SystemExit) as stop:
+        sys.exit(cli.main(arguments))
+    said = capsys.readouterr()
 
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert done.stderr.startswith("eccentric: error: ")
-    assert complaint in done.stderr
-    assert "--help" in done.stderr
+    assert (stop.value.code, said.out, said.err.count("\n")) == (2, "", 1)
+    assert said.err.startswith("eccentric: error: ")
+    assert complaint in said.err
+    assert "--help" in said.err
 
 
 PRINTING = {"eccentric audit": ("-m", "eccentric", "audit")} | {

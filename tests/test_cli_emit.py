@@ -1,9 +1,6 @@
 """`eccentric emit`: names of one's own, and the folder that is written."""
 
 import re
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -58,26 +55,6 @@ def test_only_the_named_back_ends_are_written(given: list[str], expected: set[st
     whole = render(load_model("c1_perpendicular"), "eccentric emit", backends=BACKENDS)
     for path in (tmp_path / "out").glob("c1_*"):
         assert whole[path.name] == path.read_text(encoding="utf-8")
-
-
-def test_a_single_file_runs_alone(tmp_path: Path) -> None:
-    """The NumPy module of `--single-file` is one file, and in an empty folder has the bits of the pair."""
-    given = ["emit", "c1_perpendicular", "--backend", "numpy", "--out"]
-    assert 0 == main([*given, str(tmp_path / "single"), "--single-file"])
-    assert 0 == main([*given, str(tmp_path / "pair")])
-    assert {"c1_perpendicular.py"} == files_in(tmp_path / "single")
-    (tmp_path / "empty").mkdir()
-    shutil.copy(tmp_path / "single" / "c1_perpendicular.py", tmp_path / "empty")
-
-    program = "import c1_perpendicular as m; print([x.hex() for x in m.friction_torque([0.3, -7.0, 250.0])])"
-    single, pair = (
-        subprocess.run(
-            [sys.executable, "-c", program], cwd=tmp_path / name, capture_output=True, text=True, check=True
-        ).stdout
-        for name in ("empty", "pair")
-    )
-
-    assert pair == single
 
 
 def test_an_unknown_back_end_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

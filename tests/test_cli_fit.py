@@ -60,17 +60,11 @@ def changed(**known: float | None) -> dict:
 
 
 RIGS = {
-    "negative mass": (changed(M_kg=-0.5), "M_kg: a value at least 0 kg is required"),
-    "mu = 0": (changed(mu=0), "mu: a value above 0 is required"),
     "unknown key": ({**changed(), "colour": "red"}, "unknown key 'colour'"),
     "unknown unit": (changed() | {"columns": {"time": {"column": "time_s", "unit": "parsec"}}}, "parsec"),
     "unknown drive": (
         changed() | {"drive": "torque"},
         "drive: a channel with a column in the log is required (current, voltage), received 'torque'",
-    ),
-    "unit of another quantity": (
-        changed() | {"columns": {"time": "time_s", "omega_m": {"column": "omega_m_rad_s", "unit": "RPM"}}},
-        "unit 'RPM' is unknown at 'RPM'; did you mean 'rpm'? known are rad/s, deg/s, rev/s, rpm, counts/s",
     ),
     "no k_i": (changed(k_i_Nm_per_A=None), "k_i is required"),
     "never moving": (changed() | {"moving_threshold_rad_s": 1e4}, "moving rows"),

@@ -6,6 +6,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from logged import SHARED, needs_shared
 from scipy.integrate import solve_ivp
 
 import eccentric
@@ -166,3 +167,99 @@ def test_a_drive_that_is_none_of_these_is_refused() -> None:
     """The message lists "none" with the others."""
     with pytest.raises(InputError, match="one of current, voltage, torque, none"):
         eccentric.fit(with_viscous(0.05, 0.8, 120.0), {**RIG, "drive": "nothing"})
+
+
+TURNS = {**RIG, "events": "revolution"}
+DATA = SHARED / "field" / "logs"
+
+
+def turn_times(c: float, start: float, extra: float = 0.0) -> np.ndarray:
+    """Times of turns under w' = -c from w_0, shifted by a part of a turn: w_0 t - c t^2/2 = 2 pi k."""
+    k = np.arange(extra, start**2 / (4.0 * np.pi * c) * 0.99)
+    return 2.0 * (2.0 * np.pi * k) / (start + np.sqrt(start**2 - 4.0 * np.pi * c * k))
+
+
+def test_times_of_turns_are_a_coast_down() -> None:
+    """One row a turn and no angle: the deceleration of the closed form comes out, and no viscous part."""
+    found = eccentric.fit({"time_s": turn_times(0.5, 60.0)}, TURNS)
+
+    assert found.estimates["C"].value == pytest.approx(0.5, rel=1e-3)
+    assert found.estimates["B"].interval[0] <= 1e-5
+    assert found.document["rows"]["read"] == len(turn_times(0.5, 60.0))
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_rows_of_two_shafts_with_missed_and_double_events(late: bool) -> None:
+    """A row for the turn of either, with both counts, before or after it; each shaft has its own."""
+    c, speeds = {"slow": 0.4, "fast": 0.9}, {"slow": 50.0, "fast": 113.0}
+    times = {name: turn_times(c[name], speeds[name], extra=0.3) for name in c}
+    times["slow"] = np.delete(times["slow"], [40, 90])
+    times["fast"] = np.sort(np.append(times["fast"], times["fast"][60] + 0.3 * np.diff(times["fast"])[60]))
+    t = np.concatenate(list(times.values()))
+    own = np.repeat([0, 1], [len(x) for x in times.values()])[np.argsort(t)]
+    log = {"time_s": np.sort(t)}
+    for k, name in enumerate(times):
+        turns = np.cumsum(own == k).astype(float)
+        log[name] = np.concatenate([[0.0], turns[:-1]]) if late else turns
+    for name, value in c.items():
+        column = {"time": "time_s", "theta_m": {"column": name, "unit": "rev"}}
+        found = eccentric.fit(log, {**TURNS, "columns": column})
+
+        assert found.estimates["C"].value == pytest.approx(value, rel=2e-3), name
+        assert late == any("counts late" in line for line in found.warnings)
+        mended = "2 missed" if name == "slow" else "1 doubled"
+        assert any(mended in line for line in found.warnings), name
+
+
+def test_what_turns_cannot_be_is_refused() -> None:
+    """One clear error for another event, and for a run with too few turns."""
+    with pytest.raises(InputError, match='events: "revolution", or nothing is required'):
+        eccentric.fit({"time_s": turn_times(0.5, 60.0)}, {**RIG, "events": "pulse"})
+    with pytest.raises(InputError, match=r"at least 8 turns .* required .*, received 5"):
+        eccentric.fit({"time_s": np.arange(5.0)}, TURNS)
+
+
+@needs_shared
+def test_a_drum_and_the_tyre_on_it_slow_down_together() -> None:
+    """Measured: both decelerations are those of the plain periods, in the ratio of the speeds."""
+    rows = np.loadtxt(next(DATA.glob("17-*/*.csv")), delimiter=",")
+    log = {"time_us": rows[:, 0], "drum": rows[:, 2], "tyre": rows[:, 4]}
+    slowed = {}
+    for name in ("drum", "tyre"):
+        columns = {
+            "time": {"column": "time_us", "unit": "us"},
+            "theta_m": {"column": name, "unit": "rev"},
+        }
+        found = eccentric.fit(log, {**TURNS, "columns": columns})
+        events = 1e-6 * log["time_us"][:-1][np.diff(log[name]) > 0.0]
+        period = np.diff(events)
+        fastest = int(np.argmin(period))
+        middle = 0.5 * (events[1:] + events[:-1])[fastest:]
+        speed = 2.0 * np.pi / period[fastest:]
+        part = (speed > 0.4 * speed[0]) & (speed < 0.6 * speed[0])
+        part &= np.abs(np.diff(speed, prepend=speed[0])) < 0.05 * speed  # a turn that was missed
+        slope = np.polyfit(middle[part], speed[part], 1)[0]
+        cubic = [one["value"] for one in found.document["free_cubic"].values()]
+        slowed[name] = float(np.polyval(cubic[::-1], np.mean(speed[part])))
+
+        assert slowed[name] == pytest.approx(-slope, rel=0.03), name
+    assert slowed["tyre"] / slowed["drum"] == pytest.approx(86.7 / 34.6, rel=0.05)
+
+
+@needs_shared
+def test_the_published_cubic_of_a_flywheel() -> None:
+    """Measured: the four coefficients that its authors published are in the intervals of the free cubic."""
+    folder = next(DATA.glob("16-*"))
+    about = tomllib.loads((folder / "about.toml").read_text(encoding="utf-8"))
+    published = next(one["value"] for one in about["published"] if "deceleration" in one["quantity"])
+    rows = np.loadtxt(folder / about["logs"][0]["file"])
+    log = {"time_ms": rows[:, 5], "speed": rows[:, 3]}
+    columns = {
+        "time": {"column": "time_ms", "unit": "ms"},
+        "omega_m": {"column": "speed", "unit": "rpm"},
+    }
+    found = eccentric.fit(log, {**RIG, "columns": columns})
+
+    for name, value in zip(("c_0", "c_1", "c_2", "c_3"), published, strict=True):
+        low, high = found.document["free_cubic"][name]["interval_95"]
+        assert low <= value <= high, name

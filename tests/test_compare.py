@@ -184,12 +184,3 @@ def test_a_ripple_that_is_the_best_below_the_low_pass_only_is_told() -> None:
     assert other.below is not None
     assert other.below < first.below
     assert f"below 25 Hz {ripple} is the best" in found.summary()
-
-
-def test_json_is_printed_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
-    """Nothing else is on the standard output."""
-    assert 0 == main(["compare", LOG, "--rig", RIG, "c2_parallel", "--json"])
-    found = json.loads(capsys.readouterr().out)
-
-    assert ("eccentric-compare/1", BASELINE) == (found["format"], found["baseline"])
-    assert {"c2_parallel", BASELINE} == {one["name"] for one in found["models"]}

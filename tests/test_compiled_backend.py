@@ -93,7 +93,7 @@ def test_signature_is_that_of_the_numpy_module(name: str, function: str) -> None
     )
 
 
-@in_both(CALLED_ON_STATES, FEW)
+@in_both(CALLED_ON_STATES, FEW, by_turns=True)
 def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.floating]) -> None:
     """`out` takes the result where it is strided or lies on an input, too; the wrong shape is refused."""
     f, p = getattr(compiled(name), function), with_inertia(name)

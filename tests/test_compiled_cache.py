@@ -131,7 +131,6 @@ def test_a_process_does_not_pass_off_what_it_loaded_as_what_lies_there_now(tmp_p
     assert _torque(0.012) == eccentric.compile(own).friction_torque(30.0)
     assert not _is_found(own)
     assert (_torque(0.013), "derived") == _fresh(own)
-    assert (_torque(0.013), "found") == _fresh(own)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import ast
 import dataclasses
 import inspect
+import itertools
 import subprocess
 import sys
 import tracemalloc
@@ -18,17 +19,13 @@ from hypothesis import strategies as st
 from generated import eccentric_runtime
 from tests import oracle, strategies
 from tests.emitted import (
-    CALLED_ON_STATES,
-    PRECISIONS,
-    SOME,
     every_call,
-    every_call_in_both,
+    every_call_by_turns,
     every_call_on_states,
-    every_call_on_states_in_both,
+    every_call_on_states_by_turns,
     every_model,
     example_states,
     module,
-    some_calls,
     width,
     with_inertia,
 )
@@ -63,7 +60,7 @@ def test_labels(name: str) -> None:
     assert friction <= set(emitted.JACOBIAN) <= fields
 
 
-@every_call_on_states_in_both
+@every_call_on_states_by_turns
 def test_finite_inputs_give_numbers_and_no_warning(
     name: str, function: str, dtype: type[np.floating]
 ) -> None:
@@ -87,7 +84,7 @@ def test_finite_inputs_give_numbers_and_no_warning(
     check()
 
 
-@every_call_on_states_in_both
+@every_call_on_states_by_turns
 def test_one_value_has_one_result(name: str, function: str, dtype: type[np.floating]) -> None:
     """An element has the same bits whether it comes alone, strided, transposed, broadcast or in 100,000."""
     f, p = getattr(module(name), function), with_inertia(name)
@@ -109,7 +106,7 @@ def test_one_value_has_one_result(name: str, function: str, dtype: type[np.float
         assert np.array_equal(f(*wide, p), f(states[0], *(x[k] for x in states[1:]), p))
 
 
-@every_call_in_both
+@every_call_by_turns
 def test_shapes_follow_broadcasting(name: str, function: str, dtype: type[np.floating]) -> None:
     """Inputs broadcast; a vector result adds its axis last; scalars give a scalar, nothing gives nothing."""
     f, p, n = getattr(module(name), function), with_inertia(name), len(oracle.inputs(name, function))
@@ -138,7 +135,7 @@ def test_whole_numbers_and_lists_are_taken_as_doubles(name: str, function: str) 
     assert np.float64 == np.asarray(f(*(1 for _ in range(n)), p)).dtype
 
 
-@every_call_on_states_in_both
+@every_call_on_states_by_turns
 def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.floating]) -> None:
     """`out` takes the result, is what is returned, may be strided, and is refused in the wrong shape."""
     f, p = getattr(module(name), function), with_inertia(name)
@@ -154,30 +151,13 @@ def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.flo
         f(*states, p, out=np.empty((2, 2), dtype))
 
 
-@pytest.mark.parametrize(
-    ("name", "function", "count", "dtype"),
-    [
-        pytest.param(
-            name,
-            function,
-            count,
-            dtype,
-            id=f"{name}.{function}-{count}-{precision}",
-            marks=()
-            if precision == SOME[name] and (name, function) in some_calls(CALLED_ON_STATES, turn=turn)
-            else pytest.mark.slow,
-        )
-        for name, function in CALLED_ON_STATES
-        for turn, count in enumerate((7, 1500, 2048, 50_000))
-        for precision, dtype in PRECISIONS.items()
-    ],
-)
-def test_out_may_be_an_input(name: str, function: str, count: int, dtype: type[np.floating]) -> None:
+@every_call_on_states_by_turns
+def test_out_may_be_an_input(name: str, function: str, dtype: type[np.floating]) -> None:
     """An input that lies where the result goes, or a sample beside it, is read before it is overwritten."""
     f, p, one = getattr(module(name), function), with_inertia(name), width(name, function)
-    states = example_states(name, function, count + 1, dtype)
-    for k in range(len(states)):
-        for shift in (0, 1):
+    for count in (7, 1500, 2048, 50_000):
+        states = example_states(name, function, count + 1, dtype)
+        for k, shift in itertools.product(range(len(states)), (0, 1)):
             given_states = [x[:count].copy() for x in states]
             memory = np.zeros(count * (one[0] if one else 1) + 1, dtype)
             memory[shift : shift + count] = given_states[k]
@@ -187,10 +167,10 @@ def test_out_may_be_an_input(name: str, function: str, count: int, dtype: type[n
 
             f(*given_states, p, out=out)
 
-            assert np.array_equal(expected, out, equal_nan=True), (k, shift)
+            assert np.array_equal(expected, out, equal_nan=True), (count, k, shift)
 
 
-@every_call_on_states_in_both
+@every_call_on_states_by_turns
 def test_memory_is_bounded_by_the_block(name: str, function: str, dtype: type[np.floating]) -> None:
     """With `out` a call takes as much memory for 1,000,000 elements as for 100,000."""
     f, p = getattr(module(name), function), with_inertia(name)

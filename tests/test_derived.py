@@ -124,6 +124,7 @@ Path.home = no_home
     assert run(tmp_path) == run(tmp_path, nobody, XDG_CACHE_HOME="")
 
 
+@pytest.mark.slow
 def test_a_changed_source_is_derived_again(tmp_path: Path) -> None:
     """Results of other sources have a file of their own: a letter in a derivation changes what comes out."""
     copy = tmp_path / "clone"

@@ -200,7 +200,7 @@ def test_a_wrong_constant_of_the_rig_is_told_as_what_it_is(tmp_path: Path, k_e: 
     rig = rig_with(tmp_path, ('k_e = "0.063 V s/rad"', f'k_e = "{k_e} V s/rad"'))
     said = diagnosis_sentence(diagnose([LOG], rig))
     (value,) = re.findall(
-        rf"the right value of k_e, (\S+) V s/rad where the rig file has {k_e} \(ke_mismatch,", said
+        rf"the right value of k_e: (\S+) V s/rad, the rig file has {k_e} \(ke_mismatch,", said
     )
 
     # The bench has 0.063 V s/rad; its encoder and its low pass cost some per mille.

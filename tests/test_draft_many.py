@@ -39,6 +39,7 @@ def test_the_share_of_a_wave_is_found_without_its_period(often: float, share: fl
     assert found[1] < 0.05
 
 
+@pytest.mark.slow
 def test_a_drive_among_columns_that_tell_nothing_is_found() -> None:
     """Three hundred of noise, drifts and waves in time beside angle, speed and a current with gravity."""
     rng, moved = np.random.default_rng(5), motion()

@@ -26,7 +26,8 @@ MODELS = {
     "c2_asymmetric": "C2",
     "rotating_link": "C2",
 }
-every_model = pytest.mark.parametrize("name", MODELS)
+WHOLE = ("c1_asymmetric", "rotating_link")
+"""With every pair, among the slow tests: friction by the direction, and an acceleration in F_N."""
 
 
 @cache
@@ -103,7 +104,11 @@ def differ_by_order(name: str, pairs: Iterable[Pair]) -> list[tuple[str, str]]:
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=() if name == "c1_perpendicular" else pytest.mark.slow) for name in MODELS],
+    [
+        pytest.param(name, marks=() if name == "c1_perpendicular" else pytest.mark.slow)
+        for name in MODELS
+        if name not in WHOLE
+    ],
 )
 def test_the_order_of_two_effects_changes_nothing(name: str) -> None:
     """A pair of the library gives one model in both orders, or one refusal in one line; a third of them."""
@@ -111,7 +116,7 @@ def test_the_order_of_two_effects_changes_nothing(name: str) -> None:
 
 
 @pytest.mark.slow
-@every_model
+@pytest.mark.parametrize("name", WHOLE)
 def test_the_order_of_two_effects_changes_nothing_whatever_the_harmonic(name: str) -> None:
     """The same for every pair, with all orders of all harmonics."""
     assert [] == differ_by_order(name, itertools.combinations(whole_library(name), 2))
@@ -193,17 +198,13 @@ def emitted_apart(name: str, count: int) -> list[tuple[str, str]]:
     ]
 
 
-@pytest.mark.parametrize("name", [pytest.param("c1_perpendicular", marks=pytest.mark.slow), "c2_parallel"])
-def test_emitted_numbers_are_those_of_either_order(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "count"),
+    [("c2_parallel", 3), *(pytest.param(name, 8, marks=pytest.mark.slow) for name in MODELS)],
+)
+def test_emitted_numbers_are_those_of_either_order(name: str, count: int) -> None:
     """What is emitted for a pair gives the same numbers whichever effect came first."""
-    assert [] == emitted_apart(name, 3)
-
-
-@pytest.mark.slow
-@every_model
-def test_emitted_numbers_are_those_of_either_order_for_many_pairs(name: str) -> None:
-    """The same for some fifteen pairs of every base model."""
-    assert [] == emitted_apart(name, 15)
+    assert [] == emitted_apart(name, count)
 
 
 def test_a_temperature_scales_viscous_asymmetry_whichever_effect_came_first() -> None:
@@ -233,6 +234,8 @@ def test_a_temperature_scales_viscous_asymmetry_whichever_effect_came_first() ->
 
 VISCOUS = {
     "viscous_asymmetry",
+    "sublinear_viscous[n=0.5]",
+    "sublinear_viscous[n=0]",
     "viscosity_temperature[bearing]",
     "hidden_thermal_drift[bearing]",
 }
@@ -278,7 +281,6 @@ MIXED = {"backlash"}
 NEITHER = {
     "quadratic_drag",
     "cubic_drag",
-    "sqrt_speed",
     "oneway_windage[+]",
     "oneway_windage[-]",
     "eddy_current",

@@ -1,6 +1,7 @@
 """The records of the library: complete, dimensionally sound, composing; and a user's own file."""
 
 import dataclasses
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,16 @@ import sympy as sp
 from eccentric.core import InputError
 from eccentric.effects import FAMILIES, Effect, Evidence, base_aliases, library, load_effects
 from eccentric.emission import load_module
-from eccentric.model import Change, Definition, load_model, quantity
+from eccentric.model import (
+    ANGLE,
+    DRIVE_PARTS,
+    MOTOR_ANGLE,
+    OUTPUT_ANGLE,
+    Change,
+    Definition,
+    load_model,
+    quantity,
+)
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import of_expression, of_unit
 from tests.extended import BASE, CASES, effects, every_case, setting
@@ -34,6 +44,51 @@ def test_records_are_complete(case: str) -> None:
         assert len(effect.coefficients) == len(effect.bounds), effect.id
         for shape in effect.shapes:
             assert (effect.id, True) == (effect.id, 0 <= shape.low < shape.high or shape.scale == "linear")
+
+
+@every_case
+def test_parts_and_ranges_are_complete(case: str) -> None:
+    """An effect needs parts that a rig can name; a range has two ends, a dated source, and known letters."""
+    letters = {q.name for q in load_model(BASE[case]).parameters}
+    known_parts = {**DRIVE_PARTS, ANGLE: (*MOTOR_ANGLE, *OUTPUT_ANGLE)}
+    for effect in effects(case).values():
+        for kind, words in effect.only_with.items():
+            assert (effect.id, set()) == (effect.id, set(words) - set(known_parts[kind]))
+        for known in effect.plausible:
+            used = {symbol.name for symbol in known.value.free_symbols}
+            assert (effect.id, set()) == (effect.id, used - letters - {q.name for q in effect.parameters})
+            for low, high, source in ((known.low, known.high, known.source), *known.by_part.values()):
+                assert low < high, effect.id
+                assert re.search(r"\b(18|19|20)\d\d\b|undated", source), source
+            assert set(known.by_part) <= {word for words in DRIVE_PARTS.values() for word in words}
+            assert known.usual is None or known.low <= known.usual <= known.high
+
+
+@pytest.mark.parametrize(
+    ("parts", "families"),
+    [
+        (
+            {"gear": ("none",)},
+            {"gear_efficiency", "load_dependent", "backlash", "kinematic_error", "stribeck_load"},
+        ),
+        ({"gear": ("strain wave",)}, {"backlash"}),
+        ({"gear": ("strain wave", "belt")}, set()),
+        ({"motor": ("brushless",)}, {"eddy_current"}),
+        ({"motor": ("brushless", "eddy-current brake")}, set()),
+        ({"motor": ("coreless",)}, {"eddy_current", "cogging", "kt_saturation", "magnetic_hysteresis"}),
+        ({"motor": ("slotless",)}, {"eddy_current", "cogging"}),
+        ({"motor": ("induction",)}, {"cogging", "kt_ripple", "magnet_temperature"}),
+        ({"angle": ("output",)}, {"cogging", "kt_ripple", "motor_harmonic_friction"}),
+        ({"bearing": ("plain",)}, {"bearing_load"}),
+        ({"lubricant": ("none",)}, {"viscosity_temperature", "stribeck_temperature"}),
+        ({}, set()),
+    ],
+)
+def test_a_drive_has_no_cause_without_the_part_that_makes_it(
+    parts: dict[str, tuple[str, ...]], families: set[str]
+) -> None:
+    """No teeth, no backlash; no slots, no cogging; what a rig does not say rules out nothing."""
+    assert families == {effect.family for effect in effects("C2").values() if effect.lacks(parts)}
 
 
 def test_parameter_names_are_short_and_tell_the_family() -> None:

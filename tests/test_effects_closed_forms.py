@@ -22,7 +22,6 @@ from tests.extended import (
     MEAN,
     MU,
     NEUTRAL,
-    W_MAX,
     WARM,
     G,
     L,
@@ -160,8 +159,11 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ),
     ("C2", "quadratic_drag", {"drag_2": 2e-4}, lambda x: 2e-4 * x["omega_m"] * np.abs(x["omega_m"])),
     ("C2", "cubic_drag", {"drag_3": 3e-6}, lambda x: 3e-6 * x["omega_m"] ** 3),
-    ("C1", "sqrt_speed", {"drag_half": 0.2},
-     lambda x: 0.2 * np.abs(x["omega_m"] / W_MAX) ** 0.5 * np.sign(x["omega_m"])),
+    *(
+        ("C1", f"sublinear_viscous[n={n:g}]", {"thinning_B": 0.01, "thinning_w": 8.0},
+         lambda x, n=n: 0.01 * x["omega_m"] * (1 + (x["omega_m"] / 8) ** 2) ** ((n - 1) / 2))
+        for n in (0.5, 0)
+    ),
     ("C1", "oneway_windage[+]", {"windage_pos": 1e-4}, lambda x: 1e-4 * np.maximum(x["omega_m"], 0) ** 2),
     ("C1", "oneway_windage[-]", {"windage_neg": 1e-4}, lambda x: -1e-4 * np.minimum(x["omega_m"], 0) ** 2),
     ("C1", "eddy_current", {"eddy_D": 0.01, "eddy_w": 20.0},

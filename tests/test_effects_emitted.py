@@ -277,7 +277,7 @@ def test_lugre_is_that_of_its_paper() -> None:
     z = solve_ivp(rate, (0.0, 1.0), [0.0], t_eval=time, rtol=1e-9, atol=1e-12, max_step=1e-3).y[0]
     expected = sigma_0 * z + sigma_1 * rate(time, z)
 
-    given = {name: np.zeros(1001) for name in motion()} | {"omega_m": speed(time), "dt": np.full(1001, 1e-3)}
+    given = dict.fromkeys(inputs(), np.zeros(1001)) | {"omega_m": speed(time), "dt": np.full(1001, 1e-3)}
     values = {"presliding_x": C / sigma_0, "presliding_v": v_s, "presliding_r": S / C}
     bristles = stepped("C1", "presliding[lugre]", given, **values)["presliding_z"][:-1]
     module = briefly("C1", "presliding[lugre]")

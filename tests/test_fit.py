@@ -245,7 +245,7 @@ def test_disc_of_eindhoven_shows_no_gain() -> None:
     assert found.searched["theta_zero_rad"].value == pytest.approx(0.05, abs=0.01)
     assert found.r_squared["paper"] > 0.998
     assert found.percent_interval[0] <= 0.0 <= found.percent_interval[1]
-    assert "no better than Coulomb + viscous" in fit_sentence(found)
+    assert "about the same held-out error as Coulomb + viscous" in fit_sentence(found)
     unknown = fit_document(found, ["data"])["unknown"]["M_l"]
     assert unknown["range"] == [0.0, 0.2]
     assert max(unknown["profile"]["rmse_training"]) < 1.01 * min(unknown["profile"]["rmse_training"])
@@ -256,7 +256,7 @@ def test_bundled_log_shows_the_gain_and_the_planted_friction() -> None:
     folder = ROOT / "examples" / "bench"
     found = shared_fit(folder / "bench.csv.gz", folder / "bench.json")
     assert found.percent_interval[0] > 0.0
-    assert "better than Coulomb + viscous" in fit_sentence(found)
+    assert "lower held-out error than Coulomb + viscous" in fit_sentence(found)
     truth = json.loads((folder / "bench.truth.json").read_text())["hidden_parameters"]
     outside = [
         name for name, e in found.coefficients.items() if not e.interval[0] <= truth[name] <= e.interval[1]

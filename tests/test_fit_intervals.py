@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
+import eccentric
 from eccentric.identification import fit
 from eccentric.model import load_model
 from eccentric.presentation import fit_lines
@@ -108,3 +109,37 @@ def test_unknown_mass_is_found_within_its_range(plain: tuple[Channels, Rig]) -> 
     # The training error has its least near the mass and grows to both ends of the range.
     profile = found.profiles["M_l"]
     assert profile.values[int(np.argmin(profile.rmse))] == pytest.approx(M_L, abs=0.125)
+
+
+def _pendulum_log(friction_by_force: bool) -> tuple[dict[str, np.ndarray], dict[str, object]]:
+    """A pendulum turned in both directions, with Table 1's friction by F_N or without it."""
+    mass, bare, arm, inertia, k_i, gravity = 0.5, 0.2, 0.25, 0.04, 0.5, 9.81
+    t = np.arange(0.0, 60.0, 0.004)
+    theta = 9.0 * np.sin(0.9 * t) + 4.0 * np.sin(2.3 * t) + 0.02 * t
+    omega = 8.1 * np.cos(0.9 * t) + 9.2 * np.cos(2.3 * t) + 0.02
+    alpha = -7.29 * np.sin(0.9 * t) - 21.16 * np.sin(2.3 * t)
+    swing, weight = mass * arm * omega**2, (mass + bare) * gravity
+    force = np.sqrt(swing**2 + 2.0 * swing * weight * np.cos(theta) + weight**2)
+    torque = inertia * alpha + mass * gravity * arm * np.sin(theta) + 0.002 * omega + 0.05 * np.sign(omega)
+    if friction_by_force:
+        torque += 0.004 * force * omega + 0.08 * force * np.sign(omega)
+    noise = np.random.default_rng(5).normal(0.0, 0.4, len(t))
+    known = {"case": "C2", "mu": 1, "k_i": f"{k_i} N m/A", "J_m": "0 kg m^2", "J_l": f"{inertia} kg m^2"}
+    known |= {"M": f"{mass} kg", "M_l": f"{bare} kg", "L": f"{arm} m"}
+    return {"time_s": t, "theta_m_rad": theta, "current_A": (torque + noise) / k_i}, {"known": known}
+
+
+def test_z_of_what_is_not_detected_is_that_of_the_estimate_once_it_is_there() -> None:
+    """Table 1's coefficients over their standard errors, on the same log with and without friction by F_N."""
+    without = eccentric.fit(*_pendulum_log(friction_by_force=False))
+    beside = eccentric.fit(*_pendulum_log(friction_by_force=True))
+    said = without.document["undetected"]
+
+    assert set(said) == {"B_lN", "C_lN"}
+    for name, value in (("B_lN", 0.004), ("C_lN", 0.08)):
+        found = beside.estimates[name]
+        assert said[name]["reference"] == value
+        assert said[name]["upper_95"] < value
+        assert said[name]["z"] == pytest.approx(found.value / found.std_error, rel=0.3)
+        assert any(line.startswith(f"{name} is not detected: at most") for line in without.lines)
+    assert "undetected" not in beside.document

@@ -8,7 +8,6 @@ import os
 import re
 import shlex
 import shutil
-import signal
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -317,28 +316,6 @@ def test_a_worker_that_is_killed_is_survived(cluster: Any, tmp_path: Path) -> No
     }
     assert isinstance(results["always"], Failed)
     assert "every worker that took it died" in str(results["always"])
-
-
-def test_a_worker_killed_from_outside_in_the_middle_costs_nothing(
-    cluster: Any, fleet: Path, found: tuple[Path, Any], tmp_path: Path
-) -> None:
-    """All sums of a run are there, and the same, although one of its two workers was killed on the way."""
-    logs = find(str(fleet / "logs"))[0][:48]
-    plan = plan_of(logs, Assigned(str(fleet / "rigs.csv")), tmp_path)
-    cluster.wait_for_workers(2, timeout=60)  # one of an earlier test may still be starting
-    victims = list(cluster.run(os.getpid).values())
-
-    def told(part: float, _: str) -> None:
-        if victims and part > 0.0:
-            os.kill(victims.pop(), signal.SIGKILL)
-            victims.clear()
-
-    problems, done = gather(plan, cluster, tmp_path, told)
-
-    assert (problems, done) == ([], 48)
-    for log in logs:
-        mine, theirs = (_sums(out, log) for out in (tmp_path, found[0]))
-        np.testing.assert_array_equal(mine.sums.windows, theirs.sums.windows)
 
 
 def test_a_worker_whose_memory_is_nearly_full_goes_on() -> None:

@@ -15,7 +15,6 @@ from eccentric.model import load_model, meaning, model_names, quantity
 from eccentric.model import vocabulary as v
 from eccentric.presentation.html.equation import typesetter_of
 from eccentric.presentation.html.formulas import Typesetter, equation, letter, plain, short_formula
-from eccentric.presentation.html.formulas.blocks import _width
 from tests.mathml import read, value
 
 CHANNELS = frozenset({"current", "voltage", "temperature"})
@@ -190,19 +189,3 @@ def test_a_typed_formula_keeps_its_words(typed: str, shown: str) -> None:
     html = short_formula(typed)
 
     assert shown == "".join(ET.fromstring(f"<p>{html}</p>").itertext())  # noqa: S314 - made here
-
-
-def test_powers_and_indices_of_a_typed_formula_are_set() -> None:
-    """What follows ^ is raised, what follows _ lowered, and d2i is a second derivative."""
-    assert "<msup><mrow><mi>d</mi></mrow><mn>2</mn></msup>" not in short_formula("q d2i/dt2")
-    assert "<msup><mi>d</mi><mn>2</mn></msup><mi>i</mi>" in short_formula("q d2i/dt2")
-    assert "<msup><mi>width</mi><mn>2</mn></msup>" in short_formula("1/width^2")
-    assert "<msub><mi>T</mi><mn>0</mn></msub>" in short_formula("T - T_0")
-
-
-@pytest.mark.parametrize("name", ["C_m", "B_l", "C_lN"])
-def test_a_script_is_as_wide_as_a_browser_sets_it(name: str) -> None:
-    """MathML Core scales a script by 0.71: an index takes that part of its glyphs, beside its letter."""
-    index = name.partition("_")[2]
-
-    assert 1.0 + 0.71 * len(index) == pytest.approx(_width(letter(name)), abs=0.05)

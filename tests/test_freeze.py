@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks import refusals
 from benchmarks.compare_frozen import compare, compare_values
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -102,14 +101,6 @@ def test_a_changed_coefficient_of_emitted_code_is_found(tmp_path: Path) -> None:
     assert moved == differences(tmp_path / "far", fitted, CODE, far)
 
 
-def test_a_name_with_digits_is_no_number(tmp_path: Path) -> None:
-    """c2 is not c2.0, and x1 is not x01."""
-    for number, (before, after) in enumerate(
-        (("x1 = 2;", "x01 = 2;"), ("c2_f(1)", "c3_f(1)"), ("a.x", "a.y"))
-    ):
-        assert 1 == len(differences(tmp_path / str(number), f"{PLACE}/model.c", before, after))
-
-
 def test_figures_of_a_page_are_compared_as_numbers(tmp_path: Path) -> None:
     """Packed arrays of 32 bits agree to their last place; the text of a page by bytes."""
 
@@ -158,12 +149,6 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
     two = folder(tmp_path / "two", {"help/fit.txt": "a", "help/new.txt": "b"})
 
     assert ["help/new.txt: only after", "help/plan.txt: only before"] == list(compare(one, two))
-
-
-def test_every_broken_input_is_another_one() -> None:
-    """Names of files are safe and differ, so that no mutation overwrites another."""
-    for rows in (refusals.RIG_ROWS, refusals.ARM_ROWS, refusals.LIMIT_ROWS):
-        assert len(rows) == len({refusals.safe(name) for name in rows})
 
 
 def test_a_part_that_is_frozen_twice_agrees(tmp_path: Path) -> None:

@@ -13,7 +13,6 @@ from tests.import_graph import (
     files_of,
     graph_of,
     levels_of,
-    module_of,
     names_imported,
 )
 
@@ -152,25 +151,6 @@ def test_generated_modules_import_numpy_and_the_standard_library_only(path: Path
     assert tops - {"generated", "eccentric_runtime", "numpy"} - sys.stdlib_module_names == set()
 
 
-@pytest.mark.parametrize(
-    ("source", "expected"),
-    [
-        ("import eccentric.emission.program as p", {"eccentric.emission.program"}),
-        ("from eccentric import cli", {"eccentric.cli"}),
-        ("from .. import emission", {"eccentric.emission"}),
-        ("from .load import load_model", {"eccentric.model.load.load_model"}),
-        ("def f():\n    from ..rigs.rig import rig", {"eccentric.rigs.rig.rig"}),
-    ],
-    ids=["plain", "from the package", "relative", "sibling", "inside a function"],
-)
-def test_every_form_of_import_is_seen(source: str, expected: set[str], tmp_path: Path) -> None:
-    """The reader of imports overlooks none of their forms."""
-    file = tmp_path / "file.py"
-    file.write_text(source)
-
-    assert expected == set(names_imported(file, ("eccentric", "model")))
-
-
 def test_a_circle_and_a_floor_are_found() -> None:
     """Three files in a ring are a circle; without the last import they are on three levels."""
     ring = {"a": {"b"}, "b": {"c"}, "c": {"a"}}
@@ -179,42 +159,3 @@ def test_a_circle_and_a_floor_are_found() -> None:
     assert {"a", "b", "c"} == set(circle_in(ring))
     assert [["c"], ["b"], ["a"]] == levels_of(row)
     assert [] == circle_in(row)
-
-
-@pytest.mark.parametrize(
-    ("module", "other", "expected"),
-    [
-        ("eccentric.diagnosis.search.verdict", "eccentric.signals", False),
-        ("eccentric.diagnosis.search.verdict", "eccentric.signals.rows", True),
-        ("eccentric.signals.channels", "eccentric.signals.rows", False),
-        ("eccentric.signals.channels", "eccentric.signals.quality", False),
-        ("eccentric.signals.channels", "eccentric.signals.quality.ratios", True),
-        ("eccentric.signals.quality.ratios", "eccentric.signals.table", False),
-        ("eccentric.signals.rows", "eccentric.core", False),
-    ],
-)
-def test_a_door_is_known(module: str, other: str, expected: bool) -> None:
-    """A door is where a package is entered from outside; inside, and from its own folders, files are open."""
-    assert expected == _past_the_door(module, other)
-
-
-def test_a_name_that_a_door_exports_is_read_there() -> None:
-    """The function of a file of the same name is taken at the door, from outside; the file itself is not."""
-    files = {
-        f"eccentric.{name}": ROOT / "eccentric" / file
-        for name, file in {
-            "model": "model/__init__.py",
-            "model.quantity": "model/quantity.py",
-            "model.vocabulary": "model/vocabulary.py",
-            "effects.cogging": "effects/cogging.py",
-        }.items()
-    }
-    graph = graph_of(files)
-
-    assert {"eccentric.model"} == graph["eccentric.effects.cogging"]
-    assert {"eccentric.model.quantity"} == graph["eccentric.model.vocabulary"]
-
-
-def test_a_file_has_the_name_that_imports_it() -> None:
-    """A door goes by the name of its package."""
-    assert "eccentric.signals" == module_of(ROOT / "eccentric" / "signals" / "__init__.py")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks import intervals
-from benchmarks.intervals import Result, counted, effect_of, run
+from benchmarks.intervals import counted, effect_of, run
 from eccentric.identification import FitData, drive_of, fit_data_of, refit
 from eccentric.identification.fit_data import Emitted
 from eccentric.logs import read_log
@@ -74,14 +74,6 @@ def test_a_log_is_judged_by_all_three_kinds() -> None:
 
     assert result.failed == ""
     assert {"inertia": 1, "friction": 4, "effect": 2} == {kind: len(own) for kind, own in result.held.items()}
-
-
-def test_intervals_are_counted_by_kind() -> None:
-    """Those that hold the truth, of all."""
-    one = Result("one", {"inertia": {"J_l": True}, "friction": {"C_m": True, "B_m": False}})
-    other = Result("other", {"inertia": {"J_l": False}})
-
-    assert (1, 2) == counted([one, other], "inertia") == counted([one, other], "friction")
 
 
 @pytest.mark.slow

@@ -47,8 +47,8 @@ def assert_close(expected: np.ndarray, actual: jax.Array, most: float) -> None:
     assert np.all(off <= most * np.finfo(expected.dtype).eps * greatest)
 
 
-def in_every_precision(quick: Collection[tuple[str, str]]) -> list[Any]:
-    """Every model in every precision; slow but for those that are named."""
+def by_turns(quick: Collection[tuple[str, str]]) -> list[Any]:
+    """Every model in the precisions by turns and in those that are named, which alone are quick."""
     return [
         pytest.param(
             name,
@@ -56,12 +56,13 @@ def in_every_precision(quick: Collection[tuple[str, str]]) -> list[Any]:
             id=f"{name}-{precision}",
             marks=() if (name, precision) in quick else pytest.mark.slow,
         )
-        for name in MODELS
-        for precision, dtype in PRECISIONS.items()
+        for k, name in enumerate(MODELS)
+        for n, (precision, dtype) in enumerate(PRECISIONS.items())
+        if (name, precision) in quick or (k + n) % 2 == 0
     ]
 
 
-@pytest.mark.parametrize(("name", "dtype"), in_every_precision(ALL_FUNCTIONS))
+@pytest.mark.parametrize(("name", "dtype"), by_turns(ALL_FUNCTIONS))
 def test_every_function_is_that_of_numpy(name: str, dtype: Real) -> None:
     """Names, shapes and precisions are those of the NumPy module, values to a few roundings, in one jit."""
     assert set(jaxed(name).__all__) == set(module(name).__all__)
@@ -128,7 +129,7 @@ def test_compiled_in_a_program_with_its_parameters_it_keeps_its_digits(dtype: Re
     assert worst <= stated.NORMAL_FORCE.anywhere
 
 
-@pytest.mark.parametrize(("name", "dtype"), in_every_precision(MAPPED))
+@pytest.mark.parametrize(("name", "dtype"), by_turns(MAPPED))
 def test_jit_vmap_and_grad(name: str, dtype: Real) -> None:
     """One sample, differentiated, mapped and compiled, gives the emitted gradient of the NumPy module."""
     given = example_states(name, "friction_torque", 100, dtype)

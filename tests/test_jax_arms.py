@@ -173,6 +173,7 @@ def test_one_joint_carries_the_papers_normal_force() -> None:
     np.testing.assert_allclose(friction, p.mu * 0.08 * expected * np.sign(w[:, 0]), 1e-13)
 
 
+@pytest.mark.slow
 def test_the_slopes_of_friction_are_the_emitted_gradient() -> None:
     """By angles, velocities and accelerations of all joints: of the NumPy module, and central differences."""
     name = "three joints, geared, one slides"

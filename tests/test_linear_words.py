@@ -259,32 +259,6 @@ def test_an_angle_of_the_screw_is_no_length() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("turning", "linear"),
-    [
-        ("k_i*B_m [N m s/rad]", "k_f*B [N s/m]"),
-        ("V/(N m)", "V/N"),
-        ("kg m^2", "kg"),
-        ("rmse_holdout_Nm", "rmse_holdout_N"),
-        ("moving_threshold_rad_s", "moving_threshold_m_s"),
-        ("Torque of the drive", "Force of the drive"),
-        ("N m per rad/s", "N per m/s"),
-        ("a trade and a gradient", "a trade and a gradient"),
-    ],
-)
-def test_names_units_and_words_follow(turning: str, linear: str) -> None:
-    """Each text of a turning drive has one of a carriage; parts of other words are none."""
-    assert (LINEAR.text(turning), TURNING.text(turning)) == (linear, turning)
-
-
-def test_names_units_and_terms_are_looked_up_whole() -> None:
-    """In a formula each name, in a unit each part; a term only as a whole."""
-    said = (LINEAR.named("B_m*R/k_i + k_e"), LINEAR.named("rmse_Nm"), LINEAR.unit("N m s^2/rad^2"))
-    assert said == ("B*R/k_f + k_e", "rmse_N", "N s^2/m^2")
-    assert (LINEAR.term("torque"), LINEAR.term("the torque")) == ("force", "the torque")
-    assert (TURNING.named("k_i"), TURNING.unit("N m"), TURNING.term("torque")) == ("k_i", "N m", "torque")
-
-
 def test_a_sentence_is_filled_from_terms() -> None:
     """What stands in braces is a term, a unit or a name; a term that begins a sentence does so in either."""
     sentence = "{Turn the link}: the {torque} constant {k_i} [{N m/A}] of the {drive}"

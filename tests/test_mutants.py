@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 
 from benchmarks import mutants, mutations
-from benchmarks.coverage_map import Map
 from benchmarks.mutations import KINDS, drawn
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -117,38 +116,6 @@ def test_what_a_test_sees_is_killed(tmp_path: Path) -> None:
     ]
     assert {"killed", "survived", "unreached"} == {outcome for _, _, outcome in found}
     assert "| small | 1 | 0 | 1 | 0 | 100 % |" in run.stdout
-
-
-def test_the_closest_tests_come_first() -> None:
-    """A short test of the file goes before a long one of everything; others of the same files come last."""
-    found = Map(
-        {"a::all": 9.0, "b::one": 0.1, "b::other": 0.1, "c::none": 0.1},
-        {"law.py": {"a::all": 0b110, "b::one": 0b010}, "more.py": {"a::all": 0xFFFF, "c::none": 1}},
-    )
-
-    assert (["b::one", "a::all"], ["b::other"]) == found.reaching("law.py", (1, 1))
-    assert (["a::all"], []) == found.reaching("law.py", (2, 2))
-    assert ([], []) == found.reaching("law.py", (3, 3))
-    assert (["b::one", "a::all"], ["b::other"]) == found.reaching("law.py", (3, 3), local=False)
-    uses = {"more.py": 1}
-    assert ["b::one", "a::all", "c::none"] == found.reaching("law.py", (3, 3), local=False, uses=uses)[0]
-
-
-def test_text_of_a_template_is_executed_as_its_first_line() -> None:
-    """Jinja writes the lines from one tag to the next at once."""
-    found = Map({"a::one": 1.0, "b::two": 1.0}, {"x.c.jinja": {"a::one": 0b00010, "b::two": 0b10010}})
-
-    assert {"a::one", "b::two"} == set(found.reaching("x.c.jinja", (3, 3))[0])
-    assert ["b::two"] == found.reaching("x.c.jinja", (6, 6))[0]
-
-
-def test_the_time_for_a_mutant_is_limited() -> None:
-    """The closest tests that fit, those of a file together; what is left out is said."""
-    seconds = {"a::1": 2.0, "b::1": 3.0, "a::2": 30.0, "b::2": 4.0}
-
-    assert ([["a::1", "b::1"], ["b::2"]], True) == mutants.chosen([*seconds], [], seconds, 30.0)
-    assert ([["a::1"], ["a::2", "b::1", "b::2"]], False) == mutants.chosen([*seconds], [], seconds, 39.0)
-    assert ([["a::1", "b::1"]], False) == mutants.chosen(["a::1"], ["b::1", "b::2"], seconds, 16.0)
 
 
 @pytest.mark.parametrize(("why", "left"), [({}, 1), ({("a", "b"): "both are 0"}, 0)])

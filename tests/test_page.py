@@ -66,17 +66,6 @@ def test_a_part_measured_anew_replaces_its_own_rows_and_section() -> None:
     assert expected == page.renewed(text, {"readers": fuzzed})
 
 
-def test_no_two_figures_share_a_key() -> None:
-    """Parts of the benchmark name figures by keys that are the same nowhere."""
-    assert set() == set(CODE) & set(DIAGNOSIS)
-
-
-def test_no_two_figures_share_their_words() -> None:
-    """By its words a row is found again when a part is measured anew."""
-    words = [asked.what for asked in (*CODE.values(), *DIAGNOSIS.values())]
-    assert len(words) == len(set(words))
-
-
 def test_a_part_that_fails_does_not_end_the_run(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from mpmath import mpf
 
-from benchmarks import calls, generators, peers
-from benchmarks.cortex_m4 import missing, run
+from benchmarks import peers
+from benchmarks.cortex_m4 import run
 from benchmarks.generators import Generated
 from tests import accuracy, paper
 from tests.hosts import both_reals
@@ -40,28 +40,3 @@ def test_it_is_the_paper(tmp_path: Path, real: str, state: tuple[float, float]) 
     ]
     eps = float(np.finfo({"float": np.float32, "double": np.float64}[real]).eps)
     assert [float(x) for x in exact] == pytest.approx(list(out), rel=1000 * eps)
-
-
-@pytest.mark.parametrize("real", ["float", pytest.param("double", marks=pytest.mark.slow)])
-def test_its_calls_are_counted(tmp_path: Path, real: str) -> None:
-    """Both functions are counted, the one with the slopes takes more, and more than the emitted one does."""
-    if absent := missing(["valgrind"]):
-        pytest.skip(f"not installed: {', '.join(absent)}")
-
-    torque, gradient = calls._peer(emitted(tmp_path, real), ())
-
-    own_torque, own_gradient = calls.host_counts(tmp_path, real).values()
-    assert own_torque < torque < gradient
-    assert own_gradient < gradient
-
-
-def test_how_they_are_told() -> None:
-    """Each number is printed with its generator, as generated and with -ffast-math, in line and table."""
-    found = {"A": [[1.0, 2.0], [3.0, 4.0]], "B": [[5.0, 6.0], [7.0, 8.4]]}
-
-    assert "as generated / -ffast-math: A 2 / 4; B 6 / 8" == generators.as_text(found, 1)
-    assert [
-        "| | x | y |", "|---|---|---|", "| emitted | 0 | 1 |", "| A, as generated | 1 | 2 |",
-        "| A, -ffast-math | 3 | 4 |", "| B, as generated | 5 | 6 |", "| B, -ffast-math | 7 | 8 |",
-    ] == generators.table(["x", "y"], [0.2, 1.0], found)  # fmt: skip
-    assert "" == generators.as_text({}, 0)

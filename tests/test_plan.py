@@ -37,7 +37,7 @@ LIMITS = {"speed_rad_s": 190.0, "acceleration_rad_s2": 500.0, "current_A": 9.0, 
 
 @pytest.fixture(scope="module")
 def tied() -> tuple[dict[str, np.ndarray], dict[str, object]]:
-    """A log in which an eddy-current brake and Stribeck friction look alike, and its rig."""
+    """A log in which an eddy-current brake and Stribeck friction look alike, and its rig; it is the brake."""
     rng = np.random.default_rng(160019)
     case, log_type = str(rng.choice(["C1", "C2"])), str(rng.choice(["runs", "traj"]))
     mu, noise = float(rng.choice([1 / 30, 1 / 5, 1 / 2, 1.0])), float(rng.choice([0.004, 0.008, 0.012]))
@@ -158,7 +158,7 @@ def test_the_plan_keeps_the_limits_and_is_written_as_it_is(
         assert said["largest"][limit] == pytest.approx(np.max(np.abs(table[column])), rel=1e-5)
     assert said["largest"]["current_A"] <= LIMITS["current_A"]
     assert table["time_s"][-1] <= LIMITS["time_s"] * 1.05
-    assert {one["family"] for one in said["rivals"]} == {"eddy_current", "stribeck"}
+    assert {one["family"] for one in said["rivals"]} == {"sublinear_viscous", "stribeck"}
     assert 0.0 <= said["probability"] <= 1.0
 
     source = out / "use.c"
@@ -346,14 +346,14 @@ def test_a_current_that_moves_nothing_is_refused(
             0.9,
             "With 0.2 kg more on the link, this motion would have a 90 % chance of settling it: plan it with",
         ),
-        (0.3, "0.2 kg more on the link would not decide either."),
+        (0.3, "0.2 kg more on the link would not settle it either."),
     ],
 )
 def test_more_mass_is_told_where_it_helps_and_where_not(contest: Separation, more: float, words: str) -> None:
     """Beside a plan that is not likely to decide, which says so."""
     plan = replace(planned(contest.question, read_bounds(LIMITS)), probability=0.4)
     said = plan_lines(replace(plan, heavier=Heavier(0.2, more)))
-    assert "No motion within the limits is likely to decide; this is the best of them." in said
+    assert "No motion within the limits is likely to settle it; this is the best one." in said
     assert any(line.startswith(words) for line in said)
 
 

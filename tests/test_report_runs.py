@@ -138,7 +138,7 @@ def test_the_plain_install_has_this_figure_and_no_captions_of_others(monkeypatch
     page = shown(with_balance(data, driven(data.errors.balances[0])), monkeypatch)
 
     assert 1 == page.count("<svg")
-    assert "Measured and simulated" in page
+    assert "Measured and predicted" in page
     assert 1 == page.count("<figcaption")
     assert "Residual over every channel" not in page
 
@@ -157,7 +157,7 @@ def test_correlations_are_a_triangle_and_the_closest_pair_is_named(monkeypatch: 
     cells = re.findall(r'<td class="n (\w*)" style="--tint: (\d+)%">([^<]*)</td>', page)
 
     assert [("minus", "58", "−0.97"), ("plus", "12", "0.20"), ("", "0", "")] == cells
-    assert "B and C are closest" in page
+    assert "B and C are the most strongly correlated" in page
     assert "<script>alert(1)" not in shown(correlated(text=HOSTILE), monkeypatch)
 
 

@@ -141,7 +141,7 @@ def test_a_shipped_model_that_predicts_better_as_it_stands_is_named(
     assert "c2_asymmetric" == better["model"]
     assert better["improvement"]["interval_95"][0] > 0.0
     assert better["rmse_holdout_Nm"] == pytest.approx(rmse, rel=1e-6)
-    assert any(line.startswith("c2_asymmetric as it stands predicts") for line in found.lines)
+    assert any(line.startswith("c2_asymmetric as shipped has") for line in found.lines)
 
 
 def test_a_comma_inside_brackets_does_not_separate_names() -> None:

@@ -165,6 +165,26 @@ def test_runs_to_read_are_named(tmp_path: Path) -> None:
     assert read_rig(written(tmp_path, MINIMAL)).log.runs == ()
 
 
+def test_the_parts_of_a_drive_are_kept_by_kind(tmp_path: Path) -> None:
+    """Several parts of one kind are joined by a plus sign; what a rig does not say is not there."""
+    text = 'gear = "planetary + belt"\nlubricant = "grease"\n[known]\ncase = "C1"\nmu = "1/5"'
+    rig = read_rig(written(tmp_path, text))
+
+    assert {"gear": ("planetary", "belt"), "lubricant": ("grease",)} == rig.parts
+
+
+@pytest.mark.parametrize(
+    ("gear", "mu", "expected"), [("worm", "1", ("output",)), ("worm", "1/60", None), ("belt", "1", None)]
+)
+def test_a_reducer_of_ratio_one_hides_the_angle_of_its_motor(
+    tmp_path: Path, gear: str, mu: str, expected: tuple[str, ...] | None
+) -> None:
+    """A worm gear has no ratio of 1: the log is on its output. A belt may have it."""
+    text = f'gear = "{gear}"\n[known]\ncase = "C1"\nmu = "{mu}"'
+
+    assert expected == read_rig(written(tmp_path, text)).parts.get("angle")
+
+
 def test_estimate_is_kept_for_the_fit(tmp_path: Path) -> None:
     """What is to be estimated starts from 0 and is named."""
     rig = read_rig(written(tmp_path, 'input_delay_s = 0.025\ntheta_zero_rad = "estimate"\n' + MINIMAL))
@@ -214,6 +234,11 @@ BAD = {
     'average_over = "-0.1 s"\n[known]\ncase = "C2"': "a finite number above 0 is required, received -0.1",
     'average_over = "log"\n[known]\ncase = "C2"': "average_over: ",
     'encoder_counts_per_rev = 0\n[known]\ncase = "C2"': "a finite number above 0 is required, received 0",
+    'gear = "harmonic"\n[known]\ncase = "C2"': "gear: one of strain wave, planetary, worm, ",
+    'motor = "coreles"\n[known]\ncase = "C2"': "received 'coreles'; did you mean 'coreless'?",
+    'bearing = ["ball"]\n[known]\ncase = "C2"': "bearing: one of ball, roller, plain, air, none is required",
+    'gear = "worm + none"\n[known]\ncase = "C2"': "or several joined by + is required, received",
+    'gear = "none"\n[known]\ncase = "C2"\nmu = "1/5"': "gear: a gear is required with mu = 0.2, received",
     '[known]\ncase = "C2"\n[columns]\nspeed = "n"': "[columns]: unknown key 'speed'",
     '[known]\ncase = "C2"\n[columns]\ntime = 3': "[columns] time: a table is required, received 3",
     '[known]\ncase = "C2"\n[columns]\ntime = {unit = "s"}': "arithmetic is required, received None",

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.rig_variants import Answer, answers, content, letters_changed, paths, row, scaled, variants
+from benchmarks import rig_variants
+from benchmarks.rig_variants import Answer, answers, content, paths, row, variants
 from tests.logged import SHARED
 
 EXAMPLES = SHARED / "examples"
@@ -12,14 +13,14 @@ EXAMPLES = SHARED / "examples"
 
 @pytest.mark.slow
 @pytest.mark.skipif(not EXAMPLES.is_dir(), reason="the shared example logs are not beside this clone")
-def test_other_bandwidths_and_wrong_constants_leave_the_name() -> None:
-    """Nine of ten rig files or more give the same verdict and leading family, of one of the logs."""
-    found = answers(*paths(SHARED, "example2"))
-    changed = [answer for answer in found if answer.changed]
+def test_other_bandwidths_and_wrong_constants_leave_the_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every second rig file of one log gives the same verdict and leading family; the page has all of all."""
+    monkeypatch.setattr(rig_variants, "variants", lambda *rig: list(variants(*rig))[::2])
+    found = answers(*paths(SHARED, "example1"))
 
-    assert len(found) >= 10
-    assert sum(answer.leading == found[0].leading for answer in found) >= 0.9 * len(found)
-    assert 6 == len(changed)
+    assert 6 == len(found)
+    assert {found[0].leading} == {answer.leading for answer in found}
+    assert 3 == sum(bool(answer.changed) for answer in found)
 
 
 @pytest.mark.skipif(not EXAMPLES.is_dir(), reason="the shared example logs are not beside this clone")
@@ -33,22 +34,6 @@ def test_a_variant_changes_one_choice() -> None:
     assert all(len(keys) == 1 for keys in changed.values())
     assert 11 == len(changed)
     assert found["R -2 %"]["known"]["R_ohm"] == pytest.approx(0.98 * rig["known"]["R_ohm"], rel=1e-12)
-
-
-def test_what_was_changed_goes_by_its_letter() -> None:
-    """J_m and J_l are both the inertia; a value that stays is none of them."""
-    plain = {"known": {"R_ohm": 1.0, "k_i": 0.1, "J_m_kgm2": 1e-4, "J_l": 0.03}}
-
-    assert frozenset("R") == letters_changed(plain, {"known": plain["known"] | {"R_ohm": 1.02}})
-    assert frozenset("J") == letters_changed(
-        plain, {"known": plain["known"] | {"J_m_kgm2": 2e-4, "J_l": 0.04}}
-    )
-    assert not letters_changed(plain, plain)
-
-
-def test_a_quantity_with_a_unit_is_scaled() -> None:
-    """A number stays a number, a text keeps its unit."""
-    assert (2.04, "0.98 ohm", "0.08 s") == (scaled(2.0, 1.02), scaled("1 ohm", 0.98), scaled("0.1 s", 0.8))
 
 
 def test_a_row_counts_verdict_and_leading_family() -> None:
@@ -71,10 +56,3 @@ def test_a_row_counts_verdict_and_leading_family() -> None:
         "| log | named stribeck | 3 of 6 | 2 of 4 | named resistance_mismatch, stribeck (1);"
         " named inertia_mismatch (1); unexplained (1) |" == row("log", found)
     )
-
-
-def test_a_control_stays_one_where_only_the_changed_value_is_told() -> None:
-    """Nothing is missing but the value that was changed."""
-    found = Answer("R +2 %", "named", ("resistance_mismatch",), {"resistance_mismatch": "R"}, frozenset("R"))
-
-    assert Answer("as it is", "nothing_missing", ()).leading == found.leading

@@ -169,37 +169,22 @@ DECIMALS = {
     "9.999999e9": "1.00000e10", "-1e-30": "-1.00000e-30", "3e38": "3.00000e38",
     "1.0 / zero": "inf", "-1.0 / zero": "-inf", "zero / zero": "nan",
 }  # fmt: skip
-FEW = {
-    ("float", "-2.5e-3"),
-    ("double", "9.999999e9"),
-    ("float", "3e38"),
-    ("double", "-1.0 / zero"),
-    ("float", "zero / zero"),
-}
-"""What `make test` prints."""
 
 
-@pytest.mark.parametrize(
-    ("real", "value", "decimal"),
-    [
-        pytest.param(real, value, decimal, marks=() if (real, value) in FEW else pytest.mark.slow)
-        for real in REALS
-        for value, decimal in DECIMALS.items()
-    ],
-)
-def test_decimals(tmp_path: Path, value: str, decimal: str, real: str) -> None:
+@both_reals
+def test_decimals(tmp_path: Path, real: str) -> None:
     """Six digits of any number are printed."""
     program = tmp_path / "print.c"
+    calls = "".join(f'    print_value("x", (real)({value}));\n' for value in DECIMALS)
     program.write_text(
         '#define main selftest\n#include "c2_parallel_selftest.c"\n#undef main\n'
-        "int main(void)\n{\n    volatile double zero = 0.0;\n    (void)zero;\n"
-        f'    print_value("x", (real)({value}));\n    return 0;\n}}\n',
+        f"int main(void)\n{{\n    volatile double zero = 0.0;\n{calls}    return 0;\n}}\n",
         encoding="utf-8",
     )
     options = [f"-I{GENERATED}", f"-I{CHECK}", f"-DECCENTRIC_REAL={real}"]
     run("gcc", "-std=c99", *options, "-o", tmp_path / "print", program, GENERATED / "c2_parallel.c", "-lm")
 
-    assert decimal == run(tmp_path / "print").split()[-1]
+    assert list(DECIMALS.values()) == [line.split()[-1] for line in run(tmp_path / "print").splitlines()]
 
 
 def test_a_small_library_prints_them(tmp_path: Path) -> None:

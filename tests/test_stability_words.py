@@ -19,7 +19,7 @@ A: Variant = grid(candidate("a", {2: 1.0}))[0]
     ("own", "expected"),
     [
         (None, ""),
-        (Adopted("electrical", A, (), 0.1), "stability not checked (too few stretches)"),
+        (Adopted("electrical", A, (), 0.1), "stability not checked (the log has too few blocks)"),
         (Adopted("electrical", A, (), 0.1, 100, 100), "found in 100 of 100 resampled logs"),
         (
             Adopted("electrical", A, (), 0.1, 93, 100, {"b": 6}),
@@ -27,7 +27,10 @@ A: Variant = grid(candidate("a", {2: 1.0}))[0]
         ),
         (
             Adopted("electrical", A, (), 0.1, 62, 100, {"b": 30}, by_both=True),
-            "found in 62 of 100 resampled logs by the electrical balance alone (b in 30); both balances together decide",
+            (
+                "found in 62 of 100 resampled logs by the electrical balance alone (b in 30);"
+                " both balances together decide"
+            ),
         ),
     ],
 )

@@ -39,9 +39,8 @@ def need(*tools: str) -> None:
 
 FEW = {
     ("rotating_link", "m4f-O2-float"),
-    ("c1_perpendicular", "m4f-Os-float"),
 }
-"""What `make test` runs: on the smaller target the largest model, and one for size."""
+"""What `make test` runs: on the smaller target the largest model."""
 
 
 @cache

@@ -28,10 +28,12 @@ A, B = candidate("a", {2: 1.0}), candidate("b", {3: 1.0})
 
 
 def verdict(amplitudes: dict[int, float], *candidates: Candidate, smooth: Candidate | None = None,
-            scale: float = 1e-3, runs: int = 1) -> Attribution:  # fmt: skip
+            scale: float = 1e-3, runs: int = 1, ruled_out: tuple[Candidate, ...] = ()
+) -> Attribution:  # fmt: skip
     """The verdict on one mechanical balance; the smooth term, if any, comes without a penalty."""
     given = () if smooth is None else (smooth,)
-    return decided({"mechanical": search(amplitudes, *candidates, smooth=given, scale=scale)}, runs)
+    found = search(amplitudes, *candidates, smooth=given, ruled_out=ruled_out, scale=scale)
+    return decided({"mechanical": found}, runs)
 
 
 def rival(family: str, odds: float) -> Candidate:
@@ -53,6 +55,23 @@ def test_one_clear_effect_is_named() -> None:
     assert (100, 100, {}) == (only.found, only.variants, only.instead)
 
 
+@pytest.mark.parametrize(
+    ("odds", "named", "probability"), [(0.9, "b", 1.0), (0.3, "b", 1.0), (0.01, "a", 0.99)]
+)
+def test_one_name_covers_another_until_that_one_is_clearly_ahead(
+    odds: float, named: str, probability: float
+) -> None:
+    """`b` does what `a` does as well: `a` has a name of its own at four times its odds."""
+    b = rival("b", odds)
+    covering = replace(b, evidence=replace(b.evidence, covers=("a",)))
+    found = verdict({2: 3.0}, A, covering, candidate("c", {4: 1.0}))
+    (only,) = found.adopted
+
+    assert ("named", (), named) == (found.verdict, found.tied, only.variant.candidate.family)
+    assert found.candidates[0].probability == pytest.approx(probability, abs=0.02)
+    assert only.covers == (("a",) if named == "b" else ())
+
+
 def test_errors_of_candidates_are_root_mean_squares() -> None:
     """What a candidate leaves is sqrt(1 + what it lacks squared), in the unit of the target."""
     found = verdict({2: 3.0, 3: 0.2}, A, B)
@@ -71,6 +90,25 @@ def test_effects_are_listed_by_share_and_before_all_others() -> None:
     assert ["b", "a"] == [one.variant.candidate.id for one in found.adopted]
     assert [8.0, 2.0] == [pytest.approx(one.coefficients[0], rel=1e-6) for one in found.adopted]
     assert ["b", "a", "c"] == [c.id for c in found.candidates]
+
+
+@pytest.mark.parametrize(("part", "expected"), [(0.99, ("named", ())), (1.01, ("unexplained", ("x",)))])
+@pytest.mark.parametrize("place", ["instead", "beside"])
+def test_a_cause_that_the_drive_cannot_have_is_no_headline(
+    place: str, part: float, expected: tuple[str, tuple[str, ...]]
+) -> None:
+    """Instead of an effect it has to gain what an effect must, beside it the part that refuses a name."""
+    assert (limits.LEAST_DEVIANCE, limits.UNEXPLAINED) == (24.0, 0.04)
+    if place == "instead":  # and then a leaves 1 + sin^2 of the whole squared
+        sine = math.sqrt(math.expm1(part * 24.0 / N)) / 3.0
+        columns = target = {2: 3.0 * math.sqrt(1.0 - sine**2), 3: 3.0 * sine}
+    else:
+        columns, target = {3: 1.0}, {2: 30.0 * math.sqrt(1.0 - part * 0.04), 3: 30.0 * math.sqrt(part * 0.04)}
+    impossible = replace(candidate("x", columns), possible=False)
+    found = verdict(target, A, ruled_out=(impossible,))
+
+    assert expected == (found.verdict, tuple(c.family for c in found.ruled_out))
+    assert ["a"] == [c.family for c in found.candidates]
 
 
 @pytest.mark.parametrize("least_blocks", [1, 10**6], ids=["variants", "the log alone"])
@@ -303,7 +341,7 @@ def test_the_next_measurement_is_that_of_the_verdict(
     [
         (NextMeasurement("vary", "of_a"), "Change the of a alone, in five steps"),
         (BETWEEN, "separates what a is from b: other speeds"),
-        (replace(BETWEEN, constant_first=True), "Give k_i under [known] first"),
+        (replace(BETWEEN, constant_first=True), "Declare k_i under [known] first"),
         (NextMeasurement("correct"), "Correct the rig file or the log first."),
         (NextMeasurement("hold_others"), "with the others held"),
         (None, ""),

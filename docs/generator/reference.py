@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
 
 from eccentric.effects import FAMILIES, Effect, base_aliases
-from eccentric.model import Model, Quantity
+from eccentric.model import ANGLE, Model, Quantity
 from eccentric.presentation.html.formulas import short_formula
 from generator.formula import equations, typesetter
 from generator.pictures import draw
@@ -136,6 +137,17 @@ def _notes(effect: Effect) -> list[str]:
         )
     if effect.evidence.needs:
         said.append(f"Needs a log with {_list([_words((name,)) for name in effect.evidence.needs])}.")
+    for kind, words in effect.only_with.items():
+        only = f"a {kind} that is not declared or {', '.join(words)}"
+        said.append(f"Only with {'the angle of the motor' if kind == ANGLE else only}.")
+    for known in effect.plausible:
+        ranges = [("", known.low, known.high, known.source)]
+        ranges += [(f"{part}: ", *of_part) for part, of_part in known.by_part.items()]
+        said += [
+            f"Known of {known.name.rstrip(',')}: {part}{low:g} to {high:g} {known.unit} ({source})."
+            for part, low, high, source in ranges
+            if math.isfinite(high)
+        ]
     if effect.evidence.aliases:
         said.append(f"Indistinguishable from {_links(effect.evidence.aliases)}.")
     if effect.evidence.special_of:

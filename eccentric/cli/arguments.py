@@ -62,7 +62,7 @@ def add_logs(parser: argparse.ArgumentParser) -> None:
         "--rig",
         metavar="RIG",
         required=True,
-        help="what is known about the rig: .toml or .json, see docs/rig.md",
+        help="what is known about the rig, and what its drive is made of: .toml or .json, see docs/rig.md",
     )
     parser.description = f"{parser.description}\n\n{_STATUS}"
     add("--model", metavar="MODEL", help="a model or the path of a derivation (default: by the rig's case)")

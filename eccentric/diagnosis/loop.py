@@ -27,6 +27,7 @@ import numpy as np
 from eccentric.core import InputError
 from eccentric.diagnosis.limits import LEAST_ZERO_RAD
 from eccentric.diagnosis.models import Closest, Models, Sibling, better_sibling, closest_effect, fitted_models
+from eccentric.diagnosis.ranges import RangeCheck, range_checks
 from eccentric.diagnosis.score import Order, Score, orders_of
 from eccentric.diagnosis.search import (
     AT_FLOOR,
@@ -99,6 +100,7 @@ class Diagnosis:
         noise_floor: RMS of the sensors' noise in the mechanical balance, in its unit.
         band: where the held-out error of the shipped model lies; None where rows are averages.
         orders: periods of the residual of the shipped model while the motor turns one way.
+        ranges: figures of the effects of the extended model beside what is known of them from elsewhere.
     """
 
     asked: Asked
@@ -115,6 +117,7 @@ class Diagnosis:
     noise_floor: float
     band: Band | None
     orders: tuple[Order, ...]
+    ranges: tuple[RangeCheck, ...]
 
     @property
     def effects(self) -> tuple[Added, ...]:
@@ -253,8 +256,7 @@ def diagnosed(
             continue
         tell(f"the same with the {what} that was found beside it")
         for search in found.searches.values():
-            search.screen.release()
-            search.smooth.release()
+            search.release()
         second = _searched(again, asked, tell, required)
         before, after = (one.searches["mechanical"] for one in (found, second))
         # With the better one, unless that fits clearly worse.
@@ -278,6 +280,7 @@ def diagnosed(
         noise_floor=drive_noise(data),
         band=models.extended.band,
         orders=orders_of(data, residual_samples(models.extended)),
+        ranges=range_checks(models.extended, data.drive.channels.rig.parts, data.drive.unit),
     )
 
 

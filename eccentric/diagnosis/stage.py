@@ -145,7 +145,8 @@ class Stage:
         only = "mechanical" if drive.by_voltage else None
         current = drive.slow_current() if drive.measured_twice else None
         given = self.base, self.data.signals, self.friction, only, current, self.instruments
-        return [candidate_of(effect, *given) for effect in effects]
+        parts = drive.channels.rig.parts
+        return [replace(candidate_of(e, *given), possible=not e.lacks(parts)) for e in effects]
 
     def with_friction(self, friction: Array, effects: Path | None) -> Stage:
         """The stage with effects that use this friction: coefficients in the order of the balance's columns.

@@ -10,7 +10,7 @@ from dataclasses import replace
 from eccentric.core import InputError
 from eccentric.drafting import limits
 from eccentric.drafting.columns import LoggedColumn
-from eccentric.drafting.proposal import Proposal, RigLine, computed_by
+from eccentric.drafting.proposal import Proposal, RigLine, asked_parts, computed_by
 from eccentric.drafting.questions import ONE_WAY
 from eccentric.drafting.units import Shown
 from eccentric.drafting.words import of_a_carriage
@@ -138,6 +138,7 @@ def carriage_entries(
         step = given.step * _size(position.unit)
         why = f"the smallest step of the position, {given.step:.6g} {position.unit}"
         entries.append(RigLine("", "encoder_step_m", f"{step:.6g}", why))
+    entries += asked_parts("screw")
     why = "travel per turn of the screw; with it, effects over a turn are tried"
     entries.append(RigLine("known", "pitch", '"10 mm"', why, asked=True))
     entries.append(RigLine("known", "mass", '"95 kg"', "moving mass; estimated unless given", asked=True))

@@ -18,7 +18,7 @@ from eccentric.core import InputError, counted, few
 from eccentric.drafting import limits
 from eccentric.drafting.columns import columns_of
 from eccentric.drafting.draft import Draft, draft_of
-from eccentric.drafting.proposal import Proposal, RigLine
+from eccentric.drafting.proposal import Proposal, RigLine, asked_parts
 from eccentric.drafting.units import find_clock, find_runs
 from eccentric.drafting.words import read_name
 from eccentric.logs import Log
@@ -198,6 +198,7 @@ def _entries(proposals: Sequence[Proposal], chain: Chain, arm: str, first: int) 
     if any(p.unit.startswith("counts") for p in proposals):
         why = "counts of the angle per turn of the shaft that it is logged on"
         entries.append(RigLine("", "encoder_counts_per_rev", "4096", why, asked=True))
+    entries += asked_parts("strain wave")
     if "current" in kinds:
         why = "torque constants from the base outwards (data sheets); without them bodies give the scale"
         entries.append(RigLine("drives", "k_i", _each("0.1 N m/A", count), why, asked=True))

@@ -6,6 +6,8 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from eccentric.model import DRIVE_PARTS
+
 
 @dataclass(frozen=True)
 class Proposal:
@@ -61,6 +63,19 @@ class RigLine:
     asked: bool = False
     needed: bool = False
     guessed: bool = False
+
+
+_USUAL = {"motor": "brushless", "bearing": "ball", "lubricant": "grease"}
+
+
+def asked_parts(gear: str) -> list[RigLine]:
+    """Questions about what the drive is made of, with this gear as a typical one: no log shows it."""
+    return [
+        RigLine(
+            "", kind, json.dumps({"gear": gear, **_USUAL}[kind]), f"{kind}: {', '.join(words)}", asked=True
+        )
+        for kind, words in DRIVE_PARTS.items()
+    ]
 
 
 def computed_by(drives: Iterable[Proposal], asked: RigLine) -> RigLine:

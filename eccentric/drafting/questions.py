@@ -11,7 +11,7 @@ from eccentric.core import counted
 from eccentric.drafting import limits
 from eccentric.drafting.balance import SHORT, Explained, Moved
 from eccentric.drafting.columns import Grid, nice_counts
-from eccentric.drafting.proposal import Proposal, RigLine, computed_by
+from eccentric.drafting.proposal import Proposal, RigLine, asked_parts, computed_by
 from eccentric.drafting.units import Reading, Shown
 
 TURN = 2.0 * math.pi
@@ -29,6 +29,7 @@ def entries_of(
     return [
         *_encoder(best, given, balance),
         *_alignment(balance, kinds),
+        *asked_parts("planetary"),
         *_known(gear, given, balance, drives),
     ]
 

@@ -18,7 +18,7 @@ from eccentric.effects.forms import (
     omega_m,
     speed,
 )
-from eccentric.model import Definition, Load, Role, Sgn, State, quantity
+from eccentric.model import GEARS, Definition, Load, Role, Sgn, State, quantity
 from eccentric.model import vocabulary as v
 
 gap = quantity("backlash_gap", "rad", "gap, motor side", "", "positive", letter="delta")
@@ -51,6 +51,8 @@ GRAVITY = quantity(
 TORQUE = quantity(
     "backlash_T", "N m", "gravity torque due to the link's lag, per half gap", "", "nonnegative", letter="T"
 )
+# A strain-wave gear is preloaded: some of its teeth are always in mesh on both flanks.
+WITH_TEETH = {"gear": tuple(gear for gear in GEARS if gear != "strain wave")}
 STILL = 0.01
 """Part of the top speed below which a drive stands: the noise of a speed is less, a drive soon passes it."""
 REFERENCE = "form of our own, no impact; backlash: M. Nordin and P.-O. Gutman, Automatica 38(10), 2002"
@@ -153,6 +155,7 @@ def _freed(setting: Setting) -> Effect:
         shapes=tuple(shapes),
         definitions=(_still(setting), _top(setting)) if per_force else (_still(setting),),
         states=_states(setting),
+        only_with=WITH_TEETH,
         words=replace(WORDS, headline="backlash in the gear"),
         inputs=inputs,
     )
@@ -176,5 +179,6 @@ def _lag(setting: Setting) -> Effect:
         inputs=(v.theta_m,),
         definitions=(_still(setting), _top(setting)),
         states=_states(setting),
+        only_with=WITH_TEETH,
         words=replace(WORDS, headline="a link that lags by the backlash in the gear"),
     )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import LOAD, Effect, Setting, Shape, Words
+from eccentric.effects.effect import LOAD, Effect, Plausible, Setting, Shape, Words
 from eccentric.effects.forms import addition, constant, direction, weight
 from eccentric.model import Definition, Load, Magnitude, Quantity, Role, quantity
 from eccentric.model import vocabulary as v
@@ -28,11 +28,30 @@ preload = quantity(
 )
 total = quantity("bearing_F", "N", "force on the preloaded bearing", "", "positive", letter="F")
 
+ROLLING = ("ball", "roller")
+CONTACTS = (*ROLLING, "plain")
 HERTZ = "K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985 (area of a Hertzian contact)"
 PALMGREN = (
     "A. Palmgren, Ball and Roller Bearing Engineering, SKF Industries, 1959; rolling: J. A. Greenwood,"
     " H. Minshall and D. Tabor, Proc. Royal Society A 259, 1961"
 )
+TABLES = "SKF, Rolling Bearings, 2016, table of constant coefficients; JTEKT, Bearing Knowledge 8-4, undated"
+
+
+def _coefficient(lever: Quantity) -> Plausible:
+    """The least coefficient of friction that a bearing can have: that of one as wide as the link is long."""
+    return Plausible(
+        lever.symbol / v.L.symbol,
+        "1",
+        0.0,
+        0.2,
+        f"plain bearings: {TABLES}",
+        "the coefficient of friction of the bearing, if it were as wide as the link is long,",
+        above="not the bearing alone",
+        by_part=dict.fromkeys(ROLLING, (0.0, 0.005, TABLES)),
+    )
+
+
 WORDS = Words(
     title="Bearing friction that is not in proportion to its load",
     meaning=(
@@ -70,15 +89,15 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     power = "C mu F_0 (F_N/F_0)^({}) sgn w, F_0 the weight"
     return (
         _by(
-            "degressive", C, own.symbol * half, (own, relative), (), power.format("1/2"), HERTZ,
+            "degressive", C, own.symbol * half, (own, relative), (), CONTACTS, power.format("1/2"), HERTZ,
             "bearing friction that grows more slowly than the normal force",
         ),
         _by(
-            "progressive", C, v.F_N.symbol * half, (own, relative), (), power.format("3/2"), PALMGREN,
-            "bearing friction that grows faster than the normal force",
+            "progressive", C, v.F_N.symbol * half, (own, relative), (), ROLLING, power.format("3/2"),
+            PALMGREN, "bearing friction that grows faster than the normal force",
         ),
         _by(
-            "preload", C_p, total.symbol, (across,), (shape,), "C_p mu sqrt(F_N^2 + F_p^2) sgn w",
+            "preload", C_p, total.symbol, (across,), (shape,), ROLLING, "C_p mu sqrt(F_N^2 + F_p^2) sgn w",
             "standard form: radial and axial load added as vectors", "a preload of the link's bearing",
         ),
     )  # fmt: skip
@@ -86,7 +105,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 def _by(
     variant: str, coefficient: Quantity, force: sp.Expr, definitions: tuple[Definition, ...],
-    shapes: tuple[Shape, ...], formula: str, reference: str, headline: str,
+    shapes: tuple[Shape, ...], parts: tuple[str, ...], formula: str, reference: str, headline: str,
 ) -> Effect:  # fmt: skip
     return addition(
         "bearing_load",
@@ -100,5 +119,7 @@ def _by(
         shapes=shapes,
         definitions=definitions,
         inputs=(v.theta_m,),
+        only_with={"bearing": parts},
+        plausible=(_coefficient(coefficient),),
         words=replace(WORDS, headline=headline),
     )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from eccentric.effects.effect import Effect, Setting, Words, how_often
 from eccentric.effects.forms import addition, harmonic
-from eccentric.model import quantity
+from eccentric.model import ANGLE, IRON, MOTOR_ANGLE, quantity
 from eccentric.model import vocabulary as v
 
 ORDERS = range(1, 25)
@@ -44,6 +44,7 @@ def _order(n: int, turns: bool) -> Effect:
         inputs=(v.theta_m,),
         repeats=True,
         one_of=max(n, len(ORDERS)),
+        only_with={"motor": IRON, ANGLE: MOTOR_ANGLE},
         per_turn=n if turns else n * v.mu.symbol,
         words=replace(WORDS, headline=f"cogging that repeats {how_often(n)} per turn of the motor"),
     )

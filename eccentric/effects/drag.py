@@ -7,7 +7,7 @@ from dataclasses import replace
 import sympy as sp
 
 from eccentric.effects.effect import SPEED, Effect, Setting, Words
-from eccentric.effects.forms import addition, constant, direction, omega_m, root
+from eccentric.effects.forms import addition, direction, omega_m
 from eccentric.model import Backward, Forward, Role, quantity
 
 quadratic = quantity(
@@ -21,7 +21,6 @@ cubic = quantity(
     "nonnegative",
     letter="D",
 )
-degressive = quantity("drag_half", "N m", "drag torque at the reference speed", "", "nonnegative", letter="D")
 WINDAGE = "J. E. Vrancik, NASA TN D-4849, 1968 (windage grows with the square of the speed)"
 BY_SPEED = "steady runs over a speed range of 1 to 5 or more: over a narrow one, all powers fit equally well"
 QUADRATIC = Words(
@@ -35,14 +34,6 @@ CUBIC = Words(
     meaning="Drag with the cube of the speed: a bearing whose load grows with the square of the speed.",
     hint=BY_SPEED,
     kin=SPEED,
-)
-DEGRESSIVE = Words(
-    headline="drag that grows with the square root of the speed",
-    meaning=(
-        "Degressive drag: a lubricated seal whose resistance grows more slowly as speed rises, or the excess"
-        " part of the motor's iron losses."
-    ),
-    hint=BY_SPEED,
 )
 ONE_WAY = Words(
     title="Windage in one direction only",
@@ -59,12 +50,12 @@ IN_C1 = {
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """Quadratic, cubic and degressive drag, and windage in either direction.
+    """Quadratic and cubic drag, and windage in either direction.
 
     In case C1 the first two are already columns of the model, see `IN_C1`, unless there is no mass, or runs
     carry different ones: F_N follows the mass, drag does not.
     """
-    found = [_sqrt_speed(setting), *_oneway()]
+    found = list(_oneway())
     unloaded = setting.known.get("M", 1.0) * setting.known.get("L", 1.0) == 0.0
     if setting.case == "C2" or setting.masses or unloaded:
         found += [
@@ -88,24 +79,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             ),
         ]
     return tuple(found)
-
-
-def _sqrt_speed(setting: Setting) -> Effect:
-    reference = constant(
-        "drag_w", "rad/s", "reference speed of the degressive drag", setting.w_max, letter="omega_ref"
-    )
-    half, definitions = root("drag", omega_m / reference.symbol, "speed over the reference speed")
-    return addition(
-        "sqrt_speed",
-        [(degressive, half * direction)],
-        role=Role.DRAG,
-        depends_on=("velocity",),
-        formula="D sqrt(|w|/w_ref) sgn w",
-        reference="standard form; degressive friction of robots: M. Grotjahn, M. Daemi and B. Heimann, Int."
-        " J. Solids and Structures 38, 2001; iron: G. Bertotti, IEEE Trans. Magnetics 24(1), 1988",
-        definitions=(reference, *definitions),
-        words=DEGRESSIVE,
-    )
 
 
 def _oneway() -> tuple[Effect, ...]:

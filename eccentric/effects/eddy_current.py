@@ -36,6 +36,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         formula="D w/(1 + (w/w_c)^2)",
         reference="J. H. Wouterse, IEE Proceedings B 138(4), 1991",
         shapes=(Shape(w_c, 2.0 * setting.w_min, 0.8 * setting.w_max, "log", 12),),
+        # The iron of other motors is laminated: its eddy currents are weaker above a speed that no motor has.
+        only_with={"motor": ("eddy-current brake", "induction")},
         words=WORDS,
     )
     return (effect,)

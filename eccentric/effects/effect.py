@@ -16,7 +16,7 @@ from pathlib import Path
 import sympy as sp
 
 from eccentric.core import InputError, asks, run_script
-from eccentric.model import AxisKind, Change, Equation, Extension, Model, Quantity, extended
+from eccentric.model import AxisKind, Change, Equation, Extension, Model, Parts, Quantity, extended, missing
 from eccentric.model import vocabulary as v
 
 # What the library of effects depends on: a case, known parameters, and the ranges that a log covers.
@@ -152,6 +152,7 @@ class Words:
         meaning: what the family is and where it comes from, one sentence.
         hint: what to measure to separate it from others, as a noun phrase or an instruction.
         kin: families that follow the same variable; None for one that has no kin.
+        causes: what may be behind an effect whose headline says what it does, not where it comes from.
         tell_apart: family, or name of a kin -> the measurement that separates the effect from it, one
             sentence; it takes precedence over the kin's.
     """
@@ -160,6 +161,7 @@ class Words:
     title: str = ""
     meaning: str = ""
     hint: str = ""
+    causes: tuple[str, ...] = ()
     kin: Kin | None = None
     tell_apart: Mapping[str, str] = field(default_factory=dict)
 
@@ -238,6 +240,8 @@ class Evidence:
         second_order: families that look like what its record leaves out: terms of second order, or a bound
             that it has not.
         one_of: of how many orders it is one, each as likely as the others.
+        covers: families that do what its headline says as well: where a log does not tell them apart, this is
+            the name of all.
     """
 
     depends_on: tuple[str, ...]
@@ -247,6 +251,45 @@ class Evidence:
     repeats: bool = False
     second_order: tuple[str, ...] = ()
     one_of: int = 1
+    covers: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Plausible:
+    """What is known from elsewhere of a parameter of an effect, or of a figure that follows from several.
+
+    Attributes:
+        value: the figure, in parameters of the effect and of the model it extends.
+        unit: of the figure; it need not be one of SI: "%/K".
+        low, high: range that the source gives; without an end if only drives with some parts have a range.
+        source: author, maker or standard; title; year.
+        name: the figure as a noun phrase: "the temperature coefficient of the resistance".
+        usual: its usual value, None where there is none, and `whose` that is: "copper's".
+        above, below: what a value beyond an end of the range says, as in "not the winding alone"; "" if it
+            says no more than that.
+        by_part: words of the rig's parts -> a narrower (low, high, source), for drives that have that part.
+    """
+
+    value: sp.Expr
+    unit: str
+    low: float
+    high: float
+    source: str
+    name: str
+    usual: float | None = None
+    whose: str = ""
+    above: str = ""
+    below: str = ""
+    by_part: Mapping[str, tuple[float, float, str]] = field(default_factory=dict)
+
+    def for_parts(self, parts: Parts) -> Plausible:
+        """The same for a drive that has these parts: of several parts the widest of their ranges."""
+        words = [word for given in parts.values() for word in given]
+        own = [self.by_part[word] for word in words if word in self.by_part]
+        if not own:
+            return self
+        lows, highs, sources = zip(*own, strict=True)
+        return replace(self, low=min(lows), high=max(highs), source="; ".join(dict.fromkeys(sources)))
 
 
 @dataclass(frozen=True)
@@ -282,6 +325,9 @@ class Effect:
         shapes: its nonlinear parameters.
         words: what a person reads about it.
         corrects: what the rig declares wrongly, for an effect that is only a wrong declaration.
+        only_with: kind of part -> words of `eccentric.model.DRIVE_PARTS`: only a drive with one of them, or
+            whose rig says nothing of that kind, can have the effect.
+        plausible: ranges that its parameters are known to have, each with its source.
     """
 
     family: str
@@ -295,6 +341,12 @@ class Effect:
     shapes: tuple[Shape, ...] = ()
     words: Words = field(default_factory=Words)
     corrects: Correction | None = None
+    only_with: Parts = field(default_factory=dict)
+    plausible: tuple[Plausible, ...] = ()
+
+    def lacks(self, parts: Parts) -> dict[str, tuple[str, ...]]:
+        """Kind -> the parts one of which the effect needs and a drive of these parts has not; {} if none."""
+        return missing(self.only_with, parts)
 
     def told_for(self, axis: AxisKind) -> Effect:
         """The effect with its words and its formula for an axis; its physics is the same."""
@@ -303,7 +355,9 @@ class Effect:
         own = self.words
         apart = {other: axis.text(text) for other, text in own.tell_apart.items()}
         named = {name: axis.text(getattr(own, name)) for name in ("headline", "title", "meaning", "hint")}
-        return replace(self, formula=axis.text(self.formula), words=replace(own, tell_apart=apart, **named))
+        causes = tuple(map(axis.text, own.causes))
+        words = replace(own, tell_apart=apart, causes=causes, **named)
+        return replace(self, formula=axis.text(self.formula), words=words)
 
     @property
     def id(self) -> str:

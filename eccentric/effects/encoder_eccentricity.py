@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Evidence, Setting, Words
+from eccentric.effects.effect import Effect, Evidence, Plausible, Setting, Words
 from eccentric.effects.forms import alpha_m, constant, gravity, harmonic, omega_m, slopes
 from eccentric.model import Change, Definition, Gated, Quantity, Term, quantity, regressor
 from eccentric.model import vocabulary as v
@@ -16,6 +16,15 @@ sine_read = quantity("eccentric_sin", "1", "sine of the angle that the encoder r
 cosine_part = quantity("eccentric_c", "rad", "true angle minus the one read, by its cosine", letter="e_1")
 sine_part = quantity("eccentric_s", "rad", "true angle minus the one read, by its sine", letter="e_2")
 REFERENCE = "X.-D. Lu, R. Graetz, D. Amin-Shahidi and K. Smeds, CIRP Annals 59(1), 2010"
+KNOWN = Plausible(
+    180 / sp.pi * sp.sqrt(cosine_part.symbol**2 + sine_part.symbol**2),
+    "deg",
+    0.0,
+    1.41,
+    "ams, AS5050 data sheet 1.12, undated: magnet off by 0.5 mm, over temperature",
+    "the error of the encoder",
+    above="not an eccentric scale alone",
+)
 SECOND_ORDER = (
     "kinematic_error",
     "cogging",
@@ -91,6 +100,7 @@ def _of(where: str, rate: sp.Expr, variable: str, setting: Setting) -> Effect:
         ),
         evidence=Evidence(depends_on=(variable, "velocity", "acceleration"), second_order=SECOND_ORDER),
         coefficients=(cosine_part, sine_part),
+        plausible=(KNOWN,),
         words=replace(WORDS, headline=f"an encoder whose error repeats once per turn of the {where}"),
     )
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
-from eccentric.effects.effect import Correction, Effect, Evidence, Setting, Shape, Words
+from eccentric.effects.effect import Correction, Effect, Evidence, Plausible, Setting, Shape, Words
 from eccentric.model import (
     Across,
     Along,
@@ -24,6 +24,7 @@ from eccentric.model import (
     HalfSine,
     Load,
     Magnitude,
+    Parts,
     Quantity,
     Role,
     Sgn,
@@ -65,21 +66,25 @@ def addition(
     repeats: bool = False,
     second_order: tuple[str, ...] = (),
     one_of: int = 1,
+    covers: tuple[str, ...] = (),
     per_turn: sp.Expr | int = 0,
     words: Words | None = None,
     corrects: Correction | None = None,
+    only_with: Parts | None = None,
+    plausible: tuple[Plausible, ...] = (),
 ) -> Effect:
     """An effect that adds coefficient times basis to one balance, one term for each of the columns.
 
     Args:
-        family, variant, balance, formula, reference, shapes, words, corrects: as in `Effect`.
+        family, variant, balance, formula, reference, shapes, words, corrects, only_with, plausible: as in
+            `Effect`.
         columns: coefficient and basis of each term.
         role: of the terms, or of each of them; a term with a role is friction.
         load: the load that the friction is proportional to.
         kind: of the terms without a role, see `eccentric.model.KINDS`.
         per_turn: of the terms, as in `eccentric.model.Term`.
         bounds: of each coefficient; by default at least 0 if its domain says so, else open.
-        depends_on, needs, aliases, special_of, repeats, second_order, one_of: as in `Evidence`.
+        depends_on, needs, aliases, special_of, repeats, second_order, one_of, covers: as in `Evidence`.
         definitions, states, inputs: as in `eccentric.model.Change`.
     """
     roles = [role] * len(columns) if isinstance(role, Role) else role
@@ -97,11 +102,13 @@ def addition(
         formula=formula,
         reference=reference,
         change=Change({balance: terms}, definitions, states, inputs),
-        evidence=Evidence(depends_on, needs, aliases, special_of, repeats, second_order, one_of),
+        evidence=Evidence(depends_on, needs, aliases, special_of, repeats, second_order, one_of, covers),
         coefficients=tuple(q for q, _ in columns),
         shapes=shapes,
         words=words or Words(),
         corrects=corrects,
+        only_with=only_with or {},
+        plausible=plausible,
     )
 
 

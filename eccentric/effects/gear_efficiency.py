@@ -8,8 +8,8 @@ import sympy as sp
 
 from eccentric.effects.effect import LOAD, Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, direction
-from eccentric.effects.load_dependent import FORMULAS, loads
-from eccentric.model import Definition, Load, Role, quantity
+from eccentric.effects.load_dependent import FORMULAS, efficiency, loads
+from eccentric.model import GEARS, Definition, Load, Role, quantity
 from eccentric.model import vocabulary as v
 
 eta = quantity("gear_eta", "1", "loss of the gear per torque, driving", "", "nonnegative", letter="eta")
@@ -55,6 +55,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             shapes=(*(Shape(share, *span) for span in shapes), ratios),
             definitions=(*constants, Definition(load, torque)),
             inputs=inputs,
+            only_with={"gear": GEARS},
+            plausible=(efficiency(eta.symbol),),
             words=replace(WORDS, headline=headline + f", by the {variant} torque"),
         )
         for variant, variable, torque, constants, shapes in loads("gear", setting, share.symbol)

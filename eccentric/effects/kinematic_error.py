@@ -8,7 +8,7 @@ import sympy as sp
 
 from eccentric.effects.effect import LOAD, Effect, Evidence, Setting, Shape, Words, how_often
 from eccentric.effects.forms import alpha_m, harmonic, of_an_arm, omega_m, slopes, transmitted
-from eccentric.model import Change, Definition, Gated, Term, quantity
+from eccentric.model import GEARS, Change, Definition, Gated, Term, quantity
 from eccentric.model import vocabulary as v
 
 # A strain-wave gear errs twice per turn of its wave generator, and once where that is off its centre; an
@@ -113,5 +113,6 @@ def _of(where: str, n: int, rate: sp.Expr, setting: Setting) -> Effect:
         evidence=Evidence(depends_on=(f"{where}_angle", "transmitted_torque", "acceleration")),
         coefficients=(cosine_part, sine_part),
         shapes=tuple(Shape(one, 0.0, 1.0, "linear", 3) for one in (share, viscous_share)),
+        only_with={"gear": GEARS},
         words=replace(WORDS, headline=f"a gear whose ratio varies {how_often(n)} per turn of the {where}"),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from eccentric.effects.effect import LOAD, Effect, Setting, Shape, Words
 from eccentric.effects.forms import of_flux
-from eccentric.model import quantity
+from eccentric.model import MOTORS, quantity
 from eccentric.model import vocabulary as v
 
 bend = quantity(
@@ -46,6 +46,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference="form of our own; armature reaction: A. E. Fitzgerald, C. Kingsley and S. D. Umans,"
         " Electric Machinery",
         shapes=(Shape(i_s, lowest, 20.0 * largest, "log", 10),),
+        # A winding without iron has none in the way of its own field.
+        only_with={"motor": tuple(m for m in MOTORS if m != "coreless")},
         words=WORDS,
     )
     return (effect,)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eccentric.effects.effect import TEMPERATURE, Effect, Setting, Words
+from eccentric.effects.effect import TEMPERATURE, Effect, Plausible, Setting, Words
 from eccentric.effects.forms import constant, of_flux
-from eccentric.model import quantity
+from eccentric.model import MAGNETS, quantity
 from eccentric.model import vocabulary as v
 
 fall = quantity(
@@ -14,6 +14,17 @@ fall = quantity(
 )
 # The temperature of the declared constants is not in the rig file, so this is free.
 cold = quantity("magnet_0", "1", "relative error of the declared constants at T_0", letter="k_0")
+MAGNETS_KNOWN = Plausible(
+    100 * fall.symbol,
+    "%/K",
+    0.02,
+    0.20,
+    "T. J. E. Miller, Brushless Permanent-Magnet and Reluctance Motor Drives, 1989: ferrite 0.20, NdFeB 0.12,"
+    " SmCo 0.04, Alnico 0.02 %/K",
+    "the temperature coefficient of the flux",
+    above="not the magnets alone",
+    below="less than any magnet, or a sensor that warms up more than the magnets",
+)
 WORDS = Words(
     headline="torque and back-EMF constants that fall as the magnets warm up",
     meaning=(
@@ -49,6 +60,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         " University Press, 1989",
         definitions=(zero,),
         inputs=(v.temperature,),
+        only_with={"motor": MAGNETS},
+        plausible=(MAGNETS_KNOWN,),
         words=WORDS,
     )
     return (effect,)

@@ -8,7 +8,7 @@ import sympy as sp
 
 from eccentric.effects.effect import Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, relaxation
-from eccentric.model import State, quantity
+from eccentric.model import MOTORS, State, quantity
 from eccentric.model import vocabulary as v
 
 # Of this sign the torque lags behind the current: of the other, every cycle of the current would give energy.
@@ -23,6 +23,8 @@ A = quantity(
 width = quantity(
     "hysteresis_i", "A", "change of current within which the branches meet", "", "positive", letter="i_h"
 )
+# A winding without iron turns in a field that stands still in all the iron there is.
+WITH_IRON = {"motor": tuple(m for m in MOTORS if m != "coreless")}
 last = quantity("hysteresis_last", "A", "current one time step ago", letter="i_old")
 play = quantity("hysteresis_p", "1", "play of the current, in half widths", letter="p")
 WORDS = Words(
@@ -49,6 +51,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         shapes=(Shape(width, 0.03 * largest, 2.0 * largest, "log", 7),),
         states=(State(last, sp.Integer(0), i), branch),
         needs=("current",),
+        only_with=WITH_IRON,
         words=replace(WORDS, headline="magnetic hysteresis between current and torque by Duhem's model"),
     )
     scaled = i / width.symbol
@@ -64,6 +67,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         shapes=(Shape(width, 0.02 * largest, 0.8 * largest, "log", 4),),
         states=(follow,),
         needs=("current",),
+        only_with=WITH_IRON,
         words=replace(WORDS, headline="magnetic hysteresis between current and torque by the play operator"),
     )
     return duhem, parallel

@@ -7,7 +7,7 @@ from dataclasses import replace
 from eccentric.effects.effect import Effect, Setting, Words, how_often
 from eccentric.effects.forms import addition, direction, harmonic
 from eccentric.effects.link_harmonic_friction import ORDERS as LINK_ORDERS
-from eccentric.model import Role, quantity
+from eccentric.model import ANGLE, MOTOR_ANGLE, Role, quantity
 from eccentric.model import vocabulary as v
 
 ORDERS = range(1, 25)
@@ -54,6 +54,7 @@ def _order(n: int) -> Effect:
         inputs=(v.theta_m,),
         repeats=True,
         one_of=max(n, len(ORDERS)),
+        only_with={ANGLE: MOTOR_ANGLE},
         per_turn=n,
         words=replace(WORDS, headline=f"friction that varies {how_often(n)} per turn of the motor"),
     )

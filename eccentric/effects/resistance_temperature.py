@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from eccentric.effects.effect import TEMPERATURE, Effect, Setting, Shape, Words
+from eccentric.effects.effect import TEMPERATURE, Effect, Plausible, Setting, Shape, Words
 from eccentric.effects.forms import addition, constant, heating, thermal_times
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
@@ -25,6 +25,28 @@ rise = quantity(
 tau = quantity("resistance_tau", "s", "thermal time constant of the winding", "", "positive", letter="tau")
 REFERENCE = (
     "standard form; thermal models: A. Boglietti et al., IEEE Trans. Industrial Electronics 56(3), 2009"
+)
+# R_20 (1 + 0.00393 (T - 20 degC)) rises by 0.43 % of itself per kelvin at 0 degC, by 0.25 % at 180 degC.
+COPPER = Plausible(
+    100 * alpha.symbol,
+    "%/K",
+    0.25,
+    0.43,
+    "IEC 60028, International standard of resistance for copper, 1925: 0.393 %/K at 20 degC",
+    "the temperature coefficient of the resistance",
+    0.393,
+    "copper's",
+    above="not the winding alone",
+    below="a part of the resistance that is not copper, or a sensor that warms up more than the winding",
+)
+WARMING = Plausible(
+    100 * rise.symbol,
+    "%",
+    0.0,
+    63.0,
+    "copper, IEC 60028, 1925, from 20 degC to 180 degC, class H of IEC 60085, 2007",
+    "the rise of the resistance over the log",
+    above="more than a winding survives",
 )
 WORDS = Words(
     title="A winding resistance that rises with temperature",
@@ -55,6 +77,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 definitions=(zero,),
                 inputs=(v.temperature,),
                 needs=("current", "voltage", "temperature"),
+                plausible=(COPPER,),
                 words=replace(WORDS, headline="a winding resistance that rises with temperature"),
             )
         )
@@ -72,6 +95,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             shapes=(Shape(tau, *thermal_times(setting), "log", 8),),
             definitions=definitions,
             states=(state,),
+            plausible=(WARMING,),
             needs=("current", "voltage"),
             words=replace(WORDS, headline="a winding resistance that rises as the winding heats up"),
         )

@@ -6,6 +6,7 @@ import sympy as sp
 
 from eccentric.effects.effect import TEMPERATURE, Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, constant, direction, speed
+from eccentric.effects.viscosity_temperature import FILM, thinning
 from eccentric.model import Role, quantity
 from eccentric.model import vocabulary as v
 
@@ -51,6 +52,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         definitions=(zero,),
         inputs=(v.temperature,),
         needs=("temperature",),
+        only_with=FILM,
+        plausible=(thinning(b.symbol),),
         words=WORDS,
     )
     return (effect,)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import TEMPERATURE, Effect, Evidence, Setting, Shape, Words
+from eccentric.effects.effect import TEMPERATURE, Effect, Evidence, Plausible, Setting, Shape, Words
 from eccentric.effects.forms import addition, constant, omega_m
 from eccentric.model import Change, Definition, Role, quantity
 from eccentric.model import vocabulary as v
@@ -31,6 +31,24 @@ factor = quantity(
     "positive",
     letter="kappa",
 )
+
+FILM = {"lubricant": ("grease", "oil")}
+OILS = "ASTM D341, 2020: Walther's equation, ISO VG 15 to 680 with a viscosity index of 95, 0 to 100 degC"
+
+
+def thinning(coefficient: sp.Expr) -> Plausible:
+    """The fall of a viscosity per kelvin, beside that of oils."""
+    return Plausible(
+        100 * coefficient,
+        "%/K",
+        1.7,
+        12.3,
+        OILS,
+        "the fall of the viscosity with temperature",
+        above="not the lubricant alone, or a sensor that warms up less",
+        below="friction that is not of the lubricant alone, or a sensor that warms up more",
+    )
+
 
 REYNOLDS = "O. Reynolds, Phil. Trans. Royal Society 177, 1886"
 ROBOT = "A. C. Bittencourt, E. Wernholt, S. Sander-Tavallaey and T. Brogårdh, IROS 2010"
@@ -68,6 +86,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             "viscous friction that falls with temperature by Reynolds' law",
             (zero, Definition(factor, reynolds)),
             falls,
+            b.symbol,
             "viscous friction times exp(-b (T - T_0))",
             f"{REYNOLDS}; {ROBOT}",
         ),
@@ -76,6 +95,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             "viscous friction that falls with temperature by Arrhenius' law",
             (zero, kelvin, Definition(factor, arrhenius)),
             energy,
+            E.symbol / middle,
             "viscous friction times exp(E/T - E/T_0), T in K",
             f"E. N. da C. Andrade, Nature 125, 1930; {ROBOT}",
         ),
@@ -91,6 +111,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             definitions=(zero,),
             inputs=(v.temperature,),
             needs=("temperature",),
+            only_with=FILM,
+            plausible=(thinning(b.symbol),),
             words=replace(WORDS, headline="viscous friction of one bearing that falls with temperature"),
         ),
     )
@@ -101,6 +123,7 @@ def _scaling(
     headline: str,
     definitions: tuple[Definition, ...],
     shape: Shape,
+    fall: sp.Expr,
     formula: str,
     reference: str,
 ) -> Effect:
@@ -113,5 +136,7 @@ def _scaling(
         change=Change(definitions=definitions, scales={Role.VISCOUS: factor.symbol}, inputs=(v.temperature,)),
         evidence=Evidence(depends_on=("temperature",), needs=("temperature",)),
         shapes=(shape,),
+        only_with=FILM,
+        plausible=(thinning(fall),),
         words=replace(WORDS, headline=headline),
     )

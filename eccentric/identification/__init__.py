@@ -17,6 +17,7 @@ Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`,
     refitting    its solution, and the estimates
     regression   the regression of a balance: target, columns, named coefficients with bounds and roles; least
                  squares, iterations around it, and the search over nonlinear values
+    detection    upper bounds of friction by F_N that a log does not show
     uncertainty  intervals of the estimates; the gain of one model over another
     limits       every threshold, with its reason
 
@@ -32,6 +33,7 @@ from eccentric.identification.columns import (
     require_case,
     with_own,
 )
+from eccentric.identification.detection import Undetected, detection_power
 from eccentric.identification.drive import (
     DRIVE_UNITS,
     LOAD,

@@ -26,6 +26,7 @@ from eccentric.identification.columns import (
     require_case,
     with_own,
 )
+from eccentric.identification.detection import Undetected, undetected
 from eccentric.identification.drive import LOAD, Drive
 from eccentric.identification.limits import (
     LEAST_CYCLES,
@@ -105,6 +106,12 @@ class Fit:
     def fits_the_rig(self) -> bool:
         """Whether the log can be from this rig, in these units."""
         return self.r_squared["paper"] >= LEAST_R_SQUARED or self.structured
+
+    @property
+    def undetected(self) -> dict[str, Undetected]:
+        """Friction by F_N that the log does not show: its upper bounds, and what could have been seen."""
+        shown = {**self.coefficients, **self.combinations}
+        return undetected(self.problem, self.solutions["paper_unbounded"], shown)
 
     @property
     def bounds_active(self) -> list[str]:

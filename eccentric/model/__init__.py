@@ -38,6 +38,20 @@ from eccentric.model.load import in_general_letters, load_model, model_names, wi
 from eccentric.model.model import Change, Extension, Model, spoken
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, differentiate, needed
 from eccentric.model.outputs import drive_interface, interface_of, moving, normal_force
+from eccentric.model.parts import (
+    ANGLE,
+    DRIVE_PARTS,
+    GEARS,
+    IRON,
+    MAGNETS,
+    MOTOR_ANGLE,
+    MOTORS,
+    NO_PART,
+    OUTPUT_ANGLE,
+    REDUCERS,
+    Parts,
+    missing,
+)
 from eccentric.model.quantity import C_KEYWORDS, Definition, Quantity, State, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.rest import law_at_rest, levels
@@ -62,11 +76,21 @@ from eccentric.model.steps import (
 )
 
 __all__ = [
+    "ANGLE",
     "AXES",
     "CONTACT",
     "C_KEYWORDS",
+    "DRIVE_PARTS",
+    "GEARS",
+    "IRON",
     "KINDS",
     "LINEAR",
+    "MAGNETS",
+    "MOTORS",
+    "MOTOR_ANGLE",
+    "NO_PART",
+    "OUTPUT_ANGLE",
+    "REDUCERS",
     "STEPS",
     "TURNING",
     "Across",
@@ -105,6 +129,7 @@ __all__ = [
     "OpaqueStep",
     "Output",
     "PartValues",
+    "Parts",
     "Placement",
     "Quantity",
     "Recursion",
@@ -131,6 +156,7 @@ __all__ = [
     "levels",
     "load_model",
     "meaning",
+    "missing",
     "model_names",
     "moving",
     "needed",

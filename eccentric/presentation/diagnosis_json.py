@@ -11,8 +11,9 @@ from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Effect
 from eccentric.identification import Estimate, in_drive_unit
 from eccentric.model import TURNING
-from eccentric.presentation.diagnosis_text import diagnosis_sentence, tied_families
+from eccentric.presentation.diagnosis_text import causes_of, diagnosis_sentence, tied_families
 from eccentric.presentation.measurement_text import measurement_sentence
+from eccentric.presentation.ranges_text import range_document
 
 
 def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
@@ -49,6 +50,9 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
             }
             for c in a.candidates
         ],
+        "range_checks": [range_document(check) for check in found.ranges],
+        "parts": {kind: list(words) for kind, words in found.rig.parts.items()},
+        "ruled_out": _ruled_out(found),
         "extended_by": [effect.id for effect, _ in found.models.extended.effects],
         "residual_depends_on": [axis.named(variable) for variable in a.depends_on],
         "next_measurement": measurement_sentence(a.next_measurement, axis),
@@ -93,6 +97,19 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "warnings": list(found.warnings),
     }
     return axis.keyed(document)
+
+
+def _ruled_out(found: Diagnosis) -> list[dict[str, Any]]:
+    """Effects that would explain what is left, with the parts that they need and this drive does not have."""
+    effects = {effect.id: effect for effect in found.offered}
+    return [
+        {
+            "id": c.id,
+            "family": c.family,
+            "needs": {k: list(words) for k, words in effects[c.id].lacks(found.rig.parts).items()},
+        }
+        for c in found.attribution.ruled_out
+    ]
 
 
 def _below(found: Diagnosis) -> dict[str, Any] | None:
@@ -204,6 +221,7 @@ def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
         "id": effect.id,
         "family": effect.family,
         "headline": effect.words.headline,
+        "causes": list(causes_of(found, effect)),
         "balance": effect.balance,
         "corrects": None if effect.corrects is None else axis.named(effect.corrects.quantity.name),
         "equation": axis.named(f"{equation.left} = {sp.sstr(equation.right)}"),

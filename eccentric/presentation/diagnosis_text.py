@@ -25,6 +25,7 @@ from eccentric.model import spoken_quantity
 from eccentric.presentation.calls_text import calls, share_words
 from eccentric.presentation.fit_text import band_line, inertia_words
 from eccentric.presentation.measurement_text import measurement_sentence
+from eccentric.presentation.ranges_text import outside_sentences, range_line, ruled_out_sentence
 
 VERDICTS = {
     "named": "effect named",
@@ -33,21 +34,27 @@ VERDICTS = {
     "nothing_missing": "nothing missing",
 }
 _NONE = "no effect in the library explains"
+_NONE_HERE = "no cause that this drive can have explains"
 
 
 def diagnosis_sentence(found: Diagnosis) -> str:
-    """One sentence that can be sent to a colleague."""
+    """One sentence that can be sent to a colleague, and one for each estimate outside its known range."""
+    return " ".join([_verdict(found), *outside_sentences(found)])
+
+
+def _verdict(found: Diagnosis) -> str:
     a, axis, unit = found.attribution, found.rig.axis, _unit(found)
     if a.verdict == "named":
         missing = [effect for effect, _ in (*found.effects, *found.undecided)]
         these = "it" if len(missing) == 1 else "them"
         named = " and ".join(_named(found, effect) for effect in missing)
-        return f"Missing: {named}. {_gain(found, these)}.{_alike(found)}{_grave(found)}"
+        more = f"{_causes(found)}{_alike(found)}{_grave(found)}"
+        return f"Missing: {named}. {_gain(found, these)}.{more}"
     if a.verdict == "not_identifiable" and found.clear:
         clear = " and ".join(_named(found, effect) for effect, _ in found.clear)
         return (
             f"Missing: {clear}. Also missing is one of these, which this log cannot distinguish:"
-            f" {_tied(found, 'or')}. {_gain(found, 'the first of them')}."
+            f" {_tied(found, 'or')}. {_gain(found, 'the first of them')}.{_causes(found)}"
         )
     if a.verdict == "not_identifiable":
         return (
@@ -72,6 +79,7 @@ def diagnosis_sentence(found: Diagnosis) -> str:
     if a.verdict == "unexplained":
         asked = found.asked.request.only
         explains = f"none of the requested effects ({_listed(asked)}) explains" if asked else _NONE
+        explains = _NONE_HERE if a.ruled_out else explains
         return f"The residual still depends on {depends or 'something unknown'}, and {explains} it."
     left = found.score.rmse[found.score.balance]["paper"]
     if left > PROVABLE * found.noise_floor:
@@ -228,6 +236,20 @@ def _alike(found: Diagnosis) -> str:
     )
 
 
+def causes_of(found: Diagnosis, effect: Effect) -> tuple[str, ...]:
+    """What may be behind an effect whose name says what it does: also families that fit this log as well."""
+    own = found.attribution.adopted_as(effect.id)
+    best = {c.family: c for c in reversed(found.attribution.candidates)}
+    covered = [best[family] for family in own.covers if family in best] if own else []
+    return (*effect.words.causes, *(_headline(c.words, c.id) for c in covered))
+
+
+def _causes(found: Diagnosis) -> str:
+    """The possible causes of named effects."""
+    every = [", ".join(causes_of(found, effect)) for effect, _ in (*found.effects, *found.clear)]
+    return "".join(f" Possible causes: {causes}." for causes in every if causes)
+
+
 def _grave(found: Diagnosis) -> str:
     """What the check of the log found wrong, unless the named effects already say so."""
     corrections = [effect.corrects for effect, _ in found.effects if effect.corrects]
@@ -253,6 +275,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     out += [
         _effect(found, effect, own) for effect, own in (*found.effects, *found.undecided, *found.clear)[:3]
     ]
+    out += [f"  {range_line(check)}" for check in found.ranges if check.outside]
     for balance, models in found.score.rmse.items():
         shown = {name: error for name, error in models.items() if name != "extended" or adopted}
         if axis.model:  # the base model of a carriage is Coulomb + viscous friction
@@ -265,7 +288,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         out.append(aliased)
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, _unit(found), axis.term("angle"))
-    out += filter(None, [closest_sentence(found), sibling_sentence(found)])
+    out += filter(None, [ruled_out_sentence(found), closest_sentence(found), sibling_sentence(found)])
     if a.verdict == "unexplained" and found.models.fits_the_rig:
         out.append("closest candidates, none sufficient:")
         out += [f"  {_headline(c.words, c.id)}" for c in a.candidates[:4]]

@@ -6,6 +6,8 @@ std_error null if an active bound, its own or another value's, determines the in
     format, model, rig, logs, kind (of an axis that does not turn: names and units are then its own),
     drive (current, voltage, torque), unit (of target and error: N m, V or A)
     known             letter: value in SI, from the rig
+    undetected        C_lN, B_lN whose intervals reach 0: upper_95, unit, reference (the model's own value),
+                      z (that in standard errors), power (probability that such a log shows it)
     free_cubic        c_0 to c_3 of a coast-down: friction, or deceleration, as a cubic in the speed
   added_kg          run or pattern: mass that it carries besides M; only where the rig has one
     coefficients      name: estimate, the columns of the fit as they were fitted
@@ -109,6 +111,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "rows": channels.counts,
         **({"excerpt": channels.excerpt} if channels.excerpt else {}),
         **({"added_kg": rig.added_kg} if rig.added else {}),
+        **({"undetected": _undetected(fit)} if fit.fits_the_rig and fit.undetected else {}),
         **({"free_cubic": {name: _entry(e, axis) for name, e in fit.cubic.items()}} if fit.cubic else {}),
         "moving_threshold_rad_s": channels.selection.moving_threshold_rad_s,
         "fitted_on": {
@@ -123,6 +126,20 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "warnings": list(fit.warnings),
     }
     return axis.keyed(document)
+
+
+def _undetected(fit: Fit) -> dict[str, Any]:
+    """Upper bounds of friction by F_N that the log does not show."""
+    return {
+        name: {
+            "upper_95": one.upper if math.isfinite(one.upper) else None,
+            "unit": one.unit,
+            "reference": one.reference,
+            "z": one.z,
+            "power": one.power,
+        }
+        for name, one in fit.undetected.items()
+    }
 
 
 def _correlation(fit: Fit) -> dict[str, Any]:

@@ -59,9 +59,8 @@ def fit_sentence(fit: Fit) -> str:
             f"{subject} has only slightly {'lower' if low > 0.0 else 'higher'} held-out error than "
             f"Coulomb + viscous friction ({_percent(abs(fit.percent))} %, {interval} of the gain)."
         )
-    return (
-        f"{subject} has no lower held-out error than Coulomb + viscous friction ({gain} % lower, {interval})."
-    )
+    same = "about the same held-out error as Coulomb + viscous friction"
+    return f"{subject} has {same} (gain {gain} %, {interval})."
 
 
 def _called(fit: Fit) -> str:
@@ -100,6 +99,7 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
         out.append(f"rows count as moving above {threshold:.4g} {axis.unit('rad/s')} (default of {key})")
     if fit.fits_the_rig:
         out += _bounds_line(fit, axis)
+        out += _undetected_lines(fit)
     return [*above, *table, *out, fit_sentence(fit)]
 
 
@@ -109,6 +109,18 @@ def inertia_words(rig: Rig) -> str:
         return ""
     inertia, one = rig.axis.term("inertia"), rig.axis.unit("kg m^2")
     return f"no {inertia} is declared: torques are over it, in rad/s^2; the emitted model has 1 {one}"
+
+
+def _undetected_lines(fit: Fit) -> list[str]:
+    """Upper bounds of friction by F_N that the log does not show, and whether it could have."""
+    whose = "Table 1's" if _called(fit) == "paper" else "the model's"
+    out = []
+    for name, one in fit.undetected.items():
+        line = f"{name} is not detected: at most {one.upper:.3g} {one.unit} (95 %)"
+        if one.z is not None:
+            line += f"; {whose} {one.reference:g} would be at z = {one.z:.2g}"
+        out.append(line)
+    return out
 
 
 def _cubic_lines(fit: Fit) -> list[str]:

@@ -21,7 +21,7 @@ from eccentric.core import (
     refuse_unknown,
     shown,
 )
-from eccentric.model import Chain, with_numbers
+from eccentric.model import DRIVE_PARTS, Chain, with_numbers
 from eccentric.rigs.arm_file import read_arm
 from eccentric.rigs.arm_parts import complaints_of
 from eccentric.rigs.entries import plain_entries, read_names
@@ -153,7 +153,8 @@ def arm_rig_of(content: Mapping[str, Any], where: str, name: str, folder: Path) 
             **common,
             "name": f"{name}, joint {first + j}",
             "columns": {channel: _source(source, first + j) for channel, source in columns.items()},
-            "known": {"case": "C2", "mu": mu, **known},
+            "known": {"case": "C2", "mu": mu, **{k: x for k, x in known.items() if k not in DRIVE_PARTS}},
+            **{kind: known[kind] for kind in DRIVE_PARTS if kind in known},
         }
         if "moving_threshold_rad_s" in own:
             threshold = read_number(own["moving_threshold_rad_s"], f"{where}: moving_threshold_rad_s", 0.0)
@@ -265,5 +266,5 @@ def _drives(value: object, count: int, where: str) -> list[dict[str, Any]]:
 
 def _entries(table: Mapping[str, Any], where: str) -> dict[str, Any]:
     keys = [key for known in KNOWNS if known.name in _OF_DRIVES for key in (known.name, known.key)]
-    refuse_unknown(table, keys, where)
+    refuse_unknown(table, (*keys, *DRIVE_PARTS), where)
     return dict(table)

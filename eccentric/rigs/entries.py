@@ -9,7 +9,8 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from eccentric.core import InputError, read_number
+from eccentric.core import InputError, meant, read_number
+from eccentric.model import DRIVE_PARTS, NO_PART
 
 
 def read_pair(value: object, where: str) -> tuple[Any, Any]:
@@ -37,6 +38,23 @@ def read_names(value: object, where: str) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
         raise InputError(where, "a list of names", f"{value!r}")
     return tuple(value)
+
+
+def read_parts(content: Mapping[str, Any], where: str) -> dict[str, tuple[str, ...]]:
+    """Return what the drive is made of, by kind of part: words of `DRIVE_PARTS`, several joined by "+".
+
+    Raises InputError for any other word, and for "none" beside one.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for kind in (kind for kind in DRIVE_PARTS if kind in content):
+        value, at, known = content[kind], f"{where}: {kind}", ", ".join(DRIVE_PARTS[kind])
+        words = tuple(word.strip() for word in value.split("+")) if isinstance(value, str) else (value,)
+        if wrong := [word for word in words if word not in DRIVE_PARTS[kind]]:
+            raise InputError(at, f"one of {known}", f"{wrong[0]!r}{meant(wrong[0], DRIVE_PARTS[kind])}")
+        if NO_PART in words and len(words) > 1:
+            raise InputError(at, f"one of {known}, or several joined by +", f"{value!r}")
+        found[kind] = words
+    return found
 
 
 def plain_entries(value: object, where: str) -> Mapping[str, Any]:

@@ -23,9 +23,20 @@ from eccentric.core import (
     shown,
 )
 from eccentric.logs import parse_value
-from eccentric.model import AXES, LINEAR, TURNING, AxisKind
+from eccentric.model import (
+    ANGLE,
+    AXES,
+    DRIVE_PARTS,
+    LINEAR,
+    NO_PART,
+    OUTPUT_ANGLE,
+    REDUCERS,
+    TURNING,
+    AxisKind,
+    Parts,
+)
 from eccentric.rigs.controller import Controller, read_controller
-from eccentric.rigs.entries import plain_entries, read_intervals, read_names
+from eccentric.rigs.entries import plain_entries, read_intervals, read_names, read_parts
 from eccentric.rigs.known import AddedMass, mass_alone, read_added, read_knowns
 from eccentric.rigs.limits import LEAST_GRAVITY, LEAST_LOW_PASS_HZ
 from eccentric.rigs.sources import (
@@ -46,14 +57,17 @@ if TYPE_CHECKING:
 DRIVES = ("current", "voltage", "torque")
 COASTING = "none"
 """The drive of a coast-down: nothing turns the motor, and only its inertia is known of what slows it down."""
+REVOLUTION = "revolution"
+"""What a row is the event of, where it is no sample: one turn of the shaft."""
 KEYS = (
     *("format", "name", "log_type", "kind", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
     *("sample_rate_hz", "low_pass_hz", "moving_threshold_rad_s", "holdout_intervals_s", "holdout_runs"),
-    *("runs", "average_over", "added", "kinds", "controller"),
+    *("runs", "average_over", "added", "kinds", "controller", "events"),
+    *DRIVE_PARTS,
     *ALIGNMENT,
 )
 """Keys at the top level of a rig file."""
-_OF_A_TURN = frozenset({"encoder_counts_per_rev", "theta_zero_rad", "added"})
+_OF_A_TURN = frozenset({"encoder_counts_per_rev", "theta_zero_rad", "added", "events"})
 _OF_A_CARRIAGE = frozenset({"encoder_step_m"})
 
 
@@ -92,6 +106,7 @@ class Rig:
         controller: what makes the drive signal; None where the rig does not say.
         per_inertia: whether a coast-down without an inertia has 1 kg m^2 in its place: then every torque is a
             deceleration.
+        parts: what the drive is made of, as far as the rig says: words of `DRIVE_PARTS` by kind.
     """
 
     path: str
@@ -109,6 +124,7 @@ class Rig:
     added: Mapping[str, AddedMass] = field(default_factory=dict)
     controller: Controller | None = None
     per_inertia: bool = False
+    parts: Parts = field(default_factory=dict)
 
     def __repr__(self) -> str:
         plane = f"case {self.case}" if self.case else "a tilted plane"
@@ -203,6 +219,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
             sample_rate_hz=_optional(content, "sample_rate_hz", where),
             runs=read_names(content.get("runs", []), f"{where}: runs"),
             kinds=kinds,
+            events=_events(content, where),
         ),
         sampling=Sampling(
             low_pass_hz=read_number(
@@ -224,6 +241,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
         added=read_added(content, where, known),
         controller=_controller(content, where, axis),
         per_inertia=per_inertia,
+        parts=_parts(content, where, known),
     )
 
 
@@ -231,6 +249,23 @@ def _controller(content: Mapping[str, Any], where: str, axis: AxisKind) -> Contr
     if "controller" not in content:
         return None
     return read_controller(content["controller"], f"{where}: [controller]", axis)
+
+
+def _parts(content: Mapping[str, Any], where: str, known: Mapping[str, float]) -> Parts:
+    parts, mu = read_parts(content, where), known.get("mu", 1.0)
+    if parts.get("gear") == (NO_PART,) and mu != 1.0:
+        raise InputError(f"{where}: gear", "a gear", '"none"', why=f"with mu = {mu:g}")
+    if mu == 1.0 and REDUCERS.intersection(parts.get("gear", ())):
+        # Such a gear is inside what the rig calls the motor: the log is on its output.
+        return {**parts, ANGLE: OUTPUT_ANGLE}
+    return parts
+
+
+def _events(content: Mapping[str, Any], where: str) -> bool:
+    """Whether a row is the time of one turn."""
+    if (said := content.get("events", REVOLUTION)) != REVOLUTION:
+        raise InputError(f"{where}: events", f'"{REVOLUTION}", or nothing', f"{said!r}")
+    return "events" in content
 
 
 def _coasting(known: dict[str, float], unknown: Mapping[str, Any]) -> bool:

@@ -183,6 +183,7 @@ class LogMap:
         sample_rate_hz: as declared; None where it is not.
         runs: names or patterns of the runs that count, empty for all.
         kinds: what the value of a row stands for, of `KINDS`, by channel; one that is not in it is a sample.
+        events: whether a row is the time of one turn of the shaft, and no sample.
     """
 
     columns: Mapping[str, ColumnSource] | None
@@ -191,6 +192,7 @@ class LogMap:
     sample_rate_hz: float | None
     runs: tuple[str, ...]
     kinds: Mapping[str, str] = field(default_factory=dict)
+    events: bool = False
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,7 @@ from eccentric.signals.limits import (
     LEAST_WINDOWS,
     LINE_MARGIN,
     MOVING_PART,
+    NEAR_PEAK,
     POINTS_PER_ROW,
     PROVED,
     QUANTA,
@@ -394,11 +395,15 @@ def _controlled(table: Table, rig: Rig) -> Controlled | None:
 
 
 def past_the_peak(omega_m: Array, segment: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Rows (n,) after the highest speed (n,) [rad/s] of their stretch: something sped the drive up before."""
+    """Rows (n,) after the speed (n,) [rad/s] was last near the highest of their stretch.
+
+    Something sped the drive up before, and may have held the speed for a while.
+    """
     past = np.zeros(len(omega_m), dtype=bool)
     for rows in rows_of_each(segment):
         speed = np.nan_to_num(np.abs(omega_m[rows]))  # unknown at the ends
-        past[rows[int(np.argmax(speed)) + 1 :]] = True
+        last = int(np.flatnonzero(speed >= NEAR_PEAK * np.max(speed))[-1])
+        past[rows[last + 1 :]] = True
     return past
 
 

@@ -192,6 +192,8 @@ def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
     ):
         if choice == ("time",) and rig.log.sample_rate_hz is not None:
             continue  # the rate is the clock
+        if "theta_m" in choice and rig.log.events:
+            continue  # each row is a turn
         if choice == _DRIVES and rig.log.drive == COASTING:
             sources = {c: source for c, source in sources.items() if c not in _DRIVES}
             continue  # an idle supply is none

@@ -11,6 +11,16 @@ MUCH_LOST = 0.05
 """Losing this fraction of the log is a warning: beyond it, the rest may not represent the whole."""
 GAP_STEPS = 5.0
 """A time step longer than this many median steps is a gap."""
+NEAR_PEAK = 0.99
+"""Part of the highest speed down to which a coast-down may still have been driven: a speed loop keeps it."""
+FEWEST_TURNS = 8
+"""Turns of a run whose rows are turns: a quintic spline and a held-out part need some more than six."""
+SAME_TURN = 0.2
+"""Part by which two turns may differ that count as equally long: a missed event makes one 100 % longer."""
+CHANGED_TURN = 2.0
+"""Ratio of a turn to the one before that begins another piece: a shaft pushed by hand, or nearly at rest."""
+TURNS_SMOOTHER = 0.5
+"""Roughness of turns read from the row before over that from the row of the count, from which it is taken."""
 JITTER = 0.1
 """Time stamps within this fraction of a step of an even grid count as even (stamps are often rounded)."""
 RATE_LOW, RATE_HIGH = 0.9, 1.1

@@ -254,8 +254,11 @@ def uneven(table: Table, axis: AxisKind) -> list[str]:
 
 
 def quantum_of(logged: Table, rig: Rig, theta: Array) -> float:
-    """Return the step of the motor angle [rad], from the counts or the smallest one seen; 0 if integrated."""
-    if "theta_m" not in logged.channels and "theta_l" not in logged.channels:
+    """Return the step of the motor angle [rad], from the counts or the smallest one seen.
+
+    0 if it is integrated, or a spline through the times of turns, at which it is exact.
+    """
+    if rig.log.events or ("theta_m" not in logged.channels and "theta_l" not in logged.channels):
         return 0.0
     if rig.log.counts_per_rev is not None:
         gear = 1.0 if "theta_m" in logged.channels else rig.value("mu")

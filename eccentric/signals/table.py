@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from textwrap import shorten
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few
 from eccentric.logs import Log, LogSource, falls, log_stems, read_log
 from eccentric.rigs import Rig
-from eccentric.signals.clock import ClockOfLog, clock_of, frozen_tails, polled, reversed_time
+from eccentric.signals.clock import ClockOfLog, Stale, clock_of, frozen_tails, polled, reversed_time
 from eccentric.signals.converted import CONTROLLER, converted, named_apart, run_numbers
 from eccentric.signals.finding import Finding
 from eccentric.signals.limits import (
@@ -23,6 +23,7 @@ from eccentric.signals.limits import (
     MOST_REJECTED,
     MUCH_LOST,
 )
+from eccentric.signals.revolutions import TURN, even_turns
 
 # The held-out part of a log: named by the rig, or by a rule that is recorded.
 
@@ -291,15 +292,17 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         kept &= ~again
     clock = clock_of(log, labels, values["time"], kept)
     measured = [x for c, x in values.items() if c != "time" and not c.startswith(CONTROLLER)]
-    stopped = frozen_tails(log, labels, measured, clock.kept)
-    stale = polled(log, labels, measured, clock.kept & ~stopped.rows)
+    stopped = stale = Stale(np.zeros(log.rows, bool), ())
+    if not rig.log.events:  # a count of turns repeats by nature
+        stopped = frozen_tails(log, labels, measured, clock.kept)
+        stale = polled(log, labels, measured, clock.kept & ~stopped.rows)
     values = {**values, "time": clock.t}
     kept = clock.kept & ~stopped.rows & ~stale.rows
     findings += [*clock.findings, *stopped.findings, *stale.findings]
     # Where every row is kept, a slice avoids the copy that a mask makes.
     own = slice(None) if np.all(kept) else kept
     run, run_names = _runs(log, labels, list(place), clock, kept)
-    return Table(
+    table = Table(
         {c: x[own] for c, x in values.items()},
         run,
         run_names,
@@ -311,6 +314,27 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         int(np.count_nonzero(~kept)) if log.excerpt is None else log.excerpt.rejected,
         tuple(findings),
         log.excerpt is not None,
+    )
+    return _of_turns(table, log.path) if rig.log.events else table
+
+
+def _of_turns(table: Table, path: str) -> Table:
+    """The table of a log whose rows are turns, on even times, with the angle in place of the count."""
+    motion = ("theta_m", "theta_l", "omega_m", "omega_l")
+    name = f"theta_{next((c[-1] for c in motion if c in table.channels), 'm')}"
+    count, t = table.channels.get(name), table.channels["time"]
+    found = even_turns(t, None if count is None else count / TURN, table.run, table.run_names, path)
+    nothing = np.zeros(len(found.row), bool)
+    rest = {c: np.interp(found.t, t, x) for c, x in table.channels.items() if c not in motion}
+    return replace(
+        table,
+        channels={**rest, "time": found.t, name: found.theta},
+        run=table.run[found.row],
+        use=table.use[found.row],
+        motor_off=table.motor_off[found.row],
+        after_dropped=nothing,
+        after_skipped=nothing,
+        findings=(*table.findings, found.finding(path)),
     )
 
 

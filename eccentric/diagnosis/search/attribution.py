@@ -33,8 +33,9 @@ class Search:
     """The search on one balance.
 
     base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
-    smoothed: smooth terms beside the adopted ones; alternatives: per adopted variant, family -> (probability,
-        fit); steps: the best model after each step; tried: other models that were compared with it;
+    smoothed: smooth terms beside the adopted ones; ruled_out: candidates that the drive cannot have;
+        alternatives: per adopted variant, family -> (probability, fit);
+        steps: the best model after each step; tried: other models that were compared with it;
         required: deviance that an addition has to gain; stability: of the adopted effects; by_both: of
         effects that this balance alone leaves open, family -> deviance by which the other one, or both
         together, prefer it.
@@ -52,6 +53,7 @@ class Search:
     required: float = limits.LEAST_DEVIANCE
     stability: Stability = field(default_factory=Stability)
     by_both: dict[str, float] = field(default_factory=dict)
+    ruled_out: Screen | None = None
 
     def run(self) -> None:
         """Adopt, compare, then fit the smooth terms to what is left."""
@@ -74,7 +76,32 @@ class Search:
             self.steps.append(self.best)
         self._compare()
         self._examine(self.steps)
+        self._share_names()
         self.smoothed = self.smooth.rank(self.best.variants)
+
+    def better_but_ruled_out(self) -> list[Fitted]:
+        """Models with a candidate that the drive cannot have, last, that explain more than the best one.
+
+        It stands alone, beside the adopted effects, or in the place of one of them: several of those may
+        imitate what it does.
+        """
+        screen = self.ruled_out
+        if screen is None or not screen.candidates:
+            return []
+        places = range(len(self.best.variants))
+        beside = [list(self.best.variants), *(_without(self.best, place) for place in places), []]
+        return [
+            fitted
+            for others in beside
+            for fitted in screen.rank(others, leaders=limits.LEADERS_OF_A_SWAP)
+            if self.worth_it(self.best, fitted, screen)
+            and self._gained(list(others), fitted.variants[-1], fitted, screen)
+        ]
+
+    def release(self) -> None:
+        """Forget all columns, as `Screen.release` does."""
+        for screen in filter(None, (self.screen, self.smooth, self.ruled_out)):
+            screen.release()
 
     def deviance(self, before: Fitted, after: Fitted, screen: Screen | None = None) -> float:
         """Twice the gain in log-likelihood from one fit to another, of the cross-validated scores."""
@@ -228,6 +255,7 @@ class Search:
             found = {other: chance / sum(open_to.values()) for other, chance in open_to.items()}
         if same := self.same(place):
             found |= dict.fromkeys((family, *same), sum(found[f] for f in (family, *same)) / (1 + len(same)))
+        found[family] += sum(found.pop(other, 0.0) for other in self.best.variants[place].covers)
         return found
 
     def same(self, place: int) -> tuple[str, ...]:
@@ -253,7 +281,8 @@ class Search:
         family = self.best.variants[place].candidate.family
         if family in self.by_both:
             return True
-        return self.chances(place)[family] >= limits.SURE and self.stability.nearly_all(family)
+        names = family, *self.best.variants[place].covers
+        return self.chances(place)[family] >= limits.SURE and self.stability.nearly_all(*names)
 
     def instead(self, family: str) -> dict[str, int]:
         """Families that variants of the log find in the place of an adopted one: in how many, most first.
@@ -261,6 +290,7 @@ class Search:
         A declared value counts on top of the few effects that may be tied: one measurement settles it.
         """
         beside = {variant.candidate.family for variant in self.best.variants}
+        beside |= {other for v in self.best.variants if v.candidate.family == family for other in v.covers}
         declared = {c.family for c in self.screen.candidates if c.tolerance}
         least = limits.POSSIBLE * self.stability.variants
         found = self.stability.instead(family, beside, declared, limits.IN_PLACE)
@@ -278,7 +308,11 @@ class Search:
             return
         self.stability = stability_of(self.screen, self._models())
         families = [v.candidate.family for v in self.best.variants]
-        kept = [k for k, f in enumerate(families) if self.stability.nearly_all(f, *self.instead(f))]
+        kept = [
+            k
+            for k, variant in enumerate(self.best.variants)
+            if self.stability.nearly_all(families[k], *variant.covers, *self.instead(families[k]))
+        ]
         if len(kept) < len(families):
             left = self.screen.refine(self.screen.fit([self.best.variants[k] for k in kept]))
             dropped = {family for k, family in enumerate(families) if k not in kept}
@@ -295,6 +329,22 @@ class Search:
                 self._examine([step for step in steps if step is not again])
             else:
                 self.best, self.alternatives = left, [self.alternatives[k] for k in kept]
+
+    def _share_names(self) -> None:
+        """A family that covers an adopted one takes its place, unless that one is clearly ahead."""
+        while general := self._covering():
+            self.best = self.screen.refine(general)
+            self._compare(0)
+
+    def _covering(self) -> Fitted | None:
+        """The best model with a likely family that covers an adopted one which is not clearly ahead."""
+        for place, variant in enumerate(self.best.variants):
+            chances = {} if self.clear(place) else self.chances(place)
+            for family, (_, fitted) in self.alternatives[place].items():
+                covered = variant.candidate.family in fitted.last.evidence.covers
+                if covered and chances.get(family, 0.0) > limits.POSSIBLE:
+                    return fitted
+        return None
 
     def _models(self) -> list[Fitted]:
         """The best model first, then those that came close, each set of effects once."""

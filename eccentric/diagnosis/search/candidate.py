@@ -76,6 +76,7 @@ class Candidate:
     tolerance: of a declared value that it corrects, in units of its coefficient; 0 if it corrects none.
     ridge: penalty on the coefficients, relative to their scaled diagonal (smooth terms only).
     words: what a person reads about it.
+    possible: whether the drive has the parts that it needs; one that is not possible is never adopted.
     """
 
     id: str
@@ -96,6 +97,7 @@ class Candidate:
     ridge: float = 0.0
     words: Words = field(default_factory=Words)
     also_instrument: Callable[[Values], Array] | None = None
+    possible: bool = True
 
     @property
     def deviation(self) -> float:
@@ -144,6 +146,11 @@ class Variant:
     def key(self) -> tuple[object, ...]:
         """What distinguishes it from other variants."""
         return (self.candidate.id, *self.values.values())
+
+    @property
+    def covers(self) -> tuple[str, ...]:
+        """Families that its name stands for as well."""
+        return self.candidate.evidence.covers
 
 
 def instrument_of(variant: Variant) -> Variant | None:

@@ -224,12 +224,14 @@ def search_all(
     """Run the search on every balance, by name; arguments as in `verdict.attribute`."""
 
     def searched(balance: BalanceDesign, but: str = "", also: Sequence[Candidate] = ()) -> Search:
-        own = [c for c in [*candidates, *also] if c.balance == balance.name and c.family != but]
+        shown = [c for c in [*candidates, *also] if c.balance == balance.name and c.family != but]
+        own = [c for c in shown if c.possible]
         progress(f"{balance.name} balance: {len(own)} candidates on {len(balance.target)} windows")
         screen = Screen(balance, own, noise.get(balance.name, 0.0))
         smooth = Screen(balance, smooth_terms(variables, balance.name, balance.rows.used_samples()))
         base = screen.fit([])
-        search = Search(screen, smooth, base, base, required=required)
+        ruled_out = Screen(balance, [c for c in shown if not c.possible])
+        search = Search(screen, smooth, base, base, required=required, ruled_out=ruled_out)
         search.run()
         names = ", ".join(v.candidate.id for v in search.best.variants)
         progress(f"{balance.name} balance: {names or 'nothing adopted'}")
@@ -375,7 +377,7 @@ def _misread(
         candidates: of both balances.
     """
     screen, rows = Screen(mechanical, ()), electrical.balance.rows
-    linear = [c for c in candidates if c.balance == mechanical.name and not c.shapes]
+    linear = [c for c in candidates if c.balance == mechanical.name and not c.shapes and c.possible]
     for variant in best.variants:
         torque = variant.candidate.also
         for candidate in linear:

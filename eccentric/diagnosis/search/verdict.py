@@ -73,7 +73,7 @@ class Adopted:
         alike: families that explain the log equally well, its own first; none if it is clearly
         ahead; undecided: whether it is a declared value, and what is alike is an effect: beside the
         name of another the two stay open; by_both: whether too few variants find it, and both balances
-        together decide.
+        together decide; covers: likely families that its name stands for as well.
     """
 
     balance: str
@@ -86,6 +86,7 @@ class Adopted:
     alike: tuple[str, ...] = ()
     undecided: bool = False
     by_both: bool = False
+    covers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,8 @@ class Attribution:
     variables that the residual of the paper's model follows, strongest first;
     next_measurement: None if nothing is open; searches: per balance;
     deviance: per balance, the gain of the best addition and the level that chance reaches (99 %);
-    unconfirmed: adopted effects that did not predict the held-out part.
+    unconfirmed: adopted effects that did not predict the held-out part;
+    ruled_out: candidates that would explain what is left, on a drive that has the parts they need.
     """
 
     verdict: str
@@ -126,6 +128,7 @@ class Attribution:
     searches: dict[str, Search]
     deviance: dict[str, tuple[float, float]]
     unconfirmed: tuple[str, ...] = ()
+    ruled_out: tuple[Ranked, ...] = ()
 
     def adopted_as(self, effect_id: str) -> Adopted | None:
         """The adopted effect of this id."""
@@ -155,7 +158,8 @@ def decided(searches: dict[str, Search], runs: int = 1) -> Attribution:
     """The verdict on searches that have run, by balance; `runs`: number of those that were fitted."""
     adopted, leading, tied = _adopted(searches)
     unexplained = limits.UNEXPLAINED if runs < MANY_RUNS else limits.UNEXPLAINED_OVER_RUNS
-    left, depends = _variables(searches, unexplained)
+    unexplained_by = _left(searches, unexplained)
+    left, depends = [(f.last.variable, name) for name, f in unexplained_by], _depends(searches)
     patched = _patched(adopted)
     if left or patched:
         verdict, tied = "unexplained", []
@@ -174,9 +178,15 @@ def decided(searches: dict[str, Search], runs: int = 1) -> Attribution:
     }
     words = {entry.family: entry.words for entry in listed}
     following = next_measurement(verdict, [(family, words[family]) for family in tied], follows)
+    ruled_out = {
+        f.last.family: _ranked(f.last, name, searches[name], f, 0.0)
+        for name, f in reversed(unexplained_by)
+        if not f.last.possible
+    }
     return Attribution(
-        verdict, tuple(adopted), tuple(tied), tuple(listed), follows, following, searches, deviance
-    )
+        verdict, tuple(adopted), tuple(tied), tuple(listed), follows, following, searches, deviance,
+        ruled_out=tuple(reversed(ruled_out.values())),
+    )  # fmt: skip
 
 
 def unconfirmed(found: Attribution) -> Attribution:
@@ -222,11 +232,17 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
                 variant,
                 tuple(map(float, own)),
                 float(share),
-                stability.found(family),
+                stability.found(family, *variant.covers),
                 stability.variants,
                 search.instead(family),
                 () if clear else _alike(family, chances),
-                by_both=family in search.by_both and not stability.nearly_all(family),
+                by_both=family in search.by_both and not stability.nearly_all(family, *variant.covers),
+                covers=tuple(
+                    other
+                    for other in variant.covers
+                    if other in (options := search.alternatives[place])
+                    and _instead(search, place, other, options[other][0]) > limits.POSSIBLE
+                ),
             )
             found.append((one, entry))
     found.sort(key=lambda pair: -pair[0].share)
@@ -302,28 +318,40 @@ def _instead(search: Search, place: int, family: str, on_the_log: float) -> floa
     return search.stability.weight(family, {adopted}) if search.stability.variants else on_the_log
 
 
-def _variables(searches: dict[str, Search], unexplained: float) -> tuple[list[tuple[str, str]], list[str]]:
-    """Variables that the residual depends on after the adopted effects, each with its balance, and before.
+def _left(searches: dict[str, Search], unexplained: float) -> list[tuple[str, Fitted]]:
+    """What explains a part of the structure that the adopted effects do not, each with its balance.
 
-    The larger part comes first.
+    Smooth terms, and models with an effect that the drive cannot have. The larger part comes first.
     """
-    left: list[tuple[float, str, str]] = []
-    depends: list[tuple[float, str]] = []
+    left: list[tuple[float, str, Fitted]] = []
     for name, search in searches.items():
-        for fitted in search.smoothed:
-            part = (search.best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
-            enough = part > unexplained or _outlines(search, fitted)
-            if enough and search.explains(search.best, fitted):
-                left.append((part, fitted.last.variable, name))
+        best, ruled_out = search.best, search.better_but_ruled_out()
+        for fitted in [*search.smoothed, *ruled_out]:
+            part = (best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
+            if fitted.last.possible:
+                enough = part > unexplained or _outlines(search, fitted)
+                enough = enough and search.explains(best, fitted)
+            else:
+                # With no more effects than were adopted it is the better explanation; beside all of them, a
+                # further one.
+                enough = part > unexplained or len(fitted.variants) <= len(best.variants)
+            if enough:
+                left.append((part, name, fitted))
+    left.sort(key=lambda one: (one[0], one[2].last.variable, one[1]), reverse=True)
+    return [(name, fitted) for _, name, fitted in left]
+
+
+def _depends(searches: dict[str, Search]) -> list[str]:
+    """Variables that the residual of the base model depends on, the larger part of the structure first."""
+    depends: list[tuple[float, str]] = []
+    for search in searches.values():
         least = min([search.best.score, *(fitted.score for fitted in search.smoothed)])
         structure = max(search.base.score - least, 1e-300)
         for fitted in search.smooth.rank([]):
             if search.explains(search.base, fitted):
                 share = (search.base.score - fitted.score) / structure
                 depends.append((share, fitted.last.variable))
-    return [(v, name) for _, v, name in sorted(left, reverse=True)], [
-        v for _, v in sorted(depends, reverse=True)
-    ]
+    return [variable for _, variable in sorted(depends, reverse=True)]
 
 
 def _outlines(search: Search, smooth: Fitted) -> bool:

@@ -93,7 +93,8 @@ class AddedEffect:
 
     meaning: what it is and where it comes from, one sentence; share: "4.2 % of the friction";
     headline: the same in a few words, or "";
-    stability: in how many variants of the log it is found, and what is found instead, or "".
+    stability: in how many variants of the log it is found, and what is found instead, or "";
+    ranges: a line for each of its figures that is known from elsewhere.
     """
 
     id: str
@@ -104,6 +105,7 @@ class AddedEffect:
     share: str
     headline: str = ""
     stability: str = ""
+    ranges: tuple[str, ...] = ()
 
     @property
     def called(self) -> str:
@@ -193,6 +195,7 @@ class Conclusion:
         fits_the_rig: whether the log can be from this rig.
         confirmed: whether what fits the training part predicts the held-out part as well.
         clear: what effects are called that nothing else explains, beside a tie.
+        calls: how firmware calls the extended model, where an effect is named; none otherwise.
     """
 
     verdict: str
@@ -203,6 +206,7 @@ class Conclusion:
     fits_the_rig: bool = True
     confirmed: bool = True
     clear: tuple[str, ...] = ()
+    calls: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Effect
 from eccentric.identification import DRIVE_UNITS, Refit, in_drive_unit
 from eccentric.model import AxisKind, spoken
-from eccentric.presentation.calls_text import share_words
+from eccentric.presentation.calls_text import calls, share_words
 from eccentric.presentation.diagnosis_text import (
     closest_sentence,
     diagnosis_sentence,
@@ -45,6 +45,7 @@ from eccentric.presentation.html.data import (
 from eccentric.presentation.html.equation import friction_equations, typesetter_of
 from eccentric.presentation.html.text import number, range_of
 from eccentric.presentation.measurement_text import measurement_sentence
+from eccentric.presentation.ranges_text import range_line, ruled_out_sentence
 from eccentric.rigs import KNOWNS
 from eccentric.signals import Rows
 from eccentric.simulation import SimulatedErrors
@@ -249,11 +250,14 @@ def report_data(
             verdict=attribution.verdict,
             sentence=diagnosis_sentence(found),
             depends_on=tuple(map(axis.named, attribution.depends_on)),
-            closest=" ".join(filter(None, [closest_sentence(found), sibling_sentence(found)])),
+            closest=" ".join(
+                filter(None, [ruled_out_sentence(found), closest_sentence(found), sibling_sentence(found)])
+            ),
             next_measurement=measurement_sentence(attribution.next_measurement, axis),
             fits_the_rig=found.models.fits_the_rig,
             confirmed=not attribution.unconfirmed,
             clear=tuple(effect.words.headline or effect.id for effect, _ in found.clear),
+            calls=_calls(found),
         ),
         errors=HeldOutErrors(
             holdout=found.channels.selection.holdout.rule,
@@ -289,15 +293,23 @@ def _simulated(found: Diagnosis, simulated: SimulatedErrors | None) -> Iterator[
         if not shown:
             continue
         count = simulated.windows[k]
-        windows = f"{count} window{'s' * (count > 1)} of the held-out part"
+        windows = f"{count} held-out window{'s' * (count > 1)}"
         yield Errors(
             f"simulated {axis.term('motor angle')} over {horizon:g} s",
             axis.unit("rad"),
             shown,
-            note="Mean absolute error of the motion that the drive signal of the log makes, from the measured"
-            f" state at the start of {windows}.",
+            note="Mean absolute error of the motion simulated from the log's drive signal, starting from the"
+            f" measured state of {windows}.",
             own_scale=True,
         )
+
+
+def _calls(found: Diagnosis) -> tuple[str, ...]:
+    """How firmware calls the extended model; none where the answer is a wrong value in the rig file."""
+    if found.attribution.verdict != "named" or all(effect.corrects for effect, _ in found.effects):
+        return ()
+    first, *rest = calls(found)
+    return first.removeprefix("to call: "), *rest
 
 
 def _candidates(found: Diagnosis) -> Iterator[CandidateRow]:
@@ -323,6 +335,7 @@ def _added(effect: Effect, found: Diagnosis) -> AddedEffect:
         share=share_words(found.models.extended, effect),
         headline=effect.words.headline,
         stability=stability_words(found, effect),
+        ranges=tuple(range_line(check) for check in found.ranges if check.effect == effect.id),
     )
 
 

@@ -93,12 +93,12 @@ def simulated(balance: BalanceResiduals, axis: AxisKind = TURNING) -> Simulated 
     where = f"{number(start, 5)} to {number(start + span, 5)} s of {run_name(run)}"
     most = "it varies most" if balance.extended is None else "the models differ most"
     caption = (
-        f"The {drive.label} that was measured, and what each model requires for the measured motion: the"
-        f" held-out stretch in which {most}, {where}. Below: what the models miss of it, {told} RMS."
+        f"Measured {drive.label}, and the {drive.label} that each model needs for the measured motion, in the"
+        f" held-out section where {most} ({where}). Below: the difference, {told} RMS."
         " Rows at standstill are left out."
     )
     legend = [("measured", "measured"), *((kind, curve_name(kind, axis)) for kind in errors)]
-    alternative = f"{drive.label}, measured and by the models, {where}; they miss {told} RMS."
+    alternative = f"{drive.label}, measured and by the models, {where}; the differences are {told} RMS."
     return Simulated(lines, grid, times, names, legend, round(top - 8.0), caption, alternative)
 
 

@@ -68,7 +68,7 @@ def _read_long(
     names = [f"table {k}" for k in range(1, len(sources) + 1)] if len(sources) > 1 else ["table"]
     streams = [stream_log(source, name) for source, name in zip(sources, names, strict=True)]
     total = sum(stream.rows for stream in streams)
-    if total <= LONG_ROWS:
+    if total <= LONG_ROWS or any(rig.log.events for rig in rigs):
         return [stream.whole() for stream in streams]
     for stream in streams:
         require(_without_rows(stream))

@@ -33,9 +33,9 @@ class JointMotion(Motion):
 
 _OF_ONE_DRIVE = (
     "stribeck", "quadratic_drag", "cubic_drag", "oneway_windage", "coulomb_asymmetry", "viscous_asymmetry",
-    "eddy_current", "hidden_thermal_drift", "wear_runin", "time_drift", "viscosity_temperature",
-    "coulomb_temperature", "stribeck_temperature", "link_harmonic_friction", "motor_harmonic_friction",
-    "nonsynchronous_friction",
+    "eddy_current", "sublinear_viscous", "hidden_thermal_drift", "wear_runin", "time_drift",
+    "viscosity_temperature", "coulomb_temperature", "stribeck_temperature", "link_harmonic_friction",
+    "motor_harmonic_friction", "nonsynchronous_friction",
     "cogging", "kt_ripple", "local_defect", "cable_spring", "presliding", "magnetic_hysteresis",
     "kt_saturation", "current_bias",
 )  # fmt: skip

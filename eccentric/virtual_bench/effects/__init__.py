@@ -32,6 +32,7 @@ VARIANTS = {
     "bearing_load": ("Hertz", "Palmgren", "preload"),
     "stribeck_load": ("gravity", "transmitted", "F_N"),
     "presliding": ("dahl", "lugre"),
+    "sublinear_viscous": ("Eyring", "Cross", "power law"),
     "encoder_eccentricity": ("motor", "link"),
     "kinematic_error": ("motor,n=1", "motor,n=2", "link,n=1", "link,n=2"),
 }

@@ -1,6 +1,6 @@
 """Effects of the speed and its direction."""
 
-from math import exp
+from math import asinh, exp
 
 from eccentric.virtual_bench.effects.record import Builder, PlantedEffect, Request, simply
 
@@ -92,6 +92,29 @@ def eddy_current(request: Request) -> PlantedEffect:
     )
 
 
+def sublinear_viscous(request: Request) -> PlantedEffect:
+    """Grease that thins by shear: Eyring's law (1936), Cross's (1965), or a power law (Sisko 1958).
+
+    From the speed wc on, viscous friction grows less than in proportion.
+    """
+    wc, name = request.draw(0.03, 0.12) * request.setting.top_speed, request.variant
+    forms = {
+        "Eyring": ("A wc asinh(w/wc)", lambda x: asinh(x) / x if x else 1.0),
+        "Cross": ("A w/(1 + (|w|/wc)^(2/3))", lambda x: 1.0 / (1.0 + x ** (2.0 / 3.0))),
+        "power law": ("A wc (|w|/wc)^0.6 sgn w above 0.01 wc", lambda x: max(x, 0.01) ** -0.4),
+    }
+    form, thinned = forms[name]
+    return PlantedEffect(
+        "sublinear_viscous",
+        form,
+        request.torque(3.0) / request.setting.top_speed,
+        simply(viscous=lambda s, a: a * thinned(abs(s.w_mid) / wc)),
+        ("velocity",),
+        (wc,),
+        variant=name,
+    )
+
+
 BUILDERS: tuple[Builder, ...] = (
     stribeck,
     quadratic_drag,
@@ -100,4 +123,5 @@ BUILDERS: tuple[Builder, ...] = (
     coulomb_asymmetry,
     viscous_asymmetry,
     eddy_current,
+    sublinear_viscous,
 )

@@ -1,0 +1,158 @@
+"""Estimates beside what is known from elsewhere: figures, intervals and sentences by closed forms."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from eccentric.diagnosis import Diagnosis
+from eccentric.diagnosis.ranges import RangeCheck, range_checks
+from eccentric.effects import Effect, Plausible
+from eccentric.presentation.ranges_text import outside_sentences, range_line, ruled_out_sentence
+from tests.extended import effects
+
+NORMAL = 1.959963984540054
+
+
+def checked(
+    effect: Effect,
+    values: dict[str, float],
+    errors: dict[str, float],
+    parts: dict[str, tuple[str, ...]] | None = None,
+    unit: str = "N m",
+) -> tuple[RangeCheck, ...]:
+    """The checks of a fit with these values, and symmetric 95 % intervals of independent errors."""
+    estimates = {
+        name: SimpleNamespace(interval=(values[name] - NORMAL * e, values[name] + NORMAL * e))
+        for name, e in errors.items()
+    }
+    fit = SimpleNamespace(
+        effects=((effect, values),),
+        values=values,
+        estimates=estimates,
+        covariance=np.diag(np.square(list(errors.values()))),
+    )
+    return range_checks(cast("Any", fit), parts or {}, unit)
+
+
+def test_a_figure_of_one_parameter_takes_over_the_ends_of_its_interval() -> None:
+    """A loss of 0.25 per torque, 0.2 to 0.3, is an efficiency of 80 %, 100/1.3 to 100/1.2."""
+    (found,) = checked(
+        effects("C2")["load_dependent[gravity]"], {"load_eta": 0.25}, {"load_eta": 0.05 / NORMAL}
+    )
+
+    assert (80.0, "") == (pytest.approx(found.value), found.outside)
+    assert pytest.approx((100 / 1.3, 100 / 1.2)) == found.interval
+
+
+def test_a_figure_of_two_parameters_has_the_error_of_both() -> None:
+    """The size of (3, 4) % is 5 %, of variance (9 a^2 + 16 b^2)/25."""
+    values, errors = {"kt_ripple_c2": 0.03, "kt_ripple_s2": 0.04}, (0.001, 0.002)
+    (found,) = checked(effects("C2")["kt_ripple[n=2]"], values, dict(zip(values, errors, strict=True)))
+    spread = 100 * NORMAL * math.sqrt((9 * errors[0] ** 2 + 16 * errors[1] ** 2) / 25)
+
+    assert pytest.approx(5.0) == found.value
+    assert pytest.approx((5.0 - spread, 5.0 + spread)) == found.interval
+
+
+@pytest.mark.parametrize(
+    ("alpha", "error", "expected"),
+    [(0.017, 0.0026, "above"), (0.017, 0.008, ""), (0.0039, 0.0001, ""), (0.001, 0.0001, "below")],
+)
+def test_all_of_the_interval_has_to_be_outside(alpha: float, error: float, expected: str) -> None:
+    """Copper rises by 0.25 to 0.43 % per kelvin between 180 and 0 degC."""
+    effect = effects("C2")["resistance_temperature"]
+    (found,) = checked(effect, {"resistance_alpha": alpha}, {"resistance_alpha": error})
+
+    assert expected == found.outside
+
+
+@pytest.mark.parametrize(("degree", "slope"), [(0.0, 0.43), (20.0, 0.393), (180.0, 0.25)])
+def test_the_range_of_copper_is_that_of_a_line(degree: float, slope: float) -> None:
+    """What rises by 0.393 % of its value at 20 degC per kelvin rises by this much of its value elsewhere."""
+    assert slope == pytest.approx(0.393 / (1.0 + 0.00393 * (degree - 20.0)), abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("parts", "expected"),
+    [
+        ({}, (14.0, "")),
+        ({"gear": ("worm",)}, (25.0, "")),
+        ({"gear": ("planetary",)}, (86.0, "below")),
+        ({"gear": ("planetary", "worm")}, (25.0, "")),
+    ],
+)
+def test_the_range_is_that_of_the_gear(
+    parts: dict[str, tuple[str, ...]], expected: tuple[float, str]
+) -> None:
+    """Of two gears in a row the wider range; an efficiency of half is no planetary gear's."""
+    effect = effects("C2")["load_dependent[gravity]"]
+    (found,) = checked(effect, {"load_eta": 1.0}, {"load_eta": 0.1}, parts)
+
+    assert expected == (found.known.low, found.outside)
+
+
+@pytest.mark.parametrize(
+    ("values", "errors", "unit"),
+    [
+        ({"load_eta": 0.2}, {"load_eta": math.inf}, "N m"),
+        ({"load_eta": 0.2}, {}, "N m"),
+        ({}, {}, "N m"),
+    ],
+    ids=["not determined", "not estimated", "not there"],
+)
+def test_nothing_is_said_of_what_the_log_does_not_show(
+    values: dict[str, float], errors: dict[str, float], unit: str
+) -> None:
+    """An estimate without an end to its interval, a value that was given, a letter that no model has."""
+    assert () == checked(effects("C2")["load_dependent[gravity]"], values, errors, unit=unit)
+
+
+def test_a_range_of_some_drives_says_nothing_of_others() -> None:
+    """Stribeck velocities are known of small servos: 3 rad/s at the output is outside theirs."""
+    effect, values = effects("C2")["stribeck[d=1]"], {"mu": 0.2, "stribeck_v": 15.0}
+    (found,) = checked(effect, values, {"stribeck_v": 1.0}, {"gear": ("spur",)})
+
+    assert ("above", 3.0) == (found.outside, pytest.approx(found.value))
+    assert () == checked(effect, values, {"stribeck_v": 1.0})
+
+
+def test_an_estimate_outside_is_a_sentence_with_its_meaning() -> None:
+    """It is so many times the usual value where there is one; a line has the interval and the source."""
+    known = Plausible(
+        sp.Symbol("a"), "%/K", 0.25, 0.43, "IEC 60028, 1925", "the rise", 0.4, "copper's", "not it"
+    )
+    checks = (
+        RangeCheck("a", known, 1.6, (1.0, 2.0)),
+        RangeCheck("b", Plausible(sp.Symbol("b"), "1", 0.0, 0.2, "X, 1900", "the loss"), 0.5, (0.4, 0.6)),
+        RangeCheck("c", known, 0.4, (0.3, 0.5)),
+    )
+
+    assert [
+        "The rise is 4 times copper's: not it.",
+        "The loss is 0.5, above the range that it is known to have.",
+    ] == outside_sentences(cast("Diagnosis", SimpleNamespace(ranges=checks)))
+    expected = "the rise: 1.6 %/K (95 % interval 1 to 2 %/K), above the known range, 0.25 to 0.43 %/K"
+    assert f"{expected} (IEC 60028, 1925)" == range_line(checks[0])
+
+
+def test_a_cause_that_is_ruled_out_is_told_with_the_part_that_it_needs() -> None:
+    """Not as a name: the drive would have to be another one."""
+    effect = effects("C2")["eddy_current"]
+    found = SimpleNamespace(
+        offered=(effect,),
+        attribution=SimpleNamespace(ruled_out=(SimpleNamespace(id="eddy_current"),)),
+        rig=SimpleNamespace(parts={"motor": ("brushless",)}),
+    )
+
+    assert (
+        "An eddy-current brake (eddy_current) explains more of it, but it needs"
+        ' motor = "eddy-current brake" or "induction" where the rig file has "brushless".'
+    ) == ruled_out_sentence(cast("Diagnosis", found))
+    found.attribution.ruled_out = ()
+    assert ruled_out_sentence(cast("Diagnosis", found)) == ""
