@@ -15,7 +15,7 @@ import numpy as np
 
 from eccentric.virtual_bench import on_reference, random_scenario, simulate
 
-MU, EFFECT, SEED = 1.0 / 30.0, ("eddy_current", 0.08), 5
+MU, EFFECT, SEED = 1.0 / 30.0, ("eddy_current", 0.06), 5
 ZERO_DEG = 127.5  # of the logger
 
 
