@@ -10,9 +10,8 @@ from typing import Any
 import cffi
 import numpy as np
 
-import eccentric
 from eccentric.emission import executed, executed_beside
-from tests.compiled import FLAGS, REAL, run
+from tests.compiled import FLAGS, REAL, emitted_once, run
 
 # An arm on a strong drive: what Table 1 leaves out is its inertia.
 DRIVE = {"J_m": 2e-4, "J_l": 0.04}
@@ -38,9 +37,8 @@ def emitted(
     folder: Path, model: Any = "c2_parallel", given: Mapping[str, Any] | None = None, **asked: Any
 ) -> Path:
     """Emit a model with its estimator into a folder of its own, and return the folder."""
-    out = folder / "emitted"
-    eccentric.emit(model, out, parameters=DRIVE if given is None else given, adapt=True, **asked)
-    return out
+    values = DRIVE if given is None else given
+    return emitted_once(folder / "emitted", model, parameters=values, adapt=True, **asked)
 
 
 def module(folder: Path, name: str) -> ModuleType:

@@ -9,9 +9,8 @@ from typing import Any
 import cffi
 import numpy as np
 
-import eccentric
 from eccentric.emission import executed, executed_beside
-from tests.compiled import FLAGS, REAL, run
+from tests.compiled import FLAGS, REAL, emitted_once, run
 
 INERTIA = {"J_m": 2e-4, "J_l": 0.04}
 VELOCITIES, PUSHES = ("none", "reference", "measured"), ("none", "error", "demand")
@@ -19,9 +18,8 @@ VELOCITIES, PUSHES = ("none", "reference", "measured"), ("none", "error", "deman
 
 def emitted(folder: Path, model: Any = "c2_parallel", given: Mapping[str, Any] | None = None) -> Path:
     """Emit a model with its compensation into a folder of its own, and return the folder."""
-    out = folder / "emitted"
-    eccentric.emit(model, out, parameters=INERTIA if given is None else given, compensation=True)
-    return out
+    values = INERTIA if given is None else given
+    return emitted_once(folder / "emitted", model, parameters=values, compensation=True)
 
 
 def module(folder: Path, name: str) -> ModuleType:

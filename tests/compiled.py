@@ -1,14 +1,19 @@
 """The emitted C99, compiled and called through cffi."""
 
+import hashlib
 import re
+import shutil
 import subprocess
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import cffi
 import numpy as np
 
+import eccentric
 from tests.emitted import width
 from tests.paper import Parameters
 
@@ -26,6 +31,23 @@ def run(*command: str | Path, source: str | None = None) -> str:
     done = subprocess.run(command, input=source, capture_output=True, text=True, check=False)
     assert (0, "") == (done.returncode, done.stderr), done.stderr
     return done.stdout
+
+
+@cache
+def _kept() -> TemporaryDirectory[str]:
+    """A folder that lasts as long as this process."""
+    return TemporaryDirectory(prefix="emitted-")
+
+
+def emitted_once(folder: Path, model: Any, **asked: Any) -> Path:
+    """Emit a model into `folder`; one with a name is a copy of what this process has emitted so before."""
+    if not isinstance(model, str):
+        eccentric.emit(model, folder, **asked)
+        return folder
+    kept = Path(_kept().name) / hashlib.sha256(repr((model, asked)).encode()).hexdigest()
+    if not kept.is_dir():
+        eccentric.emit(model, kept, **asked)
+    return Path(shutil.copytree(kept, folder))
 
 
 def declarations(name: str, real: str) -> str:

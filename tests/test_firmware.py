@@ -84,9 +84,9 @@ def shell(folder: Path, *commands: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize(
-    "renamed",
-    [pytest.param(False, id="as it is", marks=pytest.mark.slow), pytest.param(True, id="by another name")],
+    "renamed", [pytest.param(False, id="as it is"), pytest.param(True, id="by another name")]
 )
+@pytest.mark.slow
 def test_the_arm_of_a_fit(own: Path, renamed: bool) -> None:
     """By the README's commands the firmware runs with the parameters of a fit, under any name."""
     readme = (FIRMWARE / "README.md").read_text(encoding="utf-8")
@@ -99,6 +99,7 @@ def test_the_arm_of_a_fit(own: Path, renamed: bool) -> None:
     assert 0 == done.returncode, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_a_failure_says_why(own: Path) -> None:
     """A drive with twice the friction of the emitted model is reported, with a hint where to look."""
     drive = (own / "drive.c").read_text(encoding="utf-8")

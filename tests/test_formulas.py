@@ -189,3 +189,11 @@ def test_a_typed_formula_keeps_its_words(typed: str, shown: str) -> None:
     html = short_formula(typed)
 
     assert shown == "".join(ET.fromstring(f"<p>{html}</p>").itertext())  # noqa: S314 - made here
+
+
+def test_powers_and_indices_of_a_typed_formula_are_set() -> None:
+    """What follows ^ is raised, what follows _ lowered, and d2i is a second derivative."""
+    assert "<msup><mrow><mi>d</mi></mrow><mn>2</mn></msup>" not in short_formula("q d2i/dt2")
+    assert "<msup><mi>d</mi><mn>2</mn></msup><mi>i</mi>" in short_formula("q d2i/dt2")
+    assert "<msup><mi>width</mi><mn>2</mn></msup>" in short_formula("1/width^2")
+    assert "<msub><mi>T</mi><mn>0</mn></msub>" in short_formula("T - T_0")
