@@ -197,6 +197,6 @@ def test_the_table_and_the_figure_show_every_joint() -> None:
 
     assert list(result.log.columns) == result.table()["column"]
     assert [2, 2, 2] == [len(one.lines) for one in axes]
-    assert "3750 rows of 15 s in 3 runs, bench_2r: no effect" == result.summary() == str(result)
+    assert "3750 rows of 15 s in 3 runs, bench_2r" == result.summary() == str(result)
     assert "q_rad_1" in result._repr_html_()
     plt.close("all")

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, read_logs
+from eccentric.api.result import ResultBase
+from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, MissingValueError, counted, few, whole_file
 from eccentric.drafting import (
     Draft,
@@ -49,8 +51,8 @@ from eccentric.signals import (
 )
 
 
-@dataclass(frozen=True)
-class RigDraft:
+@dataclass(frozen=True, repr=False)
+class RigDraft(ResultBase):
     """A drafted rig.
 
     Attributes:
@@ -82,6 +84,15 @@ class RigDraft:
         rows += [f"check: {doubt}" for doubt in self.doubts]
         return "\n".join([*rows, f"to be typed: {', '.join(self.needed) or 'nothing'}"])
 
+    def table(self) -> ResultTable:
+        """A row for each channel: column, unit, confidence from 0 to 1, and what it could be besides."""
+        names = ("channel", "column", "unit", "confidence", "doubt")
+        rows = ((p.channel, p.column, p.unit, p.confidence, p.doubt) for p in self.proposals)
+        return ResultTable(names, tuple(rows))
+
+    def __repr__(self) -> str:
+        return f"<RigDraft: {counted(len(self.proposals), 'channel')}, {counted(len(self.doubts), 'doubt')}>"
+
     def write(self, out: str | os.PathLike[str]) -> Path:
         """Write the rig file. InputError if there is one already: a draft replaces nobody's work."""
         path = Path(out)
@@ -94,8 +105,8 @@ class RigDraft:
         return path
 
 
-@dataclass(frozen=True)
-class RigCheck:
+@dataclass(frozen=True, repr=False)
+class RigCheck(ResultBase):
     """What is wrong with a rig file for a log, and what the log will determine.
 
     Attributes:
@@ -121,6 +132,21 @@ class RigCheck:
             else "nothing is wrong"
         )
         return "\n".join([f"{found}; the log determines:", *(f"  {line}" for line in self.estimated)])
+
+    def table(self) -> ResultTable:
+        """A row for each line: its kind, complaint, doubt, warning or estimated, and its text."""
+        kinds = {
+            "complaint": self.complaints,
+            "doubt": self.doubts,
+            "warning": self.warnings,
+            "estimated": self.estimated,
+        }
+        return ResultTable(("kind", "text"), tuple((kind, x) for kind, texts in kinds.items() for x in texts))
+
+    def __repr__(self) -> str:
+        return (
+            f"<RigCheck: {counted(len(self.complaints), 'complaint')}, {counted(len(self.doubts), 'doubt')}>"
+        )
 
 
 def _says_more(proposal: Proposal) -> bool:

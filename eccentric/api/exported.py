@@ -10,8 +10,9 @@ from typing import Any
 
 from eccentric.api.fitted import FitResult
 from eccentric.api.inputs import ModelSource, is_arm, model_of, origin_of
-from eccentric.api.result import require_fit
-from eccentric.core import InputError, given_path, refuse_other_files, whole_folder
+from eccentric.api.result import ResultBase, require_fit
+from eccentric.api.tables import ResultTable
+from eccentric.core import InputError, counted, given_path, refuse_other_files, whole_folder
 from eccentric.emission import checked_name, document_of, read_parameters, with_fitted
 from eccentric.exports import DEFAULT_SPEEDS, ExportedDrive
 from eccentric.exports import export as exported
@@ -19,8 +20,8 @@ from eccentric.model import model_names
 from eccentric.presentation import export_lines
 
 
-@dataclass(frozen=True)
-class ExportResult:
+@dataclass(frozen=True, repr=False)
+class ExportResult(ResultBase):
     """What an export wrote, and how close it is.
 
     Attributes:
@@ -31,8 +32,16 @@ class ExportResult:
     paths: tuple[Path, ...]
     lines: tuple[str, ...]
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """What the command prints."""
         return "\n".join(self.lines)
+
+    def table(self) -> ResultTable:
+        """A row for each file: its path and size in bytes."""
+        return ResultTable(("file", "bytes"), tuple((p.as_posix(), p.stat().st_size) for p in self.paths))
+
+    def __repr__(self) -> str:
+        return f"<ExportResult: {counted(len(self.paths), 'file')}>"
 
 
 def export(
