@@ -217,17 +217,23 @@ class DiagnosisResult(Result):
     def table(self) -> ResultTable:
         """The parameters of the extended model: value, standard error, 95 % interval, unit, bound, origin.
 
-        The origin is "effect" or "friction" (fitted), "bench" (estimated jointly with them), "rig" (known),
-        "model" (the base model's own value, not fitted) or "unseen" (nothing in the log depends on it).
+        The origin is "effect" or "friction" (fitted), "bench" (estimated jointly with them), "part" (the log
+        identifies only a combination, which the report names), "rig" (known), "model" (the base model's own
+        value, not fitted) or "unseen" (nothing in the log depends on it). A letter of the motor that is
+        neither known nor identified is no row.
         """
         names = ("name", "value", "std_error", "lower", "upper", "unit", "bound", "origin")
         return ResultTable(names, tuple(map(_row, self.data.extended.parameters)))
 
     def candidates(self) -> ResultTable:
-        """The effects considered, best first: cross-validated RMSE, probability among families."""
-        names = ("id", "family", "balance", "rmse", "probability", "adopted")
+        """The effects considered, best first: cross-validated RMSE, probability among families.
+
+        None of those that are tied is adopted, although the extended model has the first of them.
+        """
+        names, tied = ("id", "family", "balance", "rmse", "probability", "adopted"), self.data.search.tied
         rows = (
-            (c.id, c.family, c.balance, c.rmse, c.probability, c.adopted) for c in self.data.search.candidates
+            (c.id, c.family, c.balance, c.rmse, c.probability, c.adopted and c.family not in tied)
+            for c in self.data.search.candidates
         )
         return ResultTable(names, tuple(rows))
 

@@ -73,6 +73,13 @@ class RigDraft(ResultBase):
         """The letters that have to be typed for a fit."""
         return tuple(e.key for e in self.questions if e.needed)
 
+    @property
+    def needed_to_diagnose(self) -> tuple[str, ...]:
+        """The letters that a diagnosis requires besides, where voltage and current are mapped."""
+        if not {"voltage", "current"} <= {p.channel for p in self.proposals}:
+            return ()
+        return tuple(e.key for e in self.questions if e.key in ("R", "k_e") and not e.needed)
+
     def summary(self) -> str:
         """The channels with unit and confidence, the doubts and the questions, for a terminal."""
         width = max(len(p.channel) for p in self.proposals)
@@ -82,7 +89,8 @@ class RigDraft(ResultBase):
         ]
         rows += [f"  left out: {columns}, {why}" for columns, why in folded(self.left_out)]
         rows += [f"check: {doubt}" for doubt in self.doubts]
-        return "\n".join([*rows, f"to be typed: {', '.join(self.needed) or 'nothing'}"])
+        more = f"; to diagnose also {', '.join(self.needed_to_diagnose)}" if self.needed_to_diagnose else ""
+        return "\n".join([*rows, f"to be typed: {', '.join(self.needed) or 'nothing'}{more}"])
 
     def table(self) -> ResultTable:
         """A row for each channel: column, unit, confidence from 0 to 1, and what it could be besides."""

@@ -76,7 +76,8 @@ def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
         type=Path,
         required=True,
         help=f"folder of its own for {files}: new, empty, or one that eccentric wrote, and not the working "
-        "directory; those of an earlier run are replaced, everything else in it stays",
+        "directory; those of the same command are replaced, everything else in it stays: a file of "
+        "another command is not overwritten",
     )
 
 

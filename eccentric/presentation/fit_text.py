@@ -186,7 +186,7 @@ def _bounds_line(fit: Fit, axis: AxisKind) -> list[str]:
     at = "its bound" if len(fit.bounds_active) == 1 else "their bounds"
     out = [f"{axis.named(', '.join(fit.bounds_active))}: at {at}"]
     if any(e.widened for e in fit.coefficients.values()):
-        out[0] += "; a standard error takes it as that bound, a widened interval does not"
+        out[0] += "; standard errors do not count that a value may be off its bound, widened intervals do"
     if gain <= 0.0:
         return out
     text = f"without bounds the held-out RMSE is {free:.4g}"
