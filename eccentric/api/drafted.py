@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, read_logs
-from eccentric.api.result import ResultBase
+from eccentric.api.result import ResultBase, fastest
 from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, MissingValueError, counted, few, whole_file
 from eccentric.drafting import (
@@ -25,11 +25,13 @@ from eccentric.drafting import (
     toml_of,
     upright,
 )
+from eccentric.emission import inertial_loss, read_parameters, with_fitted
+from eccentric.identification import Fit
 from eccentric.identification import fit as fit_channels
 from eccentric.joints import fit_arm as fit_joints
 from eccentric.logs import Log, log_names
 from eccentric.model import load_model, with_numbers
-from eccentric.presentation import arm_fit_lines, fit_sentence
+from eccentric.presentation import arm_fit_lines, fit_document, fit_sentence, loss_sentence
 from eccentric.rigs import (
     Complaint,
     Rig,
@@ -342,7 +344,7 @@ def _tried(
         beside = beside_the_rig(channels, tried)
         determined = *_determined(fit, tried, channels.motor.measured_by), *map(_beside, beside)
         warnings = (*fit.warnings, *_of_the_diagnosis(channels, tried))
-        doubts = *_doubted(beside, channels, tried), *_too_long(fit, tried)
+        doubts = *_doubted(beside, channels, tried), *_too_long(fit, tried), *_unsolvable(fit, tried)
         return RigCheck((), determined, warnings, doubts)
     return RigCheck(tuple(missing), (), ())
 
@@ -390,6 +392,15 @@ def _too_long(fit: Any, rig: Rig) -> Iterator[str]:
             f"{rig.path}: C_lN is {e.value:.3g} m by the log ({low:.3g} to {high:.3g}), longer than the link"
             f" of {arm:.3g} m, and it acts at a radius of the bearing: check mu, M and M_l"
         )
+
+
+def _unsolvable(fit: Fit, rig: Rig) -> Iterator[str]:
+    """Friction that takes more of an acceleration than the inertia, by the values of the fit."""
+    document = fit_document(fit, [])
+    model = with_fitted(fit.problem.model, read_parameters(document), fit.problem.model.name)
+    loss = inertial_loss(model, *fastest(document))
+    if loss is not None and not loss.solvable:
+        yield f"{rig.path}: {loss_sentence(loss, rig.axis)}"
 
 
 def _beside(ratio: Ratio) -> str:

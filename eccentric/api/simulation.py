@@ -16,7 +16,7 @@ from eccentric.diagnosis import contest
 from eccentric.diagnosis import diagnose as diagnose_logs
 from eccentric.logs import log_names
 from eccentric.model import Model
-from eccentric.presentation import plot_simulation, simulation_document, simulation_lines
+from eccentric.presentation import loss_warnings, plot_simulation, simulation_document, simulation_lines
 from eccentric.rigs import read_rig
 from eccentric.signals import read_long
 from eccentric.simulation import SimulatedErrors, simulated_errors
@@ -72,7 +72,7 @@ def simulate(
         errors=errors,
         unit=rig.axis.unit("rad"),
         lines=tuple(simulation_lines(errors, names, rig.axis)),
-        warnings=tuple(warnings),
+        warnings=(*warnings, *loss_warnings({name: (f.model, f.values) for name, f in fits.items()})),
         document=simulation_document(errors, names, rig, models_of),
         fitted={name: fitted_model(fit, rig.axis) for name, fit in reversed(fits.items())},
     )
