@@ -11,6 +11,8 @@ from eccentric.api import DiagnosisResult as DiagnosisResult
 from eccentric.api import ExportResult as ExportResult
 from eccentric.api import FitResult as FitResult
 from eccentric.api import FleetResult as FleetResult
+from eccentric.api import FrictionRegressor as FrictionRegressor
+from eccentric.api import LabelledMatrix as LabelledMatrix
 from eccentric.api import LogDescription as LogDescription
 from eccentric.api import PlanResult as PlanResult
 from eccentric.api import ResultTable as ResultTable

@@ -42,7 +42,7 @@ def test_the_truth_is_sealed_from_the_rig(result: BenchResult) -> None:
     assert ["coulomb_asymmetry"] == [effect["family"] for effect in result.truth["effects"]]
     assert ("coulomb_asymmetry at 10.0% of friction",) == result.effects
     assert "asymmetry" not in json.dumps(dict(result.rig.known))
-    assert f"3750 rows of 15 s, case C2, mu 0.2: {result.effects[0]}" == result.summary() == str(result)
+    assert "3750 rows of 15 s, case C2, mu 0.2" == result.summary() == str(result)
 
 
 def test_effects_may_be_a_mapping_or_a_list(result: BenchResult) -> None:

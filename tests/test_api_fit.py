@@ -155,7 +155,7 @@ def test_the_fitted_model_predicts_the_reported_error(result: FitResult) -> None
     )
     residual = result.module.mechanical_residual(*(x[rows] for x in signals))
 
-    assert result.rmse["paper"] == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-9)
+    assert result.rmse["mechanical"]["paper"] == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-9)
     assert result.parameters["C_m"] == result.module.Parameters().C_m == result.estimates["C_m"].value
 
 
@@ -170,13 +170,16 @@ def test_json_goes_round(result: FitResult, tmp_path: Path) -> None:
     assert result.to_dict() == json.loads(result.to_json())
 
 
-def test_it_is_drawn_on_two_axes(result: FitResult) -> None:
-    """A new figure, or axes that are given; the held-out rows are on both."""
+def test_it_is_drawn_on_two_axes_or_on_one(result: FitResult) -> None:
+    """A new figure, or axes that are given; the held-out rows are on all of them."""
     left, right = result.plot()
     _, given = plt.subplots(1, 2)
+    _, one = plt.subplots()
 
     assert isinstance(left, Axes)
-    assert tuple(given) == result.plot(tuple(given))
+    assert list(given) == list(result.plot(given))
+    assert one is result.plot(ax=one)
+    assert result.comparison.measured.shape == np.shape(one.lines[0].get_ydata())
     for axes in (left, right, *given):
         assert result.comparison.speed.shape == np.shape(axes.lines[0].get_xdata())
     assert "motor velocity [rad/s]" == right.get_xlabel() == given[1].get_xlabel()
@@ -242,7 +245,7 @@ def test_effects_are_no_part_of_the_linear_model(result: FitResult) -> None:
     """Against Coulomb and viscous friction a model with an effect is measured as the paper's is."""
     found = eccentric.fit(LOG, RIG, with_effect("link_harmonic_friction"))
 
-    assert result.rmse["linear"] == pytest.approx(found.rmse["linear"], rel=1e-9)
+    assert result.rmse["mechanical"]["linear"] == pytest.approx(found.rmse["mechanical"]["linear"], rel=1e-9)
 
 
 def test_a_constant_load_in_the_model_is_that_of_the_rig(result: FitResult) -> None:
@@ -253,8 +256,8 @@ def test_a_constant_load_in_the_model_is_that_of_the_rig(result: FitResult) -> N
 
     plain, loaded = (eccentric.fit(LOG, declared, one) for one in (None, model))
 
-    assert plain.rmse == pytest.approx(loaded.rmse)
-    assert plain.rmse["paper"] > 1.01 * result.rmse["paper"]
+    assert plain.rmse["mechanical"] == pytest.approx(loaded.rmse["mechanical"])
+    assert plain.rmse["mechanical"]["paper"] > 1.01 * result.rmse["mechanical"]["paper"]
     assert 0.05 == loaded.parameters["T_load"]
 
 

@@ -53,6 +53,8 @@ OFFERED = {
         "ExportResult",
         "FitResult",
         "FleetResult",
+        "FrictionRegressor",
+        "LabelledMatrix",
         "LogDescription",
         "Log",
         "Model",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 
 import numpy as np
@@ -20,7 +21,7 @@ def test_it_prints_aligned_with_four_digits() -> None:
 
 def test_columns_and_rows_are_plain_data() -> None:
     """A column by its name, rows as dictionaries, in full precision."""
-    assert [0.00123456, None] == TABLE["value"]
+    assert [0.00123456, pytest.approx(math.nan, nan_ok=True)] == TABLE["value"]
     assert {"name": "B_m", "value": 0.00123456, "unit": "N m s/rad"} == next(iter(TABLE))
     assert 2 == len(TABLE) == len(list(TABLE))
 
@@ -50,10 +51,20 @@ def test_a_notebook_shows_it_escaped() -> None:
 @pytest.mark.parametrize("library", ["pandas", "polars"])
 def test_it_becomes_a_data_frame(library: str) -> None:
     """A data frame of another library takes its rows."""
-    frame = pytest.importorskip(library).DataFrame(list(TABLE))
+    frame = pytest.importorskip(library).DataFrame(list(TABLE) if library == "polars" else TABLE)
 
     assert ["name", "value", "unit"] == list(frame.columns)
     assert ["B_m", "C<m>"] == list(frame["name"])
+
+
+def test_a_matrix_becomes_a_labelled_data_frame() -> None:
+    """The names are on both axes, also in a copy."""
+    found = copy.deepcopy(Correlation.of(["a", "b", "held"], COVARIANCE))
+    frame = pytest.importorskip("pandas").DataFrame(found)
+
+    assert ["a", "b", "held"] == list(frame.columns) == list(frame.index)
+    assert 0.5 == pytest.approx(frame.loc["a", "b"]) == pytest.approx(found["a"]["b"])
+    assert math.isnan(frame.loc["held", "a"])
 
 
 COVARIANCE = np.array([[4.0, 3.0, 0.0], [3.0, 9.0, 0.0], [0.0, 0.0, 0.0]])
@@ -79,7 +90,7 @@ def test_a_correlation_prints_with_its_names_on_both_axes() -> None:
         "b     0.50  1.00     -",
         "held     -     -     -",
     ]
-    assert [0.5, 1.0, None] == found.table()["b"]
+    assert [0.5, 1.0, pytest.approx(math.nan, nan_ok=True)] == found.table()["b"]
     assert "<th>held</th>" in found._repr_html_()
 
 

@@ -100,7 +100,7 @@ def test_the_command_writes_what_the_function_returns(
     for path in result.write(tmp_path / "function" / "log.csv.gz"):
         assert path.read_bytes() == (tmp_path / path.name).read_bytes()
     assert "3750 rows in 3 runs, 2 joints" in said.out
-    assert f"sealed in log.truth.json: {result.effects[0]}\n" == said.out.splitlines(keepends=True)[1]
+    assert "sealed in log.truth.json: 1 effect\n" == said.out.splitlines(keepends=True)[1]
     assert "" == said.err
     assert "stribeck" not in (tmp_path / "log.toml").read_text() + (tmp_path / "log.arm.toml").read_text()
 
@@ -168,6 +168,6 @@ def test_the_table_and_the_figure_show_every_joint() -> None:
 
     assert list(result.log.columns) == result.table()["column"]
     assert [2, 2, 2] == [len(one.lines) for one in axes]
-    assert "3750 rows of 15 s in 3 runs, bench_2r: no effect" == result.summary() == str(result)
+    assert "3750 rows of 15 s in 3 runs, bench_2r" == result.summary() == str(result)
     assert "q_rad_1" in result._repr_html_()
     plt.close("all")

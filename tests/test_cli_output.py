@@ -73,7 +73,7 @@ def test_files_of_another_command_are_not_overwritten(tmp_path: Path) -> None:
     with whole_folder(tmp_path / "out", "diagnose") as new:
         (new / "arm.c").write_text("first")
 
-    said = r"out: a free name arm\.c is required, received a file that `eccentric diagnose` wrote$"
+    said = r"out: a free name arm\.c is required, received a file that `eccentric diagnose` wrote; choose "
     with pytest.raises(InputError, match=said), whole_folder(tmp_path / "out", "emit arm") as new:
         (new / "arm.c").write_text("second")
 

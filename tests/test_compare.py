@@ -51,7 +51,7 @@ def test_errors_are_those_of_a_fit(said: dict[str, Any]) -> None:
     found = eccentric.fit(LOG, RIG)
 
     for name, own in (("c2_parallel", "paper"), (BASELINE, "linear")):
-        assert said[name]["rmse_holdout_Nm"] == pytest.approx(found.rmse[own], rel=1e-6)
+        assert said[name]["rmse_holdout_Nm"] == pytest.approx(found.rmse["mechanical"][own], rel=1e-6)
         assert said[name]["r_squared_holdout"] == pytest.approx(found.r_squared[own], abs=1e-4)
     # The fit has all rows as they are, the contest its training rows after the low pass: edges differ.
     below = said["c2_parallel"]["rmse_below_low_pass_Nm"]
@@ -67,9 +67,9 @@ def test_one_model_has_one_error_in_every_command() -> None:
     compared = eccentric.compare(log, rig, "c2_parallel").document["models"]
 
     assert any(e.bound_active for e in fitted.estimates.values())
-    assert fitted.rmse["paper"] == pytest.approx(diagnosed["paper"], rel=1e-9)
-    assert fitted.rmse["linear"] == pytest.approx(diagnosed["linear"], rel=1e-9)
-    assert [fitted.rmse["paper"], fitted.rmse["linear"]] == pytest.approx(
+    assert fitted.rmse["mechanical"]["paper"] == pytest.approx(diagnosed["paper"], rel=1e-9)
+    assert fitted.rmse["mechanical"]["linear"] == pytest.approx(diagnosed["linear"], rel=1e-9)
+    assert [fitted.rmse["mechanical"]["paper"], fitted.rmse["mechanical"]["linear"]] == pytest.approx(
         [one["rmse_holdout_Nm"] for one in compared], rel=1e-9
     )
 
@@ -86,7 +86,9 @@ def test_an_asymmetric_model_has_the_same_baseline(said: dict[str, Any]) -> None
 
 def test_coulomb_and_viscous_friction_is_the_same_model_in_every_command() -> None:
     """Beside an asymmetric model, too, it has two coefficients and the same held-out error."""
-    plain, asymmetric = (eccentric.fit(LOG, RIG, name).rmse for name in ("c2_parallel", "c2_asymmetric"))
+    plain, asymmetric = (
+        eccentric.fit(LOG, RIG, name).rmse["mechanical"] for name in ("c2_parallel", "c2_asymmetric")
+    )
     channels = read_channels([eccentric.read_log(LOG)], eccentric.read_rig(RIG))
     stage = stage_of(channels, eccentric.load_model("c2_asymmetric"), None, "log")
     linear = refit(stage.base, (), stage.data, linear=True)
@@ -111,7 +113,7 @@ def test_the_figure_has_a_bar_for_each_model(folder: Path) -> None:
     found = eccentric.compare(LOG, RIG, ["c2_parallel", "c2_asymmetric"])
     lengths = [bar.get_width() for bar in found.plot().patches if isinstance(bar, Rectangle)]
 
-    assert np.allclose(list(found.rmse.values()), lengths)
+    assert np.allclose(list(found.rmse["mechanical"].values()), lengths)
     assert {"compare.json", "compare.png", "compare.svg"} == {path.name for path in folder.glob("compare.*")}
 
 

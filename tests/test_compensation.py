@@ -469,16 +469,26 @@ def test_c_refuses_what_python_refuses(compiled: Compensation) -> None:
     assert compiled.settings()[0] == 0
 
 
-def test_the_page_compiles(tmp_path: Path) -> None:
-    """The C of docs/in-the-loop.md, as it stands there, without a warning; its settings are valid."""
+@pytest.mark.parametrize("real", ["double", "float"])
+def test_the_page_compiles(real: str, tmp_path: Path) -> None:
+    """The C of docs/in-the-loop.md, as it stands there, without a warning; its settings push."""
     need("gcc")
     folder = emitted(tmp_path)
     page = (Path(__file__).resolve().parents[1] / "docs" / "in-the-loop.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"^```c\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
-    called = "int main(void) { return set_up() + (control(0.1, 2.0, 0.1, 2.0, 0.0) < 0.0); }\n"
+    called = """int main(void) {
+    const ECCENTRIC_REAL q = (ECCENTRIC_REAL)0.125, none = 0;
+    const int invalid = set_up();
+    const ECCENTRIC_REAL there = control(q, none, q, none, none), away = control(q, none, none, none, none);
+    return invalid + !(there <= none) + !(away > none);
+}
+"""
+    kind = "ECCENTRIC_REAL control"
+    code = re.sub(rf"({kind}\(.*?\)) {{", r"\1;\n\1 {", code, count=1, flags=re.DOTALL)
     (tmp_path / "main.c").write_text(code.replace("int set_up", "int set_up(void);\nint set_up") + called)
     sources = [tmp_path / "main.c", folder / "c2_parallel.c", folder / "c2_parallel_compensation.c"]
-    run("gcc", *FLAGS, f"-I{folder}", "-o", tmp_path / "main", *sources, "-lm")
+    flags = (*FLAGS, f"-DECCENTRIC_REAL={real}")
+    run("gcc", *flags, f"-I{folder}", "-o", tmp_path / "main", *sources, "-lm")
 
     assert subprocess.run([tmp_path / "main"], check=False).returncode == 0
 

@@ -10,6 +10,7 @@ import pytest
 
 from eccentric.exports import ExportedDrive, export
 from eccentric.model import load_model
+from eccentric.presentation import export_lines
 from tests.exports import BENCH, BENCH_UNEQUAL, STEADY, drive, link_states, swing_down, written
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo (mujoco-core) is not installed")
@@ -100,10 +101,12 @@ def test_arrays_are_written_at_once(case: Case) -> None:
 
 
 def test_without_inertia_there_is_no_pendulum() -> None:
-    """The module needs none: it writes into a user's own model."""
-    files = export(ExportedDrive(load_model("c2_parallel"), "c2_parallel"), "budget").files
+    """The module needs none: it writes into a user's own model; the command says what is missing."""
+    of = ExportedDrive(load_model("c2_parallel"), "c2_parallel")
+    found = export(of, "budget")
 
-    assert sorted(files) == [
+    assert "left out: the pendulum c2_parallel.xml, which requires J_m and J_l" in export_lines(of, found)[-1]
+    assert sorted(found.files) == [
         "c2_parallel.py",
         "c2_parallel_budget.py",
         "c2_parallel_budget_warp.py",

@@ -63,6 +63,24 @@ def test_what_friction_holds_stays(run: Callable[..., Any], of: ExportedDrive) -
     assert end["friction"] == pytest.approx(-float(of.module.gravity_torque(theta_m, of.p)), rel=1e-12)
 
 
+def test_friction_is_there_before_the_start(of: ExportedDrive, tmp_path: Path) -> None:
+    """Read in initialisation mode it is that of the first step, for the values that are set by then."""
+    unpacked = built(of, tmp_path)
+    description = fmpy.read_model_description(str(unpacked))
+    at = {x.name: x.valueReference for x in description.modelVariables}
+    unit = fmpy.instantiate_fmu(str(unpacked), description, fmi_type="CoSimulation")
+    unit.enterInitializationMode()
+    unit.setFloat64([at["theta_m"]], [STEADY / of.p.mu])
+    (before,) = unit.getFloat64([at["friction"]])
+    unit.exitInitializationMode()
+    (after,) = unit.getFloat64([at["friction"]])
+    unit.terminate()
+    unit.freeInstance()
+
+    assert before == after != 0.0
+    assert before == pytest.approx(-float(of.module.gravity_torque(STEADY / of.p.mu, of.p)), rel=1e-12)
+
+
 def test_it_swings_down_as_friction_step_does(run: Callable[..., Any], of: ExportedDrive) -> None:
     """The same steps in NumPy end at the same angle."""
     end = run(stop_time=6.0, start_values={"theta_m": 2.1 / of.p.mu})[-1]

@@ -10,6 +10,7 @@ from scipy.optimize import lsq_linear
 
 from eccentric.cli import main
 from eccentric.exports import ExportedDrive, export
+from eccentric.exports.export import decimal
 from eccentric.exports.law import nearest
 from tests.exports import BENCH, BENCH_UNEQUAL, STEADY, drive, link_states
 
@@ -145,11 +146,30 @@ def test_what_cannot_be_exported(
     assert not (tmp_path / "out").exists()
 
 
-def test_an_unknown_target(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The known ones are named."""
-    assert "--to: one of mjcf, budget" in refused(
-        ["c2_parallel", "--to", "x", "--out", str(tmp_path / "out")], capsys
-    )
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [
+        ("x", ""),
+        ("MuJoCo", "; did you mean mjcf or budget?"),
+        ("isaac", "; did you mean usd?"),
+        ("fmi", "; did you mean fmu?"),
+    ],
+)
+def test_an_unknown_target(name: str, hint: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The known ones are named, and the one that is meant where a simulator or a format is."""
+    line = refused(["c2_parallel", "--to", name, "--out", str(tmp_path / "out")], capsys)
+
+    assert "--to: one of mjcf, budget" in line
+    assert line.rstrip().endswith(f"received {name!r}{hint}")
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(1e-4 / 0.2**2, "0.0025"), (0.1 + 0.2, "0.3"), (1.0 / 3.0, "0.3333333333333333"), (-0.0, "0.0")],
+)
+def test_a_quotient_of_typed_numbers_is_typed_again(value: float, text: str) -> None:
+    """The rounding of one operation is not printed; what has that many digits keeps all of them."""
+    assert text == decimal(value)
 
 
 @pytest.mark.parametrize("wrong", [{"J_l": 0.02}])

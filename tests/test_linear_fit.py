@@ -43,8 +43,8 @@ def test_the_residual_is_the_noise_and_the_steps(found: FitResult) -> None:
     """What is left is the white noise of the logged voltage, times the gain, and little beside."""
     noise = Carriage().gain * Carriage().noise_V
 
-    assert (found.unit, found.rmse["paper"]) == ("N", found.rmse["linear"])
-    assert noise < found.rmse["paper"] < 2.0 * noise
+    assert (found.unit, found.rmse["mechanical"]["paper"]) == ("N", found.rmse["mechanical"]["linear"])
+    assert noise < found.rmse["mechanical"]["paper"] < 2.0 * noise
 
 
 @pytest.mark.slow

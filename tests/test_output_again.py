@@ -83,7 +83,7 @@ def test_what_stands_where_a_new_file_has_to_is_refused(
     (out / mine).write_text("mine")
     before = tree(tmp_path)
 
-    with pytest.raises(InputError, match=f"out: a free name {said}$"):
+    with pytest.raises(InputError, match=f"out: a free name {said}; choose another folder"):
         written(out, "b", new, command="emit arm")
 
     assert before == tree(tmp_path)

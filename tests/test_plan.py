@@ -420,9 +420,9 @@ def test_a_limit_is_drawn_where_it_does_not_flatten_the_motion(
         axis=TURNING,
         added=0.0,
     )
-    figure = Figure()
-    PlanResult.draw(SimpleNamespace(plan=plan), figure)  # pyright: ignore[reportArgumentType]
-    speed = figure.axes[1]
+    axes = list(Figure().subplots(4, 1))
+    PlanResult._draw(SimpleNamespace(plan=plan), axes)  # pyright: ignore[reportArgumentType]
+    speed = axes[1]
 
     assert lines == [np.asarray(line.get_ydata())[0] for line in speed.lines if line.get_linestyle() == "--"]
     assert title == speed.get_title(loc="right")

@@ -136,7 +136,7 @@ def test_a_shipped_model_that_predicts_better_as_it_stands_is_named(
     log, rig = log_of(tmp_path, 4, ("viscous_asymmetry", 0.3))
     found = eccentric.diagnose(log, rig, **asked)
     better = found.document["better_model"]
-    rmse = eccentric.compare(log, rig, "c2_asymmetric").rmse["c2_asymmetric"]
+    rmse = eccentric.compare(log, rig, "c2_asymmetric").rmse["mechanical"]["c2_asymmetric"]
 
     assert "c2_asymmetric" == better["model"]
     assert better["improvement"]["interval_95"][0] > 0.0

@@ -20,8 +20,9 @@ from scipy.integrate import solve_ivp
 import eccentric
 from eccentric.core import InputError
 from eccentric.effects import Effect
+from eccentric.emission import inertial_loss
 from eccentric.emission.hot import load_module
-from eccentric.model import load_model
+from eccentric.model import load_model, with_values
 from tests import extended, oracle
 from tests.emitted import MODELS, every_model, module, with_inertia
 from tests.hosts import need
@@ -304,3 +305,39 @@ def test_bristles_come_to_rest(variant: str) -> None:
     assert np.all(bent * constant >= 0.0)
     assert np.abs(bent).max() > 0.1 * reach
     assert np.all(np.abs(shaken) < 0.1 * reach)
+
+
+@pytest.mark.parametrize(("C_lN", "solvable"), [(0.07, True), (0.5, False)])
+def test_friction_that_follows_the_acceleration_has_to_stay_below_the_inertia(
+    C_lN: float, solvable: bool, tmp_path: Path
+) -> None:
+    """F_N takes C_lN mu^2 M L + B_lN mu^3 M L |w| of it; above J all but the torque is refused."""
+    M, L, mu, B_lN, speed = 0.489, 0.279, 0.2, 0.006, 1.0
+    values = {"M": M, "L": L, "mu": mu, "C_lN": C_lN, "B_lN": B_lN, "J_m": 1e-4, "J_l": J_L}
+    model = with_values(load_model("rotating_link"), values, "rotating_link")
+    found = inertial_loss(model, speed)
+
+    assert found is not None
+    assert solvable is found.solvable
+    assert found.inertia == pytest.approx(1e-4 + mu**2 * J_L)
+    assert found.loss == pytest.approx(C_lN * mu**2 * M * L + B_lN * mu**3 * M * L * speed, rel=1e-6)
+    if solvable:
+        assert eccentric.emit(model, tmp_path / "whole")
+    else:
+        with pytest.raises(InputError, match=r"by less than the inertia, 0\.0017 kg m"):
+            eccentric.emit(model, tmp_path / "whole")
+        assert eccentric.emit(model, tmp_path / "torque", functions=["friction_torque"])
+
+
+def test_a_loss_of_the_transmitted_torque_has_its_closed_form() -> None:
+    """It takes eta mu^2 J_l of an acceleration; friction that follows none has no loss of this kind."""
+    effect = extended.effects("C2")["load_dependent[transmitted]"]
+    eta = 0.3
+    values = {q.name: eta if q.name == "load_eta" else 0.0 for q in effect.parameters}
+    known = {**extended.KNOWN, "B_lN": 0.0, "C_lN": 0.0, "B_m": 0.001, "C_m": 0.01}
+    plain = with_values(load_model("c2_parallel"), known, "drive")
+    found = inertial_loss(effect.extend(plain, values))
+
+    assert inertial_loss(plain) is None
+    assert found is not None
+    assert found.loss == pytest.approx(eta * extended.MU**2 * J_L, rel=1e-6)

@@ -14,7 +14,9 @@
     adapted     adapt      -> AdaptResult
     simulated   bench      -> BenchResult;  bench_arm -> ArmBenchResult;  bench_fleet -> files
     fleet       diagnose_fleet -> FleetResult
-    result      ResultTable, Correlation: for a terminal and a notebook; what every result has
+    tables      ResultTable, LabelledMatrix, Correlation: for a terminal, a notebook, and data frames
+    regressor   FrictionRegressor: a fit as an estimator of scikit-learn
+    result      the members of every result
 
 In: paths, tables in memory, mappings. Out: results with named fields, `summary()`, `table()`, `plot()`,
 `to_json()`. It may import every room; it decides and computes nothing that belongs to a room. A file is

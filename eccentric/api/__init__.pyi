@@ -25,8 +25,7 @@ from eccentric.api.of_arms import diagnose_arm as diagnose_arm
 from eccentric.api.of_arms import fit_arm as fit_arm
 from eccentric.api.planned import PlanResult as PlanResult
 from eccentric.api.planned import plan as plan
-from eccentric.api.result import Correlation as Correlation
-from eccentric.api.result import ResultTable as ResultTable
+from eccentric.api.regressor import FrictionRegressor as FrictionRegressor
 from eccentric.api.simulated import ArmBenchResult as ArmBenchResult
 from eccentric.api.simulated import BenchResult as BenchResult
 from eccentric.api.simulated import bench as bench
@@ -34,3 +33,6 @@ from eccentric.api.simulated import bench_arm as bench_arm
 from eccentric.api.simulated import bench_fleet as bench_fleet
 from eccentric.api.simulation import SimulateResult as SimulateResult
 from eccentric.api.simulation import simulate as simulate
+from eccentric.api.tables import Correlation as Correlation
+from eccentric.api.tables import LabelledMatrix as LabelledMatrix
+from eccentric.api.tables import ResultTable as ResultTable

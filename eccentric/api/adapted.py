@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from eccentric.adaptation import CURRENT, Replay, replayed, require_logged
 from eccentric.api.inputs import (
@@ -17,7 +17,8 @@ from eccentric.api.inputs import (
     read_logs,
     sources_of,
 )
-from eccentric.api.result import Printed, ResultTable, new_axes
+from eccentric.api.result import Printed
+from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, given_path
 from eccentric.emission import Adaptation, document_of, read_parameters, with_fitted
 from eccentric.identification import Drive
@@ -26,9 +27,6 @@ from eccentric.logs import log_names
 from eccentric.presentation import course_document, course_lines, fit_document, plot_course
 from eccentric.rigs import read_rig
 from eccentric.signals import Channels, read_channels
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 def adapt(
@@ -125,11 +123,22 @@ class AdaptResult(Printed):
         rows = ((name, *map(float, numbers), unit) for name, *numbers, unit in cells)
         return ResultTable(("coefficient", "start", "end", "std_error", "unseen_s", "unit"), tuple(rows))
 
-    def plot(self) -> list[Axes]:
-        """Plot the coefficients over time, one below the other; InputError if matplotlib is not installed."""
-        axes = new_axes(len(self.course.names), 1, self._size)
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The coefficients at the end of the log, by name, in SI."""
+        return dict(zip(self.course.names, map(float, self.course.values[-1]), strict=True))
+
+    @property
+    def _grid(self) -> tuple[int, int]:
+        return len(self.course.names), 1
+
+    @property
+    def _size(self) -> tuple[float, float]:
+        return 9.0, 0.8 + 1.5 * len(self.course.names)
+
+    def _draw(self, axes: list[Any]) -> None:
+        """The coefficients over time, one below the other."""
         plot_course(self.course, axes)
-        return axes
 
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write adapt.json and, with matplotlib, adapt.png and adapt.svg into a folder of their own.
@@ -137,19 +146,7 @@ class AdaptResult(Printed):
         Raises:
             InputError: the folder cannot be written.
         """
-        rows = len(self.course.names)
-        return self._write(
-            out,
-            "adapt",
-            self._size,
-            lambda figure: plot_course(
-                self.course, list(figure.subplots(rows, 1, sharex=True, squeeze=False).flat)
-            ),
-        )
-
-    @property
-    def _size(self) -> tuple[float, float]:
-        return 9.0, 0.8 + 1.5 * len(self.course.names)
+        return self._write(out, "adapt")
 
     def __repr__(self) -> str:
         return f"<AdaptResult: {len(self.course.names)} coefficients, {len(self.course.alarms)} alarms>"

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from eccentric.api.inputs import (
     LogSources,
@@ -16,17 +16,14 @@ from eccentric.api.inputs import (
     given_path,
     sources_of,
 )
-from eccentric.api.result import Printed, ResultTable, new_axes
+from eccentric.api.result import Printed, fitted_model
+from eccentric.api.tables import ResultTable
 from eccentric.diagnosis import BASELINE, Contest, contest
 from eccentric.model import Model
 from eccentric.presentation import contest_document, contest_lines
 from eccentric.rigs import read_rig
 from eccentric.signals import read_long
 from eccentric.simulation import SimulatedErrors, simulated_errors
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 _BAR, _BASELINE_BAR = "#0072b2", "#8a8a8a"
 
@@ -60,6 +57,8 @@ def compare(
     sources, rig = sources_of(logs), read_rig(rig)
     found = contest(read_long(sources, rig, tell=reading), rig, named, own)
     simulated = simulated_errors(found.fits)
+    best = [entry.name for entry in found.entries]
+    fitted = {name: fitted_model(found.fits[name], rig.axis) for name in best}
     found = replace(found, unit=rig.axis.unit(found.unit), fits={})
     return CompareResult(
         contest=found,
@@ -67,6 +66,7 @@ def compare(
         lines=tuple(contest_lines(found, simulated, rig.axis.unit("rad"))),
         warnings=found.warnings,
         document=contest_document(found, simulated),
+        fitted=fitted,
     )
 
 
@@ -77,16 +77,22 @@ class CompareResult(Printed):
     Attributes:
         contest: entries, best first, with the row of Coulomb + viscous friction.
         simulated: errors of the simulated motion of each model, over windows of the held-out part.
-        lines, warnings, document: as in Printed; the document is the content of compare.json.
+        lines, warnings, document, fitted: as in Printed; the document is the content of compare.json.
     """
 
     contest: Contest
     simulated: SimulatedErrors | None = None
 
     @property
-    def rmse(self) -> dict[str, float]:
-        """Model -> held-out RMSE in `unit`, best first."""
-        return {entry.name: entry.rmse for entry in self.contest.entries}
+    def rmse(self) -> dict[str, dict[str, float]]:
+        """Balance -> model -> held-out RMSE in `unit`, best first.
+
+        The electrical balance has the models that say something about it.
+        """
+        entries = self.contest.entries
+        circuit = {entry.name: entry.circuit for entry in entries if entry.circuit is not None}
+        errors = {"mechanical": {entry.name: entry.rmse for entry in entries}}
+        return errors | ({"electrical": circuit} if circuit else {})
 
     @property
     def unit(self) -> str:
@@ -107,31 +113,29 @@ class CompareResult(Printed):
         )
         return ResultTable(names, tuple(rows))
 
-    def plot(self, axes: Axes | None = None) -> Axes:
-        """Plot the held-out errors as bars, each with the 95 % interval that its gain gives.
+    @property
+    def _grid(self) -> tuple[int, int]:
+        return 1, 1
 
-        Args:
-            axes: where to draw; by default a new figure.
+    @property
+    def _size(self) -> tuple[float, float]:
+        return 8.0, 1.2 + 0.45 * len(self.contest.entries)
 
-        Raises:
-            InputError: matplotlib is not installed.
-        """
-        found = self.contest
-        if axes is None:
-            (axes,) = new_axes(1, 1, self._size)
-        base = self.rmse[BASELINE]
+    def _draw(self, axes: list[Any]) -> None:
+        """The held-out errors as bars, each with the 95 % interval that its gain gives."""
+        found, (ax, *_) = self.contest, axes
+        base = self.rmse["mechanical"][BASELINE]
         for place, e in enumerate(found.entries):
             color = _BASELINE_BAR if e.name == BASELINE else _BAR
             low, high = (base * (1.0 - percent / 100.0) for percent in reversed(e.interval))
             whisker = None if e.name == BASELINE else [[max(e.rmse - low, 0.0)], [max(high - e.rmse, 0.0)]]
-            axes.barh(place, e.rmse, xerr=whisker, color=color, height=0.6, capsize=3.0)
-        axes.axvline(found.noise_floor, color="black", linestyle=":", label="sensor noise")
-        axes.set_yticks(range(len(found.entries)), [e.name for e in found.entries])
-        axes.invert_yaxis()
-        axes.set_xlim(left=0.0)
-        axes.set_xlabel(f"held-out RMSE [{found.unit}], with the 95 % interval of the gain over {BASELINE}")
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
-        return axes
+            ax.barh(place, e.rmse, xerr=whisker, color=color, height=0.6, capsize=3.0)
+        ax.axvline(found.noise_floor, color="black", linestyle=":", label="sensor noise")
+        ax.set_yticks(range(len(found.entries)), [e.name for e in found.entries])
+        ax.invert_yaxis()
+        ax.set_xlim(left=0.0)
+        ax.set_xlabel(f"held-out RMSE [{found.unit}], with the 95 % interval of the gain over {BASELINE}")
+        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
 
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write compare.json and, with matplotlib, compare.png and compare.svg into a folder of their own.
@@ -139,11 +143,7 @@ class CompareResult(Printed):
         Raises:
             InputError: the folder cannot be written.
         """
-        return self._write(out, "compare", self._size, lambda figure: self.plot(figure.subplots()))
-
-    @property
-    def _size(self) -> tuple[float, float]:
-        return 8.0, 1.2 + 0.45 * len(self.contest.entries)
+        return self._write(out, "compare")
 
     def __repr__(self) -> str:
         best = self.contest.entries[0]

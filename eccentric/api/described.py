@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from eccentric.api.result import ResultBase
+from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, counted, given_path
 from eccentric.drafting import clock_in
 from eccentric.logs import Log, format_of, read_log
@@ -15,8 +17,8 @@ from eccentric.logs import Log, format_of, read_log
 _MOST_COLUMNS = 40
 
 
-@dataclass(frozen=True)
-class LogDescription:
+@dataclass(frozen=True, repr=False)
+class LogDescription(ResultBase):
     """A log as it was read.
 
     Attributes:
@@ -43,6 +45,14 @@ class LogDescription:
     def summary(self) -> str:
         """For a terminal."""
         return "\n".join(self._lines())
+
+    def table(self) -> ResultTable:
+        """A row for each column of numbers: unit, lowest and highest value, and how many are missing."""
+        names = ("column", "unit", "lowest", "highest", "missing")
+        return ResultTable(names, tuple((name, *found) for name, found in self.numbers.items()))
+
+    def __repr__(self) -> str:
+        return f"<LogDescription: {self.path}, {counted(self.rows, 'row')}>"
 
     def _lines(self) -> Iterator[str]:
         columns = len(self.numbers) + len(self.texts)

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from eccentric.api.inputs import (
     LogSources,
@@ -17,7 +17,8 @@ from eccentric.api.inputs import (
     names_given,
     sources_of,
 )
-from eccentric.api.result import Correlation, Result, ResultTable, new_axes
+from eccentric.api.result import Result, fitted_model
+from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, given_path, whole_file, whole_folder
 from eccentric.diagnosis import (
     BASE,
@@ -44,10 +45,6 @@ from eccentric.presentation import (
 from eccentric.rigs import read_rig
 from eccentric.signals import read_long
 from eccentric.simulation import draws_of_refit, simulated_errors
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 _WRITTEN = (
     ("diagnosis.json", "the figures of this page, for programs"),
@@ -119,12 +116,15 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
     given, axis, models = found.asked.base, found.rig.axis, found.models
     fits = {"linear": models.linear, "paper": models.paper, "extended": models.extended}
     simulated = simulated_errors(fits)
-    document, estimates = diagnosis_document(found), axis.estimates(found.models.extended.estimates)
+    document, estimates = diagnosis_document(found), axis.estimates(models.extended.estimates)
+    fitted = {name: fitted_model(fit, axis) for name, fit in reversed(fits.items())}
+    if found.data.drive.along is not None:
+        fitted = {name: dataclasses.replace(model, drive=None) for name, model in fitted.items()}
     return DiagnosisResult(
         model=extended_model(found),
         origin="model.py",
         estimates=estimates,
-        correlation=Correlation.of(list(estimates), found.models.extended.covariance),
+        fitted=fitted,
         draws=draws_of_refit(found.models.extended),
         script=script(found),
         own={**own} | ({BASE: base_source(given)} if isinstance(given, Model) else {}),
@@ -159,7 +159,7 @@ class DiagnosisResult(Result):
         own: name -> text of the scripts that it loads: those of your own, and base.py where the base model
             was given as a Model.
         data: everything that the report shows.
-        model, origin, estimates, correlation, lines, warnings, document: as in Result; the model is the
+        model, origin, estimates, lines, warnings, document, fitted: as in Result; the model is the
             extended one, without an adopted effect the base model, fitted; the document is the content of
             diagnosis.json.
     """
@@ -215,34 +215,34 @@ class DiagnosisResult(Result):
         return self.data.conclusion.next_measurement
 
     def table(self) -> ResultTable:
-        """The parameters of the extended model: value, standard error, 95 % interval, unit and origin.
+        """The parameters of the extended model: value, standard error, 95 % interval, unit, bound, origin.
 
-        The origin is "effect" or "friction" (fitted), "bench" (estimated jointly with them), "rig" (known),
-        "model" (the base model's own value, not fitted) or "unseen" (nothing in the log depends on it).
+        The origin is "effect" or "friction" (fitted), "bench" (estimated jointly with them), "part" (the log
+        identifies only a combination, which the report names), "rig" (known), "model" (the base model's own
+        value, not fitted) or "unseen" (nothing in the log depends on it). A letter of the motor that is
+        neither known nor identified is no row.
         """
-        names = ("name", "value", "std_error", "lower", "upper", "unit", "origin")
+        names = ("name", "value", "std_error", "lower", "upper", "unit", "bound", "origin")
         return ResultTable(names, tuple(map(_row, self.data.extended.parameters)))
 
     def candidates(self) -> ResultTable:
-        """The effects considered, best first: cross-validated RMSE, probability among families."""
-        names = ("id", "family", "balance", "rmse", "probability", "adopted")
+        """The effects considered, best first: cross-validated RMSE, probability among families.
+
+        None of those that are tied is adopted, although the extended model has the first of them.
+        """
+        names, tied = ("id", "family", "balance", "rmse", "probability", "adopted"), self.data.search.tied
         rows = (
-            (c.id, c.family, c.balance, c.rmse, c.probability, c.adopted) for c in self.data.search.candidates
+            (c.id, c.family, c.balance, c.rmse, c.probability, c.adopted and c.family not in tied)
+            for c in self.data.search.candidates
         )
         return ResultTable(names, tuple(rows))
 
-    def plot(self, axes: tuple[Axes, Axes] | None = None) -> tuple[Axes, Axes]:
-        """Plot the residual before and after over what it depends on, and friction over the motor velocity.
+    _grid = 1, 2
+    _size = 9.0, 4.2
 
-        Args:
-            axes: where to draw; by default a new figure of two.
-
-        Raises:
-            InputError: matplotlib is not installed.
-        """
-        left, right = new_axes(1, 2, (9.0, 4.2)) if axes is None else axes
-        plot_report(self.data, left, right)
-        return left, right
+    def _draw(self, axes: list[Any]) -> None:
+        """The residual before and after over what it depends on, and friction over the motor velocity."""
+        plot_report(self.data, *axes)
 
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write the report, one HTML file that opens offline; return its path.
@@ -284,8 +284,8 @@ class DiagnosisResult(Result):
 
 
 def _row(p: Parameter) -> tuple[Any, ...]:
-    error, (low, high) = None if p.widened else p.std_error, p.interval or (None, None)
-    return (p.name, p.value, error, low, high, p.unit, p.origin)
+    low, high = p.interval or (None, None)
+    return (p.name, p.value, p.std_error, low, high, p.unit, p.bound, p.origin)
 
 
 def _described(own: Iterable[str], emitted: Iterable[str], model: str) -> tuple[tuple[str, str], ...]:

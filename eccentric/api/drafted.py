@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, read_logs
+from eccentric.api.result import ResultBase, fastest
+from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, MissingValueError, counted, few, whole_file
 from eccentric.drafting import (
     Draft,
@@ -23,11 +25,13 @@ from eccentric.drafting import (
     toml_of,
     upright,
 )
+from eccentric.emission import inertial_loss, read_parameters, with_fitted
+from eccentric.identification import Fit
 from eccentric.identification import fit as fit_channels
 from eccentric.joints import fit_arm as fit_joints
 from eccentric.logs import Log, log_names
 from eccentric.model import load_model, with_numbers
-from eccentric.presentation import arm_fit_lines, fit_sentence
+from eccentric.presentation import arm_fit_lines, fit_document, fit_sentence, loss_sentence
 from eccentric.rigs import (
     Complaint,
     Rig,
@@ -49,8 +53,8 @@ from eccentric.signals import (
 )
 
 
-@dataclass(frozen=True)
-class RigDraft:
+@dataclass(frozen=True, repr=False)
+class RigDraft(ResultBase):
     """A drafted rig.
 
     Attributes:
@@ -71,6 +75,13 @@ class RigDraft:
         """The letters that have to be typed for a fit."""
         return tuple(e.key for e in self.questions if e.needed)
 
+    @property
+    def needed_to_diagnose(self) -> tuple[str, ...]:
+        """The letters that a diagnosis requires besides, where voltage and current are mapped."""
+        if not {"voltage", "current"} <= {p.channel for p in self.proposals}:
+            return ()
+        return tuple(e.key for e in self.questions if e.key in ("R", "k_e") and not e.needed)
+
     def summary(self) -> str:
         """The channels with unit and confidence, the doubts and the questions, for a terminal."""
         width = max(len(p.channel) for p in self.proposals)
@@ -80,7 +91,17 @@ class RigDraft:
         ]
         rows += [f"  left out: {columns}, {why}" for columns, why in folded(self.left_out)]
         rows += [f"check: {doubt}" for doubt in self.doubts]
-        return "\n".join([*rows, f"still to fill in: {', '.join(self.needed) or 'nothing'}"])
+        more = f"; to diagnose also {', '.join(self.needed_to_diagnose)}" if self.needed_to_diagnose else ""
+        return "\n".join([*rows, f"still to fill in: {', '.join(self.needed) or 'nothing'}{more}"])
+
+    def table(self) -> ResultTable:
+        """A row for each channel: column, unit, confidence from 0 to 1, and what it could be besides."""
+        names = ("channel", "column", "unit", "confidence", "doubt")
+        rows = ((p.channel, p.column, p.unit, p.confidence, p.doubt) for p in self.proposals)
+        return ResultTable(names, tuple(rows))
+
+    def __repr__(self) -> str:
+        return f"<RigDraft: {counted(len(self.proposals), 'channel')}, {counted(len(self.doubts), 'doubt')}>"
 
     def write(self, out: str | os.PathLike[str]) -> Path:
         """Write the rig file. InputError if there is one already: a draft replaces nobody's work."""
@@ -94,8 +115,8 @@ class RigDraft:
         return path
 
 
-@dataclass(frozen=True)
-class RigCheck:
+@dataclass(frozen=True, repr=False)
+class RigCheck(ResultBase):
     """What is wrong with a rig file for a log, and what the log will determine.
 
     Attributes:
@@ -121,6 +142,21 @@ class RigCheck:
             else "no problems found"
         )
         return "\n".join([f"{found}; the log determines:", *(f"  {line}" for line in self.estimated)])
+
+    def table(self) -> ResultTable:
+        """A row for each line: its kind, complaint, doubt, warning or estimated, and its text."""
+        kinds = {
+            "complaint": self.complaints,
+            "doubt": self.doubts,
+            "warning": self.warnings,
+            "estimated": self.estimated,
+        }
+        return ResultTable(("kind", "text"), tuple((kind, x) for kind, texts in kinds.items() for x in texts))
+
+    def __repr__(self) -> str:
+        return (
+            f"<RigCheck: {counted(len(self.complaints), 'complaint')}, {counted(len(self.doubts), 'doubt')}>"
+        )
 
 
 def _says_more(proposal: Proposal) -> bool:
@@ -308,7 +344,7 @@ def _tried(
         beside = beside_the_rig(channels, tried)
         determined = *_determined(fit, tried, channels.motor.measured_by), *map(_beside, beside)
         warnings = (*fit.warnings, *_of_the_diagnosis(channels, tried))
-        doubts = *_doubted(beside, channels, tried), *_too_long(fit, tried)
+        doubts = *_doubted(beside, channels, tried), *_too_long(fit, tried), *_unsolvable(fit, tried)
         return RigCheck((), determined, warnings, doubts)
     return RigCheck(tuple(missing), (), ())
 
@@ -356,6 +392,15 @@ def _too_long(fit: Any, rig: Rig) -> Iterator[str]:
             f"{rig.path}: C_lN is {e.value:.3g} m by the log ({low:.3g} to {high:.3g}), longer than the link"
             f" of {arm:.3g} m, and it acts at a radius of the bearing: check mu, M and M_l"
         )
+
+
+def _unsolvable(fit: Fit, rig: Rig) -> Iterator[str]:
+    """Friction that takes more of an acceleration than the inertia, by the values of the fit."""
+    document = fit_document(fit, [])
+    model = with_fitted(fit.problem.model, read_parameters(document), fit.problem.model.name)
+    loss = inertial_loss(model, *fastest(document))
+    if loss is not None and not loss.solvable:
+        yield f"{rig.path}: {loss_sentence(loss, rig.axis)}"
 
 
 def _beside(ratio: Ratio) -> str:

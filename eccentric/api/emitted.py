@@ -11,7 +11,7 @@ from typing import Any
 from eccentric.api.adapted import asked_adaptation
 from eccentric.api.fitted import FitResult
 from eccentric.api.inputs import ModelSource, arm_of, is_arm, model_of, origin_of
-from eccentric.api.result import require_fit, write_emitted
+from eccentric.api.result import fastest, require_fit, write_emitted
 from eccentric.core import InputError, given_path, refuse_other_files
 from eccentric.emission import (
     WHOLE,
@@ -21,8 +21,12 @@ from eccentric.emission import (
     document_of,
     joints_of,
     read_parameters,
+    require_solvable,
     with_fitted,
 )
+
+STEPPED = frozenset({"friction_step", "acceleration"})
+"""Functions that have no single result where friction takes more of an acceleration than the inertia."""
 
 
 def emit(
@@ -69,7 +73,8 @@ def emit(
     Raises:
         InputError: there is no such model, target or function, or it cannot be emitted; the parameters are
             those of another model or of a log that does not fit its rig, or have an invalid sign; the prefix
-            is not a free name in C and Python; the folder cannot be written.
+            is not a free name in C and Python; the folder cannot be written; friction follows the
+            acceleration by more than the inertia, so that `friction_step` would have no single solution.
     """
     if isinstance(functions, str):
         raise InputError("functions", "a list of names", f"{functions!r}")
@@ -91,6 +96,8 @@ def emit(
         *((loaded.name, f"model {loaded.name}: its name") if prefix is None else (prefix, "prefix"))
     )
     chosen = replace(loaded, name=name) if fitted is None else with_fitted(loaded, fitted, name)
+    if not joints_of(chosen) and (not functions or STEPPED & set(functions)):
+        require_solvable(chosen, *fastest(given))
     if beside and choice != WHOLE:
         raise InputError(
             beside[0],

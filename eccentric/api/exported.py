@@ -10,17 +10,18 @@ from typing import Any
 
 from eccentric.api.fitted import FitResult
 from eccentric.api.inputs import ModelSource, is_arm, model_of, origin_of
-from eccentric.api.result import require_fit
-from eccentric.core import InputError, given_path, refuse_other_files, whole_folder
-from eccentric.emission import checked_name, document_of, read_parameters, with_fitted
+from eccentric.api.result import ResultBase, require_fit
+from eccentric.api.tables import ResultTable
+from eccentric.core import InputError, counted, given_path, refuse_other_files, whole_folder
+from eccentric.emission import checked_name, document_of, read_parameters, require_solvable, with_fitted
 from eccentric.exports import DEFAULT_SPEEDS, ExportedDrive
 from eccentric.exports import export as exported
 from eccentric.model import model_names
 from eccentric.presentation import export_lines
 
 
-@dataclass(frozen=True)
-class ExportResult:
+@dataclass(frozen=True, repr=False)
+class ExportResult(ResultBase):
     """What an export wrote, and how close it is.
 
     Attributes:
@@ -31,8 +32,16 @@ class ExportResult:
     paths: tuple[Path, ...]
     lines: tuple[str, ...]
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """What the command prints."""
         return "\n".join(self.lines)
+
+    def table(self) -> ResultTable:
+        """A row for each file: its path and size in bytes."""
+        return ResultTable(("file", "bytes"), tuple((p.as_posix(), p.stat().st_size) for p in self.paths))
+
+    def __repr__(self) -> str:
+        return f"<ExportResult: {counted(len(self.paths), 'file')}>"
 
 
 def export(
@@ -60,8 +69,8 @@ def export(
 
     Raises:
         InputError: there is no such model or target; the target cannot take the drive, an arm or a carriage;
-            an inertia is not known; the parameters are those of another model or of a log that does not fit
-            its rig; the folder cannot be written.
+            an inertia is not known, or friction follows the acceleration by more than it; the parameters are
+            those of another model or of a log that does not fit its rig; the folder cannot be written.
     """
     model, given = _model_and_values(source, parameters)
     if isinstance(model, str | os.PathLike):
@@ -81,6 +90,7 @@ def export(
         chosen, identified = with_fitted(chosen, fitted, name), _speeds_in(given)
     chosen_speeds = tuple(map(float, speeds if speeds is not None else identified or DEFAULT_SPEEDS))
     drive = ExportedDrive(chosen, origin_of(model), chosen_speeds, speeds is None and identified is not None)
+    require_solvable(chosen, chosen_speeds[1])
     found = exported(drive, to)
     with whole_folder(out, f"export {name} {to}") as folder:
         for file, content in found.files.items():

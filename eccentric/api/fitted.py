@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from eccentric.api.inputs import (
     LogSources,
@@ -16,7 +16,8 @@ from eccentric.api.inputs import (
     origin_of,
     sources_of,
 )
-from eccentric.api.result import Correlation, Result, ResultTable, new_axes
+from eccentric.api.result import Result, fitted_model
+from eccentric.api.tables import ResultTable, estimate_table
 from eccentric.emission import read_parameters, with_fitted
 from eccentric.identification import Estimate
 from eccentric.identification import fit as fit_channels
@@ -34,12 +35,6 @@ from eccentric.presentation import (
 from eccentric.rigs import read_rig
 from eccentric.signals import FIT_POINTS, read_channels, read_long
 from eccentric.simulation import draws_of_fit, refine
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-_SIZE = 9.0, 4.2
 
 
 def fit(
@@ -82,6 +77,7 @@ def fit(
         found = refined.fit
     estimates = axis.estimates({**found.coefficients, **found.searched})
     document = fit_document(found, names)
+    values = read_parameters(document).values
     if refined is not None:
         document |= {"simulated": refined_document(refined)}
     return FitResult(
@@ -90,9 +86,9 @@ def fit(
         origin=origin_of(chosen),
         estimates=estimates,
         combinations=axis.estimates(found.combinations),
-        correlation=Correlation.of(list(estimates), found.spread.matrix),
-        draws=draws_of_fit(found, read_parameters(document).values),
-        rmse=found.rmse,
+        fitted={"paper": fitted_model(found, axis, values)},
+        draws=draws_of_fit(found, values),
+        rmse={"mechanical": dict(found.rmse)},
         r_squared=found.r_squared,
         unit=axis.unit(found.problem.unit),
         improvement=found.percent,
@@ -111,31 +107,29 @@ class FitResult(Result):
     Attributes:
         base: the model that was fitted, with its own defaults; `model` is the fitted one.
         combinations: name -> Estimate, of what the log shows only in combination.
-        rmse: error on the held-out rows in `unit`, by model: "paper" (the fitted one), "linear" (Coulomb and
-            viscous friction), "paper_unbounded".
+        rmse: balance ("mechanical") -> model -> error on the held-out rows in `unit`; models are "paper" (the
+            fitted one), "linear" (Coulomb and viscous friction) and "paper_unbounded".
         r_squared: of the drive signal on the held-out rows, by model.
         unit: "N m"; "V" or "A" if the log does not determine a torque.
         improvement: reduction of the held-out error from that of Coulomb and viscous friction, in percent,
             with its 95 % interval `improvement_interval`.
         comparison: measured and predicted friction on the held-out rows.
-        model, origin, estimates, correlation, lines, warnings, document: as in Result; the remark of each
+        model, origin, estimates, lines, warnings, document, fitted: as in Result; the remark of each
             parameter of the model has its interval, and the document is the content of fit.json, which
             `eccentric emit --parameters` takes.
     """
 
     base: Model
     combinations: Mapping[str, Estimate]
-    rmse: Mapping[str, float]
+    rmse: Mapping[str, Mapping[str, float]]
     r_squared: Mapping[str, float]
     unit: str
     improvement: float
     improvement_interval: tuple[float, float]
     comparison: Comparison
 
-    @property
-    def parameters(self) -> dict[str, float]:
-        """All parameters of the fitted model by the paper's letters, in SI."""
-        return {self.base.axis.named(x): value for x, value in read_parameters(self.document).values.items()}
+    _grid = 1, 2
+    _size = 9.0, 4.2
 
     @property
     def sentence(self) -> str:
@@ -143,22 +137,15 @@ class FitResult(Result):
         return self.lines[-1]
 
     def table(self) -> ResultTable:
-        """The estimates: value, standard error, 95 % interval, unit, and the active bound, if any."""
-        names = ("name", "value", "std_error", "lower", "upper", "unit", "bound")
-        return ResultTable(names, tuple(_row(name, e) for name, e in self.estimates.items()))
+        """The estimates: value, standard error, 95 % interval, unit, and the active bound, "" without one.
 
-    def plot(self, axes: tuple[Axes, Axes] | None = None) -> tuple[Axes, Axes]:
-        """Plot measured against predicted friction, and both over the speed, on the held-out rows.
-
-        Args:
-            axes: where to draw; by default a new figure of two.
-
-        Raises:
-            InputError: matplotlib is not installed.
+        The standard error takes a value at a bound as that bound; the interval does not.
         """
-        left, right = new_axes(1, 2, _SIZE) if axes is None else axes
-        plot_fit(self.comparison, left, right)
-        return left, right
+        return estimate_table(self.estimates)
+
+    def _draw(self, axes: list[Any]) -> None:
+        """Measured against predicted friction, and both over the speed, on the held-out rows."""
+        plot_fit(self.comparison, *axes)
 
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write what the command `eccentric fit` writes: fit.json and, with matplotlib, fit.png and fit.svg.
@@ -166,17 +153,11 @@ class FitResult(Result):
         Raises:
             InputError: the folder cannot be written.
         """
-        return self._write(
-            out, "fit", _SIZE, lambda figure: plot_fit(self.comparison, *figure.subplots(1, 2))
-        )
+        return self._write(out, "fit")
 
     def __repr__(self) -> str:
-        errors = ", ".join(f"{name} {self.rmse[name]:.4g}" for name in ("linear", "paper"))
+        errors = ", ".join(f"{name} {self.rmse['mechanical'][name]:.4g}" for name in ("linear", "paper"))
         return f"<FitResult: {self.base.name}, held-out RMSE [{self.unit}] {errors}>"
 
     def _repr_html_(self) -> str:
         return self._html(self.table(), before=self.lines[0], after=self.sentence)
-
-
-def _row(name: str, e: Estimate) -> tuple[Any, ...]:
-    return (name, e.value, None if e.widened else e.std_error, *e.interval, e.unit, e.bound_active)

@@ -10,10 +10,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 from eccentric.api.diagnosed import DiagnosisResult, diagnose
-from eccentric.api.result import Printed, ResultTable
+from eccentric.api.result import Printed
+from eccentric.api.tables import ResultTable
 from eccentric.core import (
     InputError,
     counted,
@@ -159,6 +161,20 @@ class FleetResult(Printed):
             for d in self.drifting
         )
         return ResultTable(names, tuple(rows))
+
+    _grid = 1, 1
+
+    @property
+    def _size(self) -> tuple[float, float]:
+        return 8.0, 1.5 + 0.4 * len(self.drifting)
+
+    def _draw(self, axes: list[Any]) -> None:
+        """The joints that changed, each by its error after the change over that before."""
+        ax, shown = axes[0], [d for d in self.drifting if d.before]
+        ax.barh([d.joint for d in shown], [(d.after or 0.0) / d.before for d in shown], color="#0072b2")
+        ax.axvline(1.0, color="black", linestyle=":")
+        ax.invert_yaxis()
+        ax.set_xlabel("error after / before")
 
 
 def _lines(found: FleetFound) -> list[str]:

@@ -6,18 +6,24 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from eccentric.api.diagnosed import DiagnosisResult, result_of
-from eccentric.api.inputs import LogSources, names_given, sources_of
-from eccentric.api.result import Printed, ResultTable, new_axes
+from eccentric.api.inputs import LogSources, names_given, read_logs, sources_of
+from eccentric.api.result import FittedModel, Printed, fitted_model
+from eccentric.api.tables import LabelledMatrix, ResultTable
 from eccentric.core import InputError, given_path, whole_folder
 from eccentric.diagnosis import SearchRequest
 from eccentric.emission import complete, write
-from eccentric.joints import ArmDiagnosis, ArmFit, JointFit, extended_arm
+from eccentric.identification import Refit
+from eccentric.joints import ArmDiagnosis, ArmFit, JointFit, extended_arm, predicted
 from eccentric.joints import diagnose_arm as diagnose_logs
 from eccentric.joints import fit_arm as fit_logs
 from eccentric.logs import log_names
+from eccentric.model import TURNING
 from eccentric.presentation import (
     arm_command,
     arm_diagnosis_document,
@@ -29,10 +35,6 @@ from eccentric.presentation import (
 )
 from eccentric.rigs import ArmRig, read_arm_rig
 from eccentric.signals import FIT_POINTS, read_long_joints
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 ArmRigSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | ArmRig
 _BEFORE, _AFTER = "#8a8a8a", "#0072b2"
@@ -65,6 +67,7 @@ def fit_arm(
         lines=tuple(arm_fit_lines(found)),
         warnings=found.warnings,
         document=arm_fit_document(found),
+        fitted=_models({joint.number: joint.followed for joint in found.joints}),
     )
 
 
@@ -100,11 +103,60 @@ def diagnose_arm(
         lines=tuple(arm_diagnosis_lines(found)),
         warnings=found.warnings,
         document=arm_diagnosis_document(found),
+        fitted=_models({joint.number: joint.found.models.extended for joint in found.joints}),
     )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ArmFitResult(Printed):
+class ArmResult(Printed):
+    """What the results of an arm have in common: members by joint, "joint_1" and so on.
+
+    `parameters` has a mapping for each joint; in `covariance` and `correlation` an estimate is named with its
+    joint, "B_m@1", and NaN stands between two joints, which are estimated from different balances.
+    """
+
+    _grid = 1, 1
+
+    @property
+    def parameters(self) -> dict[str, dict[str, float]]:
+        """Joint -> every parameter of its fitted model by the paper's letters, in SI."""
+        return {name: dict(model.parameters) for name, model in self.fitted.items()}
+
+    @property
+    def covariance(self) -> LabelledMatrix:
+        """Covariance (n, n) of the errors of the estimates of all joints, by name and joint; NaN between."""
+        blocks = {name.removeprefix("joint_"): model.covariance for name, model in self.fitted.items()}
+        names = [f"{one}@{joint}" for joint, block in blocks.items() for one in block.names]
+        matrix, first = np.full((len(names), len(names)), np.nan), 0
+        for block in blocks.values():
+            last = first + len(block.names)
+            matrix[first:last, first:last] = block.matrix
+            first = last
+        return LabelledMatrix(names, matrix)
+
+    @property
+    def rmse(self) -> dict[str, dict[str, float]]:
+        """Joint -> model -> error on the held-out rows, in the unit of the joint's row in `table`."""
+        raise NotImplementedError
+
+    @property
+    def _size(self) -> tuple[float, float]:
+        return 2.5 + 1.1 * len(self.rmse), 3.6
+
+    def _draw_bars(self, ax: Any, scales: Sequence[float], labels: Mapping[str, str]) -> None:
+        """Draw the held-out error of each joint over a scale of its own, a bar for each model in `labels`."""
+        places = np.arange(len(scales))
+        for shift, color, (name, label) in zip((-0.2, 0.2), (_BEFORE, _AFTER), labels.items(), strict=True):
+            sizes = [
+                100.0 * rmse[name] / scale for rmse, scale in zip(self.rmse.values(), scales, strict=True)
+            ]
+            ax.bar(places + shift, sizes, 0.38, color=color, label=label)
+        ax.set_xticks(list(places), [name.replace("_", " ") for name in self.rmse])
+        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ArmFitResult(ArmResult):
     """The friction of every joint of an arm. It prints as `summary()` and shows as a table in a notebook.
 
     Attributes:
@@ -119,6 +171,11 @@ class ArmFitResult(Printed):
         """Whether the log can be of this arm, in these units."""
         return self.fit.fits_the_rig
 
+    @property
+    def rmse(self) -> dict[str, dict[str, float]]:
+        """Joint -> model ("linear", "followed", "every") -> held-out error, in the joint's unit."""
+        return {f"joint_{joint.number}": dict(joint.rmse) for joint in self.fit.joints}
+
     def table(self) -> ResultTable:
         """A row for each joint: what its friction follows, held-out errors, gain with its 95 % interval."""
         names = ("joint", "name", "follows", "linear", "followed", "percent", "lower", "upper", "unit")
@@ -128,25 +185,43 @@ class ArmFitResult(Printed):
         )
         return ResultTable(names, tuple(rows))
 
-    def plot(self, axes: Axes | None = None) -> Axes:
-        """Plot the held-out error of each joint before and after, over the RMS of its drive.
+    def _draw(self, axes: list[Any]) -> None:
+        """The held-out error of each joint before and after, over the RMS of its drive."""
+        labels = {"linear": "Coulomb + viscous", "followed": "with the loads that it follows"}
+        self._draw_bars(axes[0], [joint.torque_rms for joint in self.fit.joints], labels)
+        axes[0].set_ylabel("held-out RMSE [% of the drive's RMS]")
+
+    def predict(
+        self, logs: LogSources, rig: ArmRigSource | None = None, model: str | None = None
+    ) -> dict[str, NDArray[np.float64]]:
+        """Joint -> predicted drive (m,) on its moving rows of logs of the arm, in the unit of its errors.
+
+        Args:
+            logs: as `fit_arm` takes them.
+            rig: of these logs; by default that of the fit.
+            model: of `parameters`, one joint alone; by default all of them.
 
         Raises:
-            InputError: matplotlib is not installed.
+            InputError: a log cannot be read or is of another arm; there is no such joint.
         """
-        if axes is None:
-            (axes,) = new_axes(1, 1, self._size)
-        places = range(len(self.fit.joints))
-        for shift, name, color, label in (
-            (-0.2, "linear", _BEFORE, "Coulomb + viscous"),
-            (0.2, "followed", _AFTER, "with the loads that it follows"),
-        ):
-            sizes = [100.0 * joint.rmse[name] / joint.torque_rms for joint in self.fit.joints]
-            axes.bar([place + shift for place in places], sizes, 0.38, color=color, label=label)
-        axes.set_xticks(list(places), [f"joint {joint.number}" for joint in self.fit.joints])
-        axes.set_ylabel("held-out RMSE [% of the drive's RMS]")
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
-        return axes
+        found = self._runs(logs, rig, model)
+        return {name: drive - left for name, (drive, left) in found.items()}
+
+    def residual(
+        self, logs: LogSources, rig: ArmRigSource | None = None, model: str | None = None
+    ) -> dict[str, NDArray[np.float64]]:
+        """Joint -> measured minus predicted drive (m,), with the arguments and errors of `predict`."""
+        return {name: left for name, (_, left) in self._runs(logs, rig, model).items()}
+
+    def _runs(
+        self, logs: LogSources, rig: ArmRigSource | None, model: str | None
+    ) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        if model is not None:
+            self._model(model)
+        fit = self.fit if rig is None else replace(self.fit, log=replace(self.fit.log, rig=read_arm_rig(rig)))
+        runs = predicted(fit, read_logs(logs), ())
+        found = zip(self.fitted, zip(runs.drives, runs.residuals, strict=True), strict=True)
+        return {name: pair for name, pair in found if model in (None, name)}
 
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write fit.json and, with matplotlib, fit.png and fit.svg into a folder of their own.
@@ -154,11 +229,7 @@ class ArmFitResult(Printed):
         Raises:
             InputError: the folder cannot be written.
         """
-        return self._write(out, "fit", self._size, lambda figure: self.plot(figure.subplots()))
-
-    @property
-    def _size(self) -> tuple[float, float]:
-        return 2.5 + 1.1 * len(self.fit.joints), 3.6
+        return self._write(out, "fit")
 
     def __repr__(self) -> str:
         return f"<ArmFitResult: {len(self.fit.joints)} joints of {self.fit.log.rig.chain.name}>"
@@ -167,12 +238,18 @@ class ArmFitResult(Printed):
         return self._html(self.table(), after=self.lines[-1])
 
 
+def _models(joints: Mapping[int, Refit]) -> dict[str, FittedModel]:
+    """The fitted models of the joints; one of them alone predicts nothing, since the others load it."""
+    found = ((f"joint_{number}", fitted_model(fit, TURNING)) for number, fit in joints.items())
+    return {name: replace(model, drive=None) for name, model in found}
+
+
 def _errors(joint: JointFit) -> tuple[float, float]:
     return joint.rmse["linear"], joint.rmse["followed"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ArmDiagnosisResult(Printed):
+class ArmDiagnosisResult(ArmResult):
     """What the joints of an arm lack. It prints as `summary()` and shows as a table in a notebook.
 
     Attributes:
@@ -203,6 +280,18 @@ class ArmDiagnosisResult(Printed):
     def fits_the_rig(self) -> bool:
         """Whether the log can be of this arm, in these units."""
         return self.diagnosis.fits_the_rig
+
+    @property
+    def rmse(self) -> dict[str, dict[str, float]]:
+        """Joint -> model ("linear", "paper", "extended") -> held-out error of its balance, in its unit."""
+        errors = ((joint.number, joint.found.score.rmse["mechanical"]) for joint in self.diagnosis.joints)
+        return {f"joint_{number}": dict(rmse) for number, rmse in errors}
+
+    def _draw(self, axes: list[Any]) -> None:
+        """The held-out error of each joint before and after, over that of Coulomb + viscous friction."""
+        labels = {"paper": "the loads that it follows", "extended": "named effects"}
+        self._draw_bars(axes[0], [rmse["linear"] for rmse in self.rmse.values()], labels)
+        axes[0].set_ylabel("held-out RMSE [% of Coulomb + viscous]")
 
     def table(self) -> ResultTable:
         """A row for each joint: verdict, leading effect, its gain, held-out errors of the three models."""

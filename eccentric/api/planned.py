@@ -6,12 +6,13 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, sources_of
 from eccentric.api.result import Printed
+from eccentric.api.tables import ResultTable
 from eccentric.diagnosis import diagnose
 from eccentric.emission import template
 from eccentric.model import Model, load_model
@@ -29,10 +30,6 @@ from eccentric.planning import (
 from eccentric.presentation import plan_document, plan_lines
 from eccentric.rigs import read_mass, read_rig
 from eccentric.signals import read_long
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 REFERENCE = "reference"
 
@@ -115,25 +112,24 @@ class PlanResult(Printed):
         }
         return {self.plan.axis.named(name): values for name, values in columns.items()}
 
+    _grid = 4, 1
+    _size = 8.0, 7.0
+
+    def table(self) -> ResultTable:
+        """The candidates that the log left open, most probable first, each with its probability now."""
+        names = ("family", "probability")
+        return ResultTable(names, tuple((rival.family, rival.chance) for rival in self.plan.rivals))
+
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write plan.json, reference.csv, reference.h and, with matplotlib, plan.png and plan.svg.
 
         Raises:
             InputError: the folder cannot be written.
         """
-        return self._write(
-            out,
-            "plan",
-            (8.0, 7.0),
-            self.draw,
-            {
-                f"{REFERENCE}.csv": self._csv(),
-                f"{REFERENCE}.h": self._header(),
-            },
-        )
+        return self._write(out, "plan", {f"{REFERENCE}.csv": self._csv(), f"{REFERENCE}.h": self._header()})
 
-    def draw(self, figure: Figure) -> None:
-        """Draw angle, speed, acceleration and current over time, each with its limits."""
+    def _draw(self, axes: list[Any]) -> None:
+        """Angle, speed, acceleration and current over time, each with its limits."""
         motion, bounds, axis = self.plan.motion, self.plan.bounds, self.plan.axis
         rows = (
             (f"{axis.term('angle')} [{axis.unit('rad')}]", motion.theta, bounds.angle),
@@ -145,20 +141,20 @@ class PlanResult(Printed):
             ),
             ("{} [{}]".format(*self.plan.strength), self.plan.current, (-bounds.current, bounds.current)),
         )
-        for axes, (name, values, limits) in zip(figure.subplots(4, 1, sharex=True), rows, strict=True):
-            axes.plot(motion.t, values, color="#0072b2", linewidth=1.0)
+        for ax, (name, values, limits) in zip(axes, rows, strict=False):
+            ax.plot(motion.t, values, color="#0072b2", linewidth=1.0)
             # A limit far off would flatten the motion.
             near = [x for x in limits or () if abs(x) < 2.0 * np.max(np.abs(values))]
             for limit in near:
-                axes.axhline(limit, color="#d55e00", linestyle="--", linewidth=1.0)
+                ax.axhline(limit, color="#d55e00", linestyle="--", linewidth=1.0)
             if limits and not near:
-                axes.set_title(f"limits {limits[0]:.4g} to {limits[1]:.4g}", loc="right", fontsize="small")
-            axes.set_ylabel(name)
-            axes.margins(x=0.0)
+                ax.set_title(f"limits {limits[0]:.4g} to {limits[1]:.4g}", loc="right", fontsize="small")
+            ax.set_ylabel(name)
+            ax.margins(x=0.0)
         title = f"planned motion{self.plan.axis.term(' (motor side)')}, limits dashed"
         title += f", with {self.plan.added:g} kg added" if self.plan.added else ""
-        figure.axes[0].set_title(title, loc="left", fontsize="medium")
-        figure.axes[-1].set_xlabel("time [s]")
+        axes[0].set_title(title, loc="left", fontsize="medium")
+        axes[-1].set_xlabel("time [s]")
 
     def _csv(self) -> str:
         columns = self.reference

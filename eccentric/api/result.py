@@ -1,22 +1,23 @@
-"""What the results of a fit and of a diagnosis have in common: a fitted model, its estimates, and words."""
+"""What results have in common: members, a fitted model with its estimates, and words."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
-import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.api.inputs import LogSources, RigSource, read_logs
+from eccentric.api.tables import Correlation, LabelledMatrix, ResultTable
 from eccentric.core import InputError, whole_folder
 from eccentric.emission import (
     BACKENDS,
@@ -33,15 +34,15 @@ from eccentric.emission import (
     render_compensation,
     write,
 )
-from eccentric.identification import Estimate, correlation
-from eccentric.logs import Log
-from eccentric.model import Model
+from eccentric.identification import Estimate, Fit, Refit
+from eccentric.model import AxisKind, Model
 from eccentric.presentation import NEEDS_MATPLOTLIB
-from eccentric.simulation import Draws
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
+from eccentric.simulation import Draws, FittedDrive, Predicted, fitted_drive
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
 # The emitted files of a model, written atomically.
@@ -102,159 +103,188 @@ def require_fit(fits_the_rig: bool, source: str, accept_misfit: bool) -> None:
         )
 
 
-# Tables of results: for a terminal, a notebook, and any other library.
+def fastest(fit: Mapping[str, Any] | None) -> tuple[float, ...]:
+    """The highest motor speed [rad/s] of the content of a fit; nothing without one."""
+    ranges = (fit or {}).get("ranges")
+    speeds = ranges.get("speed_m_rad_s") if isinstance(ranges, Mapping) else None
+    return (float(speeds[1]),) if isinstance(speeds, list | tuple) and len(speeds) == 2 else ()
 
 
-@dataclass(frozen=True)
-class ResultTable:
-    """A small table of results.
-
-    `table["value"]` is a column, `table[0]` a row, `table[:3]` a table of the first three; iterating gives
-    the rows as dictionaries, so that `list(table)` is plain data, and `pandas.DataFrame(list(table))` a data
-    frame. None means unknown.
-
-    Attributes:
-        names: of the columns.
-        rows: their values, one tuple for each row.
-    """
-
-    names: tuple[str, ...]
-    rows: tuple[tuple[Any, ...], ...]
-
-    def __len__(self) -> int:
-        return len(self.rows)
-
-    def __iter__(self) -> Iterator[dict[str, Any]]:
-        return (dict(zip(self.names, row, strict=True)) for row in self.rows)
-
-    @overload
-    def __getitem__(self, name: str) -> list[Any]: ...
-    @overload
-    def __getitem__(self, name: int) -> dict[str, Any]: ...
-    @overload
-    def __getitem__(self, name: slice) -> ResultTable: ...
-    def __getitem__(self, name: str | int | slice) -> list[Any] | dict[str, Any] | ResultTable:
-        if isinstance(name, slice):
-            return ResultTable(self.names, self.rows[name])
-        if isinstance(name, int):
-            return dict(zip(self.names, self.rows[name], strict=True))
-        if name not in self.names:
-            raise KeyError(f"{name!r}; the columns are {', '.join(self.names)}")
-        place = self.names.index(name)
-        return [row[place] for row in self.rows]
-
-    def __str__(self) -> str:
-        return _text(self.names, self._cells(), [self._is_number(k) for k in range(len(self.names))])
-
-    __repr__ = __str__
-
-    def _repr_html_(self) -> str:
-        return _html(self.names, self._cells())
-
-    def _cells(self) -> list[tuple[str, ...]]:
-        return [tuple(map(_cell, row)) for row in self.rows]
-
-    def _is_number(self, column: int) -> bool:
-        return all(row[column] is None or isinstance(row[column], int | float) for row in self.rows)
+# What every result offers.
 
 
 @dataclass(frozen=True, eq=False)
-class Correlation:
-    """Correlation of the errors of estimates: `correlation["B_m", "C_m"]`, from -1 to 1.
-
-    NaN if an estimate has no standard error: it is at a bound, or the log says nothing about it.
+class FittedModel:
+    """A fitted model inside a result: values, the covariance of its estimates, and the drive that predicts.
 
     Attributes:
-        names: of the estimates, in the order of both axes.
-        matrix: (n, n).
+        parameters: every parameter by the paper's letters, in SI.
+        covariance: of the errors of the estimates, by name, in products of their units.
+        drive: predicts a log; None for one joint of an arm, which the others load.
     """
 
-    names: tuple[str, ...]
-    matrix: NDArray[np.float64]
+    parameters: Mapping[str, float]
+    covariance: LabelledMatrix
+    drive: FittedDrive | None
 
-    @classmethod
-    def of(cls, names: Sequence[str], covariance: NDArray[np.float64]) -> Correlation:
-        """The correlation of estimates with this covariance (n, n)."""
-        return cls(tuple(names), correlation(covariance))
 
-    def __getitem__(self, pair: tuple[str, str]) -> float:
-        for name in pair:
-            if name not in self.names:
-                raise KeyError(f"{name!r}; the estimates are {', '.join(self.names)}")
-        row, column = (self.names.index(name) for name in pair)
-        return float(self.matrix[row, column])
+def fitted_model(
+    found: Fit | Refit, axis: AxisKind, parameters: Mapping[str, float] | None = None
+) -> FittedModel:
+    """The fitted model of a fit; `parameters` are those that a `Fit` is emitted with."""
+    if isinstance(found, Refit):
+        values, names, covariance = found.values, found.estimates, found.covariance
+    else:
+        values, covariance = parameters or {}, found.spread.matrix
+        names = (*found.coefficients, *found.searched)
+    return FittedModel(
+        {axis.named(name): float(x) for name, x in values.items()},
+        LabelledMatrix([axis.named(name) for name in names], covariance),
+        fitted_drive(found, parameters),
+    )
+
+
+class ResultBase:
+    """The members of every result, whether of a fit, a draft or a fleet.
+
+    `summary()` and `str` are the text of a terminal, `table()` a small table, `plot(ax)` a figure. A result
+    with fitted models also has their `parameters`, `covariance`, `correlation`, `predict` and `residual`;
+    where nothing is fitted, these are empty, and `predict` and `residual` raise InputError.
+    """
+
+    _grid: tuple[int, int] = (0, 0)
+    """Rows and columns of the axes of the whole figure; none without a figure."""
+    _size: tuple[float, float] = (8.0, 4.2)
+    """Of the figure [inch]."""
+
+    def summary(self) -> str:
+        """The result as lines of text."""
+        raise NotImplementedError
 
     def table(self) -> ResultTable:
-        """The matrix, a row and a column for each estimate."""
-        rows = (
-            (name, *(None if math.isnan(x) else float(x) for x in row))
-            for name, row in zip(self.names, self.matrix, strict=True)
-        )
-        return ResultTable(("", *self.names), tuple(rows))
+        """The result as a table; NaN where there is no number."""
+        raise NotImplementedError
+
+    def _models(self) -> Mapping[str, FittedModel]:
+        """The fitted models by name, the result's own first."""
+        return {}
+
+    def _model(self, name: str | None) -> FittedModel:
+        models = self._models()
+        if not models:
+            raise InputError(type(self).__name__, "the result of a fit or a diagnosis", "one without a model")
+        if name is not None and name not in models:
+            raise InputError("model", f"one of {', '.join(models)}", f"{name!r}")
+        return models[next(iter(models)) if name is None else name]
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Every parameter of the fitted model by the paper's letters, in SI; empty without one."""
+        return dict(self._model(None).parameters) if self._models() else {}
+
+    @property
+    def covariance(self) -> LabelledMatrix:
+        """Covariance (n, n) of the errors of the n estimates, by name; 0 for one that is at a bound.
+
+        In products of the units of `table()`.
+        """
+        return self._model(None).covariance if self._models() else LabelledMatrix((), np.empty((0, 0)))
+
+    @property
+    def correlation(self) -> Correlation:
+        """Correlation (n, n) of the errors of the n estimates, by name; NaN for one that is at a bound."""
+        return Correlation.of(self.covariance.names, self.covariance.matrix)
+
+    def prediction(
+        self, logs: LogSources, rig: RigSource | None = None, model: str | None = None
+    ) -> ResultTable:
+        """The drive of logs as the fitted model predicts it, a row for each row that errors are taken on.
+
+        Args:
+            logs: one log or a list of them, as `fit` takes them: of the fit, or others of the same rig.
+            rig: of these logs, as `fit` takes it; by default that of the fit.
+            model: name of a model of the result, where it has several; by default the first of its table.
+
+        Returns:
+            Columns (m,): `time` [s]; `measured`, `predicted` and `residual`, their difference, in the unit of
+            the result's errors: the drive torque, of a coast-down that which decelerates it; `held_out`,
+            whether the row is in the held-out part.
+
+        Raises:
+            InputError: nothing was fitted; a log cannot be read, or lacks a signal that the model takes.
+        """
+        found = self._predicted(logs, rig, model)
+        columns = {
+            "time": found.t,
+            "measured": found.measured,
+            "predicted": found.predicted,
+            "residual": found.residual,
+            "held_out": found.held_out,
+        }
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        return ResultTable(tuple(columns), tuple(rows))
+
+    def predict(
+        self, logs: LogSources, rig: RigSource | None = None, model: str | None = None
+    ) -> NDArray[np.float64]:
+        """The predicted drive (m,) of logs: the column of `prediction`, with its arguments and errors."""
+        return self._predicted(logs, rig, model).predicted
+
+    def residual(
+        self, logs: LogSources, rig: RigSource | None = None, model: str | None = None
+    ) -> NDArray[np.float64]:
+        """Measured minus predicted drive (m,): the column of `prediction`, with its arguments and errors."""
+        return self._predicted(logs, rig, model).residual
+
+    def _predicted(self, logs: LogSources, rig: RigSource | None, model: str | None) -> Predicted:
+        drive = self._model(model).drive
+        if drive is None:
+            raise InputError("model", "a drive by itself", "a joint of an arm", why="to predict a log")
+        return drive.along(read_channels(read_logs(logs), drive.rig if rig is None else read_rig(rig)))
+
+    def plot(self, ax: Axes | Sequence[Axes] | None = None) -> Any:
+        """Draw the result; return the axes, one or an array of them.
+
+        Args:
+            ax: where to draw: one Axes, for the first panel, or several, one for each; by default those of a
+                new figure.
+
+        Raises:
+            InputError: matplotlib is not installed, or the result has no figure.
+        """
+        if not all(self._grid):
+            raise InputError(type(self).__name__, "a result with a figure", "one without: see table()")
+        several = ax if isinstance(ax, Sequence | np.ndarray) else [ax]
+        axes = new_axes(*self._grid, self._size) if ax is None else list(np.ravel(several))
+        self._draw(axes)
+        return axes[0] if len(axes) == 1 else np.array(axes, dtype=object)
+
+    def _draw(self, axes: list[Any]) -> None:
+        """Draw as many panels as there are axes."""
+        raise NotImplementedError
 
     def __str__(self) -> str:
-        return _text(("", *self.names), self._cells(), [False, *(True for _ in self.names)])
-
-    __repr__ = __str__
+        return self.summary()
 
     def _repr_html_(self) -> str:
-        return _html(("", *self.names), self._cells())
-
-    def _cells(self) -> list[tuple[str, ...]]:
-        rows = zip(self.names, self.matrix, strict=True)
-        return [(name, *("-" if math.isnan(x) else f"{x:.2f}" for x in row)) for name, row in rows]
-
-
-def ranges_of(log: Log) -> ResultTable:
-    """The columns of a log, each with its lowest and highest value."""
-    columns = ((name, log.numbers(name)) for name in log.columns)
-    return ResultTable(
-        ("column", "lowest", "highest"),
-        tuple((name, float(values.min()), float(values.max())) for name, values in columns),
-    )
-
-
-def _text(names: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[bool]) -> str:
-    """The table for a terminal with aligned columns; those in `right` are right-aligned."""
-    widths = [max(map(len, column)) for column in zip(names, *rows, strict=True)]
-    lines = (
-        "  ".join(x.rjust(w) if r else x.ljust(w) for x, w, r in zip(row, widths, right, strict=True))
-        for row in (names, *rows)
-    )
-    return "\n".join(line.rstrip() for line in lines)
-
-
-def _html(names: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """The table in HTML; names and cells are escaped here."""
-    head = "".join(f"<th>{escape(name)}</th>" for name in names)
-    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
-def _cell(value: object) -> str:
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return "-"
-    if isinstance(value, float):
-        return f"{value:.4g}"
-    return str(value)
-
-
-# What results have in common.
+        return f"<div>{paragraphs(self.summary())}{self.table()._repr_html_()}</div>"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Printed:
-    """What is said of a fit, a comparison or a diagnosis: it prints as its summary and is a JSON document.
+class Printed(ResultBase):
+    """A result of logs: it prints as its summary and is a JSON document.
 
     Attributes:
         lines: the summary, line by line.
         warnings: what is unusual about logs, rig or fit.
         document: the content of the JSON file that the command of this result writes.
+        fitted: the fitted models by name, the result's own first; empty where nothing is fitted.
     """
 
     lines: tuple[str, ...]
     warnings: tuple[str, ...]
     document: Mapping[str, Any]
+    fitted: Mapping[str, FittedModel] = field(default_factory=dict)
 
     def summary(self) -> str:
         """What the command prints."""
@@ -268,8 +298,11 @@ class Printed:
         """The content of the JSON file as a reader receives it: numbers, strings, lists and dictionaries."""
         return json.loads(self.to_json())
 
-    def __str__(self) -> str:
-        return self.summary()
+    def _models(self) -> Mapping[str, FittedModel]:
+        return self.fitted
+
+    def _repr_html_(self) -> str:
+        return self._html(self.table())
 
     def _html(self, table: ResultTable, *, before: str = "", after: str = "") -> str:
         """The table between two paragraphs, and the warnings, for a notebook."""
@@ -277,12 +310,7 @@ class Printed:
         return f"<div>{paragraphs(before)}{table._repr_html_()}{paragraphs(*texts)}</div>"
 
     def _write(
-        self,
-        out: str | os.PathLike[str],
-        command: str,
-        size: tuple[float, float],
-        draw: Callable[[Figure], object],
-        further: Mapping[str, str] | None = None,
+        self, out: str | os.PathLike[str], command: str, further: Mapping[str, str] | None = None
     ) -> list[Path]:
         """Write COMMAND.json and, with matplotlib, COMMAND.png and COMMAND.svg into a folder of their own.
 
@@ -300,7 +328,9 @@ class Printed:
 
                 # A fixed salt and no date: the same result gives the same file.
                 with rc_context({"svg.hashsalt": "eccentric", "font.size": 9.0}):
-                    draw(figure := Figure(figsize=size, layout="constrained"))
+                    figure = Figure(figsize=self._size, layout="constrained")
+                    rows, columns = self._grid
+                    self._draw(list(figure.subplots(rows, columns, sharex=rows > 1, squeeze=False).flat))
                     figure.savefig(folder / f"{command}.png", dpi=150)
                     figure.set_layout_engine("none")  # the layout is that of the first file
                     figure.savefig(folder / f"{command}.svg", dpi=150, metadata={"Date": None})
@@ -318,15 +348,13 @@ class Result(Printed):
         origin: where its physics is from, for the banner of emitted files.
         estimates: name -> Estimate (value, std_error, interval, unit), of all that was fitted: coefficients,
             parameters that do not enter linearly, and what the rig left open, such as a zero angle.
-        correlation: of the errors of the estimates, by name.
         draws: the joint uncertainty of the parameters, which `samples` draws from.
-        lines, warnings, document: as in Printed.
+        lines, warnings, document, fitted: as in Printed.
     """
 
     model: Model
     origin: str
     estimates: Mapping[str, Estimate]
-    correlation: Correlation
     draws: Draws
 
     def samples(self, n: int, seed: int = 0) -> dict[str, NDArray[np.float64]]:

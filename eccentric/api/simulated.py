@@ -6,11 +6,12 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from eccentric.api.result import ResultTable, new_axes, paragraphs, ranges_of
+from eccentric.api.result import ResultBase
+from eccentric.api.tables import ResultTable, ranges_of
 from eccentric.core import InputError, given_path
 from eccentric.logs import Log, read_log
 from eccentric.rigs import Rig, read_rig
@@ -28,10 +29,6 @@ from eccentric.virtual_bench import (
     write_arm,
     write_fleet,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 _SIGNALS = {
     "theta_m_rad": "motor angle [rad]",
@@ -103,36 +100,26 @@ def _asked(out: str | os.PathLike[str] | None, seed: int) -> tuple[Path | None, 
     return None if out is None else given_path(out, "out"), np.random.default_rng(seed)
 
 
-class _Simulated:
+class _Simulated(ResultBase):
     """What a simulated log shows of itself."""
 
     log: Log
-
-    def summary(self) -> str:
-        """What was simulated, in one line."""
-        raise NotImplementedError
+    _grid = 3, 1
+    _size = 9.0, 6.0
 
     def table(self) -> ResultTable:
         """The columns of the log, each with its range."""
         return ranges_of(self.log)
 
-    def _axes(self, axes: Sequence[Axes] | None, labels: Iterable[str]) -> Sequence[Axes]:
-        """Three axes over time, from top to bottom, with these labels."""
-        axes = new_axes(3, 1, (9.0, 6.0)) if axes is None else axes
-        for one, label in zip(axes, labels, strict=True):
+    def _label(self, axes: list[Any], labels: Iterable[str]) -> None:
+        """Name axes over time, from top to bottom."""
+        for one, label in zip(axes, labels, strict=False):
             one.set_ylabel(label)
         axes[0].set_title(self.summary(), fontsize=9.0)
         axes[-1].set_xlabel("time [s]")
-        return axes
-
-    def __str__(self) -> str:
-        return self.summary()
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.summary()}>"
-
-    def _repr_html_(self) -> str:
-        return f"<div>{paragraphs(self.summary())}{self.table()._repr_html_()}</div>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -159,24 +146,15 @@ class BenchResult(_Simulated):
         )
 
     def summary(self) -> str:
-        """Rows, duration, case and effects, in one line."""
+        """Rows, duration and case, in one line; the effects are in `effects` and `truth`."""
         t, known = self.log.numbers("time_s"), self.rig.known
-        head = f"{self.log.rows} rows of {t[-1] - t[0]:.0f} s, case {self.rig.case}, mu {known['mu']:g}"
-        return f"{head}: {', '.join(self.effects) or 'no effect'}"
+        return f"{self.log.rows} rows of {t[-1] - t[0]:.0f} s, case {self.rig.case}, mu {known['mu']:g}"
 
-    def plot(self, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
-        """Plot angle, velocity and current over time.
-
-        Args:
-            axes: three, from top to bottom; by default those of a new figure.
-
-        Raises:
-            InputError: matplotlib is not installed.
-        """
-        axes = self._axes(axes, _SIGNALS.values())
-        for one, column in zip(axes, _SIGNALS, strict=True):
+    def _draw(self, axes: list[Any]) -> None:
+        """Angle, velocity and current over time."""
+        self._label(axes, _SIGNALS.values())
+        for one, column in zip(axes, _SIGNALS, strict=False):
             one.plot(self.log.numbers("time_s"), self.log.numbers(column), linewidth=0.6)
-        return axes
 
     def write(self, out: str | os.PathLike[str]) -> tuple[Path, Path, Path]:
         """Write the log NAME.csv.gz, its rig NAME.json and its truth NAME.truth.json; return the paths.
@@ -277,30 +255,20 @@ class ArmBenchResult(_Simulated):
         )
 
     def summary(self) -> str:
-        """Rows, duration, runs, joints and effects, in one line."""
+        """Rows, duration, runs and joints, in one line; the effects are in `effects` and `truth`."""
         seconds = self.log.rows * float(np.median(np.diff(self.log.numbers("t_s"))))
-        head = f"{self.log.rows} rows of {seconds:.0f} s in {self.truth['runs']} runs, {self.truth['arm']}"
-        return f"{head}: {', '.join(self.effects) or 'no effect'}"
+        return f"{self.log.rows} rows of {seconds:.0f} s in {self.truth['runs']} runs, {self.truth['arm']}"
 
-    def plot(self, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
-        """Plot angle, velocity and drive of every joint over time.
-
-        Args:
-            axes: three, from top to bottom; by default those of a new figure.
-
-        Raises:
-            InputError: matplotlib is not installed.
-        """
+    def _draw(self, axes: list[Any]) -> None:
+        """Angle, velocity and drive of every joint over time."""
         drive = "current [A]" if "i_A_1" in self.log.columns else "torque [N m]"
         names = ("q_rad", "w_rad_s", "i_A" if drive.startswith("current") else "tau_Nm")
-        axes = self._axes(axes, ("joint angle [rad]", "joint velocity [rad/s]", drive))
-        for one, name in zip(axes, names, strict=True):
+        self._label(axes, ("joint angle [rad]", "joint velocity [rad/s]", drive))
+        t = self.log.numbers("t_s")
+        for one, name in zip(axes, names, strict=False):
             for j in range(1, len(self.truth["joints"]) + 1):
-                one.plot(
-                    self.log.numbers("t_s"), self.log.numbers(f"{name}_{j}"), linewidth=0.6, label=f"{j}"
-                )
+                one.plot(t, self.log.numbers(f"{name}_{j}"), linewidth=0.6, label=f"{j}")
         axes[0].legend(title="joint", fontsize=8.0, ncols=6)
-        return axes
 
     def write(self, out: str | os.PathLike[str]) -> tuple[Path, Path, Path, Path]:
         """Write the log NAME.csv.gz, its rig NAME.toml, NAME.arm.toml and NAME.truth.json; return the paths.

@@ -6,23 +6,20 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, given_path, sources_of
-from eccentric.api.result import Printed, ResultTable, new_axes
+from eccentric.api.result import Printed, fitted_model
+from eccentric.api.tables import ResultTable
 from eccentric.core import InputError
 from eccentric.diagnosis import contest
 from eccentric.diagnosis import diagnose as diagnose_logs
 from eccentric.logs import log_names
 from eccentric.model import Model
-from eccentric.presentation import plot_simulation, simulation_document, simulation_lines
+from eccentric.presentation import loss_warnings, plot_simulation, simulation_document, simulation_lines
 from eccentric.rigs import read_rig
 from eccentric.signals import read_long
 from eccentric.simulation import SimulatedErrors, simulated_errors
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
 def simulate(
@@ -75,8 +72,9 @@ def simulate(
         errors=errors,
         unit=rig.axis.unit("rad"),
         lines=tuple(simulation_lines(errors, names, rig.axis)),
-        warnings=tuple(warnings),
+        warnings=(*warnings, *loss_warnings({name: (f.model, f.values) for name, f in fits.items()})),
         document=simulation_document(errors, names, rig, models_of),
+        fitted={name: fitted_model(fit, rig.axis) for name, fit in reversed(fits.items())},
     )
 
 
@@ -87,7 +85,7 @@ class SimulateResult(Printed):
     Attributes:
         errors: of each model, with a few parts of the motion for a figure.
         unit: of the errors: that of the motor angle.
-        lines, warnings, document: as in Printed; the document is the content of simulation.json.
+        lines, warnings, document, fitted: as in Printed; the document is the content of simulation.json.
     """
 
     errors: SimulatedErrors
@@ -113,18 +111,17 @@ class SimulateResult(Printed):
         )
         return ResultTable(names, tuple(rows))
 
-    def plot(self, axes: Sequence[Axes] | None = None) -> list[Axes]:
-        """Plot measured and simulated angle over time, a few held-out parts of the log.
+    @property
+    def _grid(self) -> tuple[int, int]:
+        return max(len(self.errors.traces), 1), 1
 
-        Args:
-            axes: one for each of `errors.traces`; by default a new figure.
+    @property
+    def _size(self) -> tuple[float, float]:
+        return 8.0, 1.0 + 1.9 * self._grid[0]
 
-        Raises:
-            InputError: matplotlib is not installed.
-        """
-        chosen = new_axes(len(self.errors.traces), 1, self._size) if axes is None else list(axes)
-        plot_simulation(self.errors, chosen, self.unit)
-        return chosen
+    def _draw(self, axes: list[Any]) -> None:
+        """Measured and simulated angle over time, a few held-out parts of the log."""
+        plot_simulation(self.errors, axes, self.unit)
 
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write simulation.json and, with matplotlib, simulation.png and simulation.svg into a folder.
@@ -132,16 +129,7 @@ class SimulateResult(Printed):
         Raises:
             InputError: the folder cannot be written.
         """
-        rows = max(len(self.errors.traces), 1)
-
-        def draw(figure: Figure) -> None:
-            plot_simulation(self.errors, list(figure.subplots(rows, 1, squeeze=False).flat), self.unit)
-
-        return self._write(out, "simulation", self._size, draw)
-
-    @property
-    def _size(self) -> tuple[float, float]:
-        return 8.0, 1.0 + 1.9 * max(len(self.errors.traces), 1)
+        return self._write(out, "simulation")
 
     def __repr__(self) -> str:
         return f"<SimulateResult: {', '.join(m.name for m in self.errors.models)}>"

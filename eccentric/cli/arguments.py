@@ -76,7 +76,8 @@ def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
         type=Path,
         required=True,
         help=f"folder for {files}: new, empty, or one written by eccentric, and not the working directory; "
-        "files from an earlier run are replaced, all others are kept",
+        "files from an earlier run of this command are replaced, all others are kept; a file of another "
+        "command is not overwritten",
     )
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import eccentric
 from eccentric.cli.arguments import bar, options
-from eccentric.core import InputError
+from eccentric.core import InputError, counted
 
 NAME = "bench"
 HELP = "simulate a realistic log of a test bench, with effects that its rig file does not declare"
@@ -109,7 +109,7 @@ def run(args: argparse.Namespace) -> int:
         effects, said = bench(args, common)
     name = Path(args.out).name.removesuffix(".csv.gz")
     print(f"{args.out}: {said}")
-    print(f"sealed in {name}.truth.json: {', '.join(effects) or 'no effect'}")
+    print(f"sealed in {name}.truth.json: {counted(len(effects), 'effect') if effects else 'no effect'}")
     return 0
 
 
@@ -134,7 +134,7 @@ def _of_a_fleet(args: argparse.Namespace) -> int:
     with options(_OPTIONS):
         changed = eccentric.bench_fleet(args.out, seed=args.seed, **own, progress=bar())
     print(f"{args.out}: logs/, rigs.csv with its rig files")
-    print(f"sealed in truth.json: {len(changed)} joints change")
+    print(f"sealed in truth.json: {counted(len(changed), 'joint')} that change")
     return 0
 
 

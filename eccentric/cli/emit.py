@@ -43,7 +43,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_folder(parser, "the files of the model")
     parser.add_argument(
-        "--parameters", type=Path, metavar="FIT.json", help="fitted values, to become the defaults"
+        "--parameters",
+        type=Path,
+        metavar="FIT.json",
+        help='values to become the defaults: a fit.json, or your own as {"parameters": {"M": 0.42}}, in SI',
     )
     parser.add_argument(
         "--accept-misfit",

@@ -33,7 +33,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     targets = "; ".join(f"{name}: {target.meaning}" for name, target in EXPORTS.items())
     parser.add_argument("--to", metavar="TARGET", required=True, help=f"the simulator: {targets}")
     add_folder(parser, "the files of the simulator")
-    parser.add_argument("--parameters", type=Path, metavar="FIT.json", help="fitted values for a model")
+    parser.add_argument(
+        "--parameters",
+        type=Path,
+        metavar="FIT.json",
+        help='values for a model: a fit.json, or your own as {"parameters": {"J_m": 1e-4}}, in SI',
+    )
     parser.add_argument(
         "--speeds",
         nargs=2,

@@ -68,7 +68,8 @@ def require_free(folder: Path, name: str, listed: dict[str, str], command: str) 
         wrote = listed.get(place.as_posix())
         owner = f"`eccentric {wrote}` wrote" if wrote else "eccentric did not write"
         what = "a folder" if is_folder(taken) else f"a file that {owner}"
-        raise InputError(folder, f"a free name {place.as_posix()}", what)
+        hint = "choose another folder for the output, or remove what is there"
+        raise InputError(folder, f"a free name {place.as_posix()}", what, hint=hint)
 
 
 def mark(folder: Path, written: dict[str, str]) -> None:

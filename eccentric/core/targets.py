@@ -18,12 +18,14 @@ class Target:
         default: whether it is written if none is asked for.
         extra, packages: extra of the toolkit that brings what runs the files, and its packages; emission
             itself needs none of them.
+        others: names that people look for it by.
     """
 
     meaning: str
     default: bool = False
     extra: str = ""
     packages: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
 
 
 TARGETS: Mapping[str, Target] = {
@@ -34,12 +36,18 @@ TARGETS: Mapping[str, Target] = {
 """Name, as in `--backend` and the name of its folder -> target."""
 
 EXPORTS: Mapping[str, Target] = {
-    "mjcf": Target("MuJoCo model: a pendulum whose joint has the friction"),
-    "budget": Target("Python module that writes the friction into MuJoCo before each step"),
-    "urdf": Target("URDF: damping and friction of a joint"),
-    "usd": Target("USD with the attributes of Newton: friction, damping, armature"),
-    "bam": Target("parameters for BAM, its model M1"),
-    "newton": Target("drive component for Newton, in Warp"),
-    "fmu": Target("FMU in source: FMI 3.0, co-simulation"),
+    "mjcf": Target("MuJoCo model: a pendulum whose joint has the friction", others=("mujoco", "xml")),
+    "budget": Target(
+        "Python module that writes the friction into MuJoCo before each step",
+        others=("mujoco", "mujoco-warp", "mujoco_warp", "mjwarp"),
+    ),
+    "urdf": Target("URDF: damping and friction of a joint", others=("ros", "gazebo")),
+    "usd": Target(
+        "USD with the attributes of Newton: friction, damping, armature",
+        others=("usda", "isaac", "isaaclab", "isaacsim"),
+    ),
+    "bam": Target("parameters for BAM, its model M1", others=("m1",)),
+    "newton": Target("drive component for Newton, in Warp", others=("warp",)),
+    "fmu": Target("FMU in source: FMI 3.0, co-simulation", others=("fmi", "modelica", "simulink")),
 }
 """Name, as in `--to` and the name of its file -> target."""

@@ -459,7 +459,10 @@ def _channels(
         if unit.startswith("counts") and not best.counts:
             doubts.append("how many counts a turn has is not to be seen: put encoder_counts_per_rev")
         channel = f"theta_{gear.angle}" if what == "angle" else f"omega_{gear.speed}"
-        proposals.append(Proposal(channel, column.text, unit, tuple(said), sure, "; ".join(doubts)))
+        by_gravity = best.by_gravity if what == "angle" else ()
+        proposals.append(
+            Proposal(channel, column.text, unit, tuple(said), sure, "; ".join(doubts), by_gravity=by_gravity)
+        )
     return proposals
 
 

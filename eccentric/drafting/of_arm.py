@@ -132,7 +132,7 @@ def _agreed(pattern: str, given: Sequence[Proposal], heard: int) -> Proposal:
             f"so in {most} of {heard} joints that move" + (f"; else {' or '.join(others)}" if others else "")
         )
     # Where others move, what repeats with the angle of a joint is not only its own gravity.
-    own = tuple(said for said in best.evidence if not said.startswith("gravity repeats"))
+    own = tuple(said for said in best.evidence if said not in best.by_gravity)
     evidence = (*own, f"so in {counted(most, 'joint')}") if most == heard else own
     sure, doubt = best.confidence * most / heard, "; ".join(doubts)
     return Proposal(best.channel, pattern, unit, evidence, sure, doubt, turned)

@@ -23,6 +23,7 @@ class Proposal:
         turned: whether its sign is.
         reads: names of the columns in arithmetic; of a plain name, nothing.
         constant: of a current, the torque constant by which a column was computed, and the evidence.
+        by_gravity: what of the evidence follows from gravity.
     """
 
     channel: str
@@ -34,6 +35,7 @@ class Proposal:
     turned: bool = False
     reads: tuple[str, ...] = ()
     constant: tuple[str, str] = ("", "")
+    by_gravity: tuple[str, ...] = ()
 
     @property
     def column(self) -> str:

@@ -307,6 +307,7 @@ class Reading:
         gear: turns of the shaft of the angle for one of the link, by gravity; 0 without gravity.
         ratio: of the shaft of the speed to that of the angle, 1 where they are one.
         product: whether the log shows counts per turn and gear only as their product.
+        by_gravity: what of `why` follows from gravity.
     """
 
     time: str
@@ -318,6 +319,7 @@ class Reading:
     ratio: float = 1.0
     product: bool = False
     why: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    by_gravity: tuple[str, ...] = ()
 
 
 def readings(given: Shown) -> list[Reading]:
@@ -340,8 +342,10 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
     why: dict[str, tuple[str, ...]] = {"angle": (), "speed": ()}
     later = SECONDS[given.time_unit] / SECONDS[time]  # slopes per second under this unit of time
     counts, product = 0.0, False
+    by_gravity: tuple[str, ...] = ()
     if angle == "counts":
         counts, product, said = _counts(given, speed, later)
+        by_gravity += said if product else ()
         why["angle"] += said
     unit = TURN / counts if counts else _ANGLES.get(angle, 0.0)
     if angle and given.angle is not None:
@@ -355,6 +359,7 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
     if gear:
         factor, said = _gear(gear, given.turns)
         weight *= factor
+        by_gravity += said
         why["angle"] += said
     per = unit if speed == "counts/s" else _SPEEDS.get(speed, 0.0)
     ratio = 1.0
@@ -371,7 +376,7 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
     if fastest > 0.0:
         decades = math.log10(fastest / limits.USUAL_SPEED) / limits.SPEED_DECADES
         weight *= math.exp(-0.5 * min(decades**2, 16.0))
-    return [Reading(time, angle, speed, weight, counts, gear, ratio, product, why)]
+    return [Reading(time, angle, speed, weight, counts, gear, ratio, product, why, by_gravity)]
 
 
 def _named(column: LoggedColumn, unit: str) -> float:

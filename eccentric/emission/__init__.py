@@ -5,6 +5,7 @@
     check      emitted C -> a self-test and a driver for its proof
     adapt      Model, fit -> an estimator of the friction coefficients beside the C
     compensate Model, fit -> a compensation of friction for a loop, beside the C
+    inertial_loss  whether friction that follows the acceleration stays below the inertia
     defaults   names and fitted values of the parameters;  templates  the environment of Jinja
     render     the emitted files of a model, name -> text; `write` writes them, `hot` loads the module
 
@@ -18,6 +19,7 @@ from eccentric.emission.check import joints_of, render_check
 from eccentric.emission.compensate import gain_of, render_compensation, sure_share
 from eccentric.emission.defaults import FittedValues, checked_name, document_of, read_parameters, with_fitted
 from eccentric.emission.hot import executed, executed_beside, load_module
+from eccentric.emission.inertial_loss import InertialLoss, inertial_loss, require_solvable
 from eccentric.emission.program import (
     WHOLE,
     Arrays,

@@ -101,7 +101,12 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     axis = AXES.get(str(content.get("kind", TURNING.name)), TURNING)
     values = content.get("parameters")
     if not isinstance(values, Mapping) or not values:
-        raise InputError(f"{where}: an object `parameters` of numbers by their letters is required")
+        raise InputError(
+            where,
+            "an object `parameters` of numbers by their letters",
+            "none" if values is None else repr(values)[:40],
+            why=', as in {"parameters": {"M": 0.42}}',
+        )
     values = {letter: value for letter, value in values.items() if value is not None}
     for letter, value in values.items():
         if not _is_number(value):

@@ -43,8 +43,9 @@ def write(drive: ExportedDrive) -> Exported:
         files[f"{drive.name}_budget_warp.py"] = template("exports/budget_warp.py").render(
             names | functions(drive.model, "friction_budget") | {"taken": ", ".join(drive.inputs)}
         )
-    known = drive.p.J_m is not None and drive.p.J_l is not None
-    if known:
+    missing = tuple(name for name in ("J_m", "J_l") if getattr(drive.p, name) is None)
+    if not missing:
         lines = template("exports/written.xml").render(names).splitlines()
         files[f"{drive.name}.xml"] = pendulum(drive, FREE, lines)
-    return Exported(files, left_out=drive.gravity[1] if known else 0.0)
+        return Exported(files, left_out=drive.gravity[1])
+    return Exported(files, unwritten=(f"{drive.name}.xml", missing))

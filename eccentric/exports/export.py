@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -21,11 +22,13 @@ class Exported:
         files: name -> content.
         law: the friction with constant coefficients in them, None if they have the drive's own.
         left_out: largest torque at the joint, cogging or of a spring, that they do not have [N m].
+        unwritten: a file that is missing, and the parameters without a value that it requires.
     """
 
     files: Mapping[str, str | bytes]
     law: ConstantLaw | None = None
     left_out: float = 0.0
+    unwritten: tuple[str, tuple[str, ...]] = ("", ())
 
 
 def export(drive: ExportedDrive, to: str) -> Exported:
@@ -35,7 +38,13 @@ def export(drive: ExportedDrive, to: str) -> Exported:
         InputError: there is no such target, or it cannot take this drive.
     """
     if to not in EXPORTS:
-        raise InputError("to", f"one of {', '.join(EXPORTS)}", f"{to!r}")
+        near = [name for name, target in EXPORTS.items() if str(to).lower() in target.others]
+        raise InputError(
+            "to",
+            f"one of {', '.join(EXPORTS)}",
+            f"{to!r}",
+            hint=f"did you mean {' or '.join(near)}?" if near else "",
+        )
     write: Callable[[ExportedDrive], Exported] = import_module(f"eccentric.exports.{to}").write
     return write(drive)
 
@@ -69,5 +78,6 @@ def stated(drive: ExportedDrive, law: ConstantLaw) -> dict[str, object]:
 
 
 def decimal(value: float) -> str:
-    """The shortest decimal that is this number."""
-    return repr(float(value) + 0.0)
+    """The shortest decimal that is this number, or differs from it by the rounding of a quotient only."""
+    short = float(f"{value:.12g}")
+    return repr((short if math.isclose(short, value, rel_tol=1e-15) else float(value)) + 0.0)

@@ -229,8 +229,9 @@ class Drive:
 
     @property
     def current_known(self) -> bool:
-        """Whether a current of the model is in amperes: a voltage alone has to be given k_i, and a scale."""
-        declared = self.machine.torque_letters <= set(self.channels.rig.known)
+        """Whether a current of the model is in amperes: a voltage alone needs k_i or R, and a scale."""
+        known = set(self.channels.rig.known)
+        declared = self.machine.torque_letters <= known or self.machine.resistance_letters <= known
         return not self.by_voltage or (declared and self.unit == "N m")
 
     @property
@@ -266,7 +267,10 @@ class Drive:
         return self.channels.smooth(self.signal())
 
     def scaled(self, scale: float | None = None) -> dict[str, float]:
-        """The motor that the scale represents, or another scale: by a voltage k_i as known, R = scale k_i."""
+        """The motor that the scale represents, or another scale.
+
+        By a voltage R = scale k_i, with k_i as known; where only R is known, k_i follows.
+        """
         scale = self.scale if scale is None else scale
         if scale is None:
             return {}
@@ -274,6 +278,10 @@ class Drive:
             return dict.fromkeys(self.machine.torque_letters, 1.0 / scale)
         constants = {name: self.known.get(name, 1.0) for name in self.machine.torque_letters}
         resistance = scale * float(self.machine.torque(constants, 1.0))
+        declared, (first, *others) = self.channels.rig.known, self.machine.resistance_letters
+        if first in declared and not others and not set(constants) & set(declared):
+            constants = {name: x * declared[first] / resistance for name, x in constants.items()}
+            resistance = declared[first]
         return constants | dict.fromkeys(self.machine.resistance_letters, resistance)
 
     def filtered(self, balance: str, machine: Machine, values: Mapping[str, float]) -> list[Filtered]:

@@ -27,7 +27,7 @@ from eccentric.identification.columns import (
     with_own,
 )
 from eccentric.identification.detection import Undetected, undetected
-from eccentric.identification.drive import LOAD, Drive
+from eccentric.identification.drive import LOAD, PER_INERTIA, Drive
 from eccentric.identification.limits import (
     LEAST_CYCLES,
     LEAST_IN_PLANE,
@@ -406,7 +406,8 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     by = channels.motor.measured_by
     measured = by == "torque" or (by == "current" and machine.torque_letters <= set(rig.known))
     if measured and not open_inertia and not rig.unknown and not rig.estimate:
-        return Drive(machine, channels, _needed(channels, rig, base, machine), None, "N m")
+        unit = PER_INERTIA if rig.per_inertia else "N m"
+        return Drive(machine, channels, _needed(channels, rig, base, machine), None, unit)
     problem = pose(channels.driven, rig, base)
     first = solved(problem, rig.path, positive={"scale", "inertia"})
     found = {c.role: float(x) for c, x in zip(problem.coefficients, first.values, strict=True)}

@@ -179,7 +179,7 @@ def with_values(
         name=name,
         title=title or model.title,
         parameters=tuple(parameters),
-        defaults="fitted values, with the remark of each parameter",
+        defaults="fitted values, with the remark of each parameter" if notes else "values as given",
         back_emf_in_friction=back_emf_in_friction,
         current_known=current_known,
         voltage_known=voltage_known,

@@ -42,6 +42,8 @@ from eccentric.presentation.html import report_data as report_data
 from eccentric.presentation.plan_text import plan_document as plan_document
 from eccentric.presentation.plan_text import plan_lines as plan_lines
 from eccentric.presentation.simulation_text import horizons_document as horizons_document
+from eccentric.presentation.simulation_text import loss_sentence as loss_sentence
+from eccentric.presentation.simulation_text import loss_warnings as loss_warnings
 from eccentric.presentation.simulation_text import plot_simulation as plot_simulation
 from eccentric.presentation.simulation_text import refined_document as refined_document
 from eccentric.presentation.simulation_text import refined_lines as refined_lines

@@ -104,7 +104,7 @@ def plot_course(course: Replay, axes: Sequence[Any]) -> None:
 
     A band ends at the bounds that the estimator keeps: it is no claim that friction may be negative.
     """
-    for j, (name, unit, ax) in enumerate(zip(course.names, course.units, axes, strict=True)):
+    for j, (name, unit, ax) in enumerate(zip(course.names, course.units, axes, strict=False)):
         value, half = course.values[:, j], 1.96 * course.deviations[:, j]
         lowest, highest = course.lowest[j], course.highest[j]
         below, above = (np.clip(x, lowest, highest) for x in (value - half, value + half))

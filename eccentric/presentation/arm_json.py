@@ -1,6 +1,6 @@
 """The fit and the diagnosis of an arm as documents: formats eccentric-arm-fit/1, eccentric-arm-diagnosis/1.
 
-Keys of both; an estimate is {value, std_error, interval_95, unit, bound_active}:
+Keys of both; an estimate is as in fit.json of one drive:
 
     format, rig, arm, logs, rows, low_pass_hz, holdout {rule, intervals_s}, fits_the_rig, warnings
     bodies   known: what the rig declares; base_parameters: estimates, each under its sum in words; possible:
@@ -25,9 +25,10 @@ import numpy as np
 
 from eccentric.identification import Estimate
 from eccentric.joints import ArmDiagnosis, ArmFit, ArmLog, IdentifiedBodies, JointFit, gain_of
-from eccentric.model import identity_of, letters_of
+from eccentric.model import TURNING, identity_of, letters_of
 from eccentric.presentation.arm_text import arm_diagnosis_sentence
 from eccentric.presentation.diagnosis_json import diagnosis_document
+from eccentric.presentation.fit_json import estimate_entry
 
 
 def arm_fit_document(found: ArmFit) -> dict[str, Any]:
@@ -131,7 +132,8 @@ def _bodies(log: ArmLog, found: IdentifiedBodies | None) -> dict[str, Any]:
     return {
         "known": sorted(log.rig.known),
         "base_parameters": {
-            words: _estimate(e) for e, words in zip(found.estimates.values(), found.sums, strict=True)
+            words: estimate_entry(e, TURNING)
+            for e, words in zip(found.estimates.values(), found.sums, strict=True)
         },
         "possible": found.bodies.explain,
         "misfit_in_std_errors": found.bodies.misfit,
@@ -147,7 +149,7 @@ def _joint(log: ArmLog, joint: JointFit) -> dict[str, Any]:
         "name": joint.name,
         "drive": drive.channels.motor.measured_by,
         "gain": gain_of(drive),
-        "k_i": None if k_i is None else _estimate(k_i),
+        "k_i": None if k_i is None else estimate_entry(k_i, TURNING),
         "unit": joint.unit,
         "loads": {
             "present": [str(load) for load in loads.present],
@@ -156,7 +158,7 @@ def _joint(log: ArmLog, joint: JointFit) -> dict[str, Any]:
             "deviance": loads.deviance,
             "required": loads.required,
         },
-        "friction": {name: _estimate(e) for name, e in joint.friction.items()},
+        "friction": {name: estimate_entry(e, TURNING) for name, e in joint.friction.items()},
         "rmse_holdout": dict(joint.rmse),
         "improvement": {"percent": joint.percent, "interval_95": list(joint.interval)},
         "leave_one_run_out": _over_runs(joint),
@@ -176,15 +178,4 @@ def _over_runs(joint: JointFit) -> dict[str, Any] | None:
         "runs": over.runs,
         "rmse": {"linear": over.rmse["linear"], "followed": over.rmse["paper"]},
         "improvement": {"percent": percent, "interval_95": list(interval), "better_runs": better},
-    }
-
-
-def _estimate(e: Estimate) -> dict[str, Any]:
-    error = e.std_error if math.isfinite(e.std_error) and not e.widened else None
-    return {
-        "value": e.value,
-        "std_error": error,
-        "interval_95": [float(x) if math.isfinite(x) else None for x in e.interval],
-        "unit": e.unit,
-        "bound_active": e.bound_active,
     }

@@ -40,7 +40,7 @@ def calls(found: Diagnosis) -> list[str]:
     ]
     if not states:
         if fitted.effects or found.asked.request.including:
-            return [f"to call: {torque}", *elsewhere]
+            return [f"{_undecided(found)}to call{' it' * bool(_undecided(found))}: {torque}", *elsewhere]
         base = found.models.base.name
         plain = found.rig.axis.term("the paper's model")
         whose = f"{base}, fitted anew" if is_result_name(base) else f"{plain}, fitted"
@@ -52,6 +52,16 @@ def calls(found: Diagnosis) -> list[str]:
         *elsewhere,
         f"  {call('step', ['&state', *stepped])}",
     ]
+
+
+def _undecided(found: Diagnosis) -> str:
+    """What the emitted model has of a tie; "" without one."""
+    own = [effect.id for effect, _ in found.models.extended.effects]
+    clear = [effect.id for effect, _ in found.clear]
+    tied = [name for name in own if name not in clear]
+    if found.attribution.verdict != "not_identifiable" or not tied:
+        return ""
+    return f"the emitted model has {' and '.join(tied)} of those that are tied, which is not decided; "
 
 
 def other_functions(model: Model) -> list[tuple[str, str, bool]]:

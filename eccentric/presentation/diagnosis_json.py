@@ -10,8 +10,9 @@ import sympy as sp
 from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Effect
 from eccentric.identification import Estimate, in_drive_unit
-from eccentric.model import TURNING
+from eccentric.model import TURNING, AxisKind
 from eccentric.presentation.diagnosis_text import causes_of, diagnosis_sentence, tied_families
+from eccentric.presentation.fit_json import estimate_entry
 from eccentric.presentation.measurement_text import measurement_sentence
 from eccentric.presentation.ranges_text import range_document
 
@@ -189,16 +190,16 @@ def _identified(found: Diagnosis) -> dict[str, Any]:
     said: dict[str, Any] = {name: getattr(aligned, name) for name in sorted(found.rig.estimate)}
     for name, e in fitted.estimates.items():
         if name not in of_the_model:
-            said[name] = {"value": e.value, **_uncertainty(e), "unit": found.rig.axis.unit(e.unit)}
+            said[name] = estimate_entry(e, found.rig.axis)
     return said
 
 
-def _uncertainty(estimate: Estimate | None) -> dict[str, Any]:
-    """Standard error and interval; null where there is none, or no end to it."""
+def _estimated(value: float, estimate: Estimate | None, unit: str, axis: AxisKind) -> dict[str, Any]:
+    """A value as an estimate of fit.json; null where nothing was estimated."""
     if estimate is None:
-        return {"std_error": None, "interval_95": None}
-    error, *ends = (x if math.isfinite(x) else None for x in (estimate.std_error, *estimate.interval))
-    return {"std_error": error, "interval_95": ends}
+        estimate = Estimate(value, math.nan, (math.nan, math.nan), unit)
+        return {**estimate_entry(estimate, axis, unit), "interval_95": None}
+    return {**estimate_entry(estimate, axis, unit), "value": value}
 
 
 def _stability(found: Diagnosis, effect: Effect) -> dict[str, Any] | None:
@@ -215,7 +216,7 @@ def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
     for q in effect.parameters:
         estimate = found.models.extended.estimates.get(q.name)
         unit = axis.unit(in_drive_unit(q.unit, found.unit))
-        parameters[q.name] = {"value": values[q.name], **_uncertainty(estimate), "unit": unit}
+        parameters[q.name] = _estimated(values[q.name], estimate, unit, axis)
     equation = effect.equation()
     return {
         "id": effect.id,

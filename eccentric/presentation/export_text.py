@@ -35,6 +35,12 @@ def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
             f"left out: a torque of up to {exported.left_out:.3g} N m that depends on the angle"
             " (cogging, a spring, a load)"
         )
+    file, missing = exported.unwritten
+    if missing:
+        lines.append(
+            f"left out: the pendulum {file}, which requires {' and '.join(missing)}: declare"
+            f" {'it' if len(missing) == 1 else 'them'} in the rig, or give a value with --parameters"
+        )
     if drive.model.back_emf_in_friction:
         lines.append(
             "friction contains the back-EMF: drive the joint by k_i u/R, the torque of the voltage u"

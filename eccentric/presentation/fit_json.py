@@ -1,7 +1,9 @@
 """A fit as a document: fit.json, format eccentric-fit/1.
 
-Keys of the document; an estimate is {value, std_error, interval_95, unit, bound_active (or null)}, its
-std_error null if an active bound, its own or another value's, determines the interval:
+Keys of the document; an estimate is {value, std_error, interval_95, unit, bound_active ("lower", "upper" or
+null), at_bound, widened_by_bound}. Its std_error takes every other value at a bound as that bound; at_bound
+says whether it is at one itself, widened_by_bound whether an active bound, its own or another value's, widens
+the interval:
 
     format, model, rig, logs, kind (of an axis that does not turn: names and units are then its own),
     drive (current, voltage, torque), unit (of target and error: N m, V or A)
@@ -11,7 +13,7 @@ std_error null if an active bound, its own or another value's, determines the in
     free_cubic        c_0 to c_3 of a coast-down: friction, or deceleration, as a cubic in the speed
   added_kg          run or pattern: mass that it carries besides M; only where the rig has one
     coefficients      name: estimate, the columns of the fit as they were fitted
-    correlation       names, matrix: of the errors of coefficients and unknown; null without a standard error
+    correlation       names, matrix: of the errors of coefficients and unknown; null for one at a bound
     combinations      name: estimate, coefficients of columns that are not a single letter; in newton metres
                       if the scale is identified
     identified, not_identified  letters
@@ -52,7 +54,7 @@ from eccentric.model import TURNING, AxisKind
 from eccentric.rigs import ALIGNMENT, COASTING, alignment_of, knowns_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
 
 FORMAT = "eccentric-fit/1"
@@ -79,15 +81,15 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "unit": axis.unit(problem.unit),
         "known": {name: value for name, value in rig.known.items() if name in known},
         "coefficients": {
-            name: _entry(e, axis) for name, e in fit.coefficients.items() if name not in ALIGNMENT
+            name: estimate_entry(e, axis) for name, e in fit.coefficients.items() if name not in ALIGNMENT
         },
         "correlation": _correlation(fit),
-        "combinations": {name: _entry(e, axis) for name, e in fit.combinations.items()},
+        "combinations": estimate_entries(fit.combinations, axis),
         "identified": [axis.named(name) for name in fit.identified[0]],
         "not_identified": [axis.named(name) for name in fit.identified[1]],
         "unknown": {
             name: {
-                **_entry(fit.searched[name], axis),
+                **estimate_entry(fit.searched[name], axis),
                 "range": list(rig.unknown[name]),
                 "range_end_hit": fit.searched[name].bound_active is not None,
                 "profile": {"values": list(p.values), "rmse_training": list(p.rmse)},
@@ -112,7 +114,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         **({"excerpt": channels.excerpt} if channels.excerpt else {}),
         **({"added_kg": rig.added_kg} if rig.added else {}),
         **({"undetected": _undetected(fit)} if fit.fits_the_rig and fit.undetected else {}),
-        **({"free_cubic": {name: _entry(e, axis) for name, e in fit.cubic.items()}} if fit.cubic else {}),
+        **({"free_cubic": estimate_entries(fit.cubic, axis)} if fit.cubic else {}),
         "moving_threshold_rad_s": channels.selection.moving_threshold_rad_s,
         "fitted_on": {
             "what": counted.description,
@@ -151,21 +153,33 @@ def _correlation(fit: Fit) -> dict[str, Any]:
     }
 
 
-def _entry(e: Estimate, axis: AxisKind) -> dict[str, Any]:
+def estimate_entry(e: Estimate, axis: AxisKind, unit: str | None = None) -> dict[str, Any]:
+    """An estimate as every document has it, `unit` in place of its own.
+
+    Its standard error takes a value at a bound as that bound; it is null only where the covariance has none.
+    """
+    error, *ends = (float(x) if math.isfinite(x) else None for x in (e.std_error, *e.interval))
     return {
         "value": e.value,
-        "std_error": None if e.widened else e.std_error,
-        "interval_95": [x if math.isfinite(x) else None for x in e.interval],
-        "unit": axis.unit(e.unit),
+        "std_error": error,
+        "interval_95": ends,
+        "unit": axis.unit(e.unit) if unit is None else unit,
         "bound_active": e.bound_active,
+        "at_bound": e.bound_active is not None,
+        "widened_by_bound": e.widened,
     }
+
+
+def estimate_entries(estimates: Mapping[str, Estimate], axis: AxisKind) -> dict[str, Any]:
+    """Estimates by name."""
+    return {name: estimate_entry(e, axis) for name, e in estimates.items()}
 
 
 def _alignment(fit: Fit) -> dict[str, Any]:
     rig = fit.problem.rig
     found = {**fit.coefficients, **fit.searched}
     return {
-        name: {**_entry(found[name], rig.axis), "estimated": True}
+        name: {**estimate_entry(found[name], rig.axis), "estimated": True}
         if name in found
         else {"value": getattr(rig.alignment, name), "estimated": False}
         for name in alignment_of(rig.axis)
@@ -297,6 +311,6 @@ def _mechanical(fit: Fit, name: str) -> Estimate:
 def _words(e: Estimate, axis: AxisKind) -> str:
     low, high = e.interval
     bound = f", at its {e.bound_active} bound" if e.bound_active else ""
-    error = "" if e.widened else f", std error {e.std_error:.2g}"
+    error = f", std error {e.std_error:.2g}" if math.isfinite(e.std_error) else ""
     unit = "" if e.unit == "1" else f" {axis.unit(e.unit)}"
     return f"fitted: {e.value:.4g}{unit}{error}, 95 % interval {low:.4g} to {high:.4g}{bound}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -146,8 +147,7 @@ def estimate_table(shown: Mapping[str, Estimate]) -> list[str]:
     """Return estimates by name as lines of a table, each with standard error, interval and unit."""
     table = [("", "value", "std error", "95 % interval", "unit")]
     table += [
-        (name, f"{e.value:.4g}", "-" if e.widened else f"{e.std_error:.2g}", _interval(e), e.unit + _bound(e))
-        for name, e in shown.items()
+        (name, f"{e.value:.4g}", _error(e), _interval(e), e.unit + _bound(e)) for name, e in shown.items()
     ]
     widths = [max(len(row[k]) for row in table) for k in range(4)]
     out = []
@@ -174,8 +174,14 @@ def _interval(e: Estimate) -> str:
     return f"{e.interval[0]:.4g} to {e.interval[1]:.4g}"
 
 
+def _error(e: Estimate) -> str:
+    return f"{e.std_error:.2g}" if math.isfinite(e.std_error) else "-"
+
+
 def _bound(e: Estimate) -> str:
-    return f"  ({e.bound_active} bound active)" if e.bound_active else ""
+    if e.bound_active:
+        return f"  ({e.bound_active} bound active)"
+    return "  (interval widened by a bound)" if e.widened else ""
 
 
 def _bounds_line(fit: Fit, axis: AxisKind) -> list[str]:
@@ -186,7 +192,7 @@ def _bounds_line(fit: Fit, axis: AxisKind) -> list[str]:
     at = "its bound" if len(fit.bounds_active) == 1 else "their bounds"
     out = [f"{axis.named(', '.join(fit.bounds_active))}: at {at}"]
     if any(e.widened for e in fit.coefficients.values()):
-        out[0] += "; where no std error is shown, the interval is wider for that reason"
+        out[0] += "; the intervals allow for values off the bound, the standard errors do not"
     if gain <= 0.0:
         return out
     text = f"without bounds the held-out RMSE is {free:.4g}"
@@ -258,8 +264,9 @@ def compare(fit: Fit) -> Comparison:
     )
 
 
-def plot_fit(shown: Comparison, left: Any, right: Any) -> None:
+def plot_fit(shown: Comparison, left: Any, right: Any = None) -> None:
     """Draw measured against predicted friction on the left axes, both over the speed on the right ones."""
+    drawn = [left] if right is None else [left, right]
     name, unit = shown.quantity, shown.unit
     both = np.concatenate([shown.measured, shown.paper, shown.linear])
     ends = [float(both.min()), float(both.max())]
@@ -269,18 +276,22 @@ def plot_fit(shown: Comparison, left: Any, right: Any) -> None:
         (shown.paper, _PAPER, "paper", shown.model, 3.0),
         (shown.linear, _LINEAR, "linear", "Coulomb + viscous", 1.5),
     )
-    right.plot(shown.speed, shown.measured, color=_MEASURED, label="measured", markersize=3.0, **style)
+    if right is not None:
+        right.plot(shown.speed, shown.measured, color=_MEASURED, label="measured", markersize=3.0, **style)
     for values, color, which, called, size in models:
         label = f"{called}: RMSE {shown.rmse[which]:.3g} {unit}"
         left.plot(values, shown.measured, color=color, label=label, markersize=size, **style)
-        right.plot(shown.speed, values, color=color, label=called, markersize=size, **style)
+        if right is not None:
+            right.plot(shown.speed, values, color=color, label=called, markersize=size, **style)
     left.plot(ends, ends, color="black", linewidth=0.8)
     left.set(xlabel=f"predicted {name} [{unit}]", ylabel=f"measured {name} [{unit}]")
-    right.set(xlabel=shown.velocity, ylabel=f"{name} [{unit}]")
-    for axes in (left, right):
+    if right is not None:
+        right.set(xlabel=shown.velocity, ylabel=f"{name} [{unit}]")
+    for axes in drawn:
         axes.grid(linewidth=0.3)
         # Above the axes, where it never covers a dot.
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, handletextpad=0.2)
         for handle in axes.get_legend().legend_handles:
             handle.set_markersize(10.0)
-    left.figure.suptitle(shown.title, fontsize=9.0)
+    if right is not None:
+        left.figure.suptitle(shown.title, fontsize=9.0)

@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import few
-from eccentric.model import AxisKind
+from eccentric.emission import InertialLoss, inertial_loss
+from eccentric.model import AxisKind, Model, with_values
 from eccentric.rigs import Rig
 from eccentric.simulation import ModelErrors, Refined, SimulatedErrors, WholeRunErrors
 
@@ -129,6 +130,26 @@ def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
         ).rstrip()
         for row in rows
     ]
+
+
+def loss_warnings(models: Mapping[str, tuple[Model, Mapping[str, float]]]) -> list[str]:
+    """Models whose friction takes more of an acceleration than their inertia, by name -> (model, values)."""
+    found = []
+    for name, (model, values) in models.items():
+        own = {q.name: values[q.name] for q in model.parameters if q.name in values}
+        loss = inertial_loss(with_values(model, own, model.name))
+        if loss is not None and not loss.solvable:
+            found.append(f"{name}: {loss_sentence(loss, model.axis)}")
+    return found
+
+
+def loss_sentence(loss: InertialLoss, axis: AxisKind) -> str:
+    """What is wrong with friction that takes more of an acceleration than the inertia."""
+    unit = axis.unit("kg m^2")
+    return (
+        f"friction that follows the acceleration takes up to {loss.loss:.3g} {unit}, more than the"
+        f" {axis.term('inertia')} of {loss.inertia:.3g} {unit}: a step in time has no single solution"
+    )
 
 
 def plot_simulation(found: SimulatedErrors, axes: Sequence[Any], unit: str) -> None:

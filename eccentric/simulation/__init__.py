@@ -11,6 +11,7 @@ rig where it has one; `refine` -> a fit refined on the simulated error of its tr
     integrate   many spans and parameter sets at once
     errors      simulated errors of models
     refine      parameters that minimise them
+    predicted   the drive of any log by a fitted model, and what it leaves
     draws       parameter sets drawn from the joint uncertainty of a fit
     limits      every threshold, with its reason
 
@@ -29,5 +30,6 @@ from eccentric.simulation.errors import (
 from eccentric.simulation.integrate import SimulatedMotion, integrate
 from eccentric.simulation.law import Law, step
 from eccentric.simulation.plant import DrivePlant, plants_of, together
+from eccentric.simulation.predicted import FittedDrive, Predicted, fitted_drive
 from eccentric.simulation.recording import Recording, Spans, recording_of, whole_runs, windows
 from eccentric.simulation.refine import Refined, refine

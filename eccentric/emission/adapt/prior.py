@@ -193,10 +193,11 @@ def inputs_of(function: Any) -> list[str]:
 
 
 def covariance_of_fit(columns: tuple[Column, ...], fit: Mapping[str, Any]) -> np.ndarray:
-    """The covariance of a fit (n, n), 0 where it has none: a coefficient at a bound has no standard error."""
+    """The covariance of a fit (n, n), 0 where it has none: for a coefficient at a bound."""
     found = fit.get("coefficients")
     found = found if isinstance(found, Mapping) else {}
-    errors = np.array([_number(found, column.name, "std_error") for column in columns])
+    free = {name for name, e in found.items() if isinstance(e, Mapping) and not e.get("bound_active")}
+    errors = np.array([_number(found, c.name, "std_error") if c.name in free else 0.0 for c in columns])
     correlation = np.eye(len(columns))
     given = fit.get("correlation")
     names, matrix = (given["names"], given["matrix"]) if isinstance(given, Mapping) else ([], [])

@@ -120,10 +120,12 @@ class Parameter:
     Attributes:
         name, meaning, unit, value: as the emitted code has them.
         origin: "effect" (fitted, of an adopted effect), "friction" (fitted), "bench" (estimated jointly),
-            "rig" (known beforehand), "model" (its own value) or "unseen" (nothing in the log depends on it).
+            "part" (identified only in combination), "rig" (known beforehand), "model" (its own value) or
+            "unseen" (nothing in the log depends on it).
         std_error, interval: None where it was not estimated.
         bound: "lower" or "upper" if that bound is active; "" otherwise.
         widened: whether an active bound widens the interval.
+        part_of: the combination that alone is identified; "" for none.
         letter: MathML of its letter in the equations.
     """
 
@@ -136,6 +138,7 @@ class Parameter:
     interval: tuple[float, float] | None = None
     bound: str = ""
     widened: bool = False
+    part_of: str = ""
     letter: str = ""
 
 

@@ -151,8 +151,8 @@ _STYLES = {
 }
 
 
-def plot_report(data: ReportData, left: Any, right: Any) -> None:
-    """Draw the first figures of the report on two matplotlib axes.
+def plot_report(data: ReportData, left: Any, right: Any = None) -> None:
+    """Draw the first figures of the report on two matplotlib axes, or the first of them on one.
 
     On the left the residual before and after, over the signal that it depends on most; on the right measured
     and predicted friction over the motor velocity, or the residual if the balance contains no friction.
@@ -163,6 +163,8 @@ def plot_report(data: ReportData, left: Any, right: Any) -> None:
     channels = sorted(balance.rows.channels, key=lambda c: order.get(c.key, len(order)))
     panels = (residual_panel(balance, channel) for channel in channels)
     _draw(left, next((panel for panel in panels if panel is not None), None), balance, "residual", axis)
+    if right is None:
+        return
     velocity = balance.rows.channel("velocity")
     friction = None if velocity is None else friction_panel(balance, velocity)
     if friction is not None:

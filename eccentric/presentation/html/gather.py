@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from pathlib import Path
 
@@ -171,10 +172,10 @@ def facts_of(found: Diagnosis) -> list[Fact]:
         value = getattr(channels.alignment, field)
         if e := found.models.extended.estimates.get(field):
             return Fact(
-                name, f"{e.value:.4g} {unit}", f"estimated, 95 % interval {range_of(e.interval)} {unit}"
+                name, f"{number(e.value)} {unit}", f"estimated, 95 % interval {range_of(e.interval)} {unit}"
             )
         given = "estimated" if field in found.rig.estimate else "from the rig file" if value else "none given"
-        return Fact(name, f"{factor * value:.4g} {unit}", given)
+        return Fact(name, f"{number(factor * value)} {unit}", given)
 
     facts = [
         Fact("rows read", f"{counts['read']}", f"{runs} run{'s' * (runs > 1)}"),
@@ -215,7 +216,7 @@ def facts_of(found: Diagnosis) -> list[Fact]:
     return [*facts, Fact("sensor noise", f"{noise:.3g} {unit}", remark)]
 
 
-_ORIGINS = ("effect", "friction", "bench", "rig", "model", "unseen")
+_ORIGINS = ("effect", "friction", "bench", "part", "rig", "model", "unseen")
 
 
 # The records of a report.
@@ -395,7 +396,8 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
     terms = found.models.extended.model.balance("mechanical").terms
     friction = {str(term.coefficient) for term in terms if term.kind == "friction"}
     estimates = found.models.extended.estimates
-    given = {*found.data.drive.identified, *estimates}
+    given = {*found.data.drive.identified, *estimates} - set(found.rig.known)
+    shared, placeholders = _shared(found, given), _placeholders(found)
     shown = spoken(found.models.extended.model)
     letters, typeset = {q.name: q for q in shown.parameters}, typesetter_of(shown)
     axis, rows = found.rig.axis, []
@@ -404,6 +406,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
         kinds = (
             ("effect", own),
             ("friction", friction),
+            ("part", shared),
             ("bench", given),
             ("rig", found.rig.known),
             ("model", found.data.drive.known.keys() - {known.name for known in KNOWNS}),
@@ -412,17 +415,40 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
         # A coefficient that is inseparable from another is not fitted: the other represents their sum.
         if value is None or (origin == "friction" and estimates and q.name not in estimates):
             continue
+        if q.name in placeholders and origin in {"unseen", "rig"}:
+            continue
         fitted = origin in {"effect", "friction", "bench"}
         unit = in_drive_unit(q.unit, found.unit) if fitted else q.unit
         own_letter = letters[axis.named(q.name)]
         letter, unit = typeset(own_letter.symbol), axis.unit(unit)
         row = Parameter(own_letter.name, own_letter.meaning, unit, value, origin, letter=letter)
+        row = replace(row, part_of=shared.get(q.name, ""))
         if e := estimates.get(q.name):
             error = e.std_error if math.isfinite(e.std_error) else None
             ends = e.interval if all(map(math.isfinite, e.interval)) else None
             row = replace(row, std_error=error, interval=ends, bound=e.bound_active or "", widened=e.widened)
         rows.append(row)
     return sorted(rows, key=lambda row: _ORIGINS.index(row.origin))
+
+
+def _shared(found: Diagnosis, given: AbstractSet[str]) -> dict[str, str]:
+    """Parameters -> what the log identifies of them: only the inertia as a whole, only R over k_i."""
+    drive, axis = found.data.drive, found.rig.axis
+    machine, shared = drive.machine, {}
+    if machine.link and {machine.rotor, machine.link} <= given:
+        letters = (axis.named(name) for name in (machine.rotor, machine.link))
+        shared |= dict.fromkeys((machine.rotor, machine.link), "{} + mu^2 {}".format(*letters))
+    motor = {*machine.torque_letters, *machine.resistance_letters}
+    if drive.by_voltage and motor <= given:
+        shared |= dict.fromkeys(motor, axis.named("R/k_i"))
+    return shared
+
+
+def _placeholders(found: Diagnosis) -> set[str]:
+    """Parameters that stand for nothing known or identified: of the motor, and 1 kg m^2 of a coast-down."""
+    machine, known = found.data.drive.machine, set(found.rig.known)
+    motor = machine.torque_letters | machine.resistance_letters | machine.back_emf_letters
+    return (motor - known) | (set(machine.inertias) if found.rig.per_inertia else set())
 
 
 def _correlations(fit: Refit, axis: AxisKind) -> Correlations | None:

@@ -33,6 +33,7 @@ _ORIGINS = {
     "effect": "fitted, new",
     "friction": "fitted",
     "bench": "estimated jointly",
+    "part": "only {} is identified",
     "model": "model default, not fitted",
     "unseen": "a placeholder: nothing in this log depends on it",
     "rig": "declared in the rig file",
@@ -264,7 +265,7 @@ def _hints(data: ReportData) -> list[tuple[str, CandidateRow, str]]:
 
 def _candidate(c: CandidateRow, data: ReportData) -> dict[str, Any]:
     units = {balance.name: balance.unit for balance in data.errors.balances}
-    standing = "adopted" if c.adopted else "tied" if c.family in data.search.tied else ""
+    standing = "tied" if c.family in data.search.tied else "adopted" if c.adopted else ""
     return {
         "standing": standing,
         "id": c.id,
@@ -290,6 +291,6 @@ def _parameter(p: Parameter, axis: AxisKind) -> dict[str, str]:
         "error": "" if p.std_error is None else number(p.std_error, 2),
         "interval": "" if p.interval is None else range_of(p.interval),
         "unit": unit_text(p.unit),
-        "note": "; ".join([_ORIGINS[p.origin], *notes]),
+        "note": "; ".join([_ORIGINS[p.origin].format(p.part_of), *notes]),
         "origin": p.origin,
     }
