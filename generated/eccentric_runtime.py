@@ -1,4 +1,4 @@
-# Generated: do not edit. Written by `make derive` (eccentric 0.1.0).
+# Generated: do not edit. Written by `make derive` (eccentric 0.2.0b1).
 """The runtime of the NumPy modules emitted by eccentric; it knows no model.
 
 A kernel is a formula in plain NumPy that takes coefficients and inputs. For arrays it is called once, with

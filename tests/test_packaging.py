@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from eccentric.model import load_model
+from eccentric.version import __version__
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -193,3 +194,14 @@ def test_no_script_has_the_name_of_a_standard_module(path: Path) -> None:
 def test_every_derivation_loads(path: Path) -> None:
     """Each script in `derivations/` defines a model that the toolkit can load by the script's name."""
     assert path.stem == load_model(path.stem).name
+
+
+def test_the_citation_has_the_version() -> None:
+    """CITATION.cff, the changelog and the emitted package name the version that is built."""
+    names = {
+        "CITATION.cff": f"version: {__version__}\n",
+        "CHANGELOG.md": f"## {__version__}\n",
+        "generated/pyproject.toml": f'version = "{__version__}"\n',
+    }
+    for name, line in names.items():
+        assert line in (ROOT / name).read_text(encoding="utf-8"), name
