@@ -241,7 +241,21 @@ class Search:
         return fitted
 
     def chances(self, place: int) -> dict[str, float]:
-        """Probabilities of an adopted effect's family and of those in its place, over variants of the log."""
+        """Probabilities of an adopted effect's family and of those in its place, over variants of the log.
+
+        What its name covers counts with it; a family whose name covers it is no alternative.
+        """
+        family, found = self.best.variants[place].candidate.family, self._chances(place)
+        found[family] += sum(found.get(other, 0.0) for other in self.best.variants[place].covers)
+        return {other: chance for other, chance in found.items() if other not in self._agreeing(place)}
+
+    def _agreeing(self, place: int) -> tuple[str, ...]:
+        """Families whose names an adopted effect covers, or that cover its own: both are right, or none."""
+        variant, options = self.best.variants[place], self.alternatives[place].items()
+        own = variant.candidate.family
+        return (*variant.covers, *(f for f, (_, fitted) in options if own in fitted.last.evidence.covers))
+
+    def _chances(self, place: int) -> dict[str, float]:
         family, options = self.best.variants[place].candidate.family, self.alternatives[place]
         # A family beside it, found once more in its place, is no alternative to it.
         beside = {v.candidate.family for v in self.best.variants} - {family}
@@ -255,7 +269,6 @@ class Search:
             found = {other: chance / sum(open_to.values()) for other, chance in open_to.items()}
         if same := self.same(place):
             found |= dict.fromkeys((family, *same), sum(found[f] for f in (family, *same)) / (1 + len(same)))
-        found[family] += sum(found.pop(other, 0.0) for other in self.best.variants[place].covers)
         return found
 
     def same(self, place: int) -> tuple[str, ...]:
@@ -270,6 +283,7 @@ class Search:
             other
             for other, (_, fitted) in self.alternatives[place].items()
             if other not in {v.candidate.family for v in self.best.variants}
+            and other not in self._agreeing(place)
             and not aliased(variant.candidate, fitted.last)
             and len(fitted.coefficients) == len(self.best.coefficients)
             and len(fitted.last.shapes) == len(variant.candidate.shapes)
@@ -281,8 +295,9 @@ class Search:
         family = self.best.variants[place].candidate.family
         if family in self.by_both:
             return True
-        names = family, *self.best.variants[place].covers
-        return self.chances(place)[family] >= limits.SURE and self.stability.nearly_all(*names)
+        names, chances = (family, *self._agreeing(place)), self._chances(place)
+        sure = sum(chances.get(name, 0.0) for name in names) >= limits.SURE
+        return sure and self.stability.nearly_all(*names)
 
     def instead(self, family: str) -> dict[str, int]:
         """Families that variants of the log find in the place of an adopted one: in how many, most first.
@@ -331,18 +346,22 @@ class Search:
                 self.best, self.alternatives = left, [self.alternatives[k] for k in kept]
 
     def _share_names(self) -> None:
-        """A family that covers an adopted one takes its place, unless that one is clearly ahead."""
+        """A family that covers an adopted one takes its place, unless the whole log is sure of that one.
+
+        Variants of the log guard against a wrong name, and of these two none is wrong.
+        """
         while general := self._covering():
             self.best = self.screen.refine(general)
             self._compare(0)
 
     def _covering(self) -> Fitted | None:
-        """The best model with a likely family that covers an adopted one which is not clearly ahead."""
-        for place, variant in enumerate(self.best.variants):
-            chances = {} if self.clear(place) else self.chances(place)
-            for family, (_, fitted) in self.alternatives[place].items():
-                covered = variant.candidate.family in fitted.last.evidence.covers
-                if covered and chances.get(family, 0.0) > limits.POSSIBLE:
+        """The best model with a family that covers an adopted one."""
+        for variant, options in zip(self.best.variants, self.alternatives, strict=True):
+            own = variant.candidate.family
+            for chance, fitted in options.values():
+                if own in fitted.last.evidence.covers and options[own][0] < limits.SURE * (
+                    options[own][0] + chance
+                ):
                     return fitted
         return None
 
