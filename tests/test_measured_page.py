@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -85,6 +86,24 @@ def test_what_the_terminal_shows_is_the_result(name: str) -> None:
     assert f"$ eccentric diagnose data.csv.gz --rig examples/rigs/{name}.toml --out build/{name}" == command
     assert RESULTS[name]["console"] == lines
     assert files.startswith(f"build/{name}: report.html")
+
+
+def test_every_drive_has_a_line_with_what_a_specialist_would_object() -> None:
+    """One row for each remark, in their order; its other cells are those that the last run gave."""
+    remarks = tomllib.loads((DOCS / "measured" / "remarks.toml").read_text(encoding="utf-8"))["line"]
+    lines = json.loads((DOCS / "measured" / "lines.json").read_text(encoding="utf-8"))
+    (shown,) = re.findall(r"<!-- lines -->\n(.*?)<!-- end -->", PAGE, flags=re.DOTALL)
+    rows = [[cell.strip() for cell in row.strip("| ").split(" | ")] for row in shown.splitlines()[2:]]
+
+    assert set(lines) == {one["name"] for one in remarks}
+    assert [
+        [
+            one["drive"],
+            *(lines[one["name"]][key] for key in ("made of", "cause", "ranges", "says")),
+            one["objection"],
+        ]
+        for one in remarks
+    ] == rows
 
 
 def test_pictures_are_there_small_and_used() -> None:

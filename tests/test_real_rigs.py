@@ -9,6 +9,7 @@ import pytest
 
 from eccentric.diagnosis import Diagnosis, diagnose
 from eccentric.diagnosis.limits import ROUNDING
+from eccentric.presentation import diagnosis_sentence
 
 ROOT = Path(__file__).resolve().parents[1]
 MEASURED = ROOT.parent / "shared" / "data" / "measured"
@@ -46,6 +47,15 @@ def test_servo_lacks_friction_that_follows_the_load_of_its_gear() -> None:
     assert (diagnosis.effects[0][0].family, diagnosis.unit) == ("load_dependent", "N m")
     assert diagnosis.score.interval[0] > 0.0
     assert over.gains["extended"][1][0] > 0.0
+
+
+@pytest.mark.slow
+def test_the_winding_of_the_servo_is_not_alone() -> None:
+    """Its resistance follows the register of the temperature more than three times as steeply as copper's."""
+    (check,) = [check for check in servo().ranges if check.effect == "resistance_temperature"]
+    assert check.outside == "above"
+    assert check.value > 3.0 * 0.393
+    assert "times copper's: not the winding alone." in diagnosis_sentence(servo())
 
 
 @pytest.mark.slow

@@ -141,10 +141,11 @@ def _notes(effect: Effect) -> list[str]:
         only = f"a {kind} that is not declared or {', '.join(words)}"
         said.append(f"Only with {'the angle of the motor' if kind == ANGLE else only}.")
     for known in effect.plausible:
+        unit = "" if known.unit == "1" else f" {known.unit}"
         ranges = [("", known.low, known.high, known.source)]
         ranges += [(f"{part}: ", *of_part) for part, of_part in known.by_part.items()]
         said += [
-            f"Known of {known.name.rstrip(',')}: {part}{low:g} to {high:g} {known.unit} ({source})."
+            f"Known of {known.name.rstrip(',')}: {part}{low:g} to {high:g}{unit} ({source})."
             for part, low, high, source in ranges
             if math.isfinite(high)
         ]

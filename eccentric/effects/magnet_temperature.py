@@ -19,8 +19,7 @@ MAGNETS_KNOWN = Plausible(
     "%/K",
     0.02,
     0.20,
-    "T. J. E. Miller, Brushless Permanent-Magnet and Reluctance Motor Drives, 1989: ferrite 0.20, NdFeB 0.12,"
-    " SmCo 0.04, Alnico 0.02 %/K",
+    "neomagnetsupplier.com, Types of Magnets, 2008: ferrite 0.20, NdFeB 0.12, SmCo 0.04, Alnico 0.02 %/K",
     "the temperature coefficient of the flux",
     above="not the magnets alone",
     below="less than any magnet, or a sensor that warms up more than the magnets",

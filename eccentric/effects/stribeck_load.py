@@ -10,6 +10,7 @@ import sympy as sp
 from eccentric.effects.effect import LOAD, Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, direction, speed, weight
 from eccentric.effects.load_dependent import FORMULAS, loads
+from eccentric.effects.stribeck import speed_at_the_output
 from eccentric.model import GEARS, Definition, Load, Role, quantity
 from eccentric.model import vocabulary as v
 
@@ -77,6 +78,7 @@ def _gear(setting: Setting) -> list[Effect]:
             definitions=(*constants, Definition(load, torque)),
             inputs=inputs,
             only_with={"gear": GEARS},
+            plausible=(speed_at_the_output(w_s),),
             words=replace(
                 WORDS, headline=f"Stribeck friction with exponent {d} that follows the {variant} torque"
             ),
