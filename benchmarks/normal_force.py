@@ -30,7 +30,7 @@ from eccentric.model import load_model, regressor
 from eccentric.rigs import read_arm_rig, read_rig
 from eccentric.signals import read_channels, turn_line
 
-PAGE, FIGURE = ROOT / "docs" / "normal-force.md", ROOT / "docs" / "measured" / "normal_force.svg"
+PAGE, FIGURE = ROOT / "docs" / "normal-force.md", ROOT / "docs" / "normal_force.svg"
 LETTERS = ("C_lN", "B_lN")
 TABLE_1 = own_letters(load_model("c2_parallel"))
 G = 9.81
@@ -47,8 +47,10 @@ ARMS = {"dfki_double_pendulum_a": "double pendulum A", "dfki_double_pendulum_c":
 
 @dataclass(frozen=True)
 class Bound:
-    """What a log says of a coefficient: interval, and Table 1's value in standard errors."""
+    """What a log says of a coefficient: value, error, interval, and Table 1's value in standard errors."""
 
+    value: float
+    error: float
     low: float
     high: float
     z: float
@@ -89,8 +91,9 @@ def single(data: Path, name: str, label: str) -> tuple[Row, eccentric.api.planne
     bounds = {}
     estimates = {**found.estimates, **found.combinations}
     for letter in LETTERS:
-        low, high = estimates[letter].interval
-        bounds[letter] = Bound(low, high, found.document["undetected"][letter]["z"])
+        one = estimates[letter]
+        said = found.document["undetected"].get(letter, {"z": one.value / one.std_error})
+        bounds[letter] = Bound(one.value, one.std_error, *one.interval, said["z"])
     rig = read_rig(rig_path)
     scale = next((e.value for key, e in found.estimates.items() if key == "R/k_i"), 1.0)
     averaged = channels.rig.sampling.average_over or 0.3
@@ -120,7 +123,12 @@ def arm(data: Path, name: str, label: str) -> list[Row]:
     for joint, called in zip(found.joints, ("shoulder", "elbow"), strict=True):
         estimates, force = joint.every.estimates, joint.every.data.signals.values["load_N"]
         bounds = {
-            letter: Bound(*estimates[letter].interval, TABLE_1[letter] / estimates[letter].std_error)
+            letter: Bound(
+                estimates[letter].value,
+                estimates[letter].std_error,
+                *estimates[letter].interval,
+                TABLE_1[letter] / estimates[letter].std_error,
+            )
             for letter in LETTERS
         }
         rows.append(Row(f"{label}, {called}", (float(np.min(force)), float(np.max(force))), bounds))
@@ -264,7 +272,6 @@ def draw(rows: list[Row], motor_c: float, motor_b: float) -> None:
             axes.text(TABLE_1[letter], -0.9, " Table 1", fontsize=8, va="bottom", ha="right")
             axes.set(xscale="log", xlabel=f"{letter} [{unit}], at most", ylim=(len(rows) + 0.6, -1.0))
             axes.set_yticks(range(len(labels)), labels)
-        FIGURE.parent.mkdir(exist_ok=True)
         figure.savefig(FIGURE, metadata={"Date": None})
         text = FIGURE.read_text(encoding="utf-8")
         FIGURE.write_text("\n".join(line.rstrip() for line in text.splitlines()) + "\n", encoding="utf-8")
@@ -310,7 +317,7 @@ def plan_table(plans: list[tuple[str, Any]]) -> str:
         cells.append([label, angle, *now, *needs])
     return table(
         "drive | stroke [rad] | speed [rad/s] | time [s] | mass [kg] | noise [N m] | z"
-        " | or time [s] | or speed [rad/s] | or mass [kg]",
+        " | z = 5 by time [s] | by speed [rad/s] | by mass [kg]",
         cells,
     )
 
@@ -332,6 +339,12 @@ def page(rows: list[Row], plans: list[tuple[str, Any]], facts: Mapping[str, Any]
     able = {k: [row for row in rows if row.bounds[k].z >= 5.0] for k in LETTERS}
     worst = {k: max(row.bounds[k].high for row in able[k]) / TABLE_1[k] for k in LETTERS}
     seen = [row.name for row in rows if any(row.bounds[k].low > 0.0 for k in LETTERS)]
+    above = [
+        f"{row.name} ({k} = {row.bounds[k].value:.2g} ± {row.bounds[k].error:.1g} {unit})"
+        for row in rows
+        for k, unit in (("C_lN", "m"), ("B_lN", "m s/rad"))
+        if row.bounds[k].value > 0.0
+    ]
     blind = [row for row in rows if min(row.bounds[k].z for k in LETTERS) < 5.0]
     bare, disc = facts["bare"], facts["disc"]
     drum, tyre = (facts["turns"][name] for name in ("drum", "tyre"))
@@ -367,12 +380,13 @@ Of the double pendulum, every load that its logs show is in the fit beside F_N.
 
 {bounds_table(rows)}
 
-![Upper bounds of both coefficients for each drive, on logarithmic axes, left of the dashed line of Table 1](measured/normal_force.svg)
+![Upper bounds of both coefficients for each drive, on logarithmic axes, left of the dashed line of Table 1](normal_force.svg)
 
 Blue: Table 1's value would be at z = 5 or more. Red: the log could not have shown it. Open: by the argument about the brushless motor below.
 
 {len(able["C_lN"])} of {len(rows)} joints could have shown Table 1's C_lN, {len(able["B_lN"])} its B_lN.
 On these, C_lN is at most {100 * worst["C_lN"]:.2g} % and B_lN at most {100 * worst["B_lN"]:.2g} % of it, and the interval leaves out 0 {"on " + ", ".join(seen) if seen else "nowhere"}.
+The best fit has a coefficient above 0 for {", ".join(above) or "none"}, by the errors that it has with all that is at a bound held there; the intervals reach 0, since they allow for the other loads and constants leaving theirs.
 {"; ".join(f"The {row.name} cannot tell" for row in blind)}: its z is {number(min(min(row.bounds[k].z for k in LETTERS) for row in blind)) if blind else "-"}, and its bounds come from a fit that lacks what its gear does.
 
 ## What would have shown it
@@ -414,12 +428,12 @@ No mass is unbalanced, and F_N never changes.
 
 No log shows friction that follows F_N{"" if not seen else ", but for " + ", ".join(seen)}, and {len(able["C_lN"])} of {len(rows)} would have shown the size that Table 1 assumes with near certainty.
 Table 1's coefficients are excluded for these drives, by a factor of {1 / worst["C_lN"]:.0f} or more for C_lN and {1 / worst["B_lN"]:.0f} or more for B_lN.
-The idea itself is not: friction by F_N of a rolling bearing, a small coefficient times a small radius, is below every bound here.
+The idea itself is not: a rolling bearing has a small coefficient at a small radius, and such a C_lN may be below every bound here.
 
 ## Doubt
 
 - A bound holds for a model that lacks nothing else. Where it does, as on the servo, friction by another cause can hide a positive coefficient or push it to its bound of 0.
-- The torque of the pendulums is the driver's own, from its current, and its scale is off by tens of percent; L or the masses take that up, and the bounds scale with it.
+- The torque of the pendulums is the driver's own, from its current, and its scale is not known; L or the masses take that up, and the bounds scale with it.
 - The disc turns through {np.ptp(plans[1][1].bounds.angle):.2g} rad or less nearly always: its F_N varies by a factor of {rows[1].force[1] / rows[1].force[0]:.2g} only, and its z rests on that and on the model of its voltage.
 - The argument about the brushless motor needs a level axis. If the axis is vertical, the line is something else and F_N is unknown.
 - z counts the noise of the log, correlated as it is, but no drift from one day to another.
