@@ -9,6 +9,7 @@
     compare               logs, rig, models -> CompareResult: their errors on the same rows
     simulate              logs, rig, models -> SimulateResult: their motion against the measured one
     plan                  logs, rig, limits -> PlanResult: the motion that would decide what is open
+    plan_detection        rig, limits -> DetectionPlanResult: what would show friction by F_N, without a log
     load_model, emit      a derivation -> Model; a Model -> NumPy module and C99 files
     export                a Model or a fit -> files of a simulator  -> ExportResult
     compile               a Model -> a Python module whose functions are the emitted C

@@ -35,6 +35,7 @@ from eccentric.api import export as export
 from eccentric.api import fit as fit
 from eccentric.api import fit_arm as fit_arm
 from eccentric.api import plan as plan
+from eccentric.api import plan_detection as plan_detection
 from eccentric.api import simulate as simulate
 from eccentric.compiled import compile as compile  # noqa: A004 - called as eccentric.compile
 from eccentric.core import InputError as InputError

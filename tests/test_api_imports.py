@@ -35,6 +35,7 @@ OFFERED = {
         "fit_arm",
         "load_model",
         "plan",
+        "plan_detection",
         "read_arm_rig",
         "read_log",
         "read_rig",

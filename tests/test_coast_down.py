@@ -6,11 +6,11 @@ import tomllib
 
 import numpy as np
 import pytest
-from logged import SHARED, needs_shared
 from scipy.integrate import solve_ivp
 
 import eccentric
 from eccentric.core import InputError
+from tests.logged import SHARED, needs_shared
 
 J = 0.002
 KNOWN = {"case": "C1", "mu": 1, "M": "0 kg", "L": "0 m"}

@@ -10,6 +10,9 @@ from typing import Any
 
 import pytest
 
+import eccentric
+from tests.logged import RIGS, SHARED, needs_shared
+
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = (DOCS / "measured-rigs.md").read_text(encoding="utf-8")
 RESULTS: dict[str, Any] = json.loads((DOCS / "measured" / "results.json").read_text(encoding="utf-8"))
@@ -111,3 +114,18 @@ def test_pictures_are_there_small_and_used() -> None:
     shown = re.findall(r"!\[([^\]]+)\]\(measured/([\w.]+)\)", PAGE)
     assert {path.name for path in (DOCS / "measured").glob("*.[sp][vn]g")} == {name for _, name in shown}
     assert [] == [name for _, name in shown if (DOCS / "measured" / name).stat().st_size > 150_000]
+
+
+@needs_shared
+@pytest.mark.slow
+def test_the_page_on_the_normal_force_is_that_of_its_logs() -> None:
+    """Bounds and z of a drive are those of a fit today, and the page stays short."""
+    page = (DOCS / "normal-force.md").read_text(encoding="utf-8")
+    name = "dfki_ak80_pendulum"
+    found = eccentric.fit(SHARED / "measured" / name / "data.csv.gz", RIGS / f"{name}.toml").document
+    row = tables(page)[0]["rows"]["quasi-direct drive, pendulum"]
+    said = found["undetected"]
+    shown = [said[k][x] for k in ("C_lN", "B_lN") for x in ("upper_95", "z")]
+
+    assert [row[k] for k in (1, 3, 4, 6)] == [f"{x:.3g}" for x in shown]
+    assert len(page.splitlines()) < 120

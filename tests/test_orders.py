@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 from scipy.signal import find_peaks, lombscargle
 
+from eccentric.core import InputError
 from eccentric.diagnosis import Diagnosis, diagnose, orders_of, score
 from eccentric.presentation import diagnosis_document
+from eccentric.signals.turn_line import turn_line
 from tests import screw
+from tests.logged import SHARED, needs_shared
 from tests.screw import Array
 
 RIPPLE = {1: 0.3e-3, 3: 0.15e-3}
@@ -140,3 +143,37 @@ def test_a_spectrum_over_few_angles_a_turn_has_no_holes(steps: int) -> None:
 
     assert np.all(np.isfinite(share))
     assert -1e-9 <= np.min(share) <= np.max(share) <= 1.0 + 1e-9
+
+
+@pytest.mark.parametrize(("order", "share"), [(1, 1.0), (5, 1.04)])
+def test_the_line_of_a_drive_gives_the_angle(order: int, share: float) -> None:
+    """A cosine of the angle at a slowly varying speed: its phase is the angle, though the clock is off."""
+    t = np.arange(0.0, 6.0, 0.0005)
+    theta = 90.0 * t + 0.4 * np.sin(1.3 * t)
+    signal = 3.0 + 0.5 * np.cos(order * theta + 0.7) + np.random.default_rng(3).normal(0.0, 0.5, len(t))
+    line = turn_line(t, signal, np.full(len(t), 90.0 / share))
+
+    assert line.order == order
+    assert line.frequency == pytest.approx(90.0 / (2.0 * np.pi), rel=0.005)  # as it varies
+    assert line.amplitude == pytest.approx(0.5, rel=0.05)
+    inner = slice(2000, -2000)
+    error = line.theta - theta
+    # Noise as large as the amplitude, averaged over eight cycles: sqrt(3/rows) of a radian.
+    assert np.std(error[inner]) * order < 2.0 * np.sqrt(3.0 / (8.0 * 2000.0 / (order * line.frequency)))
+    with pytest.raises(InputError, match="a line at 1 to 5 times the speed in the drive signal is required"):
+        turn_line(t, signal - 0.5 * np.cos(order * theta + 0.7), np.full(len(t), 90.0))
+
+
+@needs_shared
+def test_two_lines_of_a_motor_agree_that_its_clock_is_off() -> None:
+    """Measured: its unbalance and, without the disc, its poles give the same 4 % between line and speed."""
+    ratios = []
+    for path in sorted((SHARED / "field" / "logs").glob("15-*/*.csv")):
+        counts, rpm = np.loadtxt(path, delimiter=",", skiprows=1).T
+        speed = rpm * np.pi / 30.0
+        line = turn_line(np.arange(len(counts)) / 2000.0, counts, speed)
+        ratios.append(line.frequency / (np.median(speed) / (2.0 * np.pi)))
+
+    assert len(ratios) == 2
+    assert ratios[0] == pytest.approx(ratios[1], rel=2e-3)
+    assert ratios[0] == pytest.approx(1.042, abs=2e-3)

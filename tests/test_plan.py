@@ -21,8 +21,16 @@ from eccentric.cli import main
 from eccentric.core import InputError
 from eccentric.diagnosis import Diagnosis, diagnose
 from eccentric.diagnosis.search import PARTS, STABLE, SURE, Variant
-from eccentric.model import TURNING
-from eccentric.planning import Bounds, planned, question_from, question_of, read_bounds
+from eccentric.model import TURNING, load_model
+from eccentric.planning import (
+    Bounds,
+    plan_detection,
+    planned,
+    question_from,
+    question_of,
+    read_bounds,
+    sought_of,
+)
 from eccentric.planning.choice import Heavier, decided
 from eccentric.planning.limits import MARGIN, UNDECIDED
 from eccentric.planning.motion import Reference, joined, pieces
@@ -437,3 +445,61 @@ def test_a_declared_value_stands_in_for_a_rivals_own_effect(contest: Separation)
     assert [[*shared, c.id] for c in contest.declared] == [
         [v.candidate.id for v in one.variants] for one in contest.besides
     ]
+
+
+SLIGHT = {"case": "C1", "mu": "1/5", "M": "0.5 kg", "M_l": "0.2 kg", "L": "0.25 m"}
+WIDE = Bounds(speed=100.0, acceleration=2000.0, current=1.0, time=60.0)
+
+
+def _by_hand(bounds: Bounds, noise: float, mass: float, values: dict[str, float]) -> float:
+    """Z of the harder coefficient in case C1 by the covariance of least squares, with the paper's columns."""
+    best = 0.0
+    for piece in pieces(bounds, 20.0, np.random.default_rng(1)):
+        motion = joined([piece], bounds)
+        w, a = motion.omega[::4], motion.alpha[::4]
+        force, mu, way = mass * 0.25 * (0.2 * w) ** 2, 0.2, np.sign(w)
+        x = np.column_stack([mu**2 * force * w, mu * force * way, w, way, a, np.ones_like(w)])
+        x = x[np.abs(w) > 0.03 * bounds.speed]
+        size = np.linalg.norm(x, axis=0)
+        if len(x) > 6 and np.linalg.cond(x / size) < 1e6:
+            variance = np.diag(np.linalg.inv((x / size).T @ (x / size))) / size**2 * noise**2
+            variance *= motion.seconds / bounds.time
+            z = [values["B_lN"] / variance[0] ** 0.5, values["C_lN"] / variance[1] ** 0.5]
+            best = max(best, min(z))
+    return best
+
+
+def test_what_a_rig_could_show_without_a_log() -> None:
+    """Z is that of least squares; the time, speed and mass that are said to be enough are, and just so."""
+    rig, model, noise = read_rig({"known": SLIGHT}), load_model("c1_perpendicular"), 0.5
+    values = sought_of(["B_lN", "C_lN=0.1"], model)
+    found = plan_detection(rig, model, WIDE, values, noise)
+
+    assert values == {"B_lN": 0.004, "C_lN": 0.1}
+    assert found.z == pytest.approx(_by_hand(WIDE, noise, 0.5, values), rel=1e-6)
+    assert found.z < 5.0
+    assert found.time_s == pytest.approx(60.0 * (5.0 / found.z) ** 2)
+    assert found.speed_rad_s is not None
+    assert found.mass_kg is not None
+    faster = _by_hand(replace(WIDE, speed=found.speed_rad_s), noise, 0.5, values)
+    heavier = _by_hand(WIDE, noise, found.mass_kg, values)
+    assert 5.0 <= min(faster, heavier)
+    assert max(faster, heavier) < 5.2
+
+
+def test_what_cannot_be_planned_without_a_log_is_refused(tmp_path: Path) -> None:
+    """Another coefficient, a noise of 0, a current that does not even move the load, a log beside --for."""
+    rig = {"known": {**SLIGHT, "k_i": "0.02 N m/A"}}
+    with pytest.raises(InputError, match="--for: one of B_lN, C_lN is required, received 'B_m'"):
+        eccentric.plan_detection(rig, LIMITS, "B_m")
+    with pytest.raises(InputError, match="--noise: a torque above 0 N m is required"):
+        eccentric.plan_detection(rig, LIMITS, "C_lN", noise="0 N m")
+    with pytest.raises(InputError, match=r"limits: room for one motion at .* A is required"):
+        eccentric.plan_detection(rig, {**LIMITS, "current_A": 1e-9}, "C_lN")
+    said = eccentric.plan_detection(rig, {**LIMITS, "current_A": 90.0}, ["C_lN"], noise="0.1 N m")
+    assert said.write(tmp_path / "plan") == [tmp_path / "plan" / "plan.json"]
+    assert set(said.document["for"]) == {"C_lN"}
+    assert (
+        main(["plan", "a.csv", "--for", "C_lN", "--rig", "r", "--limits", "l", "--out", str(tmp_path / "x")])
+        == 2
+    )

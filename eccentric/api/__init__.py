@@ -8,7 +8,7 @@
     of_arms     fit_arm, diagnose_arm  -> ArmFitResult, ArmDiagnosisResult
     compared    compare    -> CompareResult
     simulation  simulate   -> SimulateResult
-    planned     plan       -> PlanResult
+    planned     plan       -> PlanResult; plan_detection -> DetectionPlanResult
     emitted     emit       -> files
     exported    export     -> ExportResult, files
     adapted     adapt      -> AdaptResult

@@ -23,8 +23,10 @@ from eccentric.api.of_arms import ArmDiagnosisResult as ArmDiagnosisResult
 from eccentric.api.of_arms import ArmFitResult as ArmFitResult
 from eccentric.api.of_arms import diagnose_arm as diagnose_arm
 from eccentric.api.of_arms import fit_arm as fit_arm
+from eccentric.api.planned import DetectionPlanResult as DetectionPlanResult
 from eccentric.api.planned import PlanResult as PlanResult
 from eccentric.api.planned import plan as plan
+from eccentric.api.planned import plan_detection as plan_detection
 from eccentric.api.regressor import FrictionRegressor as FrictionRegressor
 from eccentric.api.simulated import ArmBenchResult as ArmBenchResult
 from eccentric.api.simulated import BenchResult as BenchResult

@@ -3,31 +3,44 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, sources_of
+from eccentric.api.inputs import (
+    LogSources,
+    ModelSource,
+    RigSource,
+    by_name,
+    model_of,
+    names_given,
+    sources_of,
+)
 from eccentric.api.result import Printed
 from eccentric.api.tables import ResultTable
+from eccentric.core import InputError, whole_folder
 from eccentric.diagnosis import diagnose
 from eccentric.emission import template
+from eccentric.logs import parse_value
 from eccentric.model import Model, load_model
 from eccentric.planning import (
     FIRMWARE_HZ,
     RATE_HZ,
     Bounds,
+    DetectionPlan,
     MeasurementPlan,
     planned,
     question_from,
     question_of,
     read_bounds,
     require_link,
+    sought_of,
 )
-from eccentric.presentation import plan_document, plan_lines
+from eccentric.planning import plan_detection as detection_planned
+from eccentric.presentation import detection_document, detection_lines, plan_document, plan_lines
 from eccentric.rigs import read_mass, read_rig
 from eccentric.signals import read_long
 
@@ -178,3 +191,57 @@ class PlanResult(Printed):
     def __repr__(self) -> str:
         names = ", ".join(rival.family for rival in self.plan.rivals)
         return f"<PlanResult: {self.plan.motion.seconds:.0f} s for {names or 'the base model'}>"
+
+
+def plan_detection(
+    rig: RigSource,
+    limits: str | os.PathLike[str] | Mapping[str, Any] | Bounds,
+    sought: str | Sequence[str] = ("B_lN", "C_lN"),
+    model: ModelSource | None = None,
+    noise: str | None = None,
+) -> DetectionPlanResult:
+    """Say what speed, mass and time would show friction by F_N at z = 5, without a log.
+
+    Args:
+        rig: what is known about the rig; a range in `[unknown]` counts as its middle.
+        limits: as `plan` takes them.
+        sought: coefficients with the model's own value (Table 1 of the paper), or one of yours, "C_lN=0.01".
+        model: by default that of the rig's case or tilt.
+        noise: of an independent sample of the torque on the motor side, as "2 mN m"; by default 1 % of the
+            torque at the limit of the current.
+
+    Raises:
+        InputError: a coefficient is none that follows F_N, a quantity of the rig or a limit is missing, or no
+            motion stays within the limits.
+    """
+    rig = read_rig(rig)
+    base = model_of(rig.model if model is None else model)
+    values = sought_of(names_given(sought), base)
+    sigma = None if noise is None else parse_value(noise, "N m", "--noise")
+    if sigma is not None and sigma <= 0.0:
+        raise InputError("--noise", "a torque above 0 N m", f"{noise!r}")
+    made = detection_planned(rig, base, read_bounds(limits, rig.axis), values, sigma)
+    return DetectionPlanResult(
+        plan=made,
+        lines=tuple(detection_lines(made)),
+        warnings=rig.warnings,
+        document=detection_document(made),
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DetectionPlanResult(Printed):
+    """What would show friction by F_N. It prints as `summary()`.
+
+    Attributes:
+        plan: z within the limits, and the time, speed and mass that would be enough, each alone.
+        lines, warnings, document: as in Printed; the document is the content of plan.json.
+    """
+
+    plan: DetectionPlan
+
+    def write(self, out: str | os.PathLike[str]) -> list[Path]:
+        """Write plan.json. InputError: the folder cannot be written."""
+        with whole_folder(out, "plan") as folder:
+            (folder / "plan.json").write_text(self.to_json(), encoding="utf-8")
+        return [Path(out) / "plan.json"]

@@ -48,13 +48,13 @@ def log_suffixes() -> str:
     return ", ".join(f"{s}{'[.gz]' if one.gzipped else ''}" for one in FORMATS for s in one.suffixes)
 
 
-def add_logs(parser: argparse.ArgumentParser) -> None:
+def add_logs(parser: argparse.ArgumentParser, nargs: str = "+") -> None:
     """Add the inputs of a fit: logs, their rig, and the model."""
     add = parser.add_argument
     add(
         "logs",
         metavar="LOG",
-        nargs="+",
+        nargs=nargs,
         help=f"logs of one rig: {log_suffixes()}; of more than 100,000 rows together, windows are used,"
         " see docs/long-logs.md",
     )

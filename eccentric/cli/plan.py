@@ -9,12 +9,13 @@ from eccentric.core import InputError, own_folder
 NAME = "plan"
 HELP = "plan a motion to decide between the remaining candidates, within the limits of the drive"
 EXAMPLE = """eccentric plan my.csv --rig my.toml --limits limits.toml --out build/plan
-eccentric diagnose my.csv my_new.csv --rig my.toml --out build/settled"""
+eccentric diagnose my.csv my_new.csv --rig my.toml --out build/settled
+eccentric plan --for B_lN,C_lN --rig my.toml --limits limits.toml --out build/detection"""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    add_logs(parser)
+    add_logs(parser, nargs="*")
     parser.add_argument(
         "--limits",
         metavar="LIMITS",
@@ -33,6 +34,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="MASS",
         help='a mass to be added to the link, such as "0.2 kg": plan motions with it',
     )
+    parser.add_argument(
+        "--for",
+        dest="sought",
+        metavar="NAMES",
+        help="without logs: the speed, mass and time that would show these coefficients of friction by F_N at"
+        " Table 1's values, or at yours, as in B_lN,C_lN=0.01",
+    )
+    parser.add_argument(
+        "--noise", metavar="TORQUE", help='with --for: noise of an independent sample, as "2 mN m"'
+    )
     add_folder(parser, "the reference, as CSV and C, and its picture")
 
 
@@ -41,6 +52,10 @@ def run(args: argparse.Namespace) -> int:
     own_folder(args.out)
     if arm_of(args.rig, {"--model": args.model}):
         raise InputError(args.rig, problem="plan requires the rig of a single drive, received that of an arm")
+    if args.sought is not None:
+        return _for(args)
+    if not args.logs:
+        raise InputError("plan", problem="a log is required, or --for, received neither")
     found = eccentric.plan(
         args.logs,
         args.rig,
@@ -51,6 +66,19 @@ def run(args: argparse.Namespace) -> int:
         args.diagnosis,
         args.added,
     )
+    names = [path.name for path in found.write(args.out)]
+    print_warnings(found.warnings)
+    print(found.summary())
+    print(f"{args.out}: {', '.join(names)}")
+    return 0
+
+
+def _for(args: argparse.Namespace) -> int:
+    """Plan without a log."""
+    if args.logs:
+        raise InputError("--for", "no log", args.logs[0], why="with it")
+    sought = args.sought.split(",")
+    found = eccentric.plan_detection(args.rig, args.limits, sought, args.model, args.noise)
     names = [path.name for path in found.write(args.out)]
     print_warnings(found.warnings)
     print(found.summary())

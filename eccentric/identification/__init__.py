@@ -88,6 +88,7 @@ from eccentric.identification.uncertainty import (
     Estimate,
     Spread,
     correlation,
+    covariance,
     improvement,
     improvement_over_runs,
     r_squared,

@@ -81,3 +81,16 @@ DECIDES = 0.9
 """Probability from which a plan is said to decide."""
 WORTH_A_RUN = 0.5
 """Probability below which another motion is not worth the run."""
+SHOWN_AT_Z = 5.0
+"""Standard errors at which a coefficient counts as shown beyond doubt."""
+NOISE_OF_THE_LIMIT = 0.01
+"""Noise of an independent sample of the torque over the torque of the largest current, where none is known: a
+drive's ammeter with ten bits on a range of some times that current, and the ripple that a low pass leaves."""
+SLOW_PART = 0.03
+"""Part of the largest speed below which rows do not count as moving, as in a fit."""
+MOST_TIMES_FASTER = MOST_TIMES_HEAVIER = 100.0
+"""Multiples of speed and mass up to which a rig is imagined."""
+WIDER, SEARCH_STEPS = 1.5, 5
+"""Factor from one multiple to the next that is tried, and bisections between the last two: within 1 %."""
+PIECE_S = 20.0
+"""Length of the pieces that are tried: longer times are repetitions."""

@@ -39,6 +39,8 @@ from eccentric.presentation.html import plot_report as plot_report
 from eccentric.presentation.html import rendered as rendered
 from eccentric.presentation.html import report as report
 from eccentric.presentation.html import report_data as report_data
+from eccentric.presentation.plan_text import detection_document as detection_document
+from eccentric.presentation.plan_text import detection_lines as detection_lines
 from eccentric.presentation.plan_text import plan_document as plan_document
 from eccentric.presentation.plan_text import plan_lines as plan_lines
 from eccentric.presentation.simulation_text import horizons_document as horizons_document

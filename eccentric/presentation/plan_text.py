@@ -7,7 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.planning import DECIDES, HARDLY, RATE_HZ, WORTH_A_RUN, MeasurementPlan
+from eccentric.planning import (
+    DECIDES,
+    HARDLY,
+    RATE_HZ,
+    SHOWN_AT_Z,
+    WORTH_A_RUN,
+    DetectionPlan,
+    MeasurementPlan,
+)
 from eccentric.presentation.measurement_text import measurement_sentence
 
 
@@ -135,3 +143,48 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
         },
     }
     return plan.axis.keyed(document)
+
+
+def detection_lines(plan: DetectionPlan) -> list[str]:
+    """What a person reads of a plan without a log."""
+    bounds, own = plan.bounds, "assumed, 1 % of the torque at the limit" if plan.assumed else "as given"
+    head = f"{plan.model}, {bounds.speed:.4g} rad/s, {bounds.time:.4g} s, {plan.mass:.4g} kg; noise of an"
+    said = [f"{head} independent sample {plan.noise:.3g} N m ({own}):"]
+    said += [f"  {name} = {one.value:g} {one.unit}: z = {one.z:.3g}" for name, one in plan.sought.items()]
+    needs = (
+        ("time", plan.time_s, "s"),
+        ("speed", plan.speed_rad_s, "rad/s"),
+        ("unbalanced mass", plan.mass_kg, "kg"),
+    )
+    said.append(f"Enough for z = {SHOWN_AT_Z:g}, each with the others as they are:")
+    said += [
+        f"  {name} " + ("alone does not help" if need is None else f"{need:.3g} {unit}")
+        for name, need, unit in needs
+    ]
+    current = "" if plan.current is None else f", {plan.current:.3g} of {bounds.current:.3g} A"
+    said.append(f"Motion: {plan.motion}; with these values it needs {plan.torque:.3g} N m{current}.")
+    said.append("Only white noise is counted: let the drive warm up first, and alternate the directions.")
+    return said
+
+
+def detection_document(plan: DetectionPlan) -> dict[str, Any]:
+    """The content of plan.json of a plan without a log, format eccentric-detection/1."""
+    return {
+        "format": "eccentric-detection/1",
+        "model": plan.model,
+        "for": {name: vars(one) for name, one in plan.sought.items()},
+        "required_z": SHOWN_AT_Z,
+        "noise_Nm": plan.noise,
+        "noise_assumed": plan.assumed,
+        "limits": {
+            "speed_rad_s": plan.bounds.speed,
+            "acceleration_rad_s2": plan.bounds.acceleration,
+            "current_A": plan.bounds.current,
+            "time_s": plan.bounds.time,
+            "angle_rad": None if plan.bounds.angle is None else list(plan.bounds.angle),
+        },
+        "M_kg": plan.mass,
+        "enough": {"time_s": plan.time_s, "speed_rad_s": plan.speed_rad_s, "M_kg": plan.mass_kg},
+        "motion": plan.motion,
+        "largest": {"torque_Nm": plan.torque, "current_A": plan.current},
+    }

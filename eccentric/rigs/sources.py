@@ -184,6 +184,7 @@ class LogMap:
         runs: names or patterns of the runs that count, empty for all.
         kinds: what the value of a row stands for, of `KINDS`, by channel; one that is not in it is a sample.
         events: whether a row is the time of one turn of the shaft, and no sample.
+        by_line: whether an angle that is not logged is the phase of the drive's line once per turn.
     """
 
     columns: Mapping[str, ColumnSource] | None
@@ -193,6 +194,7 @@ class LogMap:
     runs: tuple[str, ...]
     kinds: Mapping[str, str] = field(default_factory=dict)
     events: bool = False
+    by_line: bool = False
 
 
 @dataclass(frozen=True)

@@ -18,3 +18,4 @@ from eccentric.signals.quality import Ratio, beside_the_rig, shared_cause
 from eccentric.signals.rows import Band, Filtered, Rows, band_of, blocks_of, require_rows
 from eccentric.signals.sampling import fit_rows, hann_windows, rows_of, search_rows, weights_by_parts
 from eccentric.signals.table import Table, read_table
+from eccentric.signals.turn_line import turn_line

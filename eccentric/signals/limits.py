@@ -11,6 +11,18 @@ MUCH_LOST = 0.05
 """Losing this fraction of the log is a warning: beyond it, the rest may not represent the whole."""
 GAP_STEPS = 5.0
 """A time step longer than this many median steps is a gap."""
+LINE_ORDERS, LINE_REACH = 5, 0.08
+"""Highest order of a line that gives the angle, and how far from the logged speed it may be: closer than half
+the distance between two orders."""
+LINE_POWER = 50.0
+"""Power of such a line over the median around it: of white noise, the largest of thousands has 15."""
+SAME_CLOCK = 0.005
+"""Part by which the line and the logged speed may differ if both clocks are right: a quartz is far better, a
+speed in whole revolutions per minute is not."""
+LINE_TRACK = 8.0
+"""Cycles of a line over which its phase is a mean."""
+LINE_TURNS = 20
+"""Turns that tell a line from its neighbours."""
 NEAR_PEAK = 0.99
 """Part of the highest speed down to which a coast-down may still have been driven: a speed loop keeps it."""
 FEWEST_TURNS = 8

@@ -26,6 +26,7 @@ from eccentric.signals.limits import (
     MEANS,
     NEAR_CAUSE,
     QUANTA,
+    SAME_CLOCK,
     SLOW,
     SWITCHING_S,
     UNEVEN_STEP,
@@ -33,6 +34,7 @@ from eccentric.signals.limits import (
     WRAP_HOLE,
     WRAP_SPAN,
 )
+from eccentric.signals.turn_line import turn_line
 
 if TYPE_CHECKING:
     from eccentric.rigs import Rig
@@ -208,9 +210,12 @@ def of_the_motor(table: Table, rig: Rig) -> tuple[Table, list[str]]:
     """
     logged = motor_side(table, rig, "theta_m", "theta_l")
     omega = motor_side(table, rig, "omega_m", "omega_l")
-    theta, warnings = (
-        _integral(table, omega, rig.axis) if logged is None else (_smooth(table, rig, logged), [])
-    )
+    if logged is not None:
+        theta, warnings = _smooth(table, rig, logged), []
+    elif rig.log.by_line and omega is not None:
+        theta, warnings = _by_line(table, rig, omega)
+    else:
+        theta, warnings = _integral(table, omega, rig.axis)
     own = {"theta_m": theta} | ({} if omega is None else {"omega_m": omega})
     rest = {c: x for c, x in table.channels.items() if not c.startswith(("theta_", "omega_"))}
     return dataclasses.replace(table, channels=rest | own), warnings
@@ -221,6 +226,24 @@ def _smooth(table: Table, rig: Rig, theta: Array) -> Array:
         return theta
     t = table.channels["time"]
     return unwrapped(t, theta, stretches(t, table.run), table.run, rig.known.get("mu"))[0]
+
+
+def _by_line(table: Table, rig: Rig, omega: Array) -> tuple[Array, list[str]]:
+    """The angle by the line that the drive signal of each run has once per turn, and what its speed says."""
+    sides = (("current", ""), ("torque", "torque_l"), ("voltage", ""))
+    signals = [motor_side(table, rig, motor, link) for motor, link in sides]
+    drive = next(x for x in signals if x is not None)
+    t, theta, ratios = table.channels["time"], np.empty(len(omega)), []
+    for rows in rows_of_each(table.run):
+        name = table.run_names[int(table.run[rows[0]])]
+        line = turn_line(t[rows], drive[rows], omega[rows], f"{rig.path}: {name}")
+        theta[rows] = line.theta
+        ratios.append(line.frequency * TURN / abs(float(np.median(omega[rows]))))
+    ratio = float(np.median(ratios))
+    text = f"angle: line {line.order}/turn, {ratio:.4g} times speed"
+    if not abs(ratio - 1.0) > SAME_CLOCK:
+        return theta, [text]
+    return theta, [f"{text}; sample_rate_hz = {1.0 / float(np.median(np.diff(t))) / ratio:.4g}?"]
 
 
 def _integral(table: Table, omega: Array | None, axis: AxisKind) -> tuple[Array, list[str]]:
