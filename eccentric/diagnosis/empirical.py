@@ -1,10 +1,11 @@
 """A term without a cause: which variables it follows, how many pieces it has, and its coefficients.
 
 What is fitted is the residual of the model found so far together with that model's friction: splines of one
-variable, then of a second beside it, compete by cross-validation over the blocks of the training part, and the
-least number of pieces that does about as well as the best is taken. Differences of neighbouring coefficients,
-and changes of the friction that the model has already, are penalised a little: what both could explain stays
-where it was, so that beyond the data the model goes on as before. The held-out part then has to confirm it.
+variable, then of a second beside it, compete by cross-validation over the blocks of the training part, and
+the least number of pieces that does about as well as the best is taken. Differences of neighbouring
+coefficients, and changes of the friction that the model has already, are penalised a little: what both could
+explain stays where it was, so that beyond the data the model goes on as before. The held-out part then has to
+confirm it.
 """
 
 from __future__ import annotations
@@ -28,8 +29,7 @@ from eccentric.diagnosis.limits import (
     EMPIRICAL_WITHIN,
 )
 from eccentric.diagnosis.search import Gram, bounded_solve, bounded_solve_each, groups_of, sum_of_each
-from eccentric.effects import Effect, Setting
-from eccentric.effects.empirical import ANGLES, Curve, empirical, variable_of
+from eccentric.effects import ANGLES, Curve, Effect, Setting, empirical_term, variable_of
 from eccentric.identification import FitData, Refit, base_coefficients, compiled, improvement
 from eccentric.model import Load, Role
 
@@ -53,6 +53,16 @@ class Empirical:
     fitted: Refit
     percent: float
     interval: tuple[float, float]
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """What it follows."""
+        return tuple(dict.fromkeys(curve.variable for curve in self.curves))
+
+    @property
+    def rmse(self) -> tuple[float, float]:
+        """Held-out RMSE of the mechanical balance, without it and with it."""
+        return self.before.held_out("mechanical"), self.fitted.held_out("mechanical")
 
     @property
     def confirmed(self) -> bool:
@@ -176,8 +186,27 @@ class _Choice:
         return float(self.cross.sum())
 
 
+def variables_followed(data: FitData, setting: Setting) -> tuple[str, ...]:
+    """What a term may follow on a log: what it has, and what a drive knows of its own state.
+
+    An angle needs a zero common to all runs; the load on the gear of a joint is what its arm gives it.
+    """
+    channels, known = data.drive.channels, setting.base
+    bodies = known.balance("mechanical").sum_of("bodies") != 0
+    turns = channels.phased and known.axis.wraps and not bodies
+    offered = {
+        "velocity": True,
+        "gravity_load": bool(np.any(data.gravity)),
+        "transmitted_torque": bodies,
+        "link_angle": turns,
+        "motor_angle": turns and abs(setting.mu) != 1.0,
+        "temperature": channels.temperature is not None,
+    }
+    return tuple(name for name, there in offered.items() if there)
+
+
 def fit_empirical(
-    before: Refit, data: FitData, setting: Setting, variables: Sequence[str]
+    before: Refit, data: FitData, setting: Setting, variables: Sequence[str] | None = None
 ) -> Empirical | None:
     """The term of one or two variables that predicts the blocks of the training part best.
 
@@ -185,12 +214,13 @@ def fit_empirical(
         before: the model found so far.
         data: the log.
         setting: what the base model and its ranges are.
-        variables: those that the term may follow, see `Curve`.
+        variables: those that the term may follow, see `Curve`; by default all of the log.
 
     Returns None where none predicts them clearly better than the model without it.
     """
     fit = _Fit(before, data, setting)
-    offers = {name: list(_offers(fit, name)) for name in variables}
+    names = variables_followed(data, setting) if variables is None else variables
+    offers = {name: list(_offers(fit, name)) for name in names}
     plain = fit.solve((), EMPIRICAL_STIFF[0])[1]
     best = None
     for _ in range(2):
@@ -265,7 +295,7 @@ def _made(fit: _Fit, choice: _Choice) -> Empirical | None:
             values += own[kept].tolist()
     if not curves:
         return None
-    effect = empirical(fit.setting, curves).told_for(fit.data.drive.channels.rig.axis)
+    effect = empirical_term(fit.setting, curves).told_for(fit.data.drive.channels.rig.axis)
     own = dict(zip((q.name for q in effect.coefficients), values, strict=True))
     model = effect.extend(before.model, own)
     moved = dict(zip(fit.names, map(float, friction), strict=True))
@@ -274,6 +304,7 @@ def _made(fit: _Fit, choice: _Choice) -> Empirical | None:
     after = residuals.rows("mechanical", everything) + fit.outside
     score = fit.data.rows.score
     percent, interval = improvement(before.residuals["mechanical"][score], after[score])
+    held = [k for k, name in enumerate(before.estimates) if name not in moved]
     fitted = replace(
         before,
         model=model,
@@ -281,5 +312,6 @@ def _made(fit: _Fit, choice: _Choice) -> Empirical | None:
         values=everything,
         residuals={**before.residuals, "mechanical": after},
         estimates={n: e for n, e in before.estimates.items() if n not in moved},
+        covariance=before.covariance[np.ix_(held, held)],
     )
     return Empirical(effect, tuple(curves), before, fitted, percent, interval)

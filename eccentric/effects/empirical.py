@@ -1,9 +1,9 @@
 """A term without a cause: B-splines over one variable or two, for what no effect of the library explains.
 
-Its friction is c(x) sgn w with c a sum of quadratic B-splines whose coefficients are not negative, so that it
-never drives, whatever they are; beyond its knots c is constant. What is the same in both directions is a torque
-over an angle of zero mean over a turn, which does no work over one. It is no family of the library: nothing
-offers it to a search for causes, and its id says which variables it follows, never why.
+Its friction is c(x) sgn w with c a sum of quadratic B-splines whose coefficients are not negative, so that
+it never drives, whatever they are; beyond its knots c is constant. What is the same in both directions is a
+torque over an angle, of zero mean over a turn, which does no work over one. It is no family of the library:
+nothing offers it to a search for causes, and its id says which variables it follows, never why.
 """
 
 from __future__ import annotations
@@ -90,11 +90,13 @@ class Curve:
         return self.kept if self.kept is not None else tuple(range(self.width * (1 + self.each_way)))
 
     @property
-    def _middle(self) -> float:
+    def middle(self) -> float:
+        """The middle of its knots, of the variable as it is bent."""
         return 0.5 * (self._bent(self.low) + self._bent(self.high))
 
     @property
-    def _step(self) -> float:
+    def step(self) -> float:
+        """From one knot to the next, of the variable as it is bent."""
         return (self._bent(self.high) - self._bent(self.low)) / self.pieces
 
     def _bent(self, x: float) -> float:
@@ -105,11 +107,11 @@ class Curve:
         """Ends of its pieces, in the unit of the variable; of an angle in rad, 0 at the bottom."""
         if self.periodic:
             return tuple(2.0 * np.pi * k / self.pieces for k in range(self.pieces + 1))
-        bent = self._middle + self._step * (np.arange(self.pieces + 1) - 0.5 * self.pieces)
+        bent = self.middle + self.step * (np.arange(self.pieces + 1) - 0.5 * self.pieces)
         return tuple(float(y * self.bend / (1.0 - y)) if self.bend else float(y) for y in bent)
 
     def _centres(self, number: int) -> list[sp.Rational]:
-        """Where the B-spline of this number is in units of a piece: over an angle with its image a turn on."""
+        """Where the B-spline of this number is, in pieces; over an angle with its images a turn away."""
         number %= self.width
         half = sp.Rational(self.pieces, 2)
         if not self.periodic:
@@ -118,12 +120,12 @@ class Curve:
         return [centre for centre in images if abs(centre) < half + sp.Rational(3, 2)]
 
     def place(self, x: Array) -> Array:
-        """Values of the variable (n,), an angle in rad from the bottom, in units of a piece from the middle."""
+        """Values of the variable (n,), an angle in rad from the bottom, in pieces from the middle."""
         if self.periodic:
             turned = x / (2.0 * np.pi) - 0.5
             return self.pieces * (turned - np.round(turned))
         bent = x / (x + self.bend) if self.bend else x
-        return np.clip((bent - self._middle) / self._step, -0.5 * self.pieces, 0.5 * self.pieces)
+        return np.clip((bent - self.middle) / self.step, -0.5 * self.pieces, 0.5 * self.pieces)
 
     def columns(self, x: Array, omega: Array) -> Array:
         """Torque per coefficient (n, k) at values of the variable and the motor velocity (n,)."""
@@ -158,7 +160,7 @@ def _bump(x: Array) -> Array:
 
 @dataclass(frozen=True)
 class Variable:
-    """What a curve may follow: its expression, unit and words, and the definitions and inputs that it needs."""
+    """What a curve may follow: expression, unit and words, and the definitions and inputs that it needs."""
 
     expression: sp.Expr
     unit: str
@@ -187,7 +189,7 @@ def variable_of(name: str, setting: Setting, prefix: str = FAMILY) -> Variable:
     }[name]
 
 
-def empirical(setting: Setting, curves: Sequence[Curve]) -> Effect:
+def empirical_term(setting: Setting, curves: Sequence[Curve]) -> Effect:
     """The sum of curves as an effect; its id names their variables."""
     columns: list[Column] = []
     roles: list[Role] = []
@@ -237,9 +239,9 @@ def _place(prefix: str, curve: Curve, of: Variable) -> tuple[sp.Symbol, tuple[De
         turned = FromTop(theta_m, rate) * (curve.pieces * rate / (2 * sp.pi))
         return place.symbol, (Definition(place, turned),)
     bent = of.expression / (of.expression + _number(curve.bend)) if curve.bend else of.expression
-    per_unit = 1.0 / curve._step
+    per_unit = 1.0 / curve.step
     end = sp.Rational(curve.pieces, 2)
-    value = Clipped(_number(per_unit) * bent - _number(per_unit * curve._middle), -end, end)
+    value = Clipped(_number(per_unit) * bent - _number(per_unit * curve.middle), -end, end)
     return place.symbol, (Definition(place, value),)
 
 

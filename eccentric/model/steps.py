@@ -217,7 +217,7 @@ class Chord(OpaqueStep):
 
 
 class FromTop(OpaqueStep):
-    """The motor angle from the nearest top of the link, theta_m - (k + 1/2) 2 pi/mu, between -pi/mu and pi/mu.
+    """The motor angle from the nearest top of the link, theta_m - (k + 1/2) 2 pi/mu: at most pi/mu in size.
 
     It jumps at the bottom, so that only what is periodic in it is meaningful.
     """

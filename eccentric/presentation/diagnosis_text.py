@@ -139,6 +139,32 @@ def sibling_sentence(found: Diagnosis) -> str:
     )
 
 
+def empirical_sentence(found: Diagnosis) -> str:
+    """What the term without a cause does, or why there is none; where it may help, the offer of one.
+
+    "" where nothing of it is to be said.
+    """
+    own, axis = found.empirical, found.rig.axis
+    if not found.asked.request.empirical:
+        offer = "--empirical adds a smooth term without a cause in place of what is missing."
+        return offer if found.attribution.verdict == "unexplained" and found.models.fits_the_rig else ""
+    if own is None:
+        return "No smooth term in one or two variables predicts this log clearly better; none is added."
+    over = _listed([axis.term(name.replace("_", " ")) for name in own.variables])
+    low, high = own.interval
+    if not own.confirmed:
+        return (
+            f"A smooth term over {over} fits the training part, but does not predict the held-out part better"
+            f" (95 % interval of its gain {low:.1f} to {high:.1f} %); none is added."
+        )
+    falls = _falls(*own.rmse, _unit(found), own.percent, own.interval)
+    count = len(own.effect.coefficients)
+    return (
+        f"A term without a cause, {own.effect.id}, smooth in {over} with {count} coefficients, is in the"
+        f" emitted model: the held-out error {falls}."
+    )
+
+
 def _headline(words: Words, effect_id: str) -> str:
     """The description of an effect, its id second."""
     return f"{words.headline} ({effect_id})" if words.headline else effect_id
@@ -262,7 +288,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         out.append(aliased)
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, _unit(found), axis.term("angle"))
-    out += filter(None, [closest_sentence(found), sibling_sentence(found)])
+    out += filter(None, [closest_sentence(found), sibling_sentence(found), empirical_sentence(found)])
     if a.verdict == "unexplained" and found.models.fits_the_rig:
         out.append("closest candidates, none sufficient:")
         out += [f"  {_headline(c.words, c.id)}" for c in a.candidates[:4]]

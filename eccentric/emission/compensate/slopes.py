@@ -212,7 +212,7 @@ def _bump(_: sp.Expr, x: SlopeBound) -> SlopeBound:
     return SlopeBound(sp.Rational(3, 4), ZERO, x.slopes)
 
 
-def _from_top(e: sp.Expr, part: SlopeBound, mu: SlopeBound) -> SlopeBound:
+def _from_top(e: sp.Expr, part: SlopeBound, _mu: SlopeBound) -> SlopeBound:
     """The angle within its turn; what is made of it has no jump where it has."""
     return SlopeBound(sp.pi / sp.Abs(e.args[1]), None, part.slopes)
 
