@@ -20,6 +20,7 @@ from scipy.linalg import block_diag
 
 from eccentric.diagnosis.limits import (
     EMPIRICAL_CLEARLY,
+    EMPIRICAL_LEAST,
     EMPIRICAL_MOST,
     EMPIRICAL_NOTHING,
     EMPIRICAL_PIECES,
@@ -250,9 +251,9 @@ def _best(fit: _Fit, offers: Mapping[str, Sequence[_Term]], beside: tuple[_Term,
 
 
 def _clearly(before: Array, after: Array) -> bool:
-    """Whether the losses of groups fall by more than chance would let them."""
-    gain = before - after
-    return float(gain.sum()) > EMPIRICAL_CLEARLY * float(np.std(gain, ddof=1)) * np.sqrt(len(gain))
+    """Whether the losses of groups fall by more than chance would let them, and by what is worth it."""
+    gain, chance = before - after, np.sqrt(len(before)) * np.std(before - after, ddof=1)
+    return bool(gain.sum() > max(EMPIRICAL_CLEARLY * chance, EMPIRICAL_LEAST * before.sum()))
 
 
 def _offers(fit: _Fit, name: str) -> Iterator[_Term]:

@@ -62,7 +62,9 @@ EMPIRICAL_RANGE = (0.002, 0.998)
 """Quantiles of a variable between which a curve has its knots; it is constant beyond."""
 EMPIRICAL_WITHIN = 0.01
 """Part of the least cross-validated sum of squares by which that of a shorter term may be larger."""
-EMPIRICAL_CLEARLY = 1.0
-"""Standard errors, over the blocks, by which a term has to reduce the cross-validated sum of squares."""
+EMPIRICAL_CLEARLY = 2.0
+"""Standard errors, over the blocks, by which a curve has to reduce the cross-validated sum of squares."""
+EMPIRICAL_LEAST = 0.02
+"""Part of that sum by which it has to: a hundredth of the error is not worth code without a cause."""
 EMPIRICAL_NOTHING = 1e-9
 """A coefficient, or a range of a variable, below this part of the largest is none."""

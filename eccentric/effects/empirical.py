@@ -236,7 +236,7 @@ def _place(prefix: str, curve: Curve, of: Variable) -> tuple[sp.Symbol, tuple[De
     place = quantity(f"{prefix}_x", "1", f"place among the knots over the {of.meaning}", letter="x")
     if curve.periodic:
         rate = v.mu.symbol if curve.variable == "link_angle" else sp.Integer(1)
-        turned = FromTop(theta_m, rate) * (curve.pieces * rate / (2 * sp.pi))
+        turned = FromTop(theta_m, rate) * rate * _number(curve.pieces / (2.0 * np.pi))
         return place.symbol, (Definition(place, turned),)
     bent = of.expression / (of.expression + _number(curve.bend)) if curve.bend else of.expression
     per_unit = 1.0 / curve.step
