@@ -20,6 +20,7 @@ from scipy.linalg import block_diag
 
 from eccentric.diagnosis.limits import (
     EMPIRICAL_CLEARLY,
+    EMPIRICAL_GROUPS,
     EMPIRICAL_LEAST,
     EMPIRICAL_MOST,
     EMPIRICAL_NOTHING,
@@ -29,7 +30,7 @@ from eccentric.diagnosis.limits import (
     EMPIRICAL_TURN,
     EMPIRICAL_WITHIN,
 )
-from eccentric.diagnosis.search import Gram, bounded_solve, bounded_solve_each, groups_of, sum_of_each
+from eccentric.diagnosis.search import Gram, bounded_solve, bounded_solve_each, sum_of_each
 from eccentric.effects import ANGLES, Curve, Effect, Setting, empirical_term, variable_of
 from eccentric.identification import FitData, Refit, base_coefficients, compiled, improvement
 from eccentric.model import Load, Role
@@ -160,7 +161,8 @@ class _Fit:
         more, pull = self.penalty(matrix, terms, stiff)
         lower = np.concatenate([np.zeros(len(self.names)), *(term.lower for term in terms)])
         found = bounded_solve(matrix + more, vector + pull, lower)
-        group = groups_of(len(gram.square))
+        count = len(gram.square)
+        group = np.arange(count) * min(count, EMPIRICAL_GROUPS) // count
         left = matrix - sum_of_each(group, gram.matrix) + more
         right = vector - sum_of_each(group, gram.vector) + pull
         each = bounded_solve_each(left, right, lower)

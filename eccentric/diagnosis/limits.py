@@ -58,6 +58,8 @@ EMPIRICAL_TURN = (3, 4, 6, 8, 12, 16, 22)
 """The same over an angle, which closes."""
 EMPIRICAL_STIFF = (1e-3, 1e-1)
 """Weight of the differences of neighbouring coefficients, over that of the data."""
+EMPIRICAL_GROUPS = 24
+"""Groups of blocks, at most, each left out once: a hundred and fifty curves are tried."""
 EMPIRICAL_RANGE = (0.002, 0.998)
 """Quantiles of a variable between which a curve has its knots; it is constant beyond."""
 EMPIRICAL_WITHIN = 0.01

@@ -25,7 +25,6 @@ from eccentric.diagnosis.search.crossval import (
     Gram,
     bounded_solve,
     bounded_solve_each,
-    groups_of,
     sum_of_each,
 )
 from eccentric.diagnosis.search.from_effect import candidate_of, offered
