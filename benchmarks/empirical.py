@@ -23,7 +23,7 @@ from benchmarks.diagnosis import RATIOS
 from benchmarks.footprint import footprint, instructions
 from benchmarks.record import Measured, Part, progress
 from eccentric.core import InputError
-from eccentric.diagnosis import Empirical, fit_empirical, staged, staged_log, variables_followed
+from eccentric.diagnosis import fit_empirical, staged, staged_log, variables_followed
 from eccentric.diagnosis.stage import Stage
 from eccentric.effects import ANGLES, variable_of
 from eccentric.identification import FitData, Refit, compiled, improvement, refit, rms
@@ -76,26 +76,19 @@ def targets(data: Path, names: Sequence[str] = ()) -> Iterator[tuple[str, Stage]
 class Found:
     """What one drive gives: gains in percent of the held-out error of the paper's model.
 
-    peers: learned function -> gain; outside: third of the speeds left out -> error of the paper's model there
+    variables, coefficients, gain, interval: of the term that is emitted, none and 0 without one; peers: learned function -> gain; outside: third of the speeds left out -> error of the paper's model there
     and with the term, and the gain with its interval; cost: text and constants in bytes, instructions of a
     call, of the paper's model and with the term.
     """
 
     name: str
-    term: Empirical | None
     peers: dict[str, float]
+    variables: tuple[str, ...] = ()
+    coefficients: int = 0
+    gain: float = 0.0
+    interval: tuple[float, float] = (0.0, 0.0)
     outside: dict[str, tuple[float, float, tuple[float, float]]] = field(default_factory=dict)
     cost: tuple[tuple[int, ...], ...] = ()
-
-    @property
-    def kept(self) -> Empirical | None:
-        """The term, if the held-out part confirms it."""
-        return self.term if self.term is not None and self.term.confirmed else None
-
-    @property
-    def gain(self) -> float:
-        """Of what is emitted."""
-        return 0.0 if self.kept is None else self.kept.percent
 
     @property
     def share(self) -> float:
@@ -113,15 +106,14 @@ def judged(name: str, stage: Stage, folder: Path) -> Found:
     guesses = learned(inputs[rows.train], left[rows.train], inputs[rows.score])
     plain = rms(left[rows.score])
     gains = {peer: 100.0 * (1.0 - rms(left[rows.score] - y) / plain) for peer, y in guesses.items()}
-    found = Found(name, term, gains, thirds(stage))
-    turned = found.kept is not None and any(curve.conservative for curve in found.kept.curves)
-    functions = [FUNCTION, *(["gravity_torque"] if turned else [])]
-    found.cost = tuple(cost(fit, functions, folder / str(k)) for k, fit in enumerate(_fits(found, before)))
+    found, fits, functions = Found(name, gains, outside=thirds(stage)), [before], [FUNCTION]
+    if term is not None and term.confirmed:
+        found.variables, found.coefficients = term.variables, len(term.coefficients)
+        found.gain, found.interval = term.percent, term.interval
+        fits.append(term.fitted)
+        functions += ["gravity_torque"] if any(curve.conservative for curve in term.curves) else []
+    found.cost = tuple(cost(fit, functions, folder / str(k)) for k, fit in enumerate(fits))
     return found
-
-
-def _fits(found: Found, before: Refit) -> list[Refit]:
-    return [before] if found.kept is None else [before, found.kept.fitted]
 
 
 def inputs_of(stage: Stage) -> np.ndarray:
@@ -216,21 +208,21 @@ def cost(fit: Refit, functions: Sequence[str], folder: Path) -> tuple[int, ...]:
     return tuple(map(int, sums))
 
 
-def control(seed: int) -> tuple[Empirical | None, float]:
-    """The term of a bench log that lacks nothing, and what it gains on another log of the same rig [%]."""
+def control(seed: int) -> float | None:
+    """What the term of a bench log that lacks nothing gains on another log of the same rig [%]; None without."""
     one, other = _scenario(seed), _scenario(seed + 10**6)
     stage = _stage(one, False)
     before = refit(stage.base, (), stage.data)
     term = fit_empirical(before, stage.data, stage.setting)
     if term is None or not term.confirmed:
-        return None, 0.0
+        return None
     data: FitData = _stage(replace(one, course=other.course, seed=one.seed + 1), True).data
     rows = data.rows.train | data.rows.score
     errors = [
         data.residuals(fit.model, {}, fit.values, fit.scale).rows("mechanical", fit.values)[rows]
         for fit in (before, term.fitted)
     ]
-    return term, improvement(*errors)[0]
+    return improvement(*errors)[0]
 
 
 def _scenario(seed: int) -> Scenario:
@@ -259,18 +251,20 @@ def measured(quick: bool, data: Path = DATA, names: Sequence[str] = ()) -> Part:
             progress(name)
             found.append(judged(name, stage, Path(folder) / str(k)))
     count = 4 if quick else CONTROLS
-    controls = [control(FIRST_CONTROL + k) for k in range(0 if names else count)]
-    given = [gain for term, gain in controls if term is not None]
+    return part_of(found, [control(FIRST_CONTROL + k) for k in range(0 if names else count)])
+
+
+def part_of(found: Sequence[Found], controls: Sequence[float | None]) -> Part:
+    """What drives and controls give."""
+    given = [gain for gain in controls if gain is not None]
     ours = [one for one in found if one.name not in SHOWN_ONLY]
     shares = [one.share for one in ours]
     outside = [gain for one in ours for _, _, gain in one.outside.values()]
     figures = {
         "term median": Measured(float(np.median(shares))),
         "term least": Measured(min(shares)),
-        "term coefficients": Measured(
-            max((len(one.kept.coefficients) for one in ours if one.kept is not None), default=0)
-        ),
-        "term worse": Measured(sum(one.kept.interval[1] < 0.0 for one in ours if one.kept is not None)),
+        "term coefficients": Measured(max(one.coefficients for one in ours)),
+        "term worse": Measured(sum(one.interval[1] < 0.0 for one in ours)),
         "term outside": Measured(
             sum(high < 0.0 for _, high in outside), f"{sum(h < 0.0 for _, h in outside)} of {len(outside)}"
         ),
@@ -287,11 +281,11 @@ def lines_of(found: Sequence[Found]) -> list[str]:
     head = ["drive", "follows", "coefficients", "gain [%], 95 %", *peers, "of the best"]
     rows = [head, ["---", "---", *["--:"] * (len(head) - 2)]]
     for one in found:
-        term, cells = one.kept, [f"{one.peers[peer]:.1f}" for peer in peers]
+        cells = [f"{one.peers[peer]:.1f}" for peer in peers]
         follows, count, gain = "none", "", "0"
-        if term is not None:
-            follows, count = ", ".join(term.variables).replace("_", " "), str(len(term.coefficients))
-            gain = f"{term.percent:.1f} ({term.interval[0]:.1f} to {term.interval[1]:.1f})"
+        if one.variables:
+            follows, count = ", ".join(one.variables).replace("_", " "), str(one.coefficients)
+            gain = f"{one.gain:.1f} ({one.interval[0]:.1f} to {one.interval[1]:.1f})"
         share = f"{one.share:.2f}{' (not judged)' if one.name in SHOWN_ONLY else ''}"
         rows.append([one.name, follows, count, gain, *cells, share])
     rows2 = [
