@@ -201,5 +201,15 @@ DIAGNOSIS: dict[str, Asked] = {
     "plan stated": Asked("the same: stated probability, from what happened", "at most", 0.1),
     "plan seconds": Asked("the same: processor time of a plan", "at most", 60, "s"),
     "plan broken": Asked("the same: limits broken by drives 10 % off", "at most", 0),
+    "term median": Asked(
+        "a term without a cause: its gain over the best learned one's, median", "at least", 0.9
+    ),
+    "term least": Asked("the same: least", "at least", 0.7),
+    "term coefficients": Asked("the same: coefficients, at most", "at most", 24),
+    "term worse": Asked("the same: drives that it predicts worse, beyond the interval", "at most", 0),
+    "term outside": Asked(
+        "the same: thirds of the speeds, left out, where it predicts worse, beyond the interval", "at most", 0
+    ),
+    "term controls": Asked("the same: controls whose next log it predicts worse", "at most", 0),
     "readers": Asked("fuzzed inputs neither taken nor refused in one line", "at most", 0),
 }

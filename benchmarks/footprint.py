@@ -12,6 +12,7 @@ from pathlib import Path
 
 import eccentric
 from benchmarks.cortex_m4 import HERE, M0, M4F, M7, build, emulate, run
+from eccentric.model import Model
 
 MODEL = "c2_parallel"
 FUNCTIONS = (
@@ -62,8 +63,8 @@ CORES = {
     "RISC-V (rv64gc)": Core("riscv64-linux-gnu-", (), "double", board=False),
 }
 _STATES = ((0.4, 12.0), (9.5, -37.0), (-700.0, 80.0))
-_CALL = """#include "c2_parallel.h"
-volatile ECCENTRIC_REAL input[] = {{(ECCENTRIC_REAL){}, (ECCENTRIC_REAL){}, 0}}, output;
+_CALL = """#include "{}.h"
+volatile ECCENTRIC_REAL input[] = {{(ECCENTRIC_REAL){}, (ECCENTRIC_REAL){}, 0, 0, 0, 0, 0, 0}}, output;
 int main(void)
 {{
     ECCENTRIC_REAL {}, out[8] = {{0}};
@@ -76,17 +77,17 @@ int main(void)
 """
 
 
-def footprint(folder: Path, function: str, core: str) -> Footprint:
-    """The function alone, with fixed parameters and -O2.
+def footprint(folder: Path, function: str, core: str, model: str | Model = MODEL) -> Footprint:
+    """The function of a model alone, with fixed parameters and -O2.
 
     Raises:
         RuntimeError: the compiler is missing or fails.
     """
-    one, out = CORES[core], folder / function
-    eccentric.emit(MODEL, out, functions=[function], fixed=True, backend="c99")
-    made = out / f"{MODEL}.o"
+    one, out, name = CORES[core], folder / function, model if isinstance(model, str) else model.name
+    eccentric.emit(model, out, functions=[function], fixed=True, backend="c99")
+    made = out / f"{name}.o"
     options = (*one.options, "-std=c99", "-O2", "-fstack-usage", f"-DECCENTRIC_REAL={one.real}")
-    run(f"{one.tools}gcc", *options, "-c", out / f"{MODEL}.c", "-o", made)
+    run(f"{one.tools}gcc", *options, "-c", out / f"{name}.c", "-o", made)
     listed = run(f"{one.tools}size", "-A", made)
     sections = re.findall(r"^\.(text|rodata|srodata)\S*\s+(\d+)", listed, re.MULTILINE)
     used = made.with_suffix(".su").read_text(encoding="utf-8").splitlines()
@@ -97,29 +98,29 @@ def footprint(folder: Path, function: str, core: str) -> Footprint:
     )
 
 
-def instructions(folder: Path, function: str, core: str) -> int:
+def instructions(folder: Path, function: str, core: str, name: str = MODEL) -> int:
     """Executed instructions of a call, the greatest of three states; the call itself and its stores included."""
     one, out = CORES[core], folder / function
-    header = (out / f"{MODEL}.h").read_text(encoding="utf-8")
-    (declared,) = re.findall(rf"(\w+) {MODEL}_{function}\((.*?)\);", header, re.DOTALL)
+    header = (out / f"{name}.h").read_text(encoding="utf-8")
+    (declared,) = re.findall(rf"(\w+) {name}_{function}\((.*?)\);", header, re.DOTALL)
     names = re.findall(r"ECCENTRIC_REAL (\w+)", declared[1])
-    given = ", ".join([*names, *(["out"] if "*out" in declared[1] else []), f"&{MODEL}_default"])
-    call = f"{'' if declared[0] == 'void' else 'out[0] = '}{MODEL}_{function}({given})"
+    given = ", ".join([*names, *(["out"] if "*out" in declared[1] else []), f"&{name}_default"])
+    call = f"{'' if declared[0] == 'void' else 'out[0] = '}{name}_{function}({given})"
     inputs = ", ".join(f"{name} = input[{k}]" for k, name in enumerate(names))
     counts = []
     for state in _STATES:
         lines = []
         for called in (0, 1):
-            (out / "call.c").write_text(_CALL.format(*state, inputs, call), encoding="utf-8")
-            lines.append(_lines(out, one, called))
+            (out / "call.c").write_text(_CALL.format(name, *state, inputs, call), encoding="utf-8")
+            lines.append(_lines(out, one, called, name))
         counts.append(lines[1] - lines[0])
     return max(counts)
 
 
-def _lines(out: Path, one: Core, called: int) -> int:
+def _lines(out: Path, one: Core, called: int, name: str) -> int:
     """Instructions of a whole run of call.c."""
     options = (f"-DCALLED={called}", f"-DECCENTRIC_REAL={one.real}", "-O2", "-std=c99", f"-I{out}")
-    sources, program, log = (out / "call.c", out / f"{MODEL}.c"), out / "call", out / "call.log"
+    sources, program, log = (out / "call.c", out / f"{name}.c"), out / "call", out / "call.log"
     logged = ("-singlestep", "-d", "nochain,exec", "-D", str(log))
     if one.board:
         build(program, sources, options, one.options)

@@ -26,6 +26,7 @@ from benchmarks import (
     derivation,
     diagnosis,
     drafted,
+    empirical,
     field,
     figure,
     fleet,
@@ -73,6 +74,7 @@ PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "plan": ("The next measurement", planned.measured),
     "diagnosis": ("Diagnosis", diagnosis.measured),
     "joints": ("Diagnosis of arms", arms_diagnosis.measured),
+    "empirical": ("A term without a cause", empirical.measured),
 }
 """What is timed comes first, each by itself."""
 PICTURE = "![speed against array size, error against distance from the zero of F_N](results.svg)"

@@ -29,6 +29,17 @@ FORMULA = {
     steps.AtZero: ((x, y, z), sp.Piecewise((y, sp.Eq(x, 0)), (z, True))),
     steps.BySign: ((x, y, z, positive), sp.Piecewise((y, x > 0), (z, x < 0), (positive, True))),
     steps.Clipped: ((x, z, positive), sp.Piecewise((positive, x > positive), (z, x < z), (x, True))),
+    # Where theta_m/turn is, to a whole number, by its tangent: the angle from the top of the turn.
+    steps.FromTop: ((x, positive), 2 / positive * sp.atan(sp.tan((positive * x - sp.pi) / 2))),
+    # The density of a sum of three uniform numbers, of Irwin and Hall.
+    steps.Bump: (
+        (x,),
+        sp.Piecewise(
+            (sp.Rational(3, 4) - x**2, sp.Abs(x) <= sp.Rational(1, 2)),
+            ((sp.Abs(x) - sp.Rational(3, 2)) ** 2 / 2, sp.Abs(x) <= sp.Rational(3, 2)),
+            (0, True),
+        ),
+    ),
     steps.Shrunk: ((x, z, positive), sp.Piecewise((x - positive, x > positive), (x - z, x < z), (0, True))),
 }
 # A point of every combination of signs, away from zero, and numbers that no formula is special at.
@@ -46,6 +57,7 @@ FIXED = {
     steps.HalfCosine: (2,),
     steps.HalfSine: (2,),
     steps.Chord: (2,),
+    steps.FromTop: (2,),
     steps.Bounded: (2,),
 }
 """Arguments that are parameters, which nothing is differentiated by."""
@@ -85,7 +97,7 @@ def test_the_derivative_of_a_step_is_that_of_its_formula(step: type[OpaqueStep])
             assert abs(error) < sp.Float("1e-25"), (place, point)
 
 
-@pytest.mark.parametrize("step", [HalfCosine, HalfSine, Chord], ids=lambda step: step.__name__)
+@pytest.mark.parametrize("step", [HalfCosine, HalfSine, Chord, steps.FromTop], ids=lambda step: step.__name__)
 def test_nothing_is_differentiated_by_the_gear_ratio(step: type[OpaqueStep]) -> None:
     """Where the second argument is a parameter, a derivative by it is refused, not made up."""
     with pytest.raises(ArgumentIndexError):

@@ -75,6 +75,7 @@ def diagnose(
     including: str | Sequence[str] = (),
     without: str | Sequence[str] = (),
     only: str | Sequence[str] = (),
+    empirical: bool = False,
     reading: Callable[[float], None] | None = None,
 ) -> DiagnosisResult:
     """Find what a friction model lacks on logs of a rig, add it, and measure the error again.
@@ -95,6 +96,8 @@ def diagnose(
             training part; coefficients of friction are fitted with the rest.
         without: effects that the search may not offer.
         only: the only effects that the search may offer; all, if empty.
+        empirical: whether the resulting model gets a term without a cause besides, a smooth one in the one or
+            two variables that the rest follows; the verdict and the named effects stay what they are.
         reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read.
 
     Raises:
@@ -104,7 +107,7 @@ def diagnose(
     """
     base, offered = by_name(model), None if effects is None else given_path(effects, "effects")
     paths = _scripts(offered, base)
-    request = SearchRequest(*(names_given(names) for names in (including, without, only)))
+    request = SearchRequest(*(names_given(names) for names in (including, without, only)), empirical)
     sources, rig = sources_of(logs), read_rig(rig)
     read = read_long(sources, rig, tell=reading)
     found = diagnose_logs(read, rig, base, offered, request, progress)
@@ -116,7 +119,7 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
     given, axis, models = found.asked.base, found.rig.axis, found.models
     fits = {"linear": models.linear, "paper": models.paper, "extended": models.extended}
     simulated = simulated_errors(fits)
-    document, estimates = diagnosis_document(found), axis.estimates(models.extended.estimates)
+    document, estimates = diagnosis_document(found), axis.estimates(found.result.estimates)
     fitted = {name: fitted_model(fit, axis) for name, fit in reversed(fits.items())}
     if found.data.drive.along is not None:
         fitted = {name: dataclasses.replace(model, drive=None) for name, model in fitted.items()}
@@ -125,7 +128,7 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
         origin="model.py",
         estimates=estimates,
         fitted=fitted,
-        draws=draws_of_refit(found.models.extended),
+        draws=draws_of_refit(found.result),
         script=script(found),
         own={**own} | ({BASE: base_source(given)} if isinstance(given, Model) else {}),
         warnings=tuple(document["warnings"]),

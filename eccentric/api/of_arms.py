@@ -79,6 +79,7 @@ def diagnose_arm(
     *,
     without: str | Sequence[str] = (),
     only: str | Sequence[str] = (),
+    empirical: bool = False,
     reading: Callable[[float], None] | None = None,
 ) -> ArmDiagnosisResult:
     """Find what the friction of each joint of an arm lacks.
@@ -87,6 +88,7 @@ def diagnose_arm(
         logs, rig, progress, reading: as `fit_arm` takes them.
         effects: the path of a Python file with effects of your own.
         without, only: effects that the search may not offer, or the only ones that it may.
+        empirical: whether each joint gets a term without a cause besides, as in `diagnose`.
 
     Raises:
         InputError: bad input, as in `fit_arm`; an effect that is unknown.
@@ -94,7 +96,7 @@ def diagnose_arm(
     sources, rig = sources_of(logs), read_arm_rig(rig)
     read = read_long_joints(sources, rig, tell=reading)
     offered = None if effects is None else given_path(effects, "effects")
-    request = SearchRequest((), names_given(without), names_given(only))
+    request = SearchRequest((), names_given(without), names_given(only), empirical)
     told = progress or (lambda _: None)
     found = diagnose_logs(read, rig, log_names(read), offered, request, told)
     return ArmDiagnosisResult(

@@ -39,6 +39,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--without", help="effects to leave out of the search", **several)
     add("--only", help="the only effects or families to search", **several)
     parser.add_argument("--effects", metavar="FILE", type=Path, help="a Python file with your own effects")
+    parser.add_argument(
+        "--empirical",
+        action="store_true",
+        help="add a smooth term without a cause, in the one or two variables that the rest depends on",
+    )
     add_folder(parser, "the report and the extended model")
     parser.add_argument("--open", action="store_true", help="open the report in the browser")
 
@@ -58,6 +63,7 @@ def run(args: argparse.Namespace) -> int:
             including=names_in(args.including),
             without=names_in(args.without),
             only=names_in(args.only),
+            empirical=args.empirical,
             reading=bar(),
         )
     names = [path.relative_to(args.out).as_posix() for path in found.write(args.out)]
@@ -80,6 +86,7 @@ def _of_an_arm(args: argparse.Namespace) -> int:
             progress(),
             without=names_in(args.without),
             only=names_in(args.only),
+            empirical=args.empirical,
             reading=bar(),
         )
     names = [path.relative_to(args.out).as_posix() for path in found.write(args.out)]

@@ -7,6 +7,7 @@
     ranges        what was found beside what is known of it from elsewhere
     score         held-out errors before and after, run by run where there are enough; what is left there
                   that is periodic in the motor angle
+    empirical     a term without a cause: which variables it follows, how many pieces, its coefficients
     contest       models on the same rows, extended by effects or not
     model_script  the extended model as a derivation, and the base model where it was given as an object
     limits        every threshold, with its reason
@@ -16,6 +17,7 @@ May import: `identification` and all rooms below it.
 """
 
 from eccentric.diagnosis.contest import BASELINE, Contest, Entry, contest
+from eccentric.diagnosis.empirical import Empirical, fit_empirical, variables_followed
 from eccentric.diagnosis.limits import PROVABLE, ROUNDING
 from eccentric.diagnosis.loop import BASE, Asked, Diagnosis, diagnose, diagnosed, staged_log
 from eccentric.diagnosis.model_script import base_source, extended_model, is_result_name, result_name, script

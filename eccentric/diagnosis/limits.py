@@ -47,3 +47,26 @@ LEAST_STRETCHES = 6
 """Chance can give a peak of the same order in one stretch, or in three, but not in most of six."""
 ROUNDING = 1e-6
 """Gains between two models that stay below this, in per cent, are rounding: the models are the same."""
+
+# A term without a cause.
+
+EMPIRICAL_MOST = 24
+"""Most coefficients of the term: what firmware evaluates in constant time."""
+EMPIRICAL_PIECES = (2, 3, 4, 6, 8, 11, 15)
+"""Pieces of a curve that are tried."""
+EMPIRICAL_TURN = (3, 4, 6, 8, 12, 16, 22)
+"""The same over an angle, which closes."""
+EMPIRICAL_STIFF = (1e-3, 1e-1)
+"""Weight of the differences of neighbouring coefficients, over that of the data."""
+EMPIRICAL_GROUPS = 24
+"""Groups of blocks, at most, each left out once: a hundred and fifty curves are tried."""
+EMPIRICAL_RANGE = (0.002, 0.998)
+"""Quantiles of a variable between which a curve has its knots; it is constant beyond."""
+EMPIRICAL_WITHIN = 0.01
+"""Part of the least cross-validated sum of squares by which that of a shorter term may be larger."""
+EMPIRICAL_CLEARLY = 2.0
+"""Standard errors, over the blocks, by which a curve has to reduce the cross-validated sum of squares."""
+EMPIRICAL_LEAST = 0.02
+"""Part of that sum by which it has to: a hundredth of the error is not worth code without a cause."""
+EMPIRICAL_NOTHING = 1e-9
+"""A coefficient, or a range of a variable, below this part of the largest is none."""

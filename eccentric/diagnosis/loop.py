@@ -12,6 +12,7 @@ The stages, each with its result:
     closest     the best effect whose fit settles, where none is adopted         (`models.closest_effect`)
     sibling     a shipped model that predicts better as it stands                (`models.better_sibling`)
     orders      what is left inside runs and periodic in the angle               (`score.orders_of`)
+    empirical   a term without a cause beside them, where it was asked for       (`empirical.fit_empirical`)
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import InputError
+from eccentric.diagnosis.empirical import Empirical, fit_empirical
 from eccentric.diagnosis.limits import LEAST_ZERO_RAD
 from eccentric.diagnosis.models import Closest, Models, Sibling, better_sibling, closest_effect, fitted_models
 from eccentric.diagnosis.ranges import RangeCheck, range_checks
@@ -40,7 +42,7 @@ from eccentric.diagnosis.search import (
 )
 from eccentric.diagnosis.stage import SearchRequest, Stage, stage_of, staged
 from eccentric.effects import Effect, Setting
-from eccentric.identification import FitData, drive_noise, fit_data_of, residual_samples
+from eccentric.identification import FitData, Refit, drive_noise, fit_data_of, residual_samples
 from eccentric.logs import LogSource, log_names
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
@@ -101,6 +103,8 @@ class Diagnosis:
         band: where the held-out error of the shipped model lies; None where rows are averages.
         orders: periods of the residual of the shipped model while the motor turns one way.
         ranges: figures of the effects of the extended model beside what is known of them from elsewhere.
+        empirical: a term without a cause beside what was found, where it was asked for and the training part
+            has one; the verdict knows nothing of it.
     """
 
     asked: Asked
@@ -118,6 +122,13 @@ class Diagnosis:
     band: Band | None
     orders: tuple[Order, ...]
     ranges: tuple[RangeCheck, ...]
+    empirical: Empirical | None = None
+
+    @property
+    def result(self) -> Refit:
+        """The model that is emitted: the extended one, with the term without a cause if it is confirmed."""
+        own = self.empirical
+        return own.fitted if own is not None and own.confirmed else self.models.extended
 
     @property
     def effects(self) -> tuple[Added, ...]:
@@ -265,6 +276,10 @@ def diagnosed(
     base, data = stage.base, stage.data
     chosen = asked.request.restricted(stage.offered)
     found, models, score, refused = fitted_models(found, chosen, base, data, tell)
+    empirical = None
+    if asked.request.empirical and models.fits_the_rig:
+        tell("a term without a cause")
+        empirical = fit_empirical(models.extended, data, stage.setting)
     return Diagnosis(
         asked=asked,
         data=data,
@@ -281,6 +296,7 @@ def diagnosed(
         band=models.extended.band,
         orders=orders_of(data, residual_samples(models.extended)),
         ranges=range_checks(models.extended, data.drive.channels.rig.parts, data.drive.unit),
+        empirical=empirical,
     )
 
 

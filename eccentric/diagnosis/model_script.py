@@ -134,7 +134,7 @@ def result_name(found: Diagnosis) -> str:
     """
     base = found.models.base.name
     stem, extended, number = _NAME.fullmatch(base).groups()  # pyright: ignore[reportOptionalMemberAccess]
-    if not found.models.extended.effects and not found.asked.request.including:
+    if not found.result.effects and not found.asked.request.including:
         return base if is_result_name(base) else f"{base}_fitted"
     return f"{stem}_extended" + (f"_{int(number or 1) + 1}" if extended else "")
 
@@ -147,7 +147,7 @@ def is_result_name(name: str) -> bool:
 def extended_model(found: Diagnosis) -> Model:
     """The extended model with the fitted values as its defaults: the one that the script builds."""
     fitted = _fitted(found)
-    model, name = found.models.extended.model, result_name(found)
+    model, name = found.result.model, result_name(found)
     drive = found.data.drive
     return with_values(
         model,
@@ -173,12 +173,12 @@ class _Fitted:
 
 
 def _fitted(found: Diagnosis) -> _Fitted:
-    letters = {q.name for q in found.models.extended.model.parameters}
-    values = {k: v for k, v in found.models.extended.values.items() if k in letters and v is not None}
+    letters = {q.name for q in found.result.model.parameters}
+    values = {k: v for k, v in found.result.values.items() if k in letters and v is not None}
     values = {k: v for k, v in values.items() if k not in _placeholders(found.data.drive)}
     notes = {
         name: f"fitted: {e.value:.4g}, 95 % interval {e.interval[0]:.4g} to {e.interval[1]:.4g}"
-        for name, e in found.models.extended.estimates.items()
+        for name, e in found.result.estimates.items()
     }
     drive = found.data.drive
     declared = set(found.rig.known)
@@ -199,7 +199,7 @@ def _fitted(found: Diagnosis) -> _Fitted:
     if not drive.voltage_known and drive.along is None:
         values |= dict.fromkeys(drive.machine.back_emf_letters & letters, 0.0)
         notes |= dict.fromkeys(drive.machine.back_emf_letters & letters, NO_BACK_EMF)
-    names = ", ".join(effect.id for effect, _ in found.models.extended.effects)
+    names = ", ".join(effect.id for effect, _ in found.result.effects)
     done = f"extended by {names}" if names else "fitted"
     return _Fitted(values, notes, f"{found.models.base.title}, {done}")
 
@@ -242,6 +242,13 @@ def script(found: Diagnosis) -> str:
     own = ""
     if found.asked.effects is not None:
         own = f"\noffered += load_effects(Path(__file__).with_name({found.asked.effects.name!r}), setting)"
+    term, words = "", ["Setting", "library", f"load_effects{load[0]}"]
+    if found.result is not found.models.extended and found.empirical is not None:
+        curves = pprint.pformat(found.empirical.curves, width=100)
+        values = pprint.pformat(found.empirical.coefficients, width=100)
+        term = f"\n# A term without a cause.\nterm = empirical_term(setting, {curves})\n"
+        term += f"model = term.extend(model, {values})\n"
+        words = ["Curve", "Setting", "empirical_term", *words[1:]]
     return f'''"""{plain(fitted.title)}.
 
 Written by `eccentric diagnose` from {origin}.
@@ -250,7 +257,7 @@ An ordinary derivation: run it to print it, edit it, emit it with `eccentric emi
 
 from pathlib import Path
 
-from eccentric.effects import Setting, library, load_effects{load[0]}
+from eccentric.effects import {", ".join(words)}
 from eccentric.model import load_model, with_values
 from eccentric.output import show
 
@@ -265,7 +272,7 @@ effects = {{effect.id: effect for effect in offered}}
 # What the model lacks on this log.
 for name, values in {chosen}:
     model = effects[name].extend(model, values)
-
+{term}
 model = with_values(
     model,
     {pprint.pformat(fitted.values, width=96, indent=1)},

@@ -42,12 +42,13 @@ class SearchRequest:
     """Restrictions of the search, each a list of families or ids of effects.
 
     including: part of the model from the start; without: not offered; only: nothing else is offered (all if
-    empty).
+    empty); empirical: whether a term without a cause is added to what was found.
     """
 
     including: tuple[str, ...] = ()
     without: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
+    empirical: bool = False
 
     def restricted(self, offered: Sequence[Effect]) -> tuple[Effect, ...]:
         """The effects that the search may choose from.

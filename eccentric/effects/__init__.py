@@ -66,15 +66,18 @@ from eccentric.effects.effect import (
     load_effects,
     measurement_between,
 )
+from eccentric.effects.empirical import ANGLES, Curve, empirical_term, variable_of
 from eccentric.effects.nonsynchronous_friction import HIGHEST as HIGHEST_ORDER
 from eccentric.effects.sensor_delay import BOUNDS as CURRENT_DELAYS_S
 
 __all__ = [
+    "ANGLES",
     "CURRENT_DELAYS_S",
     "FAMILIES",
     "HIGHEST_ORDER",
     "LOAD",
     "Correction",
+    "Curve",
     "Effect",
     "Evidence",
     "Kin",
@@ -84,9 +87,11 @@ __all__ = [
     "Words",
     "base_aliases",
     "constant_load",
+    "empirical_term",
     "library",
     "load_effects",
     "measurement_between",
+    "variable_of",
     "with_constant_load",
 ]
 

@@ -55,7 +55,7 @@ def _those(joints: Sequence[int]) -> str:
 
 def arm_name(found: ArmDiagnosis) -> str:
     """The name of the emitted arm: `_extended` where an effect was adopted in a joint, else `_fitted`."""
-    adopted = any(joint.found.models.extended.effects for joint in found.joints)
+    adopted = any(joint.found.result.effects for joint in found.joints)
     return f"{found.log.rig.chain.name}_{'extended' if adopted else 'fitted'}"
 
 

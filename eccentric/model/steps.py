@@ -216,6 +216,45 @@ class Chord(OpaqueStep):
         return -2 / mu * sp.cos(mu * theta_m / 2)
 
 
+class FromTop(OpaqueStep):
+    """The motor angle from the nearest top of the link, theta_m - (k + 1/2) 2 pi/mu: at most pi/mu in size.
+
+    It jumps at the bottom, so that only what is periodic in it is meaningful.
+    """
+
+    nargs = 2
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """1 by theta_m on both sides."""
+        if argindex != 1:
+            raise ArgumentIndexError(self, argindex)
+        return sp.Integer(1)
+
+    def _eval_rewrite_as_meaning(self, theta_m: sp.Expr, mu: sp.Expr, **_: Any) -> sp.Expr:
+        turn = 2 * sp.pi / mu
+        return theta_m - turn * (sp.floor(theta_m / turn) + sp.Rational(1, 2))
+
+
+class Bump(OpaqueStep):
+    """The quadratic B-spline on whole-numbered knots, centred at 0: a bump 3 wide and 3/4 high, sums to 1.
+
+    Written with what is left of |x| to both knots, d, by d + |d|: without a choice, and never negative.
+    """
+
+    nargs = 1
+    is_nonnegative = True
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """Piecewise linear: x limited to the outer knots, less three times x limited to the inner ones."""
+        x, half = self.args[0], sp.Rational(1, 2)
+        inner, outer = (sp.Abs(x + knot) - sp.Abs(x - knot) for knot in (half, 3 * half))
+        return half * (outer - 3 * inner)
+
+    def _eval_rewrite_as_meaning(self, x: sp.Expr, **_: Any) -> sp.Expr:
+        inner, outer = sp.Rational(1, 2), sp.Rational(3, 2)
+        return sp.Max(0, outer - sp.Abs(x)) ** 2 / 2 - 3 * sp.Max(0, inner - sp.Abs(x)) ** 2 / 2
+
+
 class Bounded(OpaqueStep):
     """Bounded(x, b): x, limited to -b and b; b is beyond any physical value, or 0.
 

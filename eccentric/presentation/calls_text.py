@@ -21,7 +21,7 @@ def calls(found: Diagnosis) -> list[str]:
     It calls the friction torque, and what contains the effects that are no friction; without a scale, the
     drive that a motion requires, in its own unit.
     """
-    fitted, name = found.models.extended, result_name(found)
+    fitted, name = found.result, result_name(found)
     emitted, states = Emitted(fitted.model), [s.quantity.name for s in fitted.model.states]
     model = extended_model(found)
     named = found.rig.axis.named

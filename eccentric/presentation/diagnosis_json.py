@@ -29,6 +29,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
             "with": list(found.asked.request.including),
             "without": list(found.asked.request.without),
             "only": list(found.asked.request.only),
+            "empirical": found.asked.request.empirical,
         },
         "verdict": a.verdict,
         "fits_the_rig": found.models.fits_the_rig,
@@ -54,7 +55,8 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "range_checks": [range_document(check) for check in found.ranges],
         "parts": {kind: list(words) for kind, words in found.rig.parts.items()},
         "ruled_out": _ruled_out(found),
-        "extended_by": [effect.id for effect, _ in found.models.extended.effects],
+        "extended_by": [effect.id for effect, _ in found.result.effects],
+        "empirical": _empirical(found),
         "residual_depends_on": [axis.named(variable) for variable in a.depends_on],
         "next_measurement": measurement_sentence(a.next_measurement, axis),
         **_errors(found),
@@ -142,6 +144,28 @@ def _closest(found: Diagnosis) -> dict[str, Any] | None:
     }
 
 
+def _empirical(found: Diagnosis) -> dict[str, Any] | None:
+    """The term without a cause of the emitted model; null where it has none."""
+    own, axis = found.empirical, found.rig.axis
+    if own is None or not own.confirmed:
+        return None
+    return {
+        "id": own.effect.id,
+        "variables": [axis.named(name) for name in own.variables],
+        "knots": [
+            {
+                "variable": axis.named(curve.variable),
+                "kind": "conservative" if curve.conservative else "friction",
+                "by_direction": curve.each_way,
+                "at": list(curve.knots),
+            }
+            for curve in own.curves
+        ],
+        "coefficients": own.coefficients,
+        "gain": {"percent": own.percent, "interval_95": list(own.interval)},
+    }
+
+
 def _sibling(found: Diagnosis) -> dict[str, Any] | None:
     """The shipped model that predicts the held-out part better than what was found."""
     if (better := found.sibling) is None:
@@ -160,7 +184,10 @@ def _suffix(found: Diagnosis) -> str:
 def _errors(found: Diagnosis) -> dict[str, Any]:
     """Held-out errors; also in the drive's unit if the torque is not measured, and those of free motion."""
     score, drive = found.score, found.data.drive
-    said: dict[str, Any] = {f"rmse_holdout_{_suffix(found)}": {k: dict(v) for k, v in score.rmse.items()}}
+    errors = {k: dict(v) for k, v in score.rmse.items()}
+    if found.empirical is not None and found.empirical.confirmed:
+        errors["mechanical"]["empirical"] = found.empirical.rmse[1]
+    said: dict[str, Any] = {f"rmse_holdout_{_suffix(found)}": errors}
     if score.per_drive and found.unit == "N m":
         said[f"rmse_holdout_{'V' if drive.by_voltage else 'A'}"] = {"mechanical": dict(score.per_drive)}
     if score.free:

@@ -148,6 +148,32 @@ def sibling_sentence(found: Diagnosis) -> str:
     )
 
 
+def empirical_sentence(found: Diagnosis) -> str:
+    """What the term without a cause does, or why there is none; where it may help, the offer of one.
+
+    "" where nothing of it is to be said.
+    """
+    own, axis = found.empirical, found.rig.axis
+    if not found.asked.request.empirical:
+        offer = "With --empirical, the emitted model gets a smooth term without a cause instead."
+        return offer if found.attribution.verdict == "unexplained" and found.models.fits_the_rig else ""
+    if own is None:
+        return "No smooth term in one or two variables predicts this log clearly better; none is added."
+    over = _listed([axis.term(name.replace("_", " ")) for name in own.variables])
+    low, high = own.interval
+    if not own.confirmed:
+        return (
+            f"A smooth term in {over} fits the training part, but does not lower the held-out error"
+            f" (95 % interval of its gain {low:.1f} to {high:.1f} %); none is added."
+        )
+    lowers, change = _lowers(*own.rmse, _unit(found), own.percent, own.interval)
+    count = len(own.effect.coefficients)
+    return (
+        f"The emitted model has a term without a cause, {own.effect.id}, smooth in {over} with {count}"
+        f" coefficients; it {lowers} the held-out error {change}."
+    )
+
+
 def _headline(words: Words, effect_id: str) -> str:
     """The description of an effect, its id second."""
     return f"{words.headline} ({effect_id})" if words.headline else effect_id
@@ -288,7 +314,15 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         out.append(aliased)
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, _unit(found), axis.term("angle"))
-    out += filter(None, [ruled_out_sentence(found), closest_sentence(found), sibling_sentence(found)])
+    out += filter(
+        None,
+        [
+            ruled_out_sentence(found),
+            closest_sentence(found),
+            sibling_sentence(found),
+            empirical_sentence(found),
+        ],
+    )
     if a.verdict == "unexplained" and found.models.fits_the_rig:
         out.append("closest candidates, none sufficient:")
         out += [f"  {_headline(c.words, c.id)}" for c in a.candidates[:4]]

@@ -19,7 +19,7 @@ from eccentric.emission.check.selftest import Called
 from eccentric.emission.hot import executed
 from eccentric.emission.program import SHORTEST
 from eccentric.emission.templates import plain, template
-from eccentric.model import TURNING, AxisKind, Model, Quantity, interface_of, spoken, spoken_quantity
+from eccentric.model import TURNING, AxisKind, Bump, Model, Quantity, interface_of, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
 
 # The driver with which Frama-C's Eva proves that an emitted C source gives no overflow and no NaN.
@@ -58,6 +58,8 @@ _OTHER_RANGE = (-1e2, 1e2)
 # Cases are kept separate, each with its condition, and squares are known to be squares.
 _SUBDIVIDED = "-eva-subdivide-non-linear 20"
 _OPTIONS = f"-eva-slevel 30 -eva-split-return full {_SUBDIVIDED}"
+# The ends of a curve, and of its slope, are further cases.
+_OF_CURVES = "-eva-slevel 100 -eva-split-return full"
 # Any NaN or infinity is an alarm, and no result is taken on trust.
 _STRICT = "-warn-special-float non-finite -kernel-warn-key annot:missing-spec=abort"
 # Only narrow intervals of the angle show that an angle minus itself, which represents lost digits, is 0.
@@ -89,8 +91,10 @@ def view(
     known |= {q.name: q for q in (v.theta_m, v.omega_m, v.alpha_m, v.i, v.u, v.temperature)}
     torque = spoken_quantity(axis, v.torque)
     known[torque.name] = torque
+    curved = any(term.value.has(Bump) for balance in model.balances for term in balance.terms)
+    real = "double" if joints > _IN_FLOAT else "float"
     return {
-        "command": proof_command(model.name, source, real="double" if joints > _IN_FLOAT else "float"),
+        "command": proof_command(model.name, source, _OF_CURVES if curved else "", real),
         "precisions": _IN_DOUBLE if joints > _IN_FLOAT else _IN_BOTH,
         "inputs": [_input(known[x], axis) for x in inputs],
         "joints": joints,

@@ -72,7 +72,7 @@ class Walk:
         """
         if e in self._known:
             return self._known[e]
-        if e.is_Number or e.is_Symbol:  # a parameter
+        if e.is_Number or e.is_NumberSymbol or e.is_Symbol:  # a number such as pi, or a parameter
             return (
                 SlopeBound(e, e, {})
                 if e in self._prepared
@@ -202,6 +202,21 @@ def _bounded(_: sp.Expr, x: SlopeBound, most: SlopeBound) -> SlopeBound:
     return SlopeBound(sp.Min(x.size, most.size), x.least and ZERO, x.slopes)
 
 
+def _limited(_: sp.Expr, x: SlopeBound, low: SlopeBound, high: SlopeBound) -> SlopeBound:
+    """A value limited to numbers on both sides of 0."""
+    return SlopeBound(sp.Max(low.size, high.size), None, x.slopes)
+
+
+def _bump(_: sp.Expr, x: SlopeBound) -> SlopeBound:
+    """A quadratic B-spline: its slope is largest at its inner knots, 1."""
+    return SlopeBound(sp.Rational(3, 4), ZERO, x.slopes)
+
+
+def _from_top(e: sp.Expr, part: SlopeBound, _mu: SlopeBound) -> SlopeBound:
+    """The angle within its turn; what is made of it has no jump where it has."""
+    return SlopeBound(sp.pi / sp.Abs(e.args[1]), None, part.slopes)
+
+
 def _flat(_: sp.Expr, *_parts: SlopeBound) -> SlopeBound:
     """A step by a direction: 1, 0 or -1, with no slope on either side."""
     return SlopeBound(ONE, None, {})
@@ -218,5 +233,8 @@ _RULES = (
     (s.SquareDifference, _difference_of_squares),
     (s.Bounded, _bounded),
     (s.ByDirection, _either),
+    (s.Clipped, _limited),
+    (s.Bump, _bump),
+    (s.FromTop, _from_top),
     ((s.Sgn, s.Forward, s.Backward), _flat),
 )

@@ -48,7 +48,7 @@ def spell(e: sp.Expr, letters: Mapping[str, str], language: _Spelled) -> str:
     def of(x: Any) -> str:
         if x.is_Symbol:
             return language.parameter.format(letters[x.name]) if x.name in letters else x.name
-        if x.is_Number:
+        if x.is_Number or x.is_NumberSymbol:
             return repr(float(x))
         if x.is_Add:
             return "(" + " + ".join(map(of, x.args)) + ")"

@@ -223,6 +223,7 @@ class Lowering:
             steps.Clipped: self._clipped,
             steps.Shrunk: self._shrunk,
             steps.Quotient: Over,
+            steps.Bump: self._bump,
             sp.Abs: Size,
             sp.Max: lambda *all_of: reduce(lambda a, b: self._either(a, ABOVE, AT_MOST, b), all_of),
             sp.Min: lambda *all_of: reduce(lambda a, b: self._either(a, AT_MOST, ABOVE, b), all_of),
@@ -230,7 +231,7 @@ class Lowering:
 
     def __call__(self, expression: sp.Expr) -> sp.Expr:
         """The expression in primitive operations; `assignments` holds what must be computed first."""
-        if isinstance(expression, steps.Chord | steps.HalfSine):
+        if isinstance(expression, steps.Chord | steps.HalfSine | steps.FromTop):
             return self._half_turn(expression)
         if isinstance(expression, steps.SquareDifference):
             return self._square_difference(expression)
@@ -276,6 +277,8 @@ class Lowering:
             theta_m = angle if angle.is_Atom else self.named("angle", self(angle))
         names = self._half_turns(mu, shift)
         from_top = self.named("from_top", Call(names.from_top, theta_m))
+        if isinstance(step, steps.FromTop):
+            return from_top
         if isinstance(step, steps.Chord):
             return self.named("chord", Call(names.chord, from_top))
         return self.named("half_sine", Call(names.half_sine, from_top))
@@ -315,6 +318,13 @@ class Lowering:
             return Within(x, high)
         low = self._atom("lowest", low)
         return Pick(x, ABOVE, high, high, Pick(x, BELOW, low, low, x))
+
+    def _bump(self, x: sp.Expr) -> sp.Expr:
+        size = self.named("distance", Size(self._atom("from_knot", x)))
+        left = (self.named("left", Minus(knot, size)) for knot in (HALF, 3 * HALF))
+        inner, outer = (self.named("reach", Plus(one, Size(one))) for one in left)
+        eighth = sp.Rational(1, 8)
+        return Minus(Times(Times(eighth, outer), outer), Times(Times(3 * eighth, inner), inner))
 
     def _shrunk(self, x: sp.Expr, low: sp.Expr, high: sp.Expr) -> sp.Expr:
         # An end that is NaN leaves x as it is: then the width of the band is NaN as well.

@@ -9,6 +9,7 @@ import sympy as sp
 from eccentric.emission.program.program import InSingle, Low, Rounded, TurnLeft, exact
 from eccentric.model import (
     Assignment,
+    Bump,
     ByDirection,
     Chord,
     HalfCosine,
@@ -17,6 +18,7 @@ from eccentric.model import (
     Model,
     Sgn,
     SquareDifference,
+    meaning,
 )
 from eccentric.model import vocabulary as v
 
@@ -69,6 +71,9 @@ class Prepare:
     def _hoist(self, expression: sp.Expr, role: str) -> sp.Expr:
         if expression.is_Atom:
             return expression
+        known = {step: meaning(step) for step in expression.atoms(Bump) if not step.free_symbols}
+        if known:
+            return self.hoist(expression.xreplace(known), role)
         if expression.has(HalfCosine):
             return self.hoist(expression.rewrite("chord"), role)
         if expression.free_symbols and expression.free_symbols <= self.symbols:

@@ -267,12 +267,15 @@ class ExtendedModel:
         parameters: in order of printing.
         equations: its friction, then the definitions of its letters.
         correlations: of the fitted parameters; None with fewer than two.
+        empirical: what a term without a cause does, in a sentence, the channel that it follows, and the
+            balance with the residual that it leaves; None where the emitted model has none.
     """
 
     effects: tuple[AddedEffect, ...]
     parameters: tuple[Parameter, ...]
     equations: tuple[Formula, ...]
     correlations: Correlations | None = None
+    empirical: tuple[str, str, BalanceResiduals] | None = None
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ from eccentric.presentation.calls_text import calls, share_words
 from eccentric.presentation.diagnosis_text import (
     closest_sentence,
     diagnosis_sentence,
+    empirical_sentence,
     request_words,
     sibling_sentence,
     stability_words,
@@ -222,6 +223,9 @@ _ORIGINS = ("effect", "friction", "bench", "part", "rig", "model", "unseen")
 # The records of a report.
 
 
+_CLOSEST = (ruled_out_sentence, closest_sentence, sibling_sentence, empirical_sentence)
+
+
 def report_data(
     found: Diagnosis, simulated: SimulatedErrors | None = None, files: Sequence[tuple[str, str]] = ()
 ) -> ReportData:
@@ -251,9 +255,7 @@ def report_data(
             verdict=attribution.verdict,
             sentence=diagnosis_sentence(found),
             depends_on=tuple(map(axis.named, attribution.depends_on)),
-            closest=" ".join(
-                filter(None, [ruled_out_sentence(found), closest_sentence(found), sibling_sentence(found)])
-            ),
+            closest=" ".join(filter(None, [sentence(found) for sentence in _CLOSEST])),
             next_measurement=measurement_sentence(attribution.next_measurement, axis),
             fits_the_rig=found.models.fits_the_rig,
             confirmed=not attribution.unconfirmed,
@@ -273,6 +275,7 @@ def report_data(
             parameters=tuple(_parameters(found)),
             equations=tuple(friction_equations(spoken(found.models.extended.model), effects, axis)),
             correlations=_correlations(found.models.extended, axis),
+            empirical=_empirical(found),
         ),
         log=LogQuality(
             facts=tuple(facts_of(found)),
@@ -281,6 +284,19 @@ def report_data(
         ),
         files=tuple(files),
     )
+
+
+def _empirical(found: Diagnosis) -> tuple[str, str, BalanceResiduals] | None:
+    """What the term without a cause does, the first channel that it follows, and the residuals."""
+    own = found.empirical
+    if own is None or not own.confirmed:
+        return None
+    balance = balance_of(found, "mechanical")
+    left = _scaled(found, own.fitted, own.fitted.residuals["mechanical"])
+    keys = map(found.rig.axis.named, (*own.variables, "velocity"))
+    channel = next(key for key in keys if balance.rows.channel(key) is not None)
+    before = balance.paper if balance.extended is None else balance.extended
+    return empirical_sentence(found), channel, replace(balance, paper=before, extended=left)
 
 
 def _simulated(found: Diagnosis, simulated: SimulatedErrors | None) -> Iterator[Errors]:
@@ -484,4 +500,5 @@ def _command(found: Diagnosis) -> str:
     request = found.asked.request
     for flag, names in (("with", request.including), ("without", request.without), ("only", request.only)):
         words += [word for name in names for word in (f"--{flag}", name)]
+    words += ["--empirical"] if request.empirical else []
     return shlex.join([*words, "--out", "DIR"])

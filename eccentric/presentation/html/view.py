@@ -64,6 +64,7 @@ def view(data: ReportData, library: str) -> dict[str, Any]:
         "correlations": _correlations(data),
         "residuals": [(f"{b.name} balance", b.unit, panels) for b, panels in residuals],
         "friction": friction,
+        "empirical": None if data.extended.empirical is None else _empirical(figures, data, library),
         "traces": traces,
         "rows": data.errors.balances[0].rows.description,
         "depends": ", ".join(axis.term(plain_words(key)) for key in data.conclusion.depends_on),
@@ -96,6 +97,20 @@ def _residuals(figures: Figures, balance: BalanceResiduals, data: ReportData) ->
                 | {"depends": channel.key in order}
             )
     return found
+
+
+def _empirical(figures: Figures, data: ReportData, library: str) -> dict[str, Any]:
+    """The sentence, and the residual over the variable with and without the term; no figure without Bokeh."""
+    if data.extended.empirical is None:
+        return {}
+    sentence, key, balance = data.extended.empirical
+    channel = balance.rows.channel(key)
+    panel = residual_panel(balance, channel) if library and channel is not None else None
+    drawn = []
+    if panel is not None:
+        ids = figures.panel(panel, "residual", balance.unit)
+        drawn = [_figure(ids, figure_words(panel, balance.unit, data.source.axis))]
+    return {"sentence": sentence, "figures": drawn}
 
 
 def _friction(figures: Figures, balance: BalanceResiduals, axis: AxisKind) -> list[dict[str, Any]]:

@@ -219,7 +219,8 @@ def _line_of(r: Routine) -> Callable[[str, str], str]:
 
 def _ready(parts: Staged) -> list[str]:
     """Names of the kernel's arguments other than the inputs."""
-    return [a.target.name for a in parts.bent]
+    used = set().union(*(a.value.free_symbols for a in parts.rest))
+    return [a.target.name for a in (*parts.angles, *parts.bent) if a.target in used]
 
 
 def _printer(
