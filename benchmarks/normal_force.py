@@ -27,6 +27,7 @@ from benchmarks.measured_plot import AFTER, BEFORE, INK, STYLE
 from eccentric.identification import Emitted, covariance, detection_power, own_letters
 from eccentric.joints import fit_arm
 from eccentric.model import load_model, regressor
+from eccentric.planning import DetectionPlan
 from eccentric.rigs import read_arm_rig, read_rig
 from eccentric.signals import read_channels, turn_line
 
@@ -82,7 +83,7 @@ def main() -> None:
     PAGE.write_text(page(rows, plans, facts), encoding="utf-8")
 
 
-def single(data: Path, name: str, label: str) -> tuple[Row, eccentric.api.planned.DetectionPlan]:
+def single(data: Path, name: str, label: str) -> tuple[Row, DetectionPlan]:
     """A drive with one axis: its fit, and what its rig would have to do, by the noise of its log."""
     log, rig_path = measured_log(data, name)
     found, channels = eccentric.fit(log, rig_path), read_channels([log], read_rig(rig_path))

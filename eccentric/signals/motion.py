@@ -233,14 +233,17 @@ def _by_line(table: Table, rig: Rig, omega: Array) -> tuple[Array, list[str]]:
     sides = (("current", ""), ("torque", "torque_l"), ("voltage", ""))
     signals = [motor_side(table, rig, motor, link) for motor, link in sides]
     drive = next(x for x in signals if x is not None)
-    t, theta, ratios = table.channels["time"], np.empty(len(omega)), []
+    t, theta = table.channels["time"], np.empty(len(omega))
+    ratios: list[float] = []
+    orders: list[int] = []
     for rows in rows_of_each(table.run):
         name = table.run_names[int(table.run[rows[0]])]
         line = turn_line(t[rows], drive[rows], omega[rows], f"{rig.path}: {name}")
         theta[rows] = line.theta
+        orders.append(line.order)
         ratios.append(line.frequency * TURN / abs(float(np.median(omega[rows]))))
     ratio = float(np.median(ratios))
-    text = f"angle: line {line.order}/turn, {ratio:.4g} times speed"
+    text = f"angle: line {max(orders)}/turn, {ratio:.4g} times speed"
     if not abs(ratio - 1.0) > SAME_CLOCK:
         return theta, [text]
     return theta, [f"{text}; sample_rate_hz = {1.0 / float(np.median(np.diff(t))) / ratio:.4g}?"]

@@ -147,7 +147,8 @@ def even_turns(t: Array, count: Array | None, run: Integers, names: Sequence[str
             spline = make_interp_spline(before - start, TURN * found.count[piece], k=5)
             place = rows[piece][np.searchsorted(before, grid, side="right") - 1]
             parts.append((grid, np.asarray(spline(grid - start)), place))
-    return EvenTurns(*(np.concatenate(some) for some in zip(*parts, strict=True)), tuple(every))
+    grid, theta, place = (np.concatenate(some) for some in zip(*parts, strict=True))
+    return EvenTurns(grid, theta, place, tuple(every))
 
 
 def _steady(t: Array) -> list[Integers]:

@@ -207,8 +207,9 @@ def _evidence(
     extra = [screen.columns(Variant(c, {}), fitted.variants) for c in free]
     stacked, p = np.column_stack([target, design, *extra]), design.shape[1]
     bands = [(stacked, screen.block)]
-    if not screen.balance.rows.independent:
-        bands.append(_means_of_two(stacked, screen.block))
+    # Blocks of one row each, as a short coast-down has, leave no two to average.
+    if not screen.balance.rows.independent and len((halved := _means_of_two(stacked, screen.block))[1]):
+        bands.append(halved)
     deviation = np.array([candidate.deviation for candidate in free])
     count = int(screen.block[-1]) + 1
     settings = [(_others(rows[:, : 1 + p], block, count), lower, np.zeros(p)) for rows, block in bands] + [
