@@ -128,13 +128,8 @@ class AdaptResult(Printed):
         """The coefficients at the end of the log, by name, in SI."""
         return dict(zip(self.course.names, map(float, self.course.values[-1]), strict=True))
 
-    @property
-    def _grid(self) -> tuple[int, int]:
-        return len(self.course.names), 1
-
-    @property
-    def _size(self) -> tuple[float, float]:
-        return 9.0, 0.8 + 1.5 * len(self.course.names)
+    def _layout(self) -> tuple[tuple[int, int], tuple[float, float]]:
+        return (len(self.course.names), 1), (9.0, 0.8 + 1.5 * len(self.course.names))
 
     def _draw(self, axes: list[Any]) -> None:
         """The coefficients over time, one below the other."""

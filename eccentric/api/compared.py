@@ -113,13 +113,8 @@ class CompareResult(Printed):
         )
         return ResultTable(names, tuple(rows))
 
-    @property
-    def _grid(self) -> tuple[int, int]:
-        return 1, 1
-
-    @property
-    def _size(self) -> tuple[float, float]:
-        return 8.0, 1.2 + 0.45 * len(self.contest.entries)
+    def _layout(self) -> tuple[tuple[int, int], tuple[float, float]]:
+        return (1, 1), (8.0, 1.2 + 0.45 * len(self.contest.entries))
 
     def _draw(self, axes: list[Any]) -> None:
         """The held-out errors as bars, each with the 95 % interval that its gain gives."""

@@ -120,7 +120,7 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
     fits = {"linear": models.linear, "paper": models.paper, "extended": models.extended}
     simulated = simulated_errors(fits)
     document, estimates = diagnosis_document(found), axis.estimates(found.result.estimates)
-    fitted = {name: fitted_model(fit, axis) for name, fit in reversed(fits.items())}
+    fitted = {name: fitted_model(fit, axis) for name, fit in reversed([*fits.items()])}
     if found.data.drive.along is not None:
         fitted = {name: dataclasses.replace(model, drive=None) for name, model in fitted.items()}
     return DiagnosisResult(
@@ -240,8 +240,8 @@ class DiagnosisResult(Result):
         )
         return ResultTable(names, tuple(rows))
 
-    _grid = 1, 2
-    _size = 9.0, 4.2
+    def _layout(self) -> tuple[tuple[int, int], tuple[float, float]]:
+        return (1, 2), (9.0, 4.2)
 
     def _draw(self, axes: list[Any]) -> None:
         """The residual before and after over what it depends on, and friction over the motor velocity."""

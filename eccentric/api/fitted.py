@@ -128,8 +128,8 @@ class FitResult(Result):
     improvement_interval: tuple[float, float]
     comparison: Comparison
 
-    _grid = 1, 2
-    _size = 9.0, 4.2
+    def _layout(self) -> tuple[tuple[int, int], tuple[float, float]]:
+        return (1, 2), (9.0, 4.2)
 
     @property
     def sentence(self) -> str:

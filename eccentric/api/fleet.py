@@ -162,11 +162,8 @@ class FleetResult(Printed):
         )
         return ResultTable(names, tuple(rows))
 
-    _grid = 1, 1
-
-    @property
-    def _size(self) -> tuple[float, float]:
-        return 8.0, 1.5 + 0.4 * len(self.drifting)
+    def _layout(self) -> tuple[tuple[int, int], tuple[float, float]]:
+        return (1, 1), (8.0, 1.5 + 0.4 * len(self.drifting))
 
     def _draw(self, axes: list[Any]) -> None:
         """The joints that changed, each by its error after the change over that before."""

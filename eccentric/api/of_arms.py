@@ -117,8 +117,6 @@ class ArmResult(Printed):
     joint, "B_m@1", and NaN stands between two joints, which are estimated from different balances.
     """
 
-    _grid = 1, 1
-
     @property
     def parameters(self) -> dict[str, dict[str, float]]:
         """Joint -> every parameter of its fitted model by the paper's letters, in SI."""
@@ -141,9 +139,8 @@ class ArmResult(Printed):
         """Joint -> model -> error on the held-out rows, in the unit of the joint's row in `table`."""
         raise NotImplementedError
 
-    @property
-    def _size(self) -> tuple[float, float]:
-        return 2.5 + 1.1 * len(self.rmse), 3.6
+    def _layout(self) -> tuple[tuple[int, int], tuple[float, float]]:
+        return (1, 1), (2.5 + 1.1 * len(self.rmse), 3.6)
 
     def _draw_bars(self, ax: Any, scales: Sequence[float], labels: Mapping[str, str]) -> None:
         """Draw the held-out error of each joint over a scale of its own, a bar for each model in `labels`."""

@@ -125,8 +125,8 @@ class PlanResult(Printed):
         }
         return {self.plan.axis.named(name): values for name, values in columns.items()}
 
-    _grid = 4, 1
-    _size = 8.0, 7.0
+    def _layout(self) -> tuple[tuple[int, int], tuple[float, float]]:
+        return (4, 1), (8.0, 7.0)
 
     def table(self) -> ResultTable:
         """The candidates that the log left open, most probable first, each with its probability now."""

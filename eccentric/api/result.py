@@ -152,11 +152,6 @@ class ResultBase:
     where nothing is fitted, these are empty, and `predict` and `residual` raise InputError.
     """
 
-    _grid: tuple[int, int] = (0, 0)
-    """Rows and columns of the axes of the whole figure; none without a figure."""
-    _size: tuple[float, float] = (8.0, 4.2)
-    """Of the figure [inch]."""
-
     def summary(self) -> str:
         """The result as lines of text."""
         raise NotImplementedError
@@ -203,7 +198,8 @@ class ResultBase:
         Args:
             logs: one log or a list of them, as `fit` takes them: of the fit, or others of the same rig.
             rig: of these logs, as `fit` takes it; by default that of the fit.
-            model: name of a model of the result, where it has several; by default the first of its table.
+            model: name of a model of the result, where it has several; by default its own, the first of
+                `fitted`.
 
         Returns:
             Columns (m,): `time` [s]; `measured`, `predicted` and `residual`, their difference, in the unit of
@@ -224,15 +220,11 @@ class ResultBase:
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
         return ResultTable(tuple(columns), tuple(rows))
 
-    def predict(
-        self, logs: LogSources, rig: RigSource | None = None, model: str | None = None
-    ) -> NDArray[np.float64]:
+    def predict(self, logs: LogSources, rig: Any = None, model: str | None = None) -> Any:
         """The predicted drive (m,) of logs: the column of `prediction`, with its arguments and errors."""
         return self._predicted(logs, rig, model).predicted
 
-    def residual(
-        self, logs: LogSources, rig: RigSource | None = None, model: str | None = None
-    ) -> NDArray[np.float64]:
+    def residual(self, logs: LogSources, rig: Any = None, model: str | None = None) -> Any:
         """Measured minus predicted drive (m,): the column of `prediction`, with its arguments and errors."""
         return self._predicted(logs, rig, model).residual
 
@@ -252,12 +244,16 @@ class ResultBase:
         Raises:
             InputError: matplotlib is not installed, or the result has no figure.
         """
-        if not all(self._grid):
+        grid, size = self._layout()
+        if not all(grid):
             raise InputError(type(self).__name__, "a result with a figure", "one without: see table()")
-        several = ax if isinstance(ax, Sequence | np.ndarray) else [ax]
-        axes = new_axes(*self._grid, self._size) if ax is None else list(np.ravel(several))
+        axes = new_axes(*grid, size) if ax is None else list(np.atleast_1d(np.array(ax, dtype=object)).flat)
         self._draw(axes)
         return axes[0] if len(axes) == 1 else np.array(axes, dtype=object)
+
+    def _layout(self) -> tuple[tuple[int, int], tuple[float, float]]:
+        """Rows and columns of the axes of the whole figure, 0 without one, and its size [inch]."""
+        return (0, 0), (0.0, 0.0)
 
     def _draw(self, axes: list[Any]) -> None:
         """Draw as many panels as there are axes."""
@@ -328,8 +324,8 @@ class Printed(ResultBase):
 
                 # A fixed salt and no date: the same result gives the same file.
                 with rc_context({"svg.hashsalt": "eccentric", "font.size": 9.0}):
-                    figure = Figure(figsize=self._size, layout="constrained")
-                    rows, columns = self._grid
+                    (rows, columns), size = self._layout()
+                    figure = Figure(figsize=size, layout="constrained")
                     self._draw(list(figure.subplots(rows, columns, sharex=rows > 1, squeeze=False).flat))
                     figure.savefig(folder / f"{command}.png", dpi=150)
                     figure.set_layout_engine("none")  # the layout is that of the first file

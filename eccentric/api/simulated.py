@@ -104,8 +104,9 @@ class _Simulated(ResultBase):
     """What a simulated log shows of itself."""
 
     log: Log
-    _grid = 3, 1
-    _size = 9.0, 6.0
+
+    def _layout(self) -> tuple[tuple[int, int], tuple[float, float]]:
+        return (3, 1), (9.0, 6.0)
 
     def table(self) -> ResultTable:
         """The columns of the log, each with its range."""

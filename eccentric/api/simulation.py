@@ -74,7 +74,7 @@ def simulate(
         lines=tuple(simulation_lines(errors, names, rig.axis)),
         warnings=(*warnings, *loss_warnings({name: (f.model, f.values) for name, f in fits.items()})),
         document=simulation_document(errors, names, rig, models_of),
-        fitted={name: fitted_model(fit, rig.axis) for name, fit in reversed(fits.items())},
+        fitted={name: fitted_model(fit, rig.axis) for name, fit in reversed([*fits.items()])},
     )
 
 
@@ -111,13 +111,8 @@ class SimulateResult(Printed):
         )
         return ResultTable(names, tuple(rows))
 
-    @property
-    def _grid(self) -> tuple[int, int]:
-        return max(len(self.errors.traces), 1), 1
-
-    @property
-    def _size(self) -> tuple[float, float]:
-        return 8.0, 1.0 + 1.9 * self._grid[0]
+    def _layout(self) -> tuple[tuple[int, int], tuple[float, float]]:
+        return (max(len(self.errors.traces), 1), 1), (8.0, 1.0 + 1.9 * max(len(self.errors.traces), 1))
 
     def _draw(self, axes: list[Any]) -> None:
         """Measured and simulated angle over time, a few held-out parts of the log."""

@@ -53,7 +53,7 @@ def inertial_loss(model: Model, speed: float = _SLOW) -> InertialLoss | None:
 
     def along(function: Any) -> np.ndarray:
         at = [states.get(name, np.zeros(states[alpha].shape)) for name in inputs_of(function)]
-        return np.diff(np.asarray(function(*at)), axis=-1) / np.diff(_ACCELERATIONS)
+        return np.diff(np.asarray(function(*at), float), axis=-1) / np.diff(_ACCELERATIONS)
 
     slopes = along(module.mechanical_friction_torque)
     inertia = -(along(module.mechanical_residual) + slopes)
