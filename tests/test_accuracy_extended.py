@@ -25,7 +25,7 @@ from eccentric.emission.program.accuracy import (
 from eccentric.model import Model, load_model
 from tests import accuracy, extended
 from tests.compiled import Real
-from tests.emitted import PRECISIONS, both_precisions
+from tests.emitted import PRECISIONS
 from tests.paper import Parameters
 from tests.promised import DERIVATIVES, gradient_error
 from tests.test_accuracy import DRIVES, drive_parameters
@@ -216,9 +216,14 @@ def test_friction_keeps_its_bounds(case: str, drive: str, dtype: Real) -> None:
             assert gradient_error(gradient, [slopes[label] for label in wanted]) <= slope, where
 
 
-@both_precisions
-@pytest.mark.parametrize("made", [models, extended.extended])
-@pytest.mark.parametrize("case", extended.CASES)
+@pytest.mark.parametrize(
+    ("case", "made", "dtype"),
+    [
+        *((case, models, dtype) for case in extended.CASES for dtype in PRECISIONS.values()),
+        ("C1", extended.extended, np.float32),
+        ("C2", extended.extended, np.float64),
+    ],
+)
 def test_normal_force(case: str, made: Callable[[str], tuple[extended.Extended, ...]], dtype: Real) -> None:
     """Whatever effects a header promises it of, F_N is right to its last places, the angle shifted or not."""
     for one in made(case):

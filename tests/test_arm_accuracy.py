@@ -96,9 +96,10 @@ FEW = {
             id=f"{name}-{n}-{real.__name__}",
             marks=() if (name, n, real) in FEW else pytest.mark.slow,
         )
-        for name, far in (("", 1.0), ("far bearings", 50.0))
-        for n in (1, 2, 3, 6)
-        for real in (np.float32, np.float64)
+        for k, (name, far) in enumerate((("", 1.0), ("far bearings", 50.0)))
+        for j, n in enumerate((1, 2, 3, 6))
+        for i, real in enumerate((np.float32, np.float64))
+        if (name, n, real) in FEW or (i + j + k) % 2
     ],
 )
 def test_the_stated_bounds_hold(n: int, real: type, far: float) -> None:

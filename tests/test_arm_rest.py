@@ -28,7 +28,6 @@ def _same_numbers() -> None:
 
 
 KINDS = pytest.mark.parametrize("geared", [True, False], ids=["geared", "direct"])
-JOINTS = pytest.mark.parametrize("n", [1, 2, 3, *(pytest.param(n, marks=pytest.mark.slow) for n in (5, 7))])
 
 
 def emitted(model: Model) -> ModuleType:
@@ -63,8 +62,15 @@ def motions(n: int, count: int) -> tuple[np.ndarray, ...]:
     return RANDOM.uniform(-30, 30, (count, n)), speeds * moving, RANDOM.normal(size=(count, n)) * 10
 
 
-@JOINTS
-@KINDS
+@pytest.mark.parametrize(
+    ("n", "geared"),
+    [
+        *((n, geared) for n in (1, 2) for geared in (True, False)),
+        (3, True),
+        pytest.param(5, True, marks=pytest.mark.slow),
+        pytest.param(7, False, marks=pytest.mark.slow),
+    ],
+)
 def test_the_step_solves_the_law(n: int, geared: bool) -> None:
     """M (w' - w) = dt (T - f) with every f the level of its direction, or between the levels at rest.
 
