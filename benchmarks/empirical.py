@@ -197,7 +197,9 @@ def thirds(stage: Stage) -> dict[str, tuple[float, float, tuple[float, float]]]:
 
 def cost(fit: Refit, functions: Sequence[str], folder: Path) -> tuple[int, ...]:
     """Text and constants [B], and instructions of a call on a Cortex-M4F."""
-    model = with_values(fit.model, {n: x for n, x in fit.values.items() if x is not None}, "m", {}, "m")
+    letters = {q.name for q in fit.model.parameters}
+    values = {n: x for n, x in fit.values.items() if n in letters and x is not None}
+    model = with_values(fit.model, values, "m", {}, "m")
     sums = np.zeros(3, int)
     for function in functions:
         try:

@@ -134,7 +134,14 @@ READ = {
 TEXTS = {
     # Data of its owner: of a model, an effect, a program, a draft that is a file.
     *("Words.headline", "Words.hint", "Words.meaning", "Words.title", "Rival.headline"),
-    *("Model.title", "Quantity.meaning", "_Followed.meaning", "_Fitted.notes", "_Fitted.title"),
+    *(
+        "Model.title",
+        "Quantity.meaning",
+        "Variable.meaning",
+        "_Followed.meaning",
+        "_Fitted.notes",
+        "_Fitted.title",
+    ),
     *("Output.meaning", "Routine.meaning", "Helper.meaning", "Assignment.note"),
     *(
         "Program.notes",

@@ -12,6 +12,7 @@ from eccentric.model import (
     Bump,
     ByDirection,
     Chord,
+    Clipped,
     HalfCosine,
     HalfSine,
     Leading,
@@ -71,7 +72,11 @@ class Prepare:
     def _hoist(self, expression: sp.Expr, role: str) -> sp.Expr:
         if expression.is_Atom:
             return expression
-        known = {step: meaning(step) for step in expression.atoms(Bump) if not step.free_symbols}
+        known = {
+            step: meaning(step)
+            for step in expression.atoms(Bump, Clipped)
+            if step.free_symbols <= self.symbols
+        }
         if known:
             return self.hoist(expression.xreplace(known), role)
         if expression.has(HalfCosine):
