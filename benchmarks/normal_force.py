@@ -98,7 +98,7 @@ def single(data: Path, name: str, label: str) -> tuple[Row, DetectionPlan]:
     rig = read_rig(rig_path)
     scale = next((e.value for key, e in found.estimates.items() if key == "R/k_i"), 1.0)
     averaged = channels.rig.sampling.average_over or 0.3
-    noise = found.rmse["paper"] / scale * math.sqrt(INDEPENDENT_HZ * averaged)
+    noise = found.rmse["mechanical"]["paper"] / scale * math.sqrt(INDEPENDENT_HZ * averaged)
     lasts = [np.ptp(channels.time.t[channels.time.run == k]) for k in range(len(channels.time.run_names))]
     limits: dict[str, Any] = {
         "speed_rad_s": float(np.quantile(np.abs(motion.omega_m[rows]), 0.99)),

@@ -107,7 +107,8 @@ def diagnose(
     """
     base, offered = by_name(model), None if effects is None else given_path(effects, "effects")
     paths = _scripts(offered, base)
-    request = SearchRequest(*(names_given(names) for names in (including, without, only)), empirical)
+    asked = names_given(including), names_given(without), names_given(only)
+    request = SearchRequest(*asked, empirical)
     sources, rig = sources_of(logs), read_rig(rig)
     read = read_long(sources, rig, tell=reading)
     found = diagnose_logs(read, rig, base, offered, request, progress)
