@@ -166,7 +166,7 @@ def test_the_plan_keeps_the_limits_and_is_written_as_it_is(
         assert said["largest"][limit] == pytest.approx(np.max(np.abs(table[column])), rel=1e-5)
     assert said["largest"]["current_A"] <= LIMITS["current_A"]
     assert table["time_s"][-1] <= LIMITS["time_s"] * 1.05
-    assert {one["family"] for one in said["rivals"]} == {"sublinear_viscous", "stribeck"}
+    assert {one["family"] for one in said["rivals"]} == {"eddy_current", "stribeck"}
     assert 0.0 <= said["probability"] <= 1.0
 
     source = out / "use.c"

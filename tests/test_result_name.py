@@ -10,8 +10,9 @@ from eccentric.diagnosis import is_result_name, result_name
 
 def found(base: str, effects: list[str], including: list[str]) -> Any:
     """What a name depends on."""
-    models = SimpleNamespace(base=SimpleNamespace(name=base), extended=SimpleNamespace(effects=effects))
-    return SimpleNamespace(models=models, asked=SimpleNamespace(request=SimpleNamespace(including=including)))
+    models = SimpleNamespace(base=SimpleNamespace(name=base))
+    asked = SimpleNamespace(request=SimpleNamespace(including=including))
+    return SimpleNamespace(models=models, result=SimpleNamespace(effects=effects), asked=asked)
 
 
 @pytest.mark.parametrize(

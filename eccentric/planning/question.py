@@ -248,7 +248,8 @@ def _require_known(said: Mapping[str, Any], where: str) -> None:
     needed = "fits_the_rig logs model verdict tied extended_by candidates residual_depends_on"
     if missing := [key for key in needed.split() if key not in said]:
         raise InputError(where, ", ".join(missing), "none: diagnose the logs again")
-    given = [word for words in said.get("asked", {}).values() for word in words]
+    asked = said.get("asked", {})
+    given = [word for key in ("with", "without", "only") for word in asked.get(key, ())]
     if given:
         raise InputError(
             where, "a diagnosis without effects to begin with or to leave out", f"one with {', '.join(given)}"
