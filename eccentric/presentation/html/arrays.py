@@ -121,7 +121,7 @@ SPREAD = (0.1, 0.9)
 
 
 @dataclass(frozen=True)
-class Spread:
+class MeanAndSpread:
     """One line (k,): the mean of each point's rows, and the lower and upper end of their spread."""
 
     low: Array
@@ -155,13 +155,13 @@ class Bins:
         """(bins,) means of the rows."""
         return self._on_all(np.add.reduceat(y[self.index], self.begins) / self.sizes[self.drawn])
 
-    def curve(self, y: Array) -> Spread:
+    def curve(self, y: Array) -> MeanAndSpread:
         """Mean and spread of the rows; each bin is sorted once for both quantiles."""
         ordered = y[self.index]
         for part in np.split(ordered, self.begins[1:]):
             part.sort()
         low, high = (self._on_all(self._quantile(ordered, level)) for level in SPREAD)
-        return Spread(low, self.mean(y), high)
+        return MeanAndSpread(low, self.mean(y), high)
 
     def structure(self, y: Array) -> float:
         """Mean square of the means, weighted with their rows."""

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.model import TURNING, AxisKind
-from eccentric.presentation.html.arrays import BalanceResiduals, Channel, Spread
+from eccentric.presentation.html.arrays import BalanceResiduals, Channel, MeanAndSpread
 from eccentric.presentation.html.data import ReportData
 from eccentric.presentation.html.panels import Panel, Trace, friction_panel, residual_panel
 from eccentric.presentation.html.text import curve_name
@@ -119,7 +119,7 @@ class Figures:
         return ids
 
 
-def _columns(curves: Mapping[str, Spread], with_bars: set[str]) -> dict[str, Any]:
+def _columns(curves: Mapping[str, MeanAndSpread], with_bars: set[str]) -> dict[str, Any]:
     """A column for each curve, and those of the ends of its bars."""
     columns = {name: curve.middle for name, curve in curves.items()}
     for name in with_bars & set(curves):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eccentric.presentation.html.arrays import BalanceResiduals, Bins, Channel, Spread, binned
+from eccentric.presentation.html.arrays import BalanceResiduals, Bins, Channel, MeanAndSpread, binned
 
 Array = np.ndarray
 
@@ -39,7 +39,7 @@ class Panel:
     at: Array
     rows: Array
     left_out: int
-    curves: dict[str, Spread]
+    curves: dict[str, MeanAndSpread]
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Trace:
     cuts: Array
     rows_per_point: int
     rows: int
-    curves: dict[str, Spread]
+    curves: dict[str, MeanAndSpread]
 
 
 def residual_panel(balance: BalanceResiduals, channel: Channel) -> Panel | None:
@@ -150,8 +150,10 @@ def trace(balance: BalanceResiduals) -> Trace | None:
     def each(y: Array) -> Array:
         return parted(np.add.reduceat(y, begins) / sizes)
 
-    def spread(y: Array) -> Spread:
-        return Spread(parted(np.minimum.reduceat(y, begins)), each(y), parted(np.maximum.reduceat(y, begins)))
+    def spread(y: Array) -> MeanAndSpread:
+        return MeanAndSpread(
+            parted(np.minimum.reduceat(y, begins)), each(y), parted(np.maximum.reduceat(y, begins))
+        )
 
     return Trace(
         at=each(axis),
