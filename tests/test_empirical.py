@@ -134,7 +134,7 @@ def test_the_verdict_stays_and_the_model_has_the_term(tmp_path_factory: pytest.T
     found.write(out / "made")
 
     assert (plain.verdict, plain.document["empirical"]) == ("unexplained", None)
-    assert any(line.startswith("--empirical") for line in plain.lines)
+    assert any(line.startswith("With --empirical") for line in plain.lines)
     assert "unexplained" == found.verdict
     assert said["id"] == f"empirical[{','.join(said['variables'])}]"
     assert said["id"] in found.document["extended_by"]
