@@ -267,5 +267,7 @@ def test_what_an_effect_leaves_is_promised(case: str) -> None:
 def test_the_table_is_of_the_library() -> None:
     """What the table names is the library's, each effect once."""
     named = [name for reasons in KEPT.values() for ids in reasons.values() for name in ids]
-    library = {re.sub(r"\[n=[1-9]\d*\]", "", name) for case in extended.CASES for name in extended.effects(case)}
+    library = {
+        re.sub(r"\[n=[1-9]\d*\]", "", name) for case in extended.CASES for name in extended.effects(case)
+    }
     assert sorted(library) == sorted(named)

@@ -188,7 +188,7 @@ def test_hidden_state_is_emitted_as_a_step(tmp_path: Path, capsys: pytest.Captur
     assert torque.startswith(f"  {name}_mechanical_friction_torque(theta_m, omega_m, state.{state}")
     assert step.startswith(f"  {name}_step(&state, ")
     header = (out / f"{name}.h").read_text(encoding="utf-8")
-    assert f"in every cycle, call {name}_step: it advances" in header.split("#ifndef")[0]
+    assert f"call {name}_step in every cycle: it advances" in header.split("#ifndef")[0]
     assert re.search(rf"@param\[in\]  {state}  .*, a hidden state, which {name}_step advances", header)
     inputs, rows = held_out_inputs(log, rig)
     inputs["dt"] = np.diff(inputs["t"], append=inputs["t"][-1] + 0.004)
