@@ -113,8 +113,12 @@ class Machine:
 
     @cached_property
     def link(self) -> str:
-        """The parameter of the inertia behind the gear, J_l, in which the total is linear; "" if none."""
-        return next((name for name in self.inertias if name != self.rotor), "")
+        """The parameter of the inertia behind the gear, J_l, in which the total is linear; "" if none.
+
+        None as well where a correction scales the whole: then none of the inertias is that of the motor alone.
+        """
+        rotors = [name for name in self.inertias if self._inertia_slopes[name] == 1]
+        return next((name for name in self.inertias if rotors and name not in rotors), "")
 
     def inertia(self, values: Values) -> float:
         """The total inertia at the motor [kg m^2]: J_m + mu^2 J_l."""
