@@ -115,7 +115,7 @@ class Machine:
     def link(self) -> str:
         """The parameter of the inertia behind the gear, J_l, in which the total is linear; "" if none.
 
-        None as well where a correction scales the whole: then none of the inertias is that of the motor alone.
+        Also "" where a correction scales the whole inertia: then no parameter is the rotor alone.
         """
         rotors = [name for name in self.inertias if self._inertia_slopes[name] == 1]
         return next((name for name in self.inertias if rotors and name not in rotors), "")
