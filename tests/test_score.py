@@ -233,7 +233,7 @@ def test_a_ripple_above_the_low_pass_is_not_held_against_its_name(logged: tuple[
     assert found.score.percent < 0.0
     assert motion is not None
     assert motion.interval[0] > 0.0
-    assert f"below the {motion.cut_hz:g} Hz low pass" in diagnosis_sentence(found)
+    assert f"held-out error below {motion.cut_hz:g} Hz from" in diagnosis_sentence(found)
 
 
 @pytest.mark.parametrize(("lower", "expected"), [(-1.0, False), (1.0, True)])
