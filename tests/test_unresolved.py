@@ -1,4 +1,4 @@
-"""A torque that repeats faster than half of the log's rate: the log cannot show it, nor contradict it."""
+"""A torque that repeats faster than half the sampling rate: the log cannot show it, nor contradict it."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_a_fast_ripple_that_the_circuit_shows_is_named(found: DiagnosisResult) -
 
     assert ("named", f"kt_ripple[n={ORDER}]") == (found.verdict, effect["id"])
     assert RIPPLE == pytest.approx(effect["parameters"][f"kt_ripple_c{ORDER}"]["value"], rel=0.05)
-    assert any("faster than half of the log's rate" in line for line in found.lines)
+    assert any("faster than half the sampling rate" in line for line in found.lines)
 
 
 def test_half_of_the_rate_is_the_limit() -> None:
