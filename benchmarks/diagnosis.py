@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from multiprocessing import get_context
@@ -25,12 +25,13 @@ from benchmarks.oracle import oracle
 from benchmarks.outside import OUTSIDE
 from benchmarks.record import Part, peak, progress, table
 from eccentric.core import InputError
-from eccentric.diagnosis import diagnose
+from eccentric.diagnosis import Diagnosis, diagnose
+from eccentric.effects import library
 from eccentric.presentation import diagnosis_document
 from eccentric.virtual_bench import EFFECTS, PlantedEffect, random_scenario, simply, simulate, write
 
 # Seeds below this one were used while the method was developed, so they can no longer judge it.
-FIRST_SEED = 310000
+FIRST_SEED = 410000
 RATIOS = (1 / 30, 1 / 5, 1 / 2, 1.0)
 NOISE = {"fine": [0.004, 0.008, 0.012], "ordinary": [0.002, 0.004, 0.01, 0.02, 0.03]}
 NEEDS_TEMPERATURE = {
@@ -118,8 +119,10 @@ def run(job: Job, folder: Path) -> Result:
         result.seconds = time.perf_counter() - started
         result.memory = peak() / 1e9
     result.verdict = said["verdict"]
-    result.ranked = list(dict.fromkeys(c["family"] for c in said["candidates"]))
-    result.named = [e["family"] for e in said["effects"]]
+    result.ranked = _credited((c["family"] for c in said["candidates"]), result, found)
+    named = [e["family"] for e in said["effects"]]
+    result.named = _credited(named, result, found)
+    result.shared = result.named != named
     result.depends = said["residual_depends_on"]
     result.probability = max((c["probability"] for c in said["candidates"][:1]), default=0.0)
     result.rmse = {balance: errors["extended"] for balance, errors in said["rmse_holdout_Nm"].items()}
@@ -128,6 +131,12 @@ def run(job: Job, folder: Path) -> Result:
     if job.kind in {"single", "control", "pair"}:
         sparse_columns.write(found, folder / f"{job.seed}.npz")
     return result
+
+
+def _credited(families: Iterable[str], result: Result, found: Diagnosis) -> list[str]:
+    """The families, a name that covers a true one replaced by it: it says what that one does, too."""
+    covers = {effect.family: effect.evidence.covers for effect in library(found.setting)}
+    return list(dict.fromkeys(next((t for t in result.truth if t in covers.get(f, ())), f) for f in families))
 
 
 def measured(quick: bool, first: int = FIRST_SEED) -> Part:
@@ -161,6 +170,8 @@ _HEAD = [
     " no library holds (`benchmarks/outside.py`), twice each; one minute at 250 rows a second.",
     f"An effect whose torque lies within {100 * diagnosis_table.ALIAS:g} % of the friction of what the paper's own columns can take is"
     " an exact alias (w\\|w\\| and w^3 in C1): a log with one is not counted among the singles and pairs.",
+    "Viscous friction that grows less than in proportion to speed is a name that covers an eddy-current brake, and counts"
+    " as right for one; how often it was given is in the table.",
     "The oracle knows the true families and fits them on the same rows; PySINDy gets the same residuals and, as far"
     " as it can have them, the same effects as columns (`benchmarks/sparse_columns.py`), and has no way to abstain but to find"
     " nothing.",

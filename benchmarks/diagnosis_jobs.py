@@ -29,6 +29,7 @@ class Result:
     beyond: list[float] = field(default_factory=list)
     ranked: list[str] = field(default_factory=list)
     named: list[str] = field(default_factory=list)
+    shared: bool = False  # a true effect was named by a name that covers it
     depends: list[str] = field(default_factory=list)
     probability: float = 0.0
     rmse: dict[str, float] = field(default_factory=dict)  # balance -> held out, of what is shipped

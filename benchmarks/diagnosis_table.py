@@ -94,6 +94,7 @@ def details(results: Sequence[Result]) -> list[str]:
         "a wrong name, further names counted too": share(
             sum(bool(set(r.named) - set(r.truth)) for r in single), len(single)
         ),
+        "named by a name that covers the true effect": share(sum(r.shared for r in single), len(single)),
         "faint effects with a wrong name": share(
             sum(bool(set(r.named) - set(r.truth)) for r in faint), len(faint)
         ),
