@@ -125,7 +125,7 @@ def write() -> None:
     table = "".join(f"| {' | '.join(row)} |\n" for row in rows)
     page = PAGE.read_text(encoding="utf-8")
     if len(MARK.findall(page)) != 1:
-        raise SystemExit(f"{PAGE}: one place for the table is required, <!-- lines --> ... <!-- end -->")
+        raise SystemExit(f"{PAGE}: expected one place for the table, <!-- lines --> ... <!-- end -->")
     PAGE.write_text(MARK.sub(lambda m: m[1] + table + m[2], page), encoding="utf-8")
 
 

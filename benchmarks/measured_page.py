@@ -38,7 +38,7 @@ def write(path: Path, results: dict[str, Any]) -> None:
     for name, found in results.items():
         own = [k for k, part in enumerate(parts) if f"--rig examples/rigs/{name}.toml" in part]
         if len(own) != 1 or len(TABLE.findall(parts[own[0]])) != len(found["tables"]):
-            raise SystemExit(f"{path}: one section with {len(found['tables'])} tables is required for {name}")
+            raise SystemExit(f"{path}: expected one section with {len(found['tables'])} tables for {name}")
         rendered = iter(map(markdown, found["tables"]))
         text = TABLE.sub(lambda _, tables=rendered: next(tables), parts[own[0]])
         block = "\n".join(

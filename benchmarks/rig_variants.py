@@ -159,7 +159,7 @@ def write(name: str, line: str) -> None:
     text = PAGE.read_text(encoding="utf-8")
     head, section, rest = text.partition(SECTION)
     if not section:
-        raise SystemExit(f"{PAGE}: a section {SECTION.strip()} is required")
+        raise SystemExit(f"{PAGE}: expected a section {SECTION.strip()}")
     there = re.search(r"(?:^\|.*\n)+", rest, flags=re.MULTILINE)
     old = there.group().splitlines()[2:] if there else []
     # Rows of an earlier form of the table go.

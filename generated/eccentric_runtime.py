@@ -71,14 +71,14 @@ class Checked:
             if value is None and optional:
                 continue
             if type(value) is not float and not isinstance(value, Real):
-                raise TypeError(f"{name}: {required} is required, received {type(value).__name__}")
+                raise TypeError(f"{name}: expected {required}, got {type(value).__name__}")
             try:
                 number = float(value) + 0.0  # minus zero becomes zero
             except OverflowError:
-                received = "received one beyond double precision"
-                raise ValueError(f"{name}: {required} is required, {received}") from None
+                received = "got one beyond double precision"
+                raise ValueError(f"{name}: expected {required}, {received}") from None
             if not lowest <= number <= highest:
-                raise ValueError(f"{name}: {required} is required, received {number}")
+                raise ValueError(f"{name}: expected {required}, got {number}")
             # Equal parameters are then identical, as the caches assume.
             object.__setattr__(self, name, number)
 
@@ -540,10 +540,10 @@ def arrays(inputs: Sequence[Any], names: Sequence[str]) -> tuple[Sequence[np.nda
 def check_out(out: Any, shape: tuple[int, ...], precision: _Real) -> None:
     """Require an array that the result fits in."""
     if not isinstance(out, np.ndarray):
-        raise TypeError(f"out: an array is required, received {type(out).__name__}")
+        raise TypeError(f"out: expected an array, got {type(out).__name__}")
     if out.shape != shape or out.dtype != precision:
         received = f"{out.shape} of {out.dtype}"
-        raise ValueError(f"out: shape {shape} of {precision.__name__} is required, received {received}")
+        raise ValueError(f"out: expected shape {shape} of {precision.__name__}, got {received}")
 
 
 def _number(name: str, x: Any) -> Any:
@@ -552,14 +552,14 @@ def _number(name: str, x: Any) -> Any:
     kind = getattr(given, "dtype", _DOUBLE)
     if kind.kind not in "biuf":
         of = f" of {kind.type.__name__.rstrip('_')}" if np.shape(given) else ""
-        raise TypeError(f"{name}: real numbers are required, received {type(x).__name__}{of}")
+        raise TypeError(f"{name}: expected real numbers, got {type(x).__name__}{of}")
     return given
 
 
 def _rounded(name: str, x: Any) -> np.ndarray:
     if isinstance(x, _PYTHONS):
         if _LARGEST_SINGLE < abs(x) < math.inf:  # as infinity it would turn finite results into NaN
-            raise ValueError(f"{name}: a number that float32 can hold is required, received {x}")
+            raise ValueError(f"{name}: expected a number that float32 can hold, got {x}")
         with np.errstate(all="ignore"):
             return np.asarray(x, np.float32)
     return np.asarray(x, np.float32)
@@ -589,8 +589,8 @@ def _elements(
     found: list[np.ndarray] = []
     for name, x in zip(names, inputs, strict=True):
         if name in vectors and x.shape[-1:] != (vectors[name],):
-            required = f"{vectors[name]} values on the last axis are required"
-            raise ValueError(f"{name}: {required}, received shape {x.shape}")
+            required = f"expected {vectors[name]} values on the last axis"
+            raise ValueError(f"{name}: {required}, got shape {x.shape}")
         found.extend(np.moveaxis(x, -1, 0) if name in vectors else [x])
     return found
 
@@ -794,16 +794,14 @@ class Model:
         own = getattr(parameters, "__dataclass_fields__", {}).keys() == fields
         if parameters is not None and (isinstance(parameters, type) or not own):
             received = f"{type(parameters).__module__}.{type(parameters).__qualname__}"
-            raise TypeError(f"parameters: Parameters of this model are required, received {received}")
+            raise TypeError(f"parameters: expected Parameters of this model, got {received}")
 
     def require(self, names: Sequence[str], last: str, value: ArrayLike, parameters: Any) -> None:
         """Require the inertia, which has no default, unless the last input is 0 everywhere."""
         self.check(parameters)
         missing = [name for name in names if getattr(parameters or self.default, name) is None]
         if missing and np.any(np.asarray(value) != 0):
-            raise ValueError(
-                f"{', '.join(missing)}: required in Parameters unless {last} is 0, received None"
-            )
+            raise ValueError(f"{', '.join(missing)}: required in Parameters unless {last} is 0, got None")
 
     def function(
         self,

@@ -134,8 +134,8 @@ def test_a_log_of_the_voltage_alone_is_refused(rig: Any) -> None:
     with pytest.raises(InputError) as refused:
         eccentric.adapt(voltage, rig | {"columns": columns})
     assert str(refused.value) == (
-        "table: a column for current or torque is required to follow friction; map it in [columns] of rig,"
-        " received voltage only"
+        "table: expected a column for current or torque to follow friction; map it in [columns] of rig,"
+        " got voltage only"
     )
 
 
@@ -143,7 +143,7 @@ def test_a_hidden_state_is_in_no_log(rig: Any) -> None:
     """A model with hidden states is refused in one line that names the first of them."""
     channels = read_channels([log(1.0)], read_rig(rig))
 
-    with pytest.raises(InputError, match=r"a model without hidden states is required .*, received heat_P$"):
+    with pytest.raises(InputError, match=r"expected a model without hidden states .*, got heat_P$"):
         inputs_of(channels, TURNING, ("theta_m", "heat_P"), "table")
 
 

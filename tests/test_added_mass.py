@@ -173,12 +173,12 @@ def test_a_second_mass_settles_what_one_leaves_open() -> None:
 @pytest.mark.parametrize(
     ("added", "said"),
     [
-        ({"table 3": "0.2 kg"}, r"\[added\]: one of table 1, table 2 is required, received 'table 3'"),
-        ({"table 2": "0.2 kg", "table*": "0.1 kg"}, r"\[added\]: one mass for a run is required"),
+        ({"table 3": "0.2 kg"}, r"\[added\]: expected one of table 1, table 2, got 'table 3'"),
+        ({"table 2": "0.2 kg", "table*": "0.1 kg"}, r"\[added\]: expected one mass for a run"),
         ({"table 2": "0.2 m"}, r"\[added\] table 2: .*kg"),
-        ({"table 2": 0.2}, r"\[added\] table 2: a text with a unit is required"),
-        ({"table 2": "0 kg"}, r"\[added\] table 2: a mass above 0 kg is required, received '0 kg'"),
-        ({"table 2": "-1 kg"}, r"\[added\] table 2: a value at least 0 kg is required"),
+        ({"table 2": 0.2}, r"\[added\] table 2: expected a text with a unit"),
+        ({"table 2": "0 kg"}, r"\[added\] table 2: expected a mass above 0 kg, got '0 kg'"),
+        ({"table 2": "-1 kg"}, r"\[added\] table 2: expected a value at least 0 kg"),
         (["table 2"], r"\[added\]: "),
     ],
 )
@@ -211,21 +211,21 @@ def test_a_rig_with_an_added_mass_is_checked_entry_by_entry() -> None:
     assert len(found) == 2
     assert rest["added"] == {"b": "0.2 kg"}
     found, _ = rig_complaints({"known": {"case": "C1", "M": "0.5 kg"}, "added": {"b": "0.2 kg"}})
-    assert any("[known] L is required with [added]" in one.text for one in found)
+    assert any("expected [known] L with [added]" in one.text for one in found)
 
 
 def test_an_added_mass_needs_the_mass_that_is_there(tmp_path: Path) -> None:
     """Where it is not known, the place of the added one is not known either; others take none."""
     rig = {"known": {"case": "C1", "L": "0.2 m", "mu": "1", "k_i": "0.1 N m/A"}, "added": {"b": "0.2 kg"}}
-    with pytest.raises(InputError, match=r"\[known\] M is required with \[added\], received none"):
+    with pytest.raises(InputError, match=r"expected \[known\] M with \[added\], got none"):
         read_rig(rig)
     with pytest.raises(InputError, match=r"'added'"):
         read_rig({"kind": "linear", "known": {"mass": "9 kg"}, "added": {"b": "0.2 kg"}})
     path = tmp_path / "rig.toml"
     path.write_text('[known]\ncase = "C1"\nM = "1 kg"\nL = "1 m"\nmu = "1"\n[added]\nb = "0.2 kg"\n')
-    with pytest.raises(InputError, match=re.escape("[added]: a log of one mass is required")):
+    with pytest.raises(InputError, match=re.escape("[added]: expected a log of one mass")):
         eccentric.adapt(str(path), str(path))
-    with pytest.raises(InputError, match=re.escape("[added]: logs of one mass are required in a fleet")):
+    with pytest.raises(InputError, match=re.escape("[added]: expected logs of one mass in a fleet")):
         Assigned(str(path))
     arm = {"arm": "arm.toml", "added": {"b": "0.2 kg"}}
     with pytest.raises(InputError, match=r"\[?added"):

@@ -73,8 +73,8 @@ def test_it_is_drawn_over_time(result: BenchResult) -> None:
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        ({"seed": -1}, "seed: an integer of 0 or more is required, received -1"),
-        ({"case": "C3"}, "case: C1 or C2 is required, "),
+        ({"seed": -1}, "seed: expected an integer of 0 or more, got -1"),
+        ({"case": "C3"}, "case: expected C1 or C2, "),
         ({"effects": ["stribec"]}, "effect stribec: one of "),
     ],
     ids=["seed", "case", "effect"],

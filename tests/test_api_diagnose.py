@@ -191,14 +191,14 @@ def test_a_live_model_that_ships_is_known_by_its_name() -> None:
     [
         (
             "presliding",
-            "c2_parallel: diagnose requires a model without hidden states, received one with",
+            "c2_parallel: diagnose requires a model without hidden states, got one with",
         ),
         (
             "inverter_deadtime",
-            "diagnose requires a model with the paper's armature, received one extended",
+            "diagnose requires a model with the paper's armature, got one extended",
         ),
-        ("kt_saturation", "diagnose requires a model with the paper's armature, received one extended"),
-        ("coulomb_temperature", "c2_parallel: diagnose requires a temperature in the log, received none"),
+        ("kt_saturation", "diagnose requires a model with the paper's armature, got one extended"),
+        ("coulomb_temperature", "c2_parallel: diagnose requires a temperature in the log, got none"),
     ],
 )
 def test_a_model_that_a_diagnosis_cannot_start_from_is_refused(family: str, line: str) -> None:
@@ -251,9 +251,7 @@ def test_scripts_that_would_hide_a_file_of_the_result_are_refused(tmp_path: Path
     for name in ("model.py", "my_extended.py"):
         with pytest.raises(InputError, match="a name that no file"):
             eccentric.diagnose("no.csv", RIG, effects=tmp_path / name)
-    with pytest.raises(
-        InputError, match=r"effects and model: files of different names are required, received a\.py"
-    ):
+    with pytest.raises(InputError, match=r"effects and model: expected files of different names, got a\.py"):
         eccentric.diagnose("no.csv", RIG, tmp_path / "one" / "a.py", tmp_path / "two" / "a.py")
 
 

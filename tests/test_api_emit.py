@@ -52,7 +52,7 @@ def test_a_model_names_itself_in_the_banner(tmp_path: Path) -> None:
         ({"parameters": {"B": 1.0}}, "parameters: parameters.B: c1_perpendicular has no such parameter"),
         (
             {"parameters": {"B_m": "a"}},
-            "parameters: parameters.B_m: a finite number is required, received 'a'",
+            "parameters: parameters.B_m: expected a finite number, got 'a'",
         ),
         ({"parameters": {"model": "c2_parallel", "parameters": {"B_m": 1.0}}}, "parameters: a fit"),
         ({"parameters": "no.json"}, "no.json: no such file"),

@@ -85,7 +85,7 @@ def test_several_logs_are_one_fit(log: Log) -> None:
 def test_a_log_that_comes_twice_is_refused(log: Log) -> None:
     """Rows that count twice would make errors look smaller than they are."""
     for logs, name in (([LOG, str(LOG)], str(LOG)), ([log, log], "table 2")):
-        with pytest.raises(InputError, match="each log is required only once, received it twice") as error:
+        with pytest.raises(InputError, match="expected each log only once, got it twice") as error:
             eccentric.fit(logs, RIG)
         assert str(error.value).startswith(name)
 
@@ -99,7 +99,7 @@ def test_a_column_that_is_missing_is_named(log: Log) -> None:
     with pytest.raises(InputError) as error:
         eccentric.fit(table, rig)
 
-    assert str(error.value).startswith("table: column 'i' is required, the log has time_s, ")
+    assert str(error.value).startswith("table: expected column 'i', the log has time_s, ")
 
 
 def test_a_column_of_text_is_named_with_its_row(log: Log) -> None:
@@ -112,7 +112,7 @@ def test_a_column_of_text_is_named_with_its_row(log: Log) -> None:
     with pytest.raises(InputError) as error:
         eccentric.fit(table, RIG)
 
-    assert "table: row 1, column 'current_A': a number is required, received 'fast'" == str(error.value)
+    assert "table: row 1, column 'current_A': expected a number, got 'fast'" == str(error.value)
 
 
 def test_estimates_are_named_with_unit_and_interval(result: FitResult) -> None:
@@ -267,7 +267,7 @@ def test_a_constant_load_in_the_model_is_that_of_the_rig(result: FitResult) -> N
 )
 def test_friction_that_no_log_of_this_kind_shows_is_refused(family: str, received: str) -> None:
     """One line says which input the fit cannot provide."""
-    with pytest.raises(InputError, match=f"fit requires .*, received some that depend on .*{received}"):
+    with pytest.raises(InputError, match=f"fit requires .*, got some that depend on .*{received}"):
         eccentric.fit(LOG, RIG, with_effect(family))
 
 

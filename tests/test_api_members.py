@@ -76,7 +76,7 @@ def test_it_is_drawn_on_one_axes(name: str, made: Callable[[str], Any]) -> None:
         assert ax.has_data()
         assert all(isinstance(one, Axes) for one in np.ravel(made(name).plot()))
     else:
-        with pytest.raises(InputError, match="a result with a figure is required"):
+        with pytest.raises(InputError, match="expected a result with a figure"):
             made(name).plot(ax=ax)
     plt.close("all")
 
@@ -88,7 +88,7 @@ def test_what_was_fitted_is_there_by_name(name: str, made: Callable[[str], Any])
     covariance, correlation = result.covariance, result.correlation
     if name not in FITTED:
         assert () == covariance.names
-        with pytest.raises(InputError, match="the result of a fit or a diagnosis is required"):
+        with pytest.raises(InputError, match="expected the result of a fit or a diagnosis"):
             result.predict(LOG)
         return
     frame, error = pytest.importorskip("pandas").DataFrame(covariance), np.sqrt(np.diag(covariance.matrix))
@@ -131,7 +131,7 @@ def test_every_model_of_a_diagnosis_predicts(name: str, made: Callable[[str], An
 
     residual = np.array(found["residual"])[np.array(found["held_out"])]
     assert result.rmse["mechanical"][name] == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-9)
-    with pytest.raises(InputError, match="one of extended, paper, linear is required, received 'papers'"):
+    with pytest.raises(InputError, match="expected one of extended, paper, linear, got 'papers'"):
         result.predict(LOG, model="papers")
 
 
@@ -196,5 +196,5 @@ def test_scikit_learn_clones_and_cross_validates_the_regressor() -> None:
     assert not hasattr(again, "result_")
     assert "c2_parallel" == again.set_params(model="c2_parallel").model
     assert np.all(grid.cv_results_["mean_test_score"] > 0.9)
-    with pytest.raises(InputError, match="one of rig, model, columns is required, received 'rigs'"):
+    with pytest.raises(InputError, match="expected one of rig, model, columns, got 'rigs'"):
         again.set_params(rigs=OWN)

@@ -19,7 +19,7 @@ COLUMNS = {
 def column(name: str) -> np.ndarray:
     """Return a column, or refuse as a log does."""
     if name not in COLUMNS:
-        raise InputError(f"column {name!r} is required, the log has {', '.join(COLUMNS)}")
+        raise InputError(f"expected column {name!r}, but the log has {', '.join(COLUMNS)}")
     return COLUMNS[name]
 
 
@@ -70,11 +70,11 @@ BAD = {
     "a; b": "neither a column of the log nor arithmetic",
     "a = b": "neither a column of the log nor arithmetic",
     "": "neither a column of the log nor arithmetic",
-    "c + a": "column 'c' is required, the log has a, b",
-    "a + (b > 0)": "a number is required, received the condition 'b > 0'",
-    "a and b > 0": "a condition is required, received the number 'a'",
-    "a + 1e999": "a finite number is required",
-    "9" * 400 + " * a": "a finite number is required",
+    "c + a": "expected column 'c', the log has a, b",
+    "a + (b > 0)": "expected a number, got the condition 'b > 0'",
+    "a and b > 0": "expected a condition, got the number 'a'",
+    "a + 1e999": "expected a finite number",
+    "9" * 400 + " * a": "expected a finite number",
     "a" + " + a" * LONGEST_ARITHMETIC: "at most 500 characters",
     "-" * (DEEPEST_ARITHMETIC + 2) + "a": "nested deeper",
     "(" * 240 + "a" + ")" * 240: "neither a column of the log nor arithmetic",

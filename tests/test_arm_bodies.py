@@ -52,7 +52,7 @@ def test_a_body_too_few_is_refused() -> None:
     """The fit of another arm."""
     values = {name: value for name, value in of_file().items() if "_1" not in name}
 
-    with pytest.raises(InputError, match="bodies: mass_1 is required for the 2 joints of planar_2r"):
+    with pytest.raises(InputError, match="bodies: expected mass_1 for the 2 joints of planar_2r"):
         with_bodies(read_arm(ARM), values)
 
 
@@ -61,7 +61,7 @@ def test_friction_of_another_arm_is_refused(tmp_path: Path) -> None:
     for document, said in (
         (
             {"model": "other", "parameters": {"C_m_0": 0.01}},
-            "a fit of planar_2r is required, received one of other",
+            "expected a fit of planar_2r, got one of other",
         ),
         ({"parameters": {"C_m_2": 0.01}}, "C_m_2: planar_2r has no such parameter"),
     ):
@@ -93,7 +93,7 @@ def test_the_fit_of_another_arm_of_the_same_name_is_refused(
     if not said:
         assert eccentric.emit(ARM, tmp_path / "out", parameters=document, backend="numpy")
         return
-    with pytest.raises(InputError, match=f"a fit of the arm in planar_2r.toml is required, .*: {said}"):
+    with pytest.raises(InputError, match=f"expected a fit of the arm in planar_2r.toml, .*: {said}"):
         eccentric.emit(ARM, tmp_path / "out", parameters=document)
     assert not (tmp_path / "out").exists()
 
@@ -113,8 +113,8 @@ def test_a_payload_that_is_set_at_run_time_stays(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"mass_0": -1.0}, "moments that a mass can have are required of body 0"),
-        ({"Sigma_1_yy": -1e-3}, "moments that a mass can have are required of body 1"),
+        ({"mass_0": -1.0}, "expected moments that a mass can have of body 0"),
+        ({"Sigma_1_yy": -1e-3}, "expected moments that a mass can have of body 1"),
         ({"mass_2": 1.0}, "mass_2 is of no body of planar_2r"),
     ],
 )
@@ -127,14 +127,14 @@ def test_bodies_that_cannot_be_are_refused(change: dict[str, float], said: str) 
 @pytest.mark.parametrize(
     ("document", "said"),
     [
-        ({"chain": [1]}, "chain: an object with a list `joints` of objects is required"),
-        ({"chain": {"joints": [1]}}, "chain: an object with a list `joints` of objects is required"),
-        ({"bodies": [1]}, "bodies: an object `values` of finite numbers is required"),
+        ({"chain": [1]}, "chain: expected an object with a list `joints` of objects"),
+        ({"chain": {"joints": [1]}}, "chain: expected an object with a list `joints` of objects"),
+        ({"bodies": [1]}, "bodies: expected an object `values` of finite numbers"),
         ({"bodies": {"values": {"mass_0": "1"}}}, "bodies: an object `values` of finite numbers"),
-        ({"bodies": {"values": {}, "possible": False}}, "accept_misfit: this is required"),
+        ({"bodies": {"values": {}, "possible": False}}, "accept_misfit: needed"),
         (
             {"joints_without_scale": ["elbow"]},
-            "friction in N m is required of every joint, received that of elbow",
+            "expected friction in N m of every joint, got that of elbow",
         ),
     ],
 )

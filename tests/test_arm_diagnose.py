@@ -209,13 +209,13 @@ def test_a_diagnosis_is_no_fit(stribeck: ArmDiagnosisResult, tmp_path: Path) -> 
     ):
         given = tmp_path / "diagnosis.json"
         given.write_text(json.dumps(document), encoding="utf-8")
-        with pytest.raises(InputError, match=f"received a diagnosis: {instead}"):
+        with pytest.raises(InputError, match=f"got a diagnosis: {instead}"):
             eccentric.emit(tmp_path / "planar.toml", tmp_path / "out", parameters=given)
 
 
 def test_a_joint_that_is_not_there_is_refused(stribeck: ArmDiagnosisResult) -> None:
     """One line with the numbers that there are."""
-    with pytest.raises(InputError, match="joint: one of 1, 2 is required, received 3"):
+    with pytest.raises(InputError, match="joint: expected one of 1, 2, got 3"):
         stribeck.joint(3)
 
 
@@ -271,12 +271,12 @@ def test_options_of_one_drive_are_refused(
     done = main([command, str(log), "--rig", str(rig), "--out", str(tmp_path / "out"), *option])
 
     assert 2 == done
-    assert f"{option[0]}: the rig of a single drive is required with it" in capsys.readouterr().err
+    assert f"{option[0]}: expected the rig of a single drive with it" in capsys.readouterr().err
 
 
 def test_a_command_for_one_drive_refuses_an_arm(written: tuple[Path, Path]) -> None:
     """One line."""
     log, rig = written
 
-    with pytest.raises(InputError, match="arm: the rig of a single drive is required here"):
+    with pytest.raises(InputError, match="arm: expected the rig of a single drive here"):
         eccentric.fit(str(log), str(rig))

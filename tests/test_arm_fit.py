@@ -210,7 +210,7 @@ def test_a_voltage_without_constants_is_refused() -> None:
     rig = arm_rig_of(planar_arm()) | {"drive": "voltage", "columns": columns}
 
     with pytest.raises(
-        InputError, match=r"\[drives\] k_i: a value is required to convert the voltage of joint 1"
+        InputError, match=r"\[drives\] k_i: expected a value to convert the voltage of joint 1"
     ):
         fit_arm([log], read_arm_rig(rig), ["log"])
 

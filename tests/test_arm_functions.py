@@ -205,5 +205,5 @@ def test_a_slide_shows_one_sum() -> None:
 
 def test_an_unknown_function_is_refused() -> None:
     """The message lists those of an arm."""
-    with pytest.raises(InputError, match=r"one of inverse_dynamics, .* received 'inverse_dynamic'"):
+    with pytest.raises(InputError, match=r"one of inverse_dynamics, .* got 'inverse_dynamic'"):
         emitted(TWO_LINKS, "inverse_dynamic")

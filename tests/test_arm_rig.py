@@ -48,7 +48,7 @@ def test_a_rig_that_names_an_arm_is_known_as_one() -> None:
     rig = arm_rig_of(ARM)
 
     assert names_arm(rig)
-    with pytest.raises(InputError, match=r"rig: arm: the rig of a single drive is required here"):
+    with pytest.raises(InputError, match=r"rig: arm: expected the rig of a single drive here"):
         read_rig({"arm": "x.toml"})
 
 
@@ -57,11 +57,11 @@ def test_a_rig_that_names_an_arm_is_known_as_one() -> None:
     [
         (
             {"columns": {"time": "t_s", "theta_l": "q_rad", "torque_l": "tau_Nm_{j}"}},
-            r"\[columns\] theta_l: a pattern with \{j\}, the number of the joint, is required",
+            r"\[columns\] theta_l: expected a pattern with \{j\}, the number of the joint,",
         ),
         (
             {"columns": {"time": "t_{j}", "theta_l": "q_rad_{j}", "torque_l": "tau_Nm_{j}"}},
-            r"\[columns\] time: one column for all joints is required, received a pattern",
+            r"\[columns\] time: expected one column for all joints, got a pattern",
         ),
         (
             {"drives": {"k_i": ["0.1 Nm/A"]}},
@@ -73,13 +73,13 @@ def test_a_rig_that_names_an_arm_is_known_as_one() -> None:
         ({"joints": {"inertial": "closed"}}, r'\[joints\] inertial: "known", "open" or a list of mass, cen'),
         (
             {"joints": {"inertial": ["centre"]}},
-            r"mass before centre before inertia is required, received cent",
+            r"expected mass before centre before inertia, got cent",
         ),
-        ({"joints": {"inertial": ["mass", "inertia"]}}, r"received mass, inertia without what comes before"),
+        ({"joints": {"inertial": ["mass", "inertia"]}}, r"got mass, inertia without what comes before"),
         ({"joints": {"inertial": ["mas"]}}, r"\[joints\] inertial: unknown key 'mas'"),
         (
             {"joints": {"first": -1}},
-            r"\[joints\] first: a whole number of 0 or above is required, received -1",
+            r"\[joints\] first: expected a whole number of 0 or above, got -1",
         ),
         (
             {"known": {"M": "1 kg"}},
@@ -119,16 +119,14 @@ def test_a_column_for_some_joints_only_is_refused(log: dict[str, Any]) -> None:
 
     with pytest.raises(
         InputError,
-        match=r"torque_l: column 'tau_Nm_2' is required for joint 2 of planar .*, received 1 of 2 joints",
+        match=r"torque_l: expected column 'tau_Nm_2' for joint 2 of planar .*, got 1 of 2 joints",
     ):
         read_joints([some], read_arm_rig(arm_rig_of(ARM)))
 
 
 def test_a_joint_number_that_the_log_lacks_is_refused(log: dict[str, Any]) -> None:
     """Columns that count from 1 under a rig that counts from 4: joint, arm and base are named."""
-    said = (
-        r"theta_l: column 'q_rad_4' is required for joint 4 of planar \(columns count from first = 4\), the"
-    )
+    said = r"theta_l: expected column 'q_rad_4' for joint 4 of planar \(columns count from first = 4\), the"
     with pytest.raises(InputError, match=said):
         read_joints([log], read_arm_rig(arm_rig_of(ARM, joints={"first": 4})))
 
@@ -138,7 +136,7 @@ def test_the_closest_column_is_proposed(log: dict[str, Any]) -> None:
     spaced = {name.replace("q_rad_", "Axis "): values for name, values in log.items()}
     columns = {"time": "t_s", "run": "run", "theta_l": "Axi {j}", "torque_l": "tau_Nm_{j}"}
 
-    with pytest.raises(InputError, match=r"theta_l: column 'Axi 1' is required .*; did you mean 'Axis 1'\?"):
+    with pytest.raises(InputError, match=r"theta_l: expected column 'Axi 1' .*; did you mean 'Axis 1'\?"):
         read_joints([spaced], read_arm_rig(arm_rig_of(ARM, columns=columns)))
 
 
@@ -148,7 +146,7 @@ def test_a_log_of_more_joints_than_the_arm_is_refused(log: dict[str, Any]) -> No
 
     with pytest.raises(
         InputError,
-        match=r"columns of the 1 joint of alone are required, the log has 'q_rad_2' for a joint 2 that",
+        match=r"expected columns of the 1 joint of alone, the log has 'q_rad_2' for a joint 2 that",
     ):
         read_joints([log], read_arm_rig(arm_rig_of(one)))
 
@@ -157,9 +155,7 @@ def test_arm_and_rig_that_are_swapped_are_told(tmp_path: Path) -> None:
     """The reverse is among the arm files that are refused."""
     (tmp_path / "arm.toml").write_text('[[joint]]\nname = "elbow"\n', encoding="utf-8")
 
-    with pytest.raises(
-        InputError, match=r"arm.toml: a rig file is required, received an arm file; a rig nam"
-    ):
+    with pytest.raises(InputError, match=r"arm.toml: expected a rig file, got an arm file; a rig nam"):
         read_rig(tmp_path / "arm.toml")
 
 

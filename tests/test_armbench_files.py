@@ -108,21 +108,21 @@ def test_the_command_writes_what_the_function_returns(
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["--arm", "7"], "--arm: 2r or 3 or 6 is required, received 7"),
+        (["--arm", "7"], "--arm: expected 2r or 3 or 6, got 7"),
         (["--arm", "2r", "--effect", "stribec@1"], "--effect stribec@1: one of stribeck, "),
-        (["--arm", "2r", "--effect", "stribeck@3"], "--effect stribeck@3: a joint from 1 to 2 is required, "),
-        (["--arm", "2r", "--effect", "stribeck@0"], "--effect stribeck@0: a joint from 1 to 2 is required, "),
+        (["--arm", "2r", "--effect", "stribeck@3"], "--effect stribeck@3: expected a joint from 1 to 2, "),
+        (["--arm", "2r", "--effect", "stribeck@0"], "--effect stribeck@0: expected a joint from 1 to 2, "),
         (
             ["--arm", "2r", "--effect", "stribeck@1=2"],
             "--effect stribeck@1: a strength above 0 and at most 1",
         ),
-        (["--arm", "2r", "--effect", "stribeck[x]"], "--effect stribeck: no variant is required, received x"),
-        (["--arm", "2r", "--runs", "2"], "--runs: 3 to 20 is required, received 2"),
-        (["--arm", "2r", "--seconds", "5"], "--seconds: 15 to 3600 is required, received 5.0"),
-        (["--arm", "2r", "--rate", "100"], "--rate: 250 or 500 is required, received 100"),
-        (["--arm", "2r", "--measured", "voltage"], "--measured: current or torque is required, "),
-        (["--arm", "2r", "--mu", "0.1"], "--mu: no --arm is required with it, received 2r"),
-        (["--runs", "4"], "--runs: --arm is required with it, received none"),
+        (["--arm", "2r", "--effect", "stribeck[x]"], "--effect stribeck: expected no variant, got x"),
+        (["--arm", "2r", "--runs", "2"], "--runs: expected 3 to 20, got 2"),
+        (["--arm", "2r", "--seconds", "5"], "--seconds: expected 15 to 3600, got 5.0"),
+        (["--arm", "2r", "--rate", "100"], "--rate: expected 250 or 500, got 100"),
+        (["--arm", "2r", "--measured", "voltage"], "--measured: expected current or torque, "),
+        (["--arm", "2r", "--mu", "0.1"], "--mu: expected no --arm with it, got 2r"),
+        (["--runs", "4"], "--runs: expected --arm with it, got none"),
     ],
 )
 def test_what_is_no_bench_is_one_line(

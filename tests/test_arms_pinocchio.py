@@ -133,9 +133,7 @@ def test_an_arm_with_an_impossible_link_is_refused(arm: str, link: str) -> None:
     first, second, third = np.linalg.eigvalsh(np.array(rows))
     assert third > first + second
 
-    with pytest.raises(
-        InputError, match=f"link '{link}': inertia: principal moments are required of which none"
-    ):
+    with pytest.raises(InputError, match=f"link '{link}': inertia: expected principal moments of which none"):
         read_arm(ROBOTS / arm)
 
 

@@ -143,7 +143,7 @@ def test_branches_ask_for_the_tip(tmp_path: Path) -> None:
 
     path = tmp_path / "arm.urdf"
     assert str(caught.value) == (
-        f"{path}: one chain of joints is required, received branches behind joint 'turn': 'left', 'right';"
+        f"{path}: expected one chain of joints, got branches behind joint 'turn': 'left', 'right';"
         f" name the last link of the arm, as in {path}#hand"
     )
 
@@ -236,7 +236,7 @@ def test_an_arm_file_gives_a_urdf_its_drives(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ('[[joint]]\nname = "trn"', "the URDF is required, received 'trn'; did you mean 'turn'?"),
+        ('[[joint]]\nname = "trn"', "expected the URDF, got 'trn'; did you mean 'turn'?"),
         ('[[joint]]\nname = "turn"\naxis = [0, 0, 1]', "turn: unknown key 'axis'; known are name, mu, J_m"),
         ('[[joint]]\nname = "lift"\nmu = 2', 'lift: mu: a text with a unit is required, as in "0.1 m/rad"'),
     ],

@@ -134,7 +134,7 @@ def test_rows_are_counted_before_they_are_read(source: Any) -> None:
 
 def test_a_column_that_is_missing_is_named(source: Any) -> None:
     """As when the log is read whole."""
-    with pytest.raises(InputError, match=r"column 'torque' is required, the log has .*current_A"):
+    with pytest.raises(InputError, match=r"expected column 'torque', but the log has .*current_A"):
         list(stream_log(source).batches(["torque"]))
 
 
@@ -194,7 +194,7 @@ def test_many_rows_with_too_few_values_are_refused(tmp_path: Path) -> None:
     def change(lines: list[str]) -> None:
         lines[700:1700] = ["1.0,2.0"] * 1000
 
-    with pytest.raises(InputError, match=r"log\.csv: line 701: 4 values are required, received 2"):
+    with pytest.raises(InputError, match=r"log\.csv: line 701: expected 4 values, got 2"):
         damaged(change, tmp_path).read(["time_s"])
 
 

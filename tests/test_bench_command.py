@@ -90,7 +90,7 @@ def test_the_command_line_overwrites_nothing(
     (tmp_path / name).write_bytes(b"measured")
 
     assert cli.main(["bench", "--out", str(tmp_path / "log.csv.gz")]) == 2
-    said = f"{tmp_path / name}: a new file to write is required, received one that exists"
+    said = f"{tmp_path / name}: expected a new file to write, got one that exists"
     assert capsys.readouterr().err == f"eccentric: error: {said}\n"
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {name: b"measured"}
 
@@ -104,8 +104,6 @@ def test_the_command_line_requires_a_place_for_the_log(capsys: pytest.CaptureFix
 @pytest.mark.parametrize("family", EFFECTS)
 def test_listed_variants_are_those_of_the_families(family: str) -> None:
     """What a family answers to a variant that does not exist is what --list-effects shows."""
-    expected = (
-        f"a variant of {', '.join(VARIANTS[family])} is required," if family in VARIANTS else "no variant"
-    )
+    expected = f"expected a variant of {', '.join(VARIANTS[family])}," if family in VARIANTS else "no variant"
     with pytest.raises(InputError, match=expected):
         drawn_scenario(effects=[f"{family}[x]"])

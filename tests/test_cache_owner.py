@@ -90,6 +90,6 @@ def test_a_cache_of_another_user_is_one_clear_line(cache: Path, monkeypatch: pyt
     monkeypatch.setattr("os.geteuid", lambda: user + 1)
 
     assert read_record("arm_key") is None
-    with pytest.raises(InputError, match=r"a cache of your own is required, .* set XDG_CACHE_HOME$"):
+    with pytest.raises(InputError, match=r"expected a cache of your own, .* set XDG_CACHE_HOME$"):
         store()
     assert before == sorted(path.stat().st_mtime_ns for path in (cache, *cache.iterdir()))

@@ -75,7 +75,7 @@ def test_c_without_a_coefficient_is_refused() -> None:
     slide = arm(Chain("slide", [Joint("prismatic")], [Body(1)]), "A slide")
     choice = Choice(("inverse_dynamics",), "none")
 
-    with pytest.raises(InputError, match="slide: a function of an angle or a parameter is required for C"):
+    with pytest.raises(InputError, match="slide: expected a function of an angle or a parameter for C"):
         render(slide, "a test", "a test", choice=choice)
     assert "slide.py" in render(slide, "a test", "a test", ("numpy",), choice=choice)
 

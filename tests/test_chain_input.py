@@ -11,65 +11,65 @@ from eccentric.core import InputError
 from eccentric.model import Body, Chain, Joint, Placement
 
 CASES = {
-    "mass below zero": (lambda: Body(-1, name="arm"), "arm: mass: 0 or above is required, received -1 kg"),
-    "mass not a number": (lambda: Body("heavy"), "body: mass: a number is required, received 'heavy'"),
-    "mass not finite": (lambda: Body(math.nan), "body: mass: a finite number is required, received nan"),
-    "mass infinite": (lambda: Body(sp.oo), "body: mass: a finite number is required, received oo"),
-    "centre of two numbers": (lambda: Body(1, (0, 0)), "body: centre of mass: three numbers are required"),
+    "mass below zero": (lambda: Body(-1, name="arm"), "arm: mass: expected 0 or above, got -1 kg"),
+    "mass not a number": (lambda: Body("heavy"), "body: mass: expected a number, got 'heavy'"),
+    "mass not finite": (lambda: Body(math.nan), "body: mass: expected a finite number, got nan"),
+    "mass infinite": (lambda: Body(sp.oo), "body: mass: expected a finite number, got oo"),
+    "centre of two numbers": (lambda: Body(1, (0, 0)), "body: centre of mass: expected three numbers"),
     "inertia of two rows": (lambda: Body(1, inertia=[[1, 0, 0]] * 2), "three rows of three numbers"),
     "inertia not symmetric": (
         lambda: Body(1, inertia=[[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]),
-        "body: inertia: a symmetric tensor is required",
+        "body: inertia: expected a symmetric tensor",
     ),
     "inertia of no body": (
         lambda: Body(1, inertia=[[1, 0, 0], [0, 1, 0], [0, 0, 3]]),
-        "none exceeds the sum of the others, received 1, 1, 3 kg m^2",
+        "none exceeds the sum of the others, got 1, 1, 3 kg m^2",
     ),
     "inertia below zero": (
         lambda: Body(1, inertia=[[-1, 0, 0], [0, 1, 0], [0, 0, 1]]),
-        "principal moments of 0 or above are required, received -1, 1, 1 kg m^2",
+        "expected principal moments of 0 or above, got -1, 1, 1 kg m^2",
     ),
     "inertia turned out of sight": (
         # 1, 1, 3 about axes that are turned by 45 degrees: no entry of the diagonal shows it.
         lambda: Body(1, inertia=[[1, 0, 0], [0, 2, 1], [0, 1, 2]]),
-        "received 1, 1, 3 kg m^2",
+        "got 1, 1, 3 kg m^2",
     ),
     "axis of no length": (
         lambda: Joint(axis=(0, 0, 0), name="elbow"),
-        "elbow: axis: a vector of length 1 is required, received (0, 0, 0) of length 0",
+        "elbow: axis: expected a vector of length 1, got (0, 0, 0) of length 0",
     ),
-    "axis too long": (lambda: Joint(axis=(0, 1, 1)), "received (0, 1, 1) of length 1.41421"),
+    "axis too long": (lambda: Joint(axis=(0, 1, 1)), "got (0, 1, 1) of length 1.41421"),
     "axis of letters": (
         lambda: Joint(axis=(sp.Symbol("x"), 0, 1)),
-        "joint: axis: three numbers are required",
+        "joint: axis: expected three numbers",
     ),
     "unknown joint": (
         lambda: Joint("prismatik"),
-        "joint: kind: one of revolute, prismatic is required, received 'prismatik'; did you mean",
+        "joint: kind: expected one of revolute, prismatic, got 'prismatik'; did you mean",
     ),
     "gear that turns nothing": (
         lambda: Joint(mu=0),
-        "mu: a positive gear ratio is required, received 0",
+        "mu: expected a positive gear ratio, got 0",
     ),
-    "rotor below zero": (lambda: Joint(J_m=-0.1), "joint: J_m: 0 or above is required, received -0.1 kg m^2"),
+    "rotor below zero": (lambda: Joint(J_m=-0.1), "joint: J_m: expected 0 or above, got -0.1 kg m^2"),
     "rotation that stretches": (
         lambda: Placement(rotation=[[2, 0, 0], [0, 1, 0], [0, 0, 1]]),
-        "placement: rotation: columns that are a right-handed frame are required",
+        "placement: rotation: expected columns that are a right-handed frame",
     ),
     "rotation that mirrors": (
         lambda: Placement(rotation=[[-1, 0, 0], [0, 1, 0], [0, 0, 1]]),
-        "placement: rotation: columns that are a right-handed frame are required",
+        "placement: rotation: expected columns that are a right-handed frame",
     ),
-    "no joint": (lambda: Chain("arm", [], []), "arm: at least one joint is required, received none"),
+    "no joint": (lambda: Chain("arm", [], []), "arm: expected at least one joint, got none"),
     "a joint without a body": (
         lambda: Chain("arm", [Joint(), Joint()], [Body(1)]),
-        "arm: one body for each joint is required, received 2 joints and 1 bodies",
+        "arm: expected one body for each joint, got 2 joints and 1 bodies",
     ),
     "a letter that nothing defines": (
         lambda: Chain("arm", [Joint()], [Body(sp.Symbol("m"))]),
-        "arm: m is required among its parameters",
+        "arm: expected m among its parameters",
     ),
-    "a keyword as a name": (lambda: Chain("while", [Joint()], [Body(1)]), "received 'while', a keyword of C"),
+    "a keyword as a name": (lambda: Chain("while", [Joint()], [Body(1)]), "got 'while', a keyword of C"),
 }
 
 

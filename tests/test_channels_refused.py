@@ -38,7 +38,7 @@ def test_drive_is_what_is_logged_or_what_the_rig_says(tmp_path: Path) -> None:
     """Current goes before torque and voltage, unless the rig says otherwise."""
     assert channels_of(tmp_path, STANDARD).motor.measured_by == "current"
     assert channels_of(tmp_path, STANDARD, 'drive = "voltage"\n' + RIG).motor.measured_by == "voltage"
-    with pytest.raises(InputError, match=r"drive: a channel with .* \(current, voltage\), received 'torque'"):
+    with pytest.raises(InputError, match=r"drive: a channel with .* \(current, voltage\), got 'torque'"):
         channels_of(tmp_path, STANDARD, 'drive = "torque"\n' + RIG)
 
 
@@ -52,7 +52,7 @@ THIRD = np.where(np.arange(len(T)) % 3 == 0, np.nan, STANDARD["current_A"])
 TEXT = ["broken" if row % 4 == 0 else x for row, x in enumerate(STANDARD["current_A"], start=4)]
 SPLIT = np.where((T > 3.0) & (T < 4.0), 1.0, 0.0)
 BAD = {
-    "no time": (changed(time_s=None), RIG, "a column for time (column 'time_s') is required"),
+    "no time": (changed(time_s=None), RIG, "expected a column for time (column 'time_s')"),
     "no angle": (changed(theta_m_rad=None), RIG, "a column for theta_m (column 'theta_m_rad') or theta_l"),
     "no drive": (
         changed(voltage_V=None, current_A=None),
@@ -62,33 +62,33 @@ BAD = {
     "column": (
         changed(),
         RIG + MAPPED + 'current = "amps"\n',
-        "column 'amps' is required, the log has time_s",
+        "expected column 'amps', but the log has time_s",
     ),
     "arithmetic": (
         changed(),
         RIG + MAPPED + 'current = "current_A ** 2"\n',
         "[columns] current: 'current_A ** 2'",
     ),
-    "condition": (changed(), RIG + MAPPED + 'current = "current_A > 2"\n', "current: a number is required"),
+    "condition": (changed(), RIG + MAPPED + 'current = "current_A > 2"\n', "current: expected a number"),
     "text": (
         changed(current_A=TEXT),
         RIG,
-        "line 2, column 'current_A': a number is required, received 'broken'",
+        "line 2, column 'current_A': expected a number, got 'broken'",
     ),
     "third": (changed(current_A=THIRD), RIG, "no number in 1000 of 3000 rows"),
-    "split": (changed(run=SPLIT), RIG, "contiguous runs are required, received '0' again"),
-    "stuck": (changed(theta_m_rad=0.0 * T + 1.5), RIG, "an angle that changes is required, received 1.5 rad"),
+    "split": (changed(run=SPLIT), RIG, "expected contiguous runs, got '0' again"),
+    "stuck": (changed(theta_m_rad=0.0 * T + 1.5), RIG, "expected an angle that changes, got 1.5 rad"),
     "slow": (changed(theta_m_rad=1e-9 * T), "moving_threshold_rad_s = 1\n" + RIG, "moving rows (above"),
     "nothing": (changed(current_A=np.nan * T), RIG, "log.csv: column 'current_A' (current) has no numbers"),
     "no current": (
         changed(current_A=0.0 * T),
         RIG,
-        "a current that drives the motor is required, received 0 in all moving rows: it is not recorded",
+        "expected a current that drives the motor, got 0 in all moving rows: it is not recorded",
     ),
     "no current held out": (
         changed(current_A=np.where(T < 4.0, 0.0, 1.0)),
         "holdout_intervals_s = [[1, 3]]\n" + RIG,
-        "received 0 in all moving held-out rows (1 intervals from the rig file): hold out others",
+        "got 0 in all moving held-out rows (1 intervals from the rig file): hold out others",
     ),
     "at the end": (
         changed(),
@@ -98,7 +98,7 @@ BAD = {
     "link": (
         changed(theta_m_rad=None, theta_l_rad=T),
         '[known]\ncase = "C2"\n',
-        "[known] mu is required here",
+        "expected [known] mu here",
     ),
 }
 
@@ -119,6 +119,6 @@ def test_logs_with_different_channels_are_refused(tmp_path: Path) -> None:
     second = log_file(tmp_path / "b.csv", STANDARD | {"temperature_C": T})
     with pytest.raises(
         InputError,
-        match=r"b\.csv: the same channels are required in every log, received in some only: temperature",
+        match=r"b\.csv: expected the same channels in every log, got in some only: temperature",
     ):
         read_channels([first, second], rig_file(tmp_path))

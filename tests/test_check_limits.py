@@ -64,5 +64,5 @@ def test_too_few_averages_are_refused_by_all_three_alike() -> None:
         messages.append(str(refused.value))
 
     assert len(messages) == 3
-    assert len({message.partition(" are required")[0] for message in messages}) == 1
+    assert len({message.partition("expected ")[0] for message in messages}) == 1
     assert "moving averages over 0.3 s to fit" in messages[0]

@@ -141,7 +141,7 @@ def test_keys_in_the_wrong_place_or_spelling_are_put_right(tmp_path: Path) -> No
         f"{path}: k_i: this key belongs under [known]",
         f"{path}: [columns]: unknown key 'Theta_M'; did you mean 'theta_m'?",
         f"{path}: [columns] M: this key belongs under [known]",
-        f"{path}: [known] M: a decimal point is required, as in '0.5 kg', received '0,5 kg'",
+        f"{path}: [known] M: expected a decimal point, as in '0.5 kg', got '0,5 kg'",
         f"{path}: [known]: unknown key 'ML'; did you mean 'M_l'?",
         f"{path}: [known] drive: this key belongs at the top, above all tables",
     ] == [one.text for one in found]
@@ -152,9 +152,7 @@ def test_a_decimal_comma_of_a_bare_number_is_named_with_its_line(tmp_path: Path)
     """TOML itself cannot read it: the line is shown, and not the parser's words."""
     path = tmp_path / "rig.toml"
     path.write_text('low_pass_hz = 12,5\n[known]\ncase = "C2"\n')
-    with pytest.raises(
-        eccentric.InputError, match="a decimal point is required, received 'low_pass_hz = 12,5'"
-    ):
+    with pytest.raises(eccentric.InputError, match="expected a decimal point, got 'low_pass_hz = 12,5'"):
         rig_complaints(path)
 
 
@@ -168,7 +166,7 @@ def test_a_decimal_comma_of_a_bare_number_is_named_with_its_line(tmp_path: Path)
         ),
         ("k_i = .05N m/A", 'a value with its unit in quotes is required, k_i = ".05N m/A"'),
         ("case = C2", 'a text in quotes is required, case = "C2"'),
-        ("motor_off = True", "true or false in small letters is required, motor_off = true"),
+        ("motor_off = True", "expected true or false in small letters, motor_off = true"),
     ],
 )
 def test_a_value_without_quotes_is_shown_as_it_has_to_be_written(
@@ -179,7 +177,7 @@ def test_a_value_without_quotes_is_shown_as_it_has_to_be_written(
     path.write_text(f"[known]\nmu = 1\n{line}\n")
     with pytest.raises(eccentric.InputError) as error:
         rig_complaints(path)
-    assert f"{path}: {wanted}, received {line!r} in line 3" == str(error.value)
+    assert f"{path}: {wanted}, got {line!r} in line 3" == str(error.value)
 
 
 def test_no_mean_of_rows_reaches_over_a_gap() -> None:

@@ -119,7 +119,7 @@ def test_help_lists_every_command_without_importing_sympy() -> None:
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        ([], "the following arguments are required: COMMAND"),
+        ([], "expected the following arguments: COMMAND"),
         (["fitt"], "unknown command 'fitt'; did you mean 'fit'?"),
         (["--versio"], "required: COMMAND"),
         (["fit"], "required"),

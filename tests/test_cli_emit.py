@@ -20,8 +20,8 @@ def test_a_prefix_that_hides_another_name_is_refused(
     assert 2 == main(["emit", "c2_parallel", "--prefix", taken, "--out", str(tmp_path / "out")])
 
     error = capsys.readouterr().err
-    required = "a lower-case C identifier that C and Python leave free is required"
-    start = f"eccentric: error: --prefix: {required}, received '{taken}', a "
+    required = "expected a lower-case C identifier that C and Python leave free"
+    start = f"eccentric: error: --prefix: {required}, got '{taken}', a "
     assert (1, True) == (error.count("\n"), error.startswith(start))
     assert [] == list(tmp_path.iterdir())
 
@@ -61,7 +61,7 @@ def test_an_unknown_back_end_is_refused(tmp_path: Path, capsys: pytest.CaptureFi
     """One line with the names that there are."""
     assert 2 == main(["emit", "c2_parallel", "--backend", "fortran", "--out", str(tmp_path / "out")])
 
-    expected = "eccentric: error: --backend: one of numpy, c99, jax is required, received 'fortran'\n"
+    expected = "eccentric: error: --backend: expected one of numpy, c99, jax, got 'fortran'\n"
     assert expected == capsys.readouterr().err
 
 
@@ -90,6 +90,6 @@ def test_what_is_no_model_is_told_what_one_is(
     said = capsys.readouterr().err
 
     assert 2 == done
-    assert "a model's name, a derivation .py, or an arm .toml, .json or .urdf is required" in said
-    assert said.endswith(f"received {received}\n")
+    assert "expected a model's name, a derivation .py, or an arm .toml, .json or .urdf" in said
+    assert said.endswith(f"got {received}\n")
     assert not (tmp_path / "out").exists()

@@ -64,9 +64,9 @@ RIGS = {
     "unknown unit": (changed() | {"columns": {"time": {"column": "time_s", "unit": "parsec"}}}, "parsec"),
     "unknown drive": (
         changed() | {"drive": "torque"},
-        "drive: a channel with a column in the log is required (current, voltage), received 'torque'",
+        "drive: expected a channel with a column in the log (current, voltage), got 'torque'",
     ),
-    "no k_i": (changed(k_i_Nm_per_A=None), "k_i is required"),
+    "no k_i": (changed(k_i_Nm_per_A=None), "expected k_i"),
     "never moving": (changed() | {"moving_threshold_rad_s": 1e4}, "moving rows"),
 }
 
@@ -83,7 +83,7 @@ def test_model_of_another_case_is_one_line(tmp_path: Path, capsys: pytest.Captur
     """A model of case C1 for a rig of case C2 is refused with the model that fits."""
     arguments = [str(LOG), "--rig", str(RIG), "--model", "c1_perpendicular"]
     said = refused(arguments, tmp_path, capsys)
-    assert "requires case C1, received case C2; c2_parallel fits it" in said
+    assert "requires case C1, got case C2; c2_parallel fits it" in said
 
 
 def test_a_log_that_does_not_fit_its_rig_says_so(
@@ -108,7 +108,7 @@ def test_a_log_that_does_not_fit_its_rig_says_so(
     emit = ["emit", "c2_parallel", "--parameters", str(tmp_path / "out" / "fit.json"), "--backend", "jax"]
     emit += ["--out", str(tmp_path / "emitted")]
     assert cli.main(emit) == 2
-    required = "--accept-misfit: this is required to emit fit.json, since its log does not fit the rig"
+    required = "--accept-misfit: needed to emit fit.json, since its log does not fit the rig"
     assert capsys.readouterr().err == f"eccentric: error: {required}\n"
     assert not (tmp_path / "emitted").exists()
     assert cli.main([*emit, "--accept-misfit"]) == 0
@@ -161,7 +161,7 @@ def test_a_refusal_names_a_few_of_many_runs(
     log.write_text("\n".join([f"{rows[0]},run", *runs]) + "\n")
     first = ", ".join(f"bench {k}" for k in range(12))
     for more, message in (
-        ({"holdout_runs": ["x*"]}, f"one of {first} and 138 more is required, received 'x*'"),
+        ({"holdout_runs": ["x*"]}, f"expected one of {first} and 138 more, got 'x*'"),
         (
             {"moving_threshold_rad_s": 1e4},
             "every fifth from the third on: bench 2, bench 7, bench 12,",
@@ -173,21 +173,21 @@ def test_a_refusal_names_a_few_of_many_runs(
 
 LOGS = {
     "missing file": (None, "no such file"),
-    "missing column": (lambda rows: ["time_s,current_A", "0,1", "1,2"], "column 'theta_m_rad' is required"),
+    "missing column": (lambda rows: ["time_s,current_A", "0,1", "1,2"], "expected column 'theta_m_rad'"),
     "text": (
         lambda rows: [rows[0], *(row.replace(row.split(",")[1], "fast") for row in rows[1:])],
         "'fast'",
     ),
     "decimal comma between commas": (
         lambda rows: [rows[0], *(row.replace(".", ",") for row in rows[1:])],
-        "a decimal point is required, as in 1.5",
+        "expected a decimal point, as in 1.5",
     ),
     "two hundred columns": (
         lambda rows: [",".join(f"signal_{k}" for k in range(200)), *[",".join(["1"] * 200)] * len(rows)],
         f"the log has {', '.join(f'signal_{k}' for k in range(12))} and 188 more",
     ),
     "unknown name in a comment": (lambda rows: ["# nothing", *rows[1:]], "a header row with column names"),
-    "empty": (lambda rows: rows[:1], "a log with rows is required"),
+    "empty": (lambda rows: rows[:1], "expected a log with rows"),
     "a third missing": (
         lambda rows: (
             [rows[0]]

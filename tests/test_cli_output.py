@@ -73,7 +73,7 @@ def test_files_of_another_command_are_not_overwritten(tmp_path: Path) -> None:
     with whole_folder(tmp_path / "out", "diagnose") as new:
         (new / "arm.c").write_text("first")
 
-    said = r"out: a free name arm\.c is required, received a file that `eccentric diagnose` wrote; choose "
+    said = r"out: expected a free name arm\.c, got a file that `eccentric diagnose` wrote; choose "
     with pytest.raises(InputError, match=said), whole_folder(tmp_path / "out", "emit arm") as new:
         (new / "arm.c").write_text("second")
 
@@ -90,14 +90,14 @@ def test_a_folder_that_cannot_be_is_told_before_the_work(
     (tmp_path / "full/thesis.tex").write_text("")
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
-    own = "a folder of its own for the output is required, such as build/out, received"
+    own = "expected a folder of its own for the output, such as build/out, got"
     wrong = {
         "/": f"/: {own} one with the working directory in it",
         "": f".: {own} the working directory",
-        "../file": "../file: a folder to write is required, received a file",
-        "../file/a/b": f"../file/a/b: a place that can be written is required, {tmp_path}/file is a file",
+        "../file": "../file: expected a folder to write, got a file",
+        "../file/a/b": f"../file/a/b: expected a place that can be written, but {tmp_path}/file is a file",
         "../full": "../full: a new or empty folder, or one that eccentric wrote"
-        " (it holds .eccentric), is required, received a folder with other files",
+        "expected  (it holds .eccentric), got a folder with other files",
     }
     for out, said in wrong.items():
         assert cli.main([command, "no.csv", "--rig", "no.toml", "--out", out]) == 2
@@ -113,7 +113,7 @@ def test_a_log_that_is_given_twice_is_refused(
     log, out = tmp_path / "a.csv", tmp_path / "out"
     again = tmp_path / "x" / ".." / "a.csv"
     assert cli.main([command, str(log), str(again), "--rig", "no.toml", "--out", str(out)]) == 2
-    said = f"eccentric: error: {again}: each log is required only once, received it twice\n"
+    said = f"eccentric: error: {again}: expected each log only once, got it twice\n"
     assert capsys.readouterr() == ("", said)
 
 
@@ -124,7 +124,7 @@ def test_files_of_others_are_not_overwritten(tmp_path: Path) -> None:
     (tmp_path / "out/a").write_text("mine")
 
     with (
-        pytest.raises(InputError, match="out: a free name a is required, "),
+        pytest.raises(InputError, match="out: expected a free name a, "),
         whole_folder(tmp_path / "out", "fit") as new,
     ):
         (new / "a").write_text("ours")
@@ -136,7 +136,7 @@ def test_a_folder_of_others_is_refused(tmp_path: Path) -> None:
     """A folder that holds files and was not written by eccentric is refused before any work is done."""
     (tmp_path / "thesis.tex").write_text("mine")
 
-    with pytest.raises(InputError, match="received a folder with other files"), whole_folder(tmp_path, "fit"):
+    with pytest.raises(InputError, match="got a folder with other files"), whole_folder(tmp_path, "fit"):
         pytest.fail("the block must not be entered")
 
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
@@ -148,14 +148,14 @@ def test_targets_of_the_wrong_kind_are_refused(tmp_path: Path, monkeypatch: pyte
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
 
-    with pytest.raises(InputError, match="received a file"), whole_folder(tmp_path / "file", "fit"):
+    with pytest.raises(InputError, match="got a file"), whole_folder(tmp_path / "file", "fit"):
         pass
     with (
-        pytest.raises(InputError, match="received one that is not a regular file"),
+        pytest.raises(InputError, match="got one that is not a regular file"),
         whole_file(tmp_path),
     ):
         pass
-    with pytest.raises(InputError, match="received the working directory"), whole_folder(".", "fit"):
+    with pytest.raises(InputError, match="got the working directory"), whole_folder(".", "fit"):
         pass
     with pytest.raises(InputError, match="a place that can be written"), whole_file("../file/log"):
         pass

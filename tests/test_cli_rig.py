@@ -36,7 +36,7 @@ def test_a_file_that_is_there_is_not_replaced(tmp_path: Path, capsys: pytest.Cap
     out.write_text("mine")
 
     assert 2 == cli.main(["rig", LOG, "--out", str(out)])
-    assert "a new file is required" in capsys.readouterr().err
+    assert "expected a new file" in capsys.readouterr().err
     assert "mine" == out.read_text()
 
 

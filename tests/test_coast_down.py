@@ -213,9 +213,9 @@ def test_rows_of_two_shafts_with_missed_and_double_events(late: bool) -> None:
 
 def test_what_turns_cannot_be_is_refused() -> None:
     """One clear error for another event, and for a run with too few turns."""
-    with pytest.raises(InputError, match='events: "revolution", or nothing is required'):
+    with pytest.raises(InputError, match='events: expected "revolution", or nothing'):
         eccentric.fit({"time_s": turn_times(0.5, 60.0)}, {**RIG, "events": "pulse"})
-    with pytest.raises(InputError, match=r"at least 8 turns .* required .*, received 5"):
+    with pytest.raises(InputError, match=r"at least 8 turns .* required .*, got 5"):
         eccentric.fit({"time_s": np.arange(5.0)}, TURNS)
 
 

@@ -121,7 +121,7 @@ def test_the_figure_has_a_bar_for_each_model(folder: Path) -> None:
     ("models", "words"),
     [
         (["c3"], "model 'c3' is unknown"),
-        (["c2_parallel", "c2_parallel"], "only once, received c2_parallel twice"),
+        (["c2_parallel", "c2_parallel"], "only once, got c2_parallel twice"),
         (["c2_parallel+stribek"], "did you mean stribeck?"),
         (["c1_perpendicular"], "requires case C1"),
     ],

@@ -338,7 +338,7 @@ def test_invalid_settings_are_refused(name: str) -> None:
     """With one error that names the setting, what is required and what came."""
     c = python("c2_parallel")
     for value in WRONG[name]:
-        with pytest.raises(ValueError, match=rf"^{name}: .* is required, received {value!r}$"):
+        with pytest.raises(ValueError, match=rf"^{name}: expected .*, got {value!r}$"):
             c.Settings(**{name: value})
 
 
@@ -524,11 +524,11 @@ def test_proved(tmp_path: Path, name: str, real: str) -> None:
 
 def test_what_cannot_be_emitted_is_refused(tmp_path: Path) -> None:
     """An arm, a choice of functions, and a target without the C say so in one line."""
-    with pytest.raises(InputError, match="compensation: a model of one joint is required, received an arm"):
+    with pytest.raises(InputError, match="compensation: expected a model of one joint, got an arm"):
         eccentric.emit("examples/arms/planar_2r.toml", tmp_path / "a", compensation=True)
     with pytest.raises(InputError, match="compensation: the whole model is required with it"):
         eccentric.emit("c2_parallel", tmp_path / "b", compensation=True, functions=["gravity_torque"])
-    with pytest.raises(InputError, match="compensation: backend c99 is required as well"):
+    with pytest.raises(InputError, match="compensation: expected backend c99 as well"):
         eccentric.emit("c2_parallel", tmp_path / "c", compensation=True, backend="numpy")
     assert not list(tmp_path.iterdir())
 

@@ -107,7 +107,7 @@ def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.flo
     assert np.array_equal(expected, strided, equal_nan=True)
     if not width(name, function):
         assert np.array_equal(expected, f(*states, p, out=states[0]), equal_nan=True)
-    with pytest.raises(ValueError, match=r"^out: shape .* is required, received \(2, 2\)"):
+    with pytest.raises(ValueError, match=r"^out: expected shape .*, got \(2, 2\)"):
         f(*states, p, out=np.empty((2, 2), dtype))
 
 
@@ -177,13 +177,13 @@ def test_no_compiler_is_one_clear_line(monkeypatch: pytest.MonkeyPatch, tmp_path
     """Without a compiler the error says what is required; with one that fails, what it said."""
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
-    with pytest.raises(InputError, match=r"^compile: a C compiler .* is required, received none$"):
+    with pytest.raises(InputError, match=r"^compile: expected a C compiler .*, got none$"):
         eccentric.compile(load_model("c1_perpendicular"))
 
     broken = tmp_path / "cc"
     broken.write_text("#!/bin/sh\necho no such flag >&2\nexit 1\n")
     broken.chmod(0o755)
-    with pytest.raises(InputError, match=r"^compile: .*/cc: .* is required, received no such flag$"):
+    with pytest.raises(InputError, match=r"^compile: .*/cc: expected .*, got no such flag$"):
         eccentric.compile(load_model("c1_perpendicular"))
 
 
@@ -202,10 +202,10 @@ def test_compiler_may_have_options(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ("gcc '", r"a command with its options is required, received \"gcc '\": No closing quotation"),
+        ("gcc '", r"expected a command with its options, got \"gcc '\": No closing quotation"),
         (
             "no-such-compiler -O1",
-            r"a C compiler that is installed is required, received 'no-such-compiler -O1'",
+            r"expected a C compiler that is installed, got 'no-such-compiler -O1'",
         ),
     ],
     ids=["open quotation", "absent"],
@@ -239,7 +239,7 @@ def test_what_cannot_be_compiled_or_kept_is_one_clear_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """A number in place of a model, an unknown name and a cache that is a file are reported as such."""
-    with pytest.raises(TypeError, match=r"^compile: a Model, .* is required, received int$"):
+    with pytest.raises(TypeError, match=r"^compile: expected a Model, .*, got int$"):
         eccentric.compile(2)  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"^model 'c2_paralel' is unknown; known are "):
         eccentric.compile("c2_paralel")

@@ -74,10 +74,10 @@ def test_a_parameter_that_is_no_real_number_is_named(name: str, kind: str) -> No
     """One line names the field, what it requires with its unit, and the type that came."""
     value, said = NOT_REAL[kind]
 
-    with pytest.raises(TypeError, match=rf"^mu: a positive number \[1\] is required, received {said}$"):
+    with pytest.raises(TypeError, match=rf"^mu: expected a positive number \[1\], got {said}$"):
         module(name).Parameters(mu=value)
     if value is not None:
-        with pytest.raises(TypeError, match=rf"^J_m: .* \[kg m\^2\] is required, received {said}$"):
+        with pytest.raises(TypeError, match=rf"^J_m: expected .* \[kg m\^2\], got {said}$"):
             module(name).Parameters(J_m=value)
 
 
@@ -89,9 +89,7 @@ def test_an_input_that_is_no_real_number_is_named(name: str, function: str) -> N
         for k, asked in enumerate(names):
             for others in (1.0, np.ones(1), np.ones(1, np.float32)):
                 given: list[Any] = [wrong if j == k else others for j in range(len(names))]
-                with pytest.raises(
-                    TypeError, match=rf"^{asked}: real numbers are required, received {came}$"
-                ):
+                with pytest.raises(TypeError, match=rf"^{asked}: expected real numbers, got {came}$"):
                     f(*given, p)
 
 
@@ -105,7 +103,7 @@ def test_a_number_beyond_single_precision_is_refused_beside_it(name: str, functi
     for k, asked in enumerate(names):
         for value in (1e300, -1e300, 10**50, np.nextafter(largest, np.inf).item()):
             given: list[Any] = [value if j == k else np.ones(3, np.float32) for j in range(len(names))]
-            said = re.escape(f"{asked}: a number that float32 can hold is required, received {value}")
+            said = re.escape(f"{asked}: expected a number that float32 can hold, got {value}")
             with pytest.raises(ValueError, match=f"^{said}$"):
                 f(*given, p)
         for value in (largest, -largest, float("inf"), float("nan"), 1e-300):
@@ -125,7 +123,7 @@ def test_parameters_of_another_kind_are_refused(name: str, function: str) -> Non
     for wrong in (*NO_PARAMETERS, another(), module(name).Parameters):
         kind = type(wrong)
         said = re.escape(
-            f"parameters: Parameters of this model are required, received {kind.__module__}.{kind.__name__}"
+            f"parameters: expected Parameters of this model, got {kind.__module__}.{kind.__name__}"
         )
         for state in (1.0, np.ones(3)):
             with pytest.raises(TypeError, match=f"^{said}$"):
@@ -137,7 +135,7 @@ def test_out_that_is_no_array_is_refused(name: str, function: str) -> None:
     """A list or a number cannot take the result; nor can an array that cannot be written."""
     f, p, names = getattr(module(name), function), with_inertia(name), inputs(name, function)
     for wrong in ([0.0], 0.0, memoryview(bytearray(24))):
-        with pytest.raises(TypeError, match=rf"^out: an array is required, received {type(wrong).__name__}$"):
+        with pytest.raises(TypeError, match=rf"^out: expected an array, got {type(wrong).__name__}$"):
             f(*(np.ones(3) for _ in names), p, out=wrong)
     for count in (1, 3, 5000):
         states = [np.ones(count) for _ in names]

@@ -143,7 +143,7 @@ def test_two_scripts_of_one_name_are_refused_before_the_work(
     arguments = ["no.csv", "--rig", "no.toml", "--effects", scripts[0], "--model", scripts[1]]
     status = main(["diagnose", *arguments, "--out", str(tmp_path / "out")])
 
-    said = "--effects and --model: files of different names are required, received x.py twice"
+    said = "--effects and --model: expected files of different names, got x.py twice"
     assert (2, f"eccentric: error: {said}\n") == (status, capsys.readouterr().err)
 
 
@@ -161,7 +161,7 @@ def test_a_model_with_a_hidden_state_is_refused(tmp_path: Path, capsys: pytest.C
     error = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
 
     assert (2, 1) == (status, len(error))
-    assert "diagnose requires a model without hidden states, received one with presliding_z" in error[0]
+    assert "diagnose requires a model without hidden states, got one with presliding_z" in error[0]
 
 
 @pytest.mark.parametrize("command", ["fit", "diagnose"])
@@ -172,7 +172,7 @@ def test_a_model_of_another_case_is_refused(
     arguments = [str(LOG), "--rig", str(TOML), "--model", "c1_perpendicular", "--out", str(tmp_path / "out")]
     status = main([command, *arguments])
 
-    said = f"{TOML}: model c1_perpendicular requires case C1, received case C2; c2_parallel fits it"
+    said = f"{TOML}: model c1_perpendicular requires case C1, got case C2; c2_parallel fits it"
     assert (2, f"eccentric: error: {said}\n") == (status, capsys.readouterr().err)
     assert not (tmp_path / "out").exists()
 
@@ -187,7 +187,7 @@ def test_one_run_is_too_little_to_hold_out(
     status = main([command, str(log), "--rig", str(rig), "--out", str(tmp_path / "out")])
 
     said = (
-        "log.csv: at least 2 moving whole runs to hold out are required, received 1:"
+        "log.csv: expected at least 2 moving whole runs to hold out, got 1:"
         f' in {rig}, a time, such as "0.1 s" as average_over gives more'
     )
     assert (2, f"eccentric: error: {said}\n") == (status, capsys.readouterr().err)
@@ -217,6 +217,6 @@ def test_a_chain_of_joints_is_no_model_of_one_drive(
 
     assert 2 == main([command, str(LOG), "--rig", str(TOML), *model, "--out", str(tmp_path / "out")])
     assert capsys.readouterr().err == (
-        "eccentric: error: model serial_chain: a mechanical balance of one drive is required,"
-        " received mechanical_0, electrical_0, mechanical_1, electrical_1\n"
+        "eccentric: error: model serial_chain: expected a mechanical balance of one drive,"
+        " got mechanical_0, electrical_0, mechanical_1, electrical_1\n"
     )

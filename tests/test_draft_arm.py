@@ -102,9 +102,7 @@ def test_a_log_of_another_arm_is_refused() -> None:
     log = log_with({"q": "q_{j}", "tau": "tau_{j}"}, {})
     two = planar_arm()
     three = type(two)("three", [*two.joints, two.joints[1]], [*two.bodies, two.bodies[1]], two.gravity)
-    with pytest.raises(
-        InputError, match="columns of 3 joints, such as q_1 to q_3, are required, received at most 2"
-    ):
+    with pytest.raises(InputError, match="expected columns of 3 joints, such as q_1 to q_3, got at most 2"):
         draft_of_arm(log, three, "arm.toml")
 
 

@@ -220,7 +220,7 @@ def test_among_decoys_nothing_is_wrong_without_a_doubt(seed: int) -> None:
 def test_set_values_alone_are_no_log() -> None:
     """Nothing measured: the error says what the columns are."""
     b = bare()
-    with pytest.raises(InputError, match="an angle or a speed is required"):
+    with pytest.raises(InputError, match="expected an angle or a speed"):
         eccentric.draft_rig(
             {"t_s": b["time"], "q_ref": b["angle"], "qd_ref": b["speed"], "tau_cmd": b["torque"]}
         )

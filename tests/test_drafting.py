@@ -219,7 +219,7 @@ def test_a_draft_never_replaces_a_file(arm: BenchResult, tmp_path: Path) -> None
     """What someone wrote into a rig file stays."""
     path = tmp_path / "rig.toml"
     path.write_text("mine")
-    with pytest.raises(InputError, match="a new file is required, this one exists"):
+    with pytest.raises(InputError, match="expected a new file, but this one exists"):
         eccentric.draft_rig(arm.log).write(path)
 
     assert "mine" == path.read_text()
@@ -232,10 +232,10 @@ def test_a_draft_never_replaces_a_file(arm: BenchResult, tmp_path: Path) -> None
             {"a": np.sin(np.arange(200.0)), "b": np.cos(np.arange(200.0))},
             "a column that rises from row to row",
         ),
-        ({"t": np.arange(10.0), "b": np.cos(np.arange(10.0))}, "at least 50 rows are required"),
+        ({"t": np.arange(10.0), "b": np.cos(np.arange(10.0))}, "expected at least 50 rows"),
         (
             {"t": np.arange(400.0) / 100, "b": np.random.default_rng(1).normal(size=400)},
-            "an angle or a speed is required",
+            "expected an angle or a speed",
         ),
     ],
 )
@@ -311,10 +311,10 @@ L = "-2 m"
 mu = "1:5"
 """
 WRONG = (
-    "drive: one of current, voltage, torque, none is required, received 'curent'; did you mean 'current'?",
+    "drive: expected one of current, voltage, torque, none, got 'curent'; did you mean 'current'?",
     "unknown key 'low_pas_hz'; did you mean 'low_pass_hz'?",
     "unit 'rmp' is unknown",
-    "[known] M: a unit is required",
+    "[known] M: expected a unit",
     "[known] L: a value at least 0 m",
     "[known] mu: a ratio with '/'",
     "[known] case C1 means phi = 90 deg; remove one",
@@ -341,7 +341,7 @@ def test_what_is_missing_is_asked_for_at_once(arm: BenchResult, tmp_path: Path) 
     path = eccentric.draft_rig(arm.log).write(tmp_path / "rig.toml")
     found = eccentric.check_rig(arm.log, path).complaints
 
-    assert {"M", "L", "M_l"} == {line.split("[known] ")[1].split(" is required")[0] for line in found}
+    assert {"M", "L", "M_l"} == {line.split("[known] ")[1].split("expected ")[0] for line in found}
 
 
 def test_a_good_rig_has_no_complaint() -> None:
@@ -407,7 +407,7 @@ def test_a_check_says_what_a_diagnosis_requires_beyond_a_fit(arm: BenchResult, t
 
     assert found.complaints == ()
     assert any("diagnose also requires [known] R and k_e" in line for line in found.warnings)
-    with pytest.raises(InputError, match="R and k_e are required"):
+    with pytest.raises(InputError, match="expected R and k_e"):
         eccentric.diagnose(arm.log, rig)
 
 

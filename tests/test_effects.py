@@ -250,10 +250,10 @@ def test_a_users_file_loads(tail: str, tmp_path: Path) -> None:
         (None, "no such script of effects"),
         (
             "x = 1",
-            "a function `effects\\(setting\\)` or an `effect` of type Effect is required, received NoneType",
+            "expected a function `effects\\(setting\\)` or an `effect` of type Effect, got NoneType",
         ),
-        ("effect = 3", "received int"),
-        ("def effects(setting):\n    return [3]", "effects of type Effect are required, received int"),
+        ("effect = 3", "got int"),
+        ("def effects(setting):\n    return [3]", "expected effects of type Effect, got int"),
         ("1 / 0", "stopped with ZeroDivisionError: division by zero"),
         ("def effects(setting):\n    return setting.nothing", "stopped with AttributeError"),
     ],
@@ -274,7 +274,7 @@ def test_a_bad_file_gets_one_clear_line(source: str | None, expected: str, tmp_p
 
 def test_a_setting_without_range_is_refused() -> None:
     """A range that is not positive is named."""
-    with pytest.raises(ValueError, match="w_max: a value above 0 is required"):
+    with pytest.raises(ValueError, match="w_max: expected a value above 0"):
         dataclasses.replace(setting("C1", warm=False), w_max=0.0)
 
 

@@ -238,14 +238,14 @@ def test_free_text_stays_in_comments(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        ('{"parameters": {"B_m": -1}}', "B_m: a nonnegative number is required, received -1"),
-        ('{"parameters": {"mu": 0}}', "mu: a positive number is required, received 0"),
-        ('{"model": "c2_asymmetric", "parameters": {"M": 1}}', "a fit of c2_parallel is required, received"),
+        ('{"parameters": {"B_m": -1}}', "B_m: expected a nonnegative number, got -1"),
+        ('{"parameters": {"mu": 0}}', "mu: expected a positive number, got 0"),
+        ('{"model": "c2_asymmetric", "parameters": {"M": 1}}', "expected a fit of c2_parallel, got"),
         ('{"parameters": {"B_x": 1}}', "B_x: c2_parallel has no such parameter"),
-        ('{"parameters": {"B_m": "a"}}', "B_m: a finite number is required, received 'a'"),
+        ('{"parameters": {"B_m": "a"}}', "B_m: expected a finite number, got 'a'"),
         (
             "{",
-            "fit.json: the fit.json of `eccentric fit`, or JSON with `parameters` like it, is required, re",
+            "fit.json: expected the fit.json of `eccentric fit`, or JSON with `parameters` like it, re",
         ),
         ("[]", "an object `parameters`"),
     ],

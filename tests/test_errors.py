@@ -14,11 +14,11 @@ PROBLEM = InputError("log.csv", problem="not a valid CSV file", hint="is it a wo
 @pytest.mark.parametrize(
     ("error", "line"),
     [
-        (VALUE, "rig.toml: [known] mu: a number is required, as in mu = 0.2, received 'x'"),
+        (VALUE, "rig.toml: [known] mu: expected a number, as in mu = 0.2, got 'x'"),
         (PROBLEM, "log.csv: not a valid CSV file; is it a workbook?"),
-        (InputError("", "rows", 3, why="to fit", plural=True), "rows are required to fit, received 3"),
+        (InputError("", "rows", 3, why="to fit"), "expected rows to fit, got 3"),
         (InputError("one line"), "one line"),
-        (MissingValueError("rig", "k_i", "none", letter="k_i"), "rig: k_i is required, received none"),
+        (MissingValueError("rig", "k_i", "none", letter="k_i"), "rig: expected k_i, got none"),
     ],
 )
 def test_the_line_is_made_of_the_fields(error: InputError, line: str) -> None:
@@ -43,7 +43,7 @@ def test_hints_and_errors_add_up() -> None:
     assert str(PROBLEM.hinted("or empty?")) == f"{PROBLEM}; or empty?"
     both = together("limits", [InputError("speed", "a number", "'x'"), InputError("", "time_s", "none")])
 
-    line = "limits: speed: a number is required, received 'x'; time_s is required, received none"
+    line = "limits: speed: expected a number, got 'x'; expected time_s, got none"
     assert line == str(both)
 
 

@@ -90,5 +90,5 @@ def test_bam(of: ExportedDrive) -> None:
 def test_bam_needs_the_motor() -> None:
     """A fit of a current alone has neither R nor k_e."""
     model = with_values(load_model("c2_parallel"), BENCH, "c2_parallel", voltage_known=False)
-    with pytest.raises(InputError, match="R and k_i is required to export"):
+    with pytest.raises(InputError, match="expected R and k_i to export"):
         export(ExportedDrive(model, "x"), "bam")

@@ -129,7 +129,7 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
     ("source", "more", "said"),
     [
         ("c2_parallel", [], r"c2_parallel: J_m: a value"),
-        ("linear_axis", [], r"a turning drive .* received a linear axis"),
+        ("linear_axis", [], r"a turning drive .* got a linear axis"),
         ("examples/arms/planar_2r.toml", [], r"a model of one drive .* an arm"),
         ("c2_parallel", ["--speeds", "5", "5"], r"--speeds: motor speeds 0 < LOW < HIGH"),
         ("nothing_of_that_name", [], r"unknown"),
@@ -160,7 +160,7 @@ def test_an_unknown_target(name: str, hint: str, tmp_path: Path, capsys: pytest.
     line = refused(["c2_parallel", "--to", name, "--out", str(tmp_path / "out")], capsys)
 
     assert "--to: one of mjcf, budget" in line
-    assert line.rstrip().endswith(f"received {name!r}{hint}")
+    assert line.rstrip().endswith(f"got {name!r}{hint}")
 
 
 @pytest.mark.parametrize(

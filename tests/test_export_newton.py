@@ -99,5 +99,5 @@ def test_links_come_to_rest_where_they_should(of: ExportedDrive, module: ModuleT
 
 def test_friction_of_the_acceleration_is_refused() -> None:
     """A drive of Newton has no acceleration."""
-    with pytest.raises(InputError, match="friction of angle and velocity is required"):
+    with pytest.raises(InputError, match="expected friction of angle and velocity"):
         export(drive("rotating_link", BENCH), "newton")

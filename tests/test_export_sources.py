@@ -63,7 +63,7 @@ def test_the_range_of_the_log_is_taken(places: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"torque_unit": "V"}, "friction in N m is required to export"),
+        ({"torque_unit": "V"}, "expected friction in N m to export"),
         ({"fits_the_rig": False}, "accept_misfit"),
         ({"model": None}, "a fit.json that names its model"),
         ({"model": "c1_perpendicular", "parameters": {"nothing": 1.0}}, "no such parameter"),

@@ -185,14 +185,14 @@ def test_balanced_rig_has_the_friction_of_the_motor_alone(tmp_path: Path) -> Non
 
 BAD = {
     "one speed": ("cannot be separated on this log", 'case = "C2"\n' + KNOWN + TORQUE + MASS, "steady"),
-    "no k_i": (r"\[known\] k_i is required", 'case = "C2"\n' + KNOWN + MASS, "plain"),
+    "no k_i": (r"expected \[known\] k_i", 'case = "C2"\n' + KNOWN + MASS, "plain"),
     "no mass": (
-        r"\[known\] M, M_l are required by c2_parallel, or their ranges in",
+        r"expected \[known\] M, M_l for c2_parallel, or their ranges in",
         'case = "C2"\nmu = 0.2\nL_m = 0.1\n' + TORQUE,
         "plain",
     ),
     "other case": (
-        "requires case C2, received case C1",
+        "requires case C2, got case C1",
         'case = "C1"\n' + KNOWN + TORQUE + MASS,
         "c2_parallel",
     ),

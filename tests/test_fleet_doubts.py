@@ -73,4 +73,4 @@ def test_what_cannot_be_judged_is_told(tmp_path: Path) -> None:
     )
     assert "No joint could be tested for a change" in found.summary()
     (rig,) = [one.text for one in found.problems if one.kind == "another rig"]
-    assert "received 0.3" in rig
+    assert "got 0.3" in rig

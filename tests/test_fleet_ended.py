@@ -115,4 +115,4 @@ def test_a_scheduler_that_is_not_there_is_one_line(
     status = main([*arguments, "--scheduler", "tcp://127.0.0.1:9"])
 
     assert status == 2
-    assert "--scheduler tcp://127.0.0.1:9: a Dask scheduler is required there" in capsys.readouterr().err
+    assert "--scheduler tcp://127.0.0.1:9: expected a Dask scheduler there" in capsys.readouterr().err

@@ -265,13 +265,11 @@ def test_the_lines_of_all_joints_span_the_figure_from_the_first_period_to_the_la
 
 def test_logs_without_a_joint_are_one_warning() -> None:
     """A wrong pattern is said once, with how many logs it concerns; all are in problems.csv."""
-    aside = [
-        FleetProblem("", "", f"{k}.csv", NOT_GROUPED, f"a name is required, received {k}.csv") for k in "abc"
-    ]
-    other = FleetProblem("J", "2025-01", "d.csv", "cannot be used", "rows are required")
+    aside = [FleetProblem("", "", f"{k}.csv", NOT_GROUPED, f"expected a name, got {k}.csv") for k in "abc"]
+    other = FleetProblem("J", "2025-01", "d.csv", "cannot be used", "expected rows")
 
     assert list(api._warnings([*aside, other])) == [
-        "J 2025-01: rows are required",
-        "a name is required, received a.csv, and so 2 more",
+        "J 2025-01: expected rows",
+        "expected a name, got a.csv, and so 2 more",
     ]
-    assert list(api._warnings(aside[:1])) == ["a name is required, received a.csv"]
+    assert list(api._warnings(aside[:1])) == ["expected a name, got a.csv"]

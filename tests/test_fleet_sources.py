@@ -64,7 +64,7 @@ def test_a_pattern_reads_file_names(tmp_path: Path) -> None:
 
     assert [("J1", "2025-01"), ("J2", "2025-01")] == [(log.joint, log.period) for log in logs]
     assert ["odd.parquet"] == [p.file for p in problems]
-    with pytest.raises(InputError, match=r"folders joint=.* are required, .* and so 2 more"):
+    with pytest.raises(InputError, match=r"expected folders joint=.*, .* and so 2 more"):
         find(str(tmp_path))
     with pytest.raises(InputError, match="each once"):
         find(str(tmp_path), "{joint}.parquet")
@@ -90,7 +90,7 @@ def test_a_table_gives_joints_their_own_values(tmp_path: Path) -> None:
 
     assert (rigs.rig("A").known["M"], rigs.rig("A").known["L"]) == (pytest.approx(0.7), 0.3)
     assert (rigs.rig("B").known["M"], rigs.rig("B").known["L"]) == (0.5, 0.25)
-    with pytest.raises(InputError, match=r"rigs.csv: a rig of joint C is required"):
+    with pytest.raises(InputError, match=r"rigs.csv: expected a rig of joint C"):
         rigs.rig("C")
 
 
@@ -106,15 +106,15 @@ def test_a_table_may_be_toml_and_a_rig_may_be_for_all(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("rigs.csv", "joint,file\nA,arm.toml\n", "columns joint and rig are required"),
-        ("rigs.csv", "joint,rig\nA,arm.toml\nA,arm.toml\n", "line 3: each joint is required only once"),
-        ("rigs.csv", "joint,rig,M\nA,arm.toml\n", "line 2: 3 entries are required"),
-        ("rigs.csv", "joint,rig,rig\nA,arm.toml,b.toml\n", "each column is required only once, received"),
-        ("rigs.csv", "joint,rig\nSt\xfcck,arm.toml\n", "UTF-8 text is required, byte 12 is not"),
+        ("rigs.csv", "joint,file\nA,arm.toml\n", "expected columns joint and rig"),
+        ("rigs.csv", "joint,rig\nA,arm.toml\nA,arm.toml\n", "line 3: expected each joint only once"),
+        ("rigs.csv", "joint,rig,M\nA,arm.toml\n", "line 2: expected 3 entries"),
+        ("rigs.csv", "joint,rig,rig\nA,arm.toml,b.toml\n", "expected each column only once, got"),
+        ("rigs.csv", "joint,rig\nSt\xfcck,arm.toml\n", "expected UTF-8 text, but byte 12 is not"),
         ("rigs.csv", f"joint,rig\nA,{'x' * 200_000}\n", r"after line 1: not a table .*field larger"),
         ("rigs.toml", "[joints.A]\nmass = 1\n", "unknown key 'mass'"),
-        ("rigs.toml", "[joints.A]\nknown = {}\n", "the path of a rig file is required"),
-        ("rigs.toml", "drive = 3\n", "drive: one of current, voltage, torque, none is required"),
+        ("rigs.toml", "[joints.A]\nknown = {}\n", "expected the path of a rig file"),
+        ("rigs.toml", "drive = 3\n", "drive: expected one of current, voltage, torque, none"),
     ],
 )
 def test_a_table_that_is_wrong_says_where(name: str, text: str, message: str, tmp_path: Path) -> None:
@@ -139,5 +139,5 @@ def test_known_that_is_no_table_names_the_rig_file(tmp_path: Path) -> None:
     (tmp_path / "arm.toml").write_text("known = 3\n")
     (tmp_path / "rigs.csv").write_text("joint,rig\nA,arm.toml\n")
 
-    with pytest.raises(InputError, match=r"arm.toml: known: a table is required, received 3"):
+    with pytest.raises(InputError, match=r"arm.toml: known: expected a table, got 3"):
         Assigned(str(tmp_path / "rigs.csv")).rig("A")

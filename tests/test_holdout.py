@@ -63,7 +63,7 @@ def test_named_runs_are_held_out(tmp_path: Path) -> None:
     }
     c = channels_of(tmp_path, log, 'holdout_runs = ["1"]\n' + RIG)
     np.testing.assert_array_equal(c.selection.held_out, c.time.run == 0)
-    with pytest.raises(InputError, match="holdout_runs: one of 1, 2 is required, received '3'"):
+    with pytest.raises(InputError, match="holdout_runs: expected one of 1, 2, got '3'"):
         channels_of(tmp_path, log, 'holdout_runs = ["3"]\n' + RIG)
 
 
@@ -102,7 +102,7 @@ def test_a_pattern_that_no_run_has_is_refused_in_one_line(tmp_path: Path, key: s
     with pytest.raises(InputError) as caught:
         read_channels([log], rig_file(tmp_path, f'{key} = ["slow_*", "drive?_*"]\n' + RIG))
     message = str(caught.value)
-    assert f"{key}: one of slow_1, slow_2, fast_1 is required, received 'drive?_*'" in message
+    assert f"{key}: expected one of slow_1, slow_2, fast_1, got 'drive?_*'" in message
     assert "\n" not in message
 
 
@@ -123,8 +123,6 @@ def test_intervals_outside_of_the_log_are_refused_with_its_ends(tmp_path: Path) 
     """What is held out has to be in the log: the line says where that begins and ends."""
     with pytest.raises(InputError) as caught:
         channels_of(tmp_path, STANDARD, "holdout_intervals_s = [[100, 120.5]]\n" + RIG)
-    ends = f"an interval with rows of the log is required; the log goes from {T[0]:g} to {T[-1]:g} s"
-    said = (
-        f"rig.toml: holdout_intervals_s: {ends}, received [100, 120.5]: is time in s, and the log complete?"
-    )
+    ends = f"expected an interval with rows of the log; the log goes from {T[0]:g} to {T[-1]:g} s"
+    said = f"rig.toml: holdout_intervals_s: {ends}, got [100, 120.5]: is time in s, and the log complete?"
     assert str(caught.value).endswith(said)

@@ -89,13 +89,13 @@ def test_what_a_rig_lacks_is_told_once_in_its_own_letters(tmp_path: Path) -> Non
     columns = {**DECLARED["columns"], "current": {"column": "u_V", "unit": "A"}}
     del columns["force"]
 
-    with pytest.raises(eccentric.InputError, match=r"\[known\] k_f is required by a fleet driven by current"):
+    with pytest.raises(eccentric.InputError, match=r"expected \[known\] k_f for a fleet driven by current"):
         require_rig(read_rig({**DECLARED, "columns": columns}))
     log = written(tmp_path / "log.csv", logged(1, seconds=3.0, runs=1))
     text = log.read_text(encoding="utf-8").replace("t_s,q_m,u_V", "time_s,position_m,current_A")
     log.write_text(text, encoding="utf-8")
     headed = Columns(read_rig({key: value for key, value in DECLARED.items() if key != "columns"}))
-    with pytest.raises(eccentric.InputError, match=r"\[known\] k_f is required by a fleet driven by current"):
+    with pytest.raises(eccentric.InputError, match=r"expected \[known\] k_f for a fleet driven by current"):
         sums_of(log, headed)
 
 
@@ -123,6 +123,6 @@ def test_doubts_are_in_the_words_of_a_carriage() -> None:
 
     said = [problem.text for problem in doubts_of(history)]
 
-    assert said[0].startswith("a positive mean friction force is required, received -20 N")
-    assert said[1].startswith("a mass near that of the rig is required, received 3 times as much")
+    assert said[0].startswith("expected a positive mean friction force, got -20 N")
+    assert said[1].startswith("expected a mass near that of the rig, got 3 times as much")
     assert not foreign("\n".join(said))

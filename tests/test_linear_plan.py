@@ -37,12 +37,12 @@ def test_limits_are_read_in_units_of_length_and_force() -> None:
     [
         (
             {**LIMITS, "speed_m_s": "10 rpm"},
-            "speed_m_s: a unit like m/s, mm/s, m/min, km/h, mph is required, received 'rpm'",
+            "speed_m_s: expected a unit like m/s, mm/s, m/min, km/h, mph, got 'rpm'",
         ),
         ({**LIMITS, "speed_rad_s": 3}, "unknown key 'speed_rad_s'"),
-        ({**LIMITS, "current_A": 3}, "only one of current_A and force_N is required, received both"),
-        ({k: x for k, x in LIMITS.items() if k != "force_N"}, "current_A or force_N is required"),
-        ({**LIMITS, "position_m": [1, 0]}, "position_m: lower before upper is required"),
+        ({**LIMITS, "current_A": 3}, "expected only one of current_A and force_N, got both"),
+        ({k: x for k, x in LIMITS.items() if k != "force_N"}, "expected current_A or force_N"),
+        ({**LIMITS, "position_m": [1, 0]}, "position_m: expected lower before upper"),
     ],
     ids=lambda x: x[:30] if isinstance(x, str) else "",
 )
@@ -54,7 +54,7 @@ def test_limits_of_another_kind_are_refused(limits: dict[str, object], message: 
 
 def test_a_force_that_is_too_small_is_told_in_newtons() -> None:
     """It is named by its key, in its unit: no ampere where none was given. Dry friction and load are 23 N."""
-    message = r"limits: force_N: enough for load and friction .*, ([\d.]+) N with .*, received 2 N$"
+    message = r"limits: force_N: enough for load and friction .*, ([\d.]+) N with .*, got 2 N$"
     with pytest.raises(InputError, match=message) as refused:
         eccentric.plan(logged(2, seconds=6.0, runs=1), RIG, {**LIMITS, "force_N": 2})
     said = str(refused.value)
@@ -95,8 +95,8 @@ def test_a_limit_of_the_current_needs_amperes() -> None:
     columns = {name: column for name, column in RIG["columns"].items() if name != "force"}
     rig = RIG | {"columns": {**columns, "voltage": "u_V"}}
     limits = {**{key: x for key, x in LIMITS.items() if key != "force_N"}, "current_A": 20.0}
-    message = r"rig: \[known\] R and k_f are required, received none: a voltage alone gives no current"
+    message = r"rig: expected \[known\] R and k_f, got none: a voltage alone gives no current"
     with pytest.raises(InputError, match=message):
         eccentric.plan(log, rig, limits)
-    with pytest.raises(InputError, match=r"\[known\] R is required, received none: a voltage alone"):
+    with pytest.raises(InputError, match=r"expected \[known\] R, got none: a voltage alone"):
         eccentric.plan(log, {**rig, "known": {"k_f_N_per_A": 35.0}}, limits)

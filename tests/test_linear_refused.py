@@ -30,11 +30,11 @@ def changed(**entries: Any) -> dict[str, Any]:
             {key: x for key, x in RIG.items() if key != "kind"},
             'rig: force: kind = "linear" is required with it',
         ),
-        (changed(kind="liner"), "rig: kind: one of turning, linear is required, received 'liner'; did you"),
-        (changed(kind=3), "rig: kind: one of turning, linear is required, received 3"),
+        (changed(kind="liner"), "rig: kind: expected one of turning, linear, got 'liner'; did you"),
+        (changed(kind=3), "rig: kind: expected one of turning, linear, got 3"),
         (
             changed(position={"column": "q_m", "unit": "deg"}),
-            "rig: [columns] position: a unit like m, cm, mm is required, received 'deg'",
+            "rig: [columns] position: expected a unit like m, cm, mm, got 'deg'",
         ),
         (
             changed(position={"column": "q_m", "unit": "counts"}),
@@ -42,38 +42,38 @@ def changed(**entries: Any) -> dict[str, Any]:
         ),
         (
             changed(velocity={"column": "v", "unit": "rpm"}),
-            "rig: [columns] velocity: a unit like m/s, mm/s, m/min, km/h, mph is required, received 'rpm'",
+            "rig: [columns] velocity: expected a unit like m/s, mm/s, m/min, km/h, mph, got 'rpm'",
         ),
         (
             changed(force={"column": "u_V", "unit": "Nm"}),
-            "rig: [columns] force: a unit like N, kN, mN is required, received 'Nm'",
+            "rig: [columns] force: expected a unit like N, kN, mN, got 'Nm'",
         ),
         (
             changed(force={"column": "u_V", "gain": "35 Nm/V"}),
-            "rig: [columns] force gain: a unit like N/V is required, received 'Nm/V'",
+            "rig: [columns] force gain: expected a unit like N/V, got 'Nm/V'",
         ),
         (changed(force={"column": "u_V", "gain": 35}), 'a gain with its unit is required, as in "35 N/V"'),
-        (changed(force={"column": "u_V", "gain": "0 N/V"}), "a gain other than 0 is required"),
+        (changed(force={"column": "u_V", "gain": "0 N/V"}), "expected a gain other than 0"),
         (
             changed(force={"column": "u_V", "unit": "A", "gain": "35 N/V"}),
             "force gain: a unit like N/A",
         ),
         (changed(position={**MM, "gain": "2 N/V"}), "[columns] position: unknown key 'gain'"),
-        (changed(known={"mass": "95 Nm"}), "rig: [known] mass: a unit like kg, g is required, received 'Nm'"),
+        (changed(known={"mass": "95 Nm"}), "rig: [known] mass: expected a unit like kg, g, got 'Nm'"),
         (changed(known={"mass": 95}), 'rig: [known] mass: a text with a unit is required, as in mass = "0.1'),
-        (changed(known={"mass_kg": -1}), "rig: [known] mass_kg: a value at least 0 kg is required"),
-        (changed(known={"pitch": "0 mm"}), "rig: [known] pitch: a value above 0 m is required"),
+        (changed(known={"mass_kg": -1}), "rig: [known] mass_kg: expected a value at least 0 kg"),
+        (changed(known={"pitch": "0 mm"}), "rig: [known] pitch: expected a value above 0 m"),
         (changed(known={"J_m_kgm2": 1}), "rig: [known]: unknown key 'J_m_kgm2'"),
         (changed(known={"case": "C1"}), "rig: [known]: unknown key 'case'"),
-        (changed(known={"mass_kg": 1, "mass": "1 kg"}), "rig: mass is required only once, received twice"),
-        (changed(unknown={"pitch_m": [0.01, 0.02]}), "[unknown] pitch: a value in [known] is required"),
+        (changed(known={"mass_kg": 1, "mass": "1 kg"}), "rig: expected mass only once, got twice"),
+        (changed(unknown={"pitch_m": [0.01, 0.02]}), "[unknown] pitch: expected a value in [known]"),
         (changed(theta_zero_rad=0.1), "rig: unknown key 'theta_zero_rad'"),
         (changed(encoder_counts_per_rev=100), "rig: unknown key 'encoder_counts_per_rev'"),
-        (changed(encoder_step_m=0), "rig: encoder_step_m: a finite number above 0 is required, received 0"),
+        (changed(encoder_step_m=0), "rig: encoder_step_m: expected a finite number above 0, got 0"),
         (changed(moving_threshold_m_s=-1), "rig: moving_threshold_m_s: "),
         (
             changed(drive="torque"),
-            "rig: drive: one of current, voltage, force, none is required, received 'torque'",
+            "rig: drive: expected one of current, voltage, force, none, got 'torque'",
         ),
     ],
     ids=lambda x: x[:60] if isinstance(x, str) else "",
@@ -136,7 +136,7 @@ def test_messages_of_a_fit_have_the_words_of_the_axis() -> None:
     with pytest.raises(InputError, match=r"position \(column 'position_m'\) or velocity \(column 'velo"):
         eccentric.fit({"time_s": log["t_s"], "force_N": log["u_V"]}, {"kind": "linear"})
     current = {"time_s": log["t_s"], "position_m": log["q_m"], "current_A": log["u_V"]}
-    with pytest.raises(InputError, match=r"\[known\] k_f is required to convert the current to force"):
+    with pytest.raises(InputError, match=r"expected \[known\] k_f to convert the current to force"):
         eccentric.fit(current, {"kind": "linear"})
 
 
@@ -144,12 +144,12 @@ def test_a_model_of_another_kind_is_refused() -> None:
     """A turning drive's model has no place on a carriage, nor the other way round."""
     log = logged(0, seconds=3.0, runs=1)
     with pytest.raises(
-        InputError, match="c1_perpendicular requires kind = 'turning', received 'linear'; linear_axis"
+        InputError, match="c1_perpendicular requires kind = 'turning', got 'linear'; linear_axis"
     ):
         eccentric.fit(log, RIG, "c1_perpendicular")
     turning = {"time_s": log["t_s"], "theta_m_rad": log["q_m"], "torque_Nm": log["u_V"]}
     known = {"case": "C1", "mu": "1", "M": "0 kg", "L": "0 m"}
-    with pytest.raises(InputError, match="linear_axis requires kind = 'linear', received 'turning'; c1_perp"):
+    with pytest.raises(InputError, match="linear_axis requires kind = 'linear', got 'turning'; c1_perp"):
         eccentric.fit(turning, {"known": known}, "linear_axis")
 
 
@@ -189,7 +189,7 @@ def test_a_wrong_kind_is_one_line() -> None:
     found, _ = rig_complaints({"kind": "linear", "columns": columns, "known": turning})
     texts = [one.text for one in found]
 
-    assert texts[0].startswith('rig: kind: "turning" is required by theta_m, case, mu, M, L')
+    assert texts[0].startswith('rig: kind: expected "turning" by theta_m, case, mu, M, L')
     assert ["R"] == [one.key for one in found[1:]]
     found, _ = rig_complaints(
         {"drive": "force", "columns": {"position": "x", "force": "F"}, "known": {"mass": "1 kg"}}

@@ -43,20 +43,20 @@ def test_delimiter_and_compression_do_not_change_a_log(tmp_path: Path, delimiter
 
 CUT_OFF = gzip.compress(TEXT.encode() * 100)[:-20]
 BAD = {
-    "empty.csv": (b"", "empty.csv: a header row with column names is required, received an empty file"),
-    "header.csv": (b"time_s,current_A\n", "header.csv: a log with rows is required, received none"),
+    "empty.csv": (b"", "empty.csv: expected a header row with column names, got an empty file"),
+    "header.csv": (b"time_s,current_A\n", "header.csv: expected a log with rows, got none"),
     "numbers.csv": (
         b"0.0,1.0\n0.1,1.0\n",
-        "numbers.csv: a header row with column names is required, received numbers",
+        "numbers.csv: expected a header row with column names, got numbers",
     ),
-    "ragged.csv": (b"a,b\n1,2\n3\n", "ragged.csv: line 3: 2 values are required, received 1"),
+    "ragged.csv": (b"a,b\n1,2\n3\n", "ragged.csv: line 3: expected 2 values, got 1"),
     "commas.csv": (
         b"a,b\n1,2,3,4\n",
-        "commas.csv: line 2: 2 values are required, received 4; a decimal point is required",
+        "commas.csv: line 2: expected 2 values, got 4; expected a decimal point",
     ),
-    "comments.csv": (b"# made by hand\n\n", "comments.csv: a header row with column names is required"),
-    "twice.csv": (b"a,b,a\n1,2,3\n", "twice.csv: unique column names are required, received 'a' 2x"),
-    "bytes.csv": (b"t,\x01\xe4\n1,2\n", "bytes.csv: UTF-8 text is required, byte 3 is not"),
+    "comments.csv": (b"# made by hand\n\n", "comments.csv: expected a header row with column names"),
+    "twice.csv": (b"a,b,a\n1,2,3\n", "twice.csv: expected unique column names, got 'a' 2x"),
+    "bytes.csv": (b"t,\x01\xe4\n1,2\n", "bytes.csv: expected UTF-8 text, but byte 3 is not"),
     "cut.csv.gz": (CUT_OFF, "cut.csv.gz: the compressed file is damaged or cut off"),
     "plain.csv.gz": (TEXT.encode(), "plain.csv.gz: the compressed file is damaged or cut off"),
     "log.odt": (b"PK", "log.odt: a log of .csv, .txt, .dat, .tsv, .log, .asc, .csv.gz,"),
@@ -86,7 +86,7 @@ def test_missing_file_and_directory_are_refused(tmp_path: Path) -> None:
     """A path without file and a directory are named as what they are."""
     with pytest.raises(InputError, match=r"none\.csv: no such file"):
         read_log(tmp_path / "none.csv")
-    with pytest.raises(InputError, match="a regular file is required, received a directory"):
+    with pytest.raises(InputError, match="expected a regular file, got a directory"):
         read_log(tmp_path)
 
 
@@ -96,7 +96,7 @@ def test_text_in_a_numeric_column_is_named_with_row_and_column(tmp_path: Path) -
     path.write_text("time_s,current_A\n0.0,1.0\n0.1,oops\n0.2,1.0\n")
     log = read_log(path)
     with pytest.raises(
-        InputError, match=r"log\.csv: line 3, column 'current_A': a number is required, .* 'oops'"
+        InputError, match=r"log\.csv: line 3, column 'current_A': expected a number, .* 'oops'"
     ):
         log.numbers("current_A")
 
@@ -128,7 +128,7 @@ def test_a_cell_that_is_no_number_is_named_beside_decimal_commas(tmp_path: Path)
     path.write_text("time_s;current_A\n0,0;1,5\n0,1;2,5\n0,2;x,5\n")
     log = read_log(path)
     assert [0.0, 0.1, 0.2] == log.numbers("time_s").tolist()
-    with pytest.raises(InputError, match=r"line 4, column 'current_A': a number is required, received 'x,5'"):
+    with pytest.raises(InputError, match=r"line 4, column 'current_A': expected a number, got 'x,5'"):
         log.numbers("current_A")
 
 
@@ -136,7 +136,7 @@ def test_missing_column_lists_the_columns(tmp_path: Path) -> None:
     """A column that is not there is answered with those that are."""
     path = tmp_path / "log.csv"
     path.write_text(TEXT)
-    with pytest.raises(InputError, match="column 'speed' is required, the log has time_s, run, current_A"):
+    with pytest.raises(InputError, match="expected column 'speed', but the log has time_s, run, current_A"):
         read_log(path).numbers("speed")
     with pytest.raises(InputError, match="the log has time_s, run, current_A; did you mean 'current_A'"):
         read_log(path).numbers("curent_A")

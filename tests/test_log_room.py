@@ -82,9 +82,7 @@ def test_a_log_that_memory_does_not_hold_is_one_line(
         read_log(tmp_path / name)
     said = str(refused.value).removeprefix(f"{tmp_path / name}: ")
     most = int(said.removeprefix("at most ").split()[0].replace(",", ""))
-    assert (
-        "rows of this kind are required, for which the 3e-05 GB of free memory suffice, received 1,0" in said
-    )
+    assert "expected rows of this kind, for which the 3e-05 GB of free memory suffice, got 1,0" in said
     assert 10 < most < ROWS / 5
 
 
@@ -95,7 +93,7 @@ def test_rows_are_counted_before_they_are_read(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr("csv.reader", lambda *_, **__: pytest.fail("a row must not be read"))
     monkeypatch.setattr(foreign, "free_memory", lambda: 100_000_000)
 
-    with pytest.raises(InputError, match=r"received 2,000,00\d rows with 2,000,00\d values, for about"):
+    with pytest.raises(InputError, match=r"got 2,000,00\d rows with 2,000,00\d values, for about"):
         read_log(path)
 
 

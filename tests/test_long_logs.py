@@ -317,8 +317,8 @@ def bad(change: str) -> Columns:
     ("change", "said"),
     [
         ("again", r"time starts again at row 100001: each recording is a run.* run = \.\.\. in \[columns\]"),
-        ("run", "row 100001: contiguous runs are required, received 'first' again"),
-        ("size", r"row \d+, column 'torque_Nm' \(torque\): at most 1e\+12 N m is required"),
+        ("run", "row 100001: expected contiguous runs, got 'first' again"),
+        ("size", r"row \d+, column 'torque_Nm' \(torque\): expected at most 1e\+12 N m"),
         ("numbers", r"no number in 30000 of 120000 rows \(first: row 1\); at most 20% may be missing"),
     ],
 )

@@ -29,7 +29,7 @@ EXPECTED: dict[str, list[Any]] = {
     "stamp": [1.5, np.nan, 86400.0],
     "since": [0.25, 0.0, np.nan],
 }
-WANTED = "a path or a table is required (a dict of arrays, or a table of pandas, polars or pyarrow), received"
+WANTED = "expected a path or a table (a dict of arrays, or a table of pandas, polars or pyarrow), got"
 COLUMN = "table: column 't'"
 
 
@@ -203,19 +203,19 @@ def test_a_log_is_its_own_log() -> None:
         (3, f"table: {WANTED} int"),
         (None, f"table: {WANTED} NoneType"),
         (np.zeros(3), f"table: {WANTED} ndarray"),
-        ({}, "table: a log with rows is required, received none"),
-        ({"t": []}, "table: a log with rows is required, received none"),
-        ({"t": 1.0}, "table: columns are required, each an array of numbers, received single values"),
-        ({"t": [0, 1, 2], "i": [1, 2]}, "table: column 'i': 3 rows, as in 't', are required, received 2"),
-        ({"t": np.zeros((4, 2))}, f"{COLUMN}: one dimension is required, received shape (4, 2)"),
+        ({}, "table: expected a log with rows, got none"),
+        ({"t": []}, "table: expected a log with rows, got none"),
+        ({"t": 1.0}, "table: expected columns, each an array of numbers, got single values"),
+        ({"t": [0, 1, 2], "i": [1, 2]}, "table: column 'i': expected 3 rows, as in 't', got 2"),
+        ({"t": np.zeros((4, 2))}, f"{COLUMN}: expected one dimension, got shape (4, 2)"),
         (
             {"t": [[1], [1, 2]]},
-            f"{COLUMN}: an array of numbers (n,) is required (setting an array element with a sequence)",
+            f"{COLUMN}: expected an array of numbers (n,) (setting an array element with a sequence)",
         ),
-        ({0: [1.0]}, "table: column names of type str are required, received 0"),
+        ({0: [1.0]}, "table: expected column names of type str, got 0"),
         (
             pa.table([[1.0], [2.0]], names=["t", "t"]),
-            "table: unique column names are required, received 't' 2x",
+            "table: expected unique column names, got 't' 2x",
         ),
     ],
     ids=[

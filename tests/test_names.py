@@ -21,7 +21,7 @@ def test_no_two_public_classes_share_a_name() -> None:
 
 
 def test_errors_say_what_is_required_then_what_was_received() -> None:
-    """Every message has the form "place: X is required, received Y": X first, and a comma between them."""
+    """Every message has the form "place: expected X, got Y": X first, and a comma between them."""
     other = re.compile(r"""[:;"'] required (?!in\b)|"required |; received|received:""")
     sources = [*files_of("eccentric").values(), *sorted((ROOT / "templates").rglob("*.py.jinja"))]
 

@@ -22,37 +22,37 @@ BENCH = Path(__file__).parents[1] / "examples" / "bench"
 LOG, RIG = BENCH / "bench.csv.gz", BENCH / "bench.json"
 
 NO_INPUT: dict[str, tuple[Callable[..., object], tuple[object, ...], dict[str, object], str]] = {
-    "fit without logs": (eccentric.fit, ([], RIG), {}, "a log is required, received none"),
-    "diagnose without logs": (eccentric.diagnose, ([], RIG), {}, "a log is required, received none"),
+    "fit without logs": (eccentric.fit, ([], RIG), {}, "expected a log, got none"),
+    "diagnose without logs": (eccentric.diagnose, ([], RIG), {}, "expected a log, got none"),
     "log with a null": (eccentric.read_log, ("a\0.csv",), {}, "log: a path without null"),
     "rig with a null": (eccentric.read_rig, ("a\0.toml",), {}, "rig: a path without null"),
-    "load_model, a number": (eccentric.load_model, (1,), {}, "model: a path is required, received int"),
-    "emit, a number": (eccentric.emit, (1.5, "out"), {}, "model: a path is required, received float"),
-    "fit, model of bytes": (eccentric.fit, (LOG, RIG, b"x"), {}, "model: a path is required, received bytes"),
-    "diagnose, a number": (eccentric.diagnose, (LOG, RIG, 1), {}, "model: a path is required, received int"),
-    "diagnose, effects": (eccentric.diagnose, (LOG, RIG, None, 1), {}, "effects: a path is required"),
+    "load_model, a number": (eccentric.load_model, (1,), {}, "model: expected a path, got int"),
+    "emit, a number": (eccentric.emit, (1.5, "out"), {}, "model: expected a path, got float"),
+    "fit, model of bytes": (eccentric.fit, (LOG, RIG, b"x"), {}, "model: expected a path, got bytes"),
+    "diagnose, a number": (eccentric.diagnose, (LOG, RIG, 1), {}, "model: expected a path, got int"),
+    "diagnose, effects": (eccentric.diagnose, (LOG, RIG, None, 1), {}, "effects: expected a path"),
     "emit, parameters": (eccentric.emit, ("c2_parallel", "out"), {"parameters": 1}, "parameters: a path is"),
     "emit, prefix": (eccentric.emit, ("c2_parallel", "out"), {"prefix": 1}, "prefix: a lower-case"),
     "emit, backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": 1}, "backend: one of"),
-    "emit, no backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": []}, "received 'none'"),
-    "emit, out": (eccentric.emit, ("c2_parallel", None), {}, "output: a path is required, received NoneType"),
+    "emit, no backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": []}, "got 'none'"),
+    "emit, out": (eccentric.emit, ("c2_parallel", None), {}, "output: expected a path, got NoneType"),
     "bench, seconds": (
         eccentric.bench,
         (),
         {"seconds": "a"},
-        "seconds: 15 to 3600 is required, received 'a'",
+        "seconds: expected 15 to 3600, got 'a'",
     ),
-    "bench, mu": (eccentric.bench, (), {"mu": None}, "gear ratio mu: 0.001 to 2 is required, received None"),
-    "bench, noise": (eccentric.bench, (), {"noise": 1j}, "noise .* 0 to 0.5 is required, received 1j"),
+    "bench, mu": (eccentric.bench, (), {"mu": None}, "gear ratio mu: expected 0.001 to 2, got None"),
+    "bench, noise": (eccentric.bench, (), {"noise": 1j}, "expected noise .* 0 to 0.5, got 1j"),
     "bench, seed": (eccentric.bench, (), {"seed": 1.5}, "seed: an integer of 0 or more"),
-    "bench, out": (eccentric.bench, (), {"out": 1}, "out: a path is required, received int"),
+    "bench, out": (eccentric.bench, (), {"out": 1}, "out: expected a path, got int"),
     "bench, effects": (eccentric.bench, ("stribeck",), {}, "effects: a list of names or of "),
-    "bench, an effect": (eccentric.bench, ([1],), {}, r"effects: names or \(name, strength\) are required"),
+    "bench, an effect": (eccentric.bench, ([1],), {}, r"effects: expected names or \(name, strength\)"),
     "bench, a strength": (
         eccentric.bench,
         ([("stribeck", "a")],),
         {},
-        "effect stribeck: a strength above 0 and at most 1 is required",
+        "effect stribeck: expected a strength above 0 and at most 1",
     ),
 }
 
@@ -77,7 +77,7 @@ def test_a_pipe_is_refused_and_not_waited_for(tmp_path: Path, name: str) -> None
     """Reading a named pipe without a writer would never return."""
     os.mkfifo(tmp_path / name)
     read = eccentric.read_log if name.startswith("log") else eccentric.read_rig
-    with pytest.raises(InputError, match="a regular file is required, received a pipe or a device"):
+    with pytest.raises(InputError, match="expected a regular file, got a pipe or a device"):
         read(tmp_path / name)
 
 
@@ -156,9 +156,9 @@ SIZES: dict[str, tuple[str, float, str]] = {
     "a current of 1e308": (
         "current_A",
         1e308,
-        r"column .*: at most 1e.12 A is required",
+        r"column .*: expected at most 1e.12 A",
     ),
-    "a current of 1e-310": ("current_A", 1e-310, "a value of at least 1e-12 A is required, received at most"),
+    "a current of 1e-310": ("current_A", 1e-310, "expected a value of at least 1e-12 A, got at most"),
     "an angle of 1e300": (
         "theta_m_rad",
         1e300,
@@ -183,10 +183,10 @@ def test_a_value_that_no_sensor_gives_is_refused_where_it_is_read(tmp_path: Path
 
 
 PARAMETERS = {
-    "phi": (2.0, "phi: an angle from 0 to pi/2 is required, received 2.0"),
-    "mu": (1e-300, "mu: a number of size 1e-12 to 1e.12 is required, received 1e-300"),
-    "L": (5e-324, "within single precision is required, received L = 5.0e-324"),
-    "M": (1e300, "M: a number of size up to 1e.12 is required, received 1e.300"),
+    "phi": (2.0, "phi: expected an angle from 0 to pi/2, got 2.0"),
+    "mu": (1e-300, "mu: expected a number of size 1e-12 to 1e.12, got 1e-300"),
+    "L": (5e-324, "expected within single precision, got L = 5.0e-324"),
+    "M": (1e300, "M: expected a number of size up to 1e.12, got 1e.300"),
 }
 
 
@@ -203,7 +203,7 @@ def test_a_parameter_beyond_what_the_c_can_hold_is_refused(letter: str, tmp_path
 @pytest.mark.parametrize("size", [1e-300, 1e299], ids=str)
 def test_a_rig_of_impossible_size_is_refused(key: str, size: float) -> None:
     """No drive has such a mass, arm, gear, winding or inertia."""
-    with pytest.raises(InputError, match=rf"\[known\] {key}: a value of size .* is required"):
+    with pytest.raises(InputError, match=rf"\[known\] {key}: expected a value of size .*"):
         eccentric.read_rig({"known": {"case": "C2", key: size}})
 
 
@@ -226,7 +226,7 @@ def test_a_horizontal_axis_is_not_told_where_gravity_pulls(swings: eccentric.Ben
 @pytest.mark.parametrize("value", [1e-300, 1e-12, 0.0, -1.0], ids=str)
 def test_a_low_pass_that_leaves_no_motion_is_refused(value: float) -> None:
     """Its poles are all 1 in double precision."""
-    with pytest.raises(InputError, match=r"low_pass_hz: a finite number of at least 0\.001 is required"):
+    with pytest.raises(InputError, match=r"low_pass_hz: expected a finite number of at least 0\.001"):
         eccentric.read_rig({"known": {"case": "C2"}, "low_pass_hz": value})
 
 

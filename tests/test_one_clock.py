@@ -63,7 +63,7 @@ def test_channels_of_a_similar_rate_end_the_log() -> None:
 
 def test_channels_that_share_no_time_are_refused() -> None:
     """One ends before the other begins."""
-    with pytest.raises(InputError, match="channels that share a time are required"):
+    with pytest.raises(InputError, match="expected channels that share a time"):
         on_one_clock([channel("q", T), channel("i", T + 100.0)], "log")
 
 

@@ -160,7 +160,7 @@ def test_the_line_of_a_drive_gives_the_angle(order: int, share: float) -> None:
     error = line.theta - theta
     # Noise as large as the amplitude, averaged over eight cycles: sqrt(3/rows) of a radian.
     assert np.std(error[inner]) * order < 2.0 * np.sqrt(3.0 / (8.0 * 2000.0 / (order * line.frequency)))
-    with pytest.raises(InputError, match="a line at 1 to 5 times the speed in the drive signal is required"):
+    with pytest.raises(InputError, match="expected a line at 1 to 5 times the speed in the drive signal"):
         turn_line(t, signal - 0.5 * np.cos(order * theta + 0.7), np.full(len(t), 90.0))
 
 

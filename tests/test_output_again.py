@@ -67,9 +67,9 @@ def test_a_repository_in_the_folder_outlives_a_run(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("mine", "new", "said"),
     [
-        ("check", "check/c", "check is required, received a file that eccentric did not write"),
-        ("a/x", "a", "a is required, received a folder"),
-        ("a/x/y", "a/x", "a/x is required, received a folder"),
+        ("check", "check/c", "expected check, got a file that eccentric did not write"),
+        ("a/x", "a", "expected a, got a folder"),
+        ("a/x/y", "a/x", "expected a/x, got a folder"),
     ],
     ids=["file for a folder", "folder for a file", "deeper"],
 )
@@ -98,9 +98,9 @@ def test_an_empty_folder_and_a_link_count_as_well(tmp_path: Path) -> None:
     (out / "check").symlink_to(tmp_path / "elsewhere")
     before = tree(tmp_path)
 
-    with pytest.raises(InputError, match="a free name a is required, received a folder"):
+    with pytest.raises(InputError, match="expected a free name a, got a folder"):
         written(out, "a")
-    with pytest.raises(InputError, match="a free name check is required, received a file that"):
+    with pytest.raises(InputError, match="expected a free name check, got a file that"):
         written(out, "check/c")
 
     assert before == tree(tmp_path)
@@ -147,7 +147,7 @@ def test_a_marker_that_is_no_text_is_one_clear_line(ask, tmp_path: Path) -> None
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / MARKER).write_bytes(b"notice\n\xfffit: a\n")
 
-    with pytest.raises(InputError, match=r"out/\.eccentric: UTF-8 text .* is required, byte 7 is not$"):
+    with pytest.raises(InputError, match=r"out/\.eccentric: expected UTF-8 text .*, byte 7 is not$"):
         ask(tmp_path / "out")
 
     assert [path.name for path in (tmp_path / "out").iterdir()] == [MARKER]

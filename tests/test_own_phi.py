@@ -59,5 +59,5 @@ def test_a_pitch_called_phi_is_no_tilt(tmp_path: Path) -> None:
 def test_a_model_of_another_case_is_refused_whatever_its_parameters_are_called(tmp_path: Path) -> None:
     """Gravity in a level plane is refused, also for a model with a parameter of the name phi."""
     log, rig = log_and_rig(tmp_path, "C1")
-    with pytest.raises(InputError, match="with_fan requires case C2, received case C1"):
+    with pytest.raises(InputError, match="with_fan requires case C2, got case C1"):
         diagnose([log], rig, fan())

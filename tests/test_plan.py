@@ -272,12 +272,12 @@ def test_a_document_without_a_tie_leaves_one_model(
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"format": "eccentric-fit/1"}, r"format eccentric-diagnosis/1 is required"),
-        ({"logs": ["other.csv"]}, r"logs: the diagnosis of .* is required, received that of other.csv"),
+        ({"format": "eccentric-fit/1"}, r"expected format eccentric-diagnosis/1"),
+        ({"logs": ["other.csv"]}, r"logs: expected the diagnosis of .*, got that of other.csv"),
         ({"model": "c1_asymmetric"}, r"model: that of these logs"),
-        ({"tied": None}, r"tied is required, received none: diagnose the logs again"),
-        ({"fits_the_rig": False}, r"a log that fits the rig is required"),
-        ({"asked": {"with": ["stribeck"]}}, r"without effects to begin with .* received one with stribeck"),
+        ({"tied": None}, r"expected tied, got none: diagnose the logs again"),
+        ({"fits_the_rig": False}, r"expected a log that fits the rig"),
+        ({"asked": {"with": ["stribeck"]}}, r"without effects to begin with .* got one with stribeck"),
         (
             {"extended_by": ["my_effect"], "tied": ["my_effect"]},
             r"effects that these logs can show .* my_effect",
@@ -302,14 +302,14 @@ def test_a_log_of_another_rig_is_refused(tied: tuple[dict[str, np.ndarray], dict
     """Its current belongs to another time: there is nothing to plan from."""
     columns = {name: column[:5000] for name, column in tied[0].items()}
     columns |= {name: np.roll(columns[name], 2500) for name in ("current_A", "voltage_V")}
-    with pytest.raises(InputError, match=r"a log that fits the rig is required to plan from"):
+    with pytest.raises(InputError, match=r"expected a log that fits the rig to plan from"):
         eccentric.plan(columns, tied[1], LIMITS)
 
 
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"speed_rad_s": None}, r"limits: speed_rad_s is required"),
+        ({"speed_rad_s": None}, r"limits: expected speed_rad_s"),
         ({"speed_rad_s": -1.0}, r"limits: speed_rad_s: a finite number above 0"),
         ({"speed_rad_s": "3 m"}, r"limits: speed_rad_s: .*rad/s"),
         ({"time_s": 2.0}, r"limits: time_s: at least 10 s"),
@@ -397,7 +397,7 @@ def test_the_command_prints_what_is_open(
     given += ["--diagnosis", str(said)]
 
     assert main(given) == 2
-    assert "current_A is required" in capsys.readouterr().err
+    assert "expected current_A" in capsys.readouterr().err
 
     limits.write_text(limits.read_text(encoding="utf-8") + 'current_A = "9000 mA"\n', encoding="utf-8")
     assert main(given) == 2
@@ -490,11 +490,11 @@ def test_what_a_rig_could_show_without_a_log() -> None:
 def test_what_cannot_be_planned_without_a_log_is_refused(tmp_path: Path) -> None:
     """Another coefficient, a noise of 0, a current that does not even move the load, a log beside --for."""
     rig = {"known": {**SLIGHT, "k_i": "0.02 N m/A"}}
-    with pytest.raises(InputError, match="--for: one of B_lN, C_lN is required, received 'B_m'"):
+    with pytest.raises(InputError, match="--for: expected one of B_lN, C_lN, got 'B_m'"):
         eccentric.plan_detection(rig, LIMITS, "B_m")
-    with pytest.raises(InputError, match="--noise: a torque above 0 N m is required"):
+    with pytest.raises(InputError, match="--noise: expected a torque above 0 N m"):
         eccentric.plan_detection(rig, LIMITS, "C_lN", noise="0 N m")
-    with pytest.raises(InputError, match=r"limits: room for one motion at .* A is required"):
+    with pytest.raises(InputError, match=r"limits: expected room for one motion at .* A"):
         eccentric.plan_detection(rig, {**LIMITS, "current_A": 1e-9}, "C_lN")
     said = eccentric.plan_detection(rig, {**LIMITS, "current_A": 90.0}, ["C_lN"], noise="0.1 N m")
     assert said.write(tmp_path / "plan") == [tmp_path / "plan" / "plan.json"]

@@ -276,7 +276,7 @@ def test_a_row_that_repeats_is_dropped_and_counted(tmp_path: Path) -> None:
 TIMES = {
     "in ms": (
         lambda t: 1e3 * t,
-        r"goes from 0 to 24996 s, received .*: is time in s, and the log complete\?$",
+        r"goes from 0 to 24996 s, got .*: is time in s, and the log complete\?$",
     ),
 }
 

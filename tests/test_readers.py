@@ -77,10 +77,10 @@ def test_a_list_of_rows_and_a_list_for_each_column_are_logs(tmp_path: Path, cont
 BAD_JSON = {
     "rig": (
         '{"known": {"case": "C1"}, "columns": {}}',
-        "a list of entries is required, received keys 'known', 'columns'",
+        "expected a list of entries, got keys 'known', 'columns'",
     ),
-    "empty": ('{"entries": []}', "a list of entries is required, received keys 'entries'"),
-    "number": ("3", "a list of entries is required, received 3"),
+    "empty": ('{"entries": []}', "expected a list of entries, got keys 'entries'"),
+    "number": ("3", "expected a list of entries, got 3"),
     "cut": ('{"entries": [{"t": 1', "not a valid JSON file (Expecting"),
     "deep": ("[" * 100_000, "not a valid JSON file ("),
     "digits": ('{"entries": [{"t": ' + "1" * 5000 + "}]}", "not a valid JSON file (Exceeds the limit"),
@@ -174,5 +174,5 @@ def test_a_log_above_the_limit_is_refused_without_unpacking_all_of_it(
     monkeypatch.setattr(log_csv, "MOST_CHARACTERS", 1000)
     path = tmp_path / "log.csv.gz"
     path.write_bytes(gzip.compress(b"a,b\n" + b"1,2\n" * 1000))
-    with pytest.raises(InputError, match="at most 1,000 characters are required, received more"):
+    with pytest.raises(InputError, match="expected at most 1,000 characters, got more"):
         read_log(path)

@@ -112,9 +112,7 @@ def test_a_matlab_table_is_named_as_what_cannot_be_read(tmp_path: Path) -> None:
     assert note.startswith("left out, since only MATLAB reads its tables")
     assert note.endswith(": Run7")
     path.write_bytes(plain.getvalue()[:128] + mat_table("Run7"))
-    with pytest.raises(
-        InputError, match=r"received none; left out, .* save table2struct\(T, 'ToScalar', true\)"
-    ):
+    with pytest.raises(InputError, match=r"got none; left out, .* save table2struct\(T, 'ToScalar', true\)"):
         read_log(path)
 
 

@@ -104,9 +104,9 @@ def test_only_these_families_are_offered() -> None:
         (["--without", "stribeck[d=7]"], "--without: .*of stribeck there are stribeck"),
         (
             ["--only", "viscosity_temperature"],
-            "--only: .*this log can show is required, .*it can show stribeck",
+            "--only: expected .*this log can show, .*it can show stribeck",
         ),
-        (["--with", "stribeck,stribeck"], "--with: .*only once, received stribeck twice"),
+        (["--with", "stribeck,stribeck"], "--with: .*only once, got stribeck twice"),
         (["--with", "presliding"], "--with presliding: .*without hidden states"),
     ],
     ids=["unknown", "variant", "not in this log", "twice", "hidden state"],

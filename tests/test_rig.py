@@ -102,7 +102,7 @@ def test_unknown_quantities_have_ranges(tmp_path: Path) -> None:
     """A quantity under [unknown] is a range in SI, and asking for its value is refused."""
     rig = read_rig(written(tmp_path, MINIMAL + '[unknown]\nM_l_kg = [0.0, 0.2]\nM = ["0 g", "80 g"]\n'))
     assert rig.unknown == {"M_l": (0.0, 0.2), "M": (0.0, 0.08)}
-    with pytest.raises(InputError, match=r"rig\.toml: \[known\] M_l is required here"):
+    with pytest.raises(InputError, match=r"rig\.toml: expected \[known\] M_l here"):
         rig.value("M_l")
 
 
@@ -193,63 +193,63 @@ def test_estimate_is_kept_for_the_fit(tmp_path: Path) -> None:
 
 
 BAD = {
-    "": "[known] case (C1 or C2) or the tilt phi is required",
-    '[known]\ncase = "C3"': "case: C1 or C2 is required, received 'C3'",
+    "": "expected [known] case (C1 or C2) or the tilt phi",
+    '[known]\ncase = "C3"': "case: expected C1 or C2, got 'C3'",
     '[known]\ncase = "C1"\nphi = "10 deg"': "case C1 means phi = 90 deg",
-    "[known]\nphi_rad = 2.0": "phi_rad: a value at least 0 and at most 1.5708 rad is required, received 2.0",
-    '[known]\ncase = "C2"\nM_kg = -0.5': "M_kg: a value at least 0 kg is required, received -0.5",
-    '[known]\ncase = "C2"\nmu = 0': "mu: a value above 0 is required, received 0",
+    "[known]\nphi_rad = 2.0": "phi_rad: expected a value at least 0 and at most 1.5708 rad, got 2.0",
+    '[known]\ncase = "C2"\nM_kg = -0.5': "M_kg: expected a value at least 0 kg, got -0.5",
+    '[known]\ncase = "C2"\nmu = 0': "mu: expected a value above 0, got 0",
     '[known]\ncase = "C2"\nmu = -0.2': "mu: a value above 0",
-    '[known]\ncase = "C2"\nR_ohm = 0.0': "R_ohm: a value above 0 ohm is required, received 0.0",
+    '[known]\ncase = "C2"\nR_ohm = 0.0': "R_ohm: expected a value above 0 ohm, got 0.0",
     '[known]\ncase = "C2"\nk_i_Nm_per_A = 0.0': "k_i_Nm_per_A: a value above 0 N m/A",
-    '[known]\ncase = "C2"\nJ_m_kgm2 = nan': "J_m_kgm2: a finite number is required, received nan",
-    '[known]\ncase = "C2"\nL_m = inf': "L_m: a finite number is required, received inf",
-    '[known]\ncase = "C2"\nL_m = true': "L_m: a number is required, received True",
-    '[known]\ncase = "C2"\nL_m = [1]': "L_m: a number is required, received [1]",
-    '[known]\ncase = "C2"\nk_e = 0.2': 'required, as in k_e = "0.1 V s/rad", received 0.2',
+    '[known]\ncase = "C2"\nJ_m_kgm2 = nan': "J_m_kgm2: expected a finite number, got nan",
+    '[known]\ncase = "C2"\nL_m = inf': "L_m: expected a finite number, got inf",
+    '[known]\ncase = "C2"\nL_m = true': "L_m: expected a number, got True",
+    '[known]\ncase = "C2"\nL_m = [1]': "L_m: expected a number, got [1]",
+    '[known]\ncase = "C2"\nk_e = 0.2': 'required, as in k_e = "0.1 V s/rad", got 0.2',
     '[known]\ncase = "C2"\nk_e = "0.2 V"': "k_e: a unit like",
     '[known]\ncase = "C2"\nk_e = "0.2 V s/furlong"': "is unknown at 'furlong'",
     '[known]\ncase = "C2"\nM_g = 500': "[known]: unknown key 'M_g'; did you mean 'M_kg'?",
-    '[known]\ncase = "C2"\nM_kg = 0.5\nM = "0.5 kg"': "M is required only once, received twice",
-    '[known]\ncase = "C2"\nM_kg = 0.5\n[unknown]\nM_kg = [0.0, 1.0]': "M is required only once",
-    '[known]\ncase = "C2"\n[unknown]\nM_l_kg = 0.2': "a range of two values, [lower, upper], is required",
-    '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [0.2, 0.1]': "a range with lower below upper is required",
-    '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [-0.2, 0.1]': "at least 0 kg is required, received -0.2",
+    '[known]\ncase = "C2"\nM_kg = 0.5\nM = "0.5 kg"': "expected M only once, got twice",
+    '[known]\ncase = "C2"\nM_kg = 0.5\n[unknown]\nM_kg = [0.0, 1.0]': "expected M only once",
+    '[known]\ncase = "C2"\n[unknown]\nM_l_kg = 0.2': "expected a range of two values, [lower, upper],",
+    '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [0.2, 0.1]': "expected a range with lower below upper",
+    '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [-0.2, 0.1]': "expected at least 0 kg, got -0.2",
     'holdout = 3\n[known]\ncase = "C2"': "unknown key 'holdout'; did you mean 'holdout_runs'?",
     '[known]\ncase = "C2"\nMass = "489 g"': "[known]: unknown key 'Mass'; known are M, M_l, L, mu",
-    '[known]\ncase = "C2"\nmu = "1:5"': "mu: a ratio with '/', as in '1/5', is required, received '1:5'",
+    '[known]\ncase = "C2"\nmu = "1:5"': "mu: expected a ratio with '/', as in '1/5', got '1:5'",
     '[known]\ncase = "C2"\nzz = 3': "'zz'; known are M_kg, M_l_kg, L_m, mu, R_ohm, k_i_Nm_per_A",
     '[known]\ncase = "C2"\nzz = "3 kg"': "'zz'; known are M, M_l, L, mu, R, k_i, k_e, J_m, J_l, g, F_T",
-    "known = 3\n": "[known]: a table is required, received 3",
-    'drive = "steam"\n[known]\ncase = "C2"': "one of current, voltage, torque, none is required",
-    'drive = ["current"]\n[known]\ncase = "C2"': "torque, none is required, received ['current']",
-    'input_delay_s = -0.1\n[known]\ncase = "C2"': "input_delay_s: a finite number of at least 0 is required",
-    'input_delay_s = "guess"\n[known]\ncase = "C2"': 'input_delay_s: a number or "estimate" is required',
-    'holdout_intervals_s = [[2.0, 1.0]]\n[known]\ncase = "C2"': "start before end are required",
+    "known = 3\n": "[known]: expected a table, got 3",
+    'drive = "steam"\n[known]\ncase = "C2"': "expected one of current, voltage, torque, none",
+    'drive = ["current"]\n[known]\ncase = "C2"': "expected torque, none, got ['current']",
+    'input_delay_s = -0.1\n[known]\ncase = "C2"': "input_delay_s: expected a finite number of at least 0",
+    'input_delay_s = "guess"\n[known]\ncase = "C2"': 'input_delay_s: expected a number or "estimate"',
+    'holdout_intervals_s = [[2.0, 1.0]]\n[known]\ncase = "C2"': "expected start before end",
     'holdout_intervals_s = [1.0]\n[known]\ncase = "C2"': "a range of two values",
-    'holdout_runs = "a"\n[known]\ncase = "C2"': "holdout_runs: a list of names is required, received 'a'",
-    'runs = "a"\n[known]\ncase = "C2"': "runs: a list of names is required, received 'a'",
-    'average_over = 0\n[known]\ncase = "C2"': "average_over: a finite number above 0 is required, received 0",
+    'holdout_runs = "a"\n[known]\ncase = "C2"': "holdout_runs: expected a list of names, got 'a'",
+    'runs = "a"\n[known]\ncase = "C2"': "runs: expected a list of names, got 'a'",
+    'average_over = 0\n[known]\ncase = "C2"': "average_over: expected a finite number above 0, got 0",
     'average_over = "0.1 kg"\n[known]\ncase = "C2"': "average_over: a unit like s",
-    'average_over = "-0.1 s"\n[known]\ncase = "C2"': "a finite number above 0 is required, received -0.1",
+    'average_over = "-0.1 s"\n[known]\ncase = "C2"': "expected a finite number above 0, got -0.1",
     'average_over = "log"\n[known]\ncase = "C2"': "average_over: ",
-    'encoder_counts_per_rev = 0\n[known]\ncase = "C2"': "a finite number above 0 is required, received 0",
+    'encoder_counts_per_rev = 0\n[known]\ncase = "C2"': "expected a finite number above 0, got 0",
     'gear = "harmonic"\n[known]\ncase = "C2"': "gear: one of strain wave, planetary, worm, ",
-    'motor = "coreles"\n[known]\ncase = "C2"': "received 'coreles'; did you mean 'coreless'?",
-    'bearing = ["ball"]\n[known]\ncase = "C2"': "bearing: one of ball, roller, plain, air, none is required",
-    'gear = "worm + none"\n[known]\ncase = "C2"': "or several joined by + is required, received",
-    'gear = "none"\n[known]\ncase = "C2"\nmu = "1/5"': "gear: a gear is required with mu = 0.2, received",
+    'motor = "coreles"\n[known]\ncase = "C2"': "got 'coreles'; did you mean 'coreless'?",
+    'bearing = ["ball"]\n[known]\ncase = "C2"': "bearing: expected one of ball, roller, plain, air, none",
+    'gear = "worm + none"\n[known]\ncase = "C2"': "expected or several joined by +, got",
+    'gear = "none"\n[known]\ncase = "C2"\nmu = "1/5"': "gear: expected a gear with mu = 0.2, got",
     '[known]\ncase = "C2"\n[columns]\nspeed = "n"': "[columns]: unknown key 'speed'",
-    '[known]\ncase = "C2"\n[columns]\ntime = 3': "[columns] time: a table is required, received 3",
-    '[known]\ncase = "C2"\n[columns]\ntime = {unit = "s"}': "arithmetic is required, received None",
+    '[known]\ncase = "C2"\n[columns]\ntime = 3': "[columns] time: expected a table, got 3",
+    '[known]\ncase = "C2"\n[columns]\ntime = {unit = "s"}': "expected arithmetic, got None",
     '[known]\ncase = "C2"\n[columns]\ntime = {column = "t", unit = "V"}': "time: a unit like s, ms, us",
     '[known]\ncase = "C2"\n[columns]\ntime = {column = "t", units = "s"}': "'units'; did you mean 'unit'?",
     '[known]\ncase = "C2"\n[columns]\nrun = {column = "t", unit = "s"}': "run: no unit",
     '[known]\ncase = "C2"\n[columns]\ntheta_m = {column = "q", unit = "counts"}': "encoder_counts_per_rev",
-    '[known]\ncase = "C2"\n[columns]\ntheta_m = "a"\ntheta_l = "b"': "one of theta_m and theta_l is required",
-    '[known]\ncase = "C2"\n[columns]\ncurrent = "a"\nvoltage = "a"': "of its own is required for current",
+    '[known]\ncase = "C2"\n[columns]\ntheta_m = "a"\ntheta_l = "b"': "expected one of theta_m and theta_l",
+    '[known]\ncase = "C2"\n[columns]\ncurrent = "a"\nvoltage = "a"': "expected of its own for current",
     "[known\n": "rig.toml: not valid TOML: ",
-    "\nname = bench\n": 'rig.toml: a text in quotes is required, name = "bench", received',
+    "\nname = bench\n": 'rig.toml: a text in quotes is required, name = "bench", got',
     "\nname = bench x\n": "rig.toml: not valid TOML: Invalid value (at line 2, column 8)",
 }
 
@@ -269,10 +269,10 @@ def test_bad_json_is_refused(tmp_path: Path) -> None:
     """JSON that is cut off, holds a list or a key twice is refused."""
     for text, expected in (
         ('{"known": ', r"not valid JSON: Expecting value: line 1 column 11"),
-        ("[1]", r"a table is required, received \[1\]"),
+        ("[1]", r"expected a table, got \[1\]"),
         (
             '{"drive": "current", "drive": "voltage"}',
-            "each key is required only once, received 'drive' twice",
+            "expected each key only once, got 'drive' twice",
         ),
     ):
         with pytest.raises(InputError, match=expected):
@@ -284,7 +284,7 @@ def test_missing_file_directory_and_suffix_are_refused(tmp_path: Path) -> None:
     (tmp_path / "folder.toml").mkdir()
     for name, expected in (
         ("none.toml", "no such file"),
-        ("folder.toml", "a regular file is required, received a directory"),
+        ("folder.toml", "expected a regular file, got a directory"),
         ("rig.yaml", "required"),
     ):
         with pytest.raises(InputError, match=expected):

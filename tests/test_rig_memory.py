@@ -55,12 +55,12 @@ def test_a_rig_is_its_own_rig() -> None:
 @pytest.mark.parametrize(
     ("content", "line"),
     [
-        (3, "rig: a path, a mapping or a Rig is required, received int"),
+        (3, "rig: expected a path, a mapping or a Rig, got int"),
         (
             {"known": {"case": "C2", "M": object()}},
-            "rig: the content of a JSON file is required (received object)",
+            "rig: expected the content of a JSON file (received object)",
         ),
-        ({"known": {"case": "C3"}}, "rig: [known] case: C1 or C2 is required, received 'C3'"),
+        ({"known": {"case": "C3"}}, "rig: [known] case: expected C1 or C2, got 'C3'"),
         ({"knwon": {}}, "rig: unknown key 'knwon'; did you mean 'known'?"),
     ],
     ids=["number", "object", "case", "key"],

@@ -153,7 +153,7 @@ def test_a_motor_of_ones_own_without_a_value_is_refused_in_one_line(fan: tuple[P
 
     with pytest.raises(InputError, match="K_t") as refused:
         fit(read_channels([fan[0]], rig), rig, replace(model, parameters=bare))
-    assert "since K_t is the model's own, received none" in str(refused.value)
+    assert "since K_t is the model's own, got none" in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
@@ -302,14 +302,14 @@ def test_the_papers_terms_have_their_roles_and_loads() -> None:
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({}, "term x: a role of friction is required, one of Role.VISCOUS"),
-        ({"role": "viscous"}, "term x: role: one of Role.NONE, .* is required, received 'viscous'"),
+        ({}, "term x: expected a role of friction, one of Role.VISCOUS"),
+        ({"role": "viscous"}, "term x: role: expected one of Role.NONE, .*, got 'viscous'"),
         (
             {"role": Role.DRAG, "load": "F_N"},
-            "term x: load: one of Load.NONE, .* required, received 'F_N'",
+            "term x: load: one of Load.NONE, .* required, got 'F_N'",
         ),
-        ({"role": Role.DRAG, "joint": -1}, "term x: joint: 0 or above is required, received -1"),
-        ({"role": Role.DRAG, "kind": "actuator"}, "only friction has a role, received drag of kind actuator"),
+        ({"role": Role.DRAG, "joint": -1}, "term x: joint: expected 0 or above, got -1"),
+        ({"role": Role.DRAG, "kind": "actuator"}, "only friction has a role, got drag of kind actuator"),
     ],
     ids=["none", "a string", "load a string", "joint", "no friction"],
 )
@@ -328,5 +328,5 @@ def test_the_model_gives_its_own_inertia_and_the_current_of_its_armature() -> No
 
     assert model.value(model.inertia, known) == pytest.approx(2e-4 + 0.04 * 0.04, rel=1e-15)
     assert model.value(current, known) == pytest.approx((9.0 - 0.05 * 30.0) / 1.5, rel=1e-15)
-    with pytest.raises(ValueError, match="balance electrical: a sum that is linear in theta_m is required"):
+    with pytest.raises(ValueError, match="balance electrical: expected a sum that is linear in theta_m"):
         model.balance("electrical").solved_for(v.theta_m.symbol)

@@ -55,7 +55,7 @@ def test_means_of_uneven_rows_are_read_at_their_times() -> None:
 def test_a_drive_that_is_nothing_is_refused_by_name() -> None:
     """A coarse log whose voltage is 0 throughout: the message is that of any other log."""
     still = log(25.0, held=True, seed=0) | {"voltage_V": np.zeros(1501)}
-    with pytest.raises(InputError, match="a voltage that drives the motor is required, received 0"):
+    with pytest.raises(InputError, match="expected a voltage that drives the motor, got 0"):
         read_channels([table(still)], read_rig(RIG))
 
 
@@ -114,10 +114,10 @@ def test_a_ramp_is_not_taken_for_a_hold(noise_rad: float, seed: int) -> None:
     [
         (
             {"voltage": "latched"},
-            "rig: [kinds] voltage: one of sample, mean, held is required, received 'latched'",
+            "rig: [kinds] voltage: expected one of sample, mean, held, got 'latched'",
         ),
         ({"theta_m": "held"}, "rig: [kinds]: unknown key 'theta_m'"),
-        ({"current": "held"}, "rig: [kinds] current: a channel of [columns] is required, received none"),
+        ({"current": "held"}, "rig: [kinds] current: expected a channel of [columns], got none"),
     ],
 )
 def test_other_kinds_are_refused(kinds: dict[str, str], message: str) -> None:

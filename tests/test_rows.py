@@ -149,7 +149,7 @@ def test_an_average_longer_than_what_moves_is_refused_in_one_line(tmp_path: Path
     channels, rig = planted(tmp_path, 'average_over = "20 s"')
     with pytest.raises(InputError) as refused:
         rows_of(channels, rig)
-    assert "20 s is required" in str(refused.value)
+    assert "expected 20 s" in str(refused.value)
     (over, gives) = re.findall(r'average_over = "(.*) s" gives (\d+)$', str(refused.value))[0]
     shorter = dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, average_over=float(over)))
     rows = rows_of(channels, shorter)
@@ -191,7 +191,7 @@ def test_a_short_log_is_refused_with_what_helps(tmp_path: Path, left_out: str, k
         channels = read_channels([read_log(tmp_path / "log.csv")], read_rig(tmp_path / "rig.toml"))
         return search_rows(channels, channels.rig, moving=bool(left_out))
 
-    with pytest.raises(InputError, match=rf"windows .* are required, received \d+: .*; {key} gives more$"):
+    with pytest.raises(InputError, match=rf"expected windows .*, got \d+: .*; {key} gives more$"):
         search()
     assert len(search(remedy)) > 20
 
@@ -206,7 +206,7 @@ def test_a_log_too_short_for_any_window_has_to_be_longer(tmp_path: Path, left_ou
     (tmp_path / "rig.toml").write_text("\n".join(kept), encoding="utf-8")
     channels = read_channels([read_log(tmp_path / "log.csv")], read_rig(tmp_path / "rig.toml"))
 
-    with pytest.raises(InputError, match=r"received \d+: no shorter window .* a longer log is required$"):
+    with pytest.raises(InputError, match=r"got \d+: expected no shorter window .* a longer log$"):
         search_rows(channels, channels.rig, moving=bool(left_out))
 
 
@@ -214,7 +214,7 @@ def test_nothing_driven_to_hold_out_is_refused_in_one_line(tmp_path: Path) -> No
     """With the motor off in all that is held out, the first fit of a drive has nothing to be judged by."""
     channels, rig = several(tmp_path, 'average_over = "run"\nholdout_runs = ["run_4"]')
     with pytest.raises(
-        InputError, match="average_over: at least one of the whole runs is required to hold out"
+        InputError, match="average_over: expected at least one of the whole runs to hold out"
     ) as no:
         pose(channels, rig, load_model(rig.model))
     assert "\n" not in str(no.value)

@@ -182,7 +182,7 @@ def test_a_few_broken_rows_are_missing(read: Callable[..., Log]) -> None:
     log = read("\n".join([*lines, "200"]) + "\n")
 
     assert ["line 121", "line 202"] == [log.place(int(k)) for k in np.flatnonzero(np.isnan(log.numbers("t")))]
-    with pytest.raises(InputError, match="line 3: 2 values are required, received 1"):
+    with pytest.raises(InputError, match="line 3: expected 2 values, got 1"):
         read("t,x\n1,2\n3\n4\n")
 
 
@@ -194,17 +194,17 @@ REFUSED = {
     "commas without a header": (rows(",", T, X), "line 1 has 2 numbers between commas .* 2 names above it$"),
     "words before every value": (
         "".join(f"Time: {k} Position: {5 * k}\n" for k in range(30)),
-        "a header row with column names, and values between commas below it is required, received 'Time: 0",
+        "expected a header row with column names, and values between commas below it, got 'Time: 0",
     ),
     "words and equal signs before every value": (
         "run 1\n" + "".join(f"t={k}, q={5 * k}\n" for k in range(30)),
-        "received 't=0, q=0' in line 2: write the names once, above the values",
+        "got 't=0, q=0' in line 2: write the names once, above the values",
     ),
     "settings without a header": (
         "Device: X\nRate: 100 Hz\n" + rows(",", T, X),
         "line 3 has 2 numbers between commas .* 2 names above it$",
     ),
-    "names that repeat": ("a,b,b\n1,2,3\n4,5,6\n", "unique column names are required, received 'b' 2x"),
+    "names that repeat": ("a,b,b\n1,2,3\n4,5,6\n", "expected unique column names, got 'b' 2x"),
 }
 
 
@@ -356,7 +356,7 @@ def test_the_doctor_says_what_a_file_is(tmp_path: Path, capsys: pytest.CaptureFi
         "no.txt: table as text, values between commas, semicolons, tabs or blanks, which is not read:"
         in shown
     )
-    assert "no.txt: a log with rows is required" in shown
+    assert "no.txt: expected a log with rows" in shown
 
 
 def test_another_date_is_the_next_day(read: Callable[..., Log]) -> None:

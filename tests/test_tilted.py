@@ -142,7 +142,7 @@ def test_the_right_tilt_is_one_that_a_rig_file_takes(tmp_path: Path) -> None:
     ("tilt", "model", "said"),
     [
         (OPEN.replace("1.3", "1.5707"), None, 'case = "C1" in [known] is a level plane'),
-        ("phi_rad = 1.5705\n", None, "[known] phi: gravity in the plane of motion is required"),
+        ("phi_rad = 1.5705\n", None, "[known] phi: expected gravity in the plane of motion"),
         ('case = "C1"\n', "rotating_link", "c1_perpendicular is its model"),
     ],
     ids=["open", "declared", "case C1"],

@@ -55,7 +55,7 @@ def adapt(
     asked = asked_adaptation(True, forgetting, false_alarms, settle)
     sources, rig = sources_of(log), read_rig(rig)
     if rig.added:
-        raise InputError(rig.path, problem="[added]: a log of one mass is required to follow its parameters")
+        raise InputError(rig.path, problem="[added]: expected a log of one mass to follow its parameters")
     read = read_logs(sources)
     channels = read_channels(read, rig)
     base = model_of(channels.rig.model if model is None else model)
@@ -68,9 +68,7 @@ def adapt(
         document = document_of(given_path(parameters, "parameters"))
     given = read_parameters(document)
     if not given.fits_the_rig:
-        raise InputError(
-            given.source, problem="parameters of a log that fits its rig are required to start from"
-        )
+        raise InputError(given.source, problem="expected parameters of a log that fits its rig to start from")
     start = with_fitted(base, given, base.name)
     driven = _with_current(fitted.problem.drive, given.values)
     course = replayed(driven, start, document, asked, names)
@@ -165,6 +163,6 @@ def asked_adaptation(
     }
     if not adapted:
         if given:
-            raise InputError(next(iter(given)), problem="adapt is required with it")
+            raise InputError(next(iter(given)), problem="expected adapt with it")
         return None
     return Adaptation(**given)

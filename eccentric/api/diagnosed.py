@@ -146,11 +146,9 @@ def _scripts(effects: Path | None, model: str | Model | None) -> tuple[Path, ...
     own = tuple(Path(one) for one in given if one is not None and Path(one).suffix == ".py")
     for one in own:
         if one.name in taken or is_result_name(one.stem):
-            raise InputError(one, problem="a name that no file of the result has is required")
+            raise InputError(one, problem="expected a name that no file of the result has")
     if len({one.resolve() for one in own}) > len(called := {one.name for one in own}):
-        raise InputError(
-            "effects and model", "files of different names", f"{called.pop()} twice", plural=True
-        )
+        raise InputError("effects and model", "files of different names", f"{called.pop()} twice")
     return own
 
 

@@ -109,7 +109,7 @@ class RigDraft(ResultBase):
         if path.suffix != ".toml":
             raise InputError(path, "a rig file .toml", f"{path.suffix or 'no suffix'!r}")
         if path.exists():
-            raise InputError(path, problem="a new file is required, this one exists")
+            raise InputError(path, problem="expected a new file, but this one exists")
         with whole_file(path) as new:
             new.write_text(self.text, encoding="utf-8")
         return path
@@ -223,9 +223,7 @@ def _same_columns(logs: Sequence[Log]) -> Log:
     for log in logs[1:]:
         if set(log.columns) != set(logs[0].columns):
             differ = few(sorted(set(log.columns) ^ set(logs[0].columns)))
-            raise InputError(
-                log.path, "the same columns", f"in some only: {differ}", why="in every log", plural=True
-            )
+            raise InputError(log.path, "the same columns", f"in some only: {differ}", why="in every log")
     return _longest(logs)
 
 
@@ -326,8 +324,8 @@ def _tried(
             keys = {here, *(known.key for known in knowns_of(tried.axis) if known.name == letter)}
             if not any(one.table == "known" and one.key in keys for one in complaints):
                 missing.append(
-                    f"{rig.path}: [known] {here} is required, as in"
-                    f' {here} = "{axis.unit(_TYPICAL[letter])}", received none'
+                    f"{rig.path}: expected [known] {here}, as in"
+                    f' {here} = "{axis.unit(_TYPICAL[letter])}", got none'
                 )
             filled = True
             given = {**given, "known": {**given.get("known", {}), here: axis.unit(_TYPICAL[letter])}}

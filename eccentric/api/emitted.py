@@ -101,7 +101,7 @@ def emit(
     if beside and choice != WHOLE:
         raise InputError(
             beside[0],
-            problem="the whole model is required with it, without a choice of functions, arrays or fixed",
+            problem="expected the whole model with it, without a choice of functions, arrays or fixed",
         )
     return write_emitted(
         chosen,

@@ -239,7 +239,7 @@ def _diagnosed(
     suspect: Suspect, sample: Sample | None, when: str, including: Sequence[str] = ()
 ) -> DiagnosisResult:
     if sample is None:
-        raise InputError(f"a log of the {when} periods is required for a diagnosis, none is there any longer")
+        raise InputError(f"expected a log of the {when} periods to diagnose, but none is there any longer")
     rig = suspect.rig
     if suspect.content is not None:  # as the report names it, for its command to be one that can be run
         rig = dataclasses.replace(rig, path=_rig_file(suspect))

@@ -79,8 +79,8 @@ def arm_of(source: ModelSource, fitted: FittedValues | None = None) -> Model:
     """
     chain = read_arm(given_path(source, "arm"))
     if fitted is not None and fitted.chain and (difference := unlike(chain, fitted.chain)):
-        of = f"a fit of the arm in {origin_of(source)} is required"
-        raise InputError(fitted.source, problem=f"{of}, received one of another arm: {difference}")
+        of = f"expected a fit of the arm in {origin_of(source)}"
+        raise InputError(fitted.source, problem=f"{of}, got one of another arm: {difference}")
     if fitted is not None and fitted.bodies and fitted.model in (None, chain.name):
         chain = with_bodies(chain, fitted.bodies)
     size = "one joint" if len(chain.joints) == 1 else f"{len(chain.joints)} joints"

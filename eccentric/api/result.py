@@ -74,7 +74,7 @@ def write_emitted(
     own = dict(files)
     for key, wanted in (("adapt", adapt is not None), ("compensation", compensation)):
         if wanted and (missing := [name for name in DEFAULT if name not in names]):
-            raise InputError(key, problem=f"backend {' and '.join(missing)} is required as well")
+            raise InputError(key, problem=f"expected backend {' and '.join(missing)} as well")
     if adapt is not None:
         files |= render_adapt(model, own, prior_of(model, fit), adapt)
     if compensation:
@@ -99,7 +99,7 @@ def require_fit(fits_the_rig: bool, source: str, accept_misfit: bool) -> None:
     """Raise InputError for parameters of a log that does not fit its rig, unless they are accepted."""
     if not fits_the_rig and not accept_misfit:
         raise InputError(
-            "accept_misfit", problem=f"this is required to emit {source}, since its log does not fit the rig"
+            "accept_misfit", problem=f"needed to emit {source}, since its log does not fit the rig"
         )
 
 

@@ -92,7 +92,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         nobody_reads()
         return UNREAD
     except MemoryError:
-        return _complain("not enough memory: a shorter log, or a higher limit, is required", 2)
+        return _complain("not enough memory: use a shorter log, or raise the limit", 2)
     except OSError as error:
         place = f"{error.filename}: " if error.filename else ""
         return _complain(f"{place}{error.strerror or error}", 2)

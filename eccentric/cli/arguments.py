@@ -91,9 +91,7 @@ def arm_of(rig: str, given: Mapping[str, object]) -> bool:
     except InputError:
         return False  # what reads it in its turn says why
     if asked := [name for name, value in given.items() if value]:
-        raise InputError(
-            asked[0], problem=f"the rig of a single drive is required with it, {rig} names an arm"
-        )
+        raise InputError(asked[0], problem=f"expected the rig of a single drive with it, {rig} names an arm")
     return True
 
 

@@ -88,6 +88,6 @@ def _generated() -> Path:
     if not (clone / "pyproject.toml").is_file():
         raise InputError(
             "derive",
-            problem="--out DIR is required, since this is an installed copy without a generated/ folder",
+            problem="expected --out DIR, since this is an installed copy without a generated/ folder",
         )
     return clone / "generated"

@@ -51,11 +51,11 @@ def run(args: argparse.Namespace) -> int:
     """Diagnose, plan, write the folder, print the plan."""
     own_folder(args.out)
     if arm_of(args.rig, {"--model": args.model}):
-        raise InputError(args.rig, problem="plan requires the rig of a single drive, received that of an arm")
+        raise InputError(args.rig, problem="plan requires the rig of a single drive, got that of an arm")
     if args.sought is not None:
         return _for(args)
     if not args.logs:
-        raise InputError("plan", problem="a log is required, or --for, received neither")
+        raise InputError("plan", problem="expected a log, or --for, got neither")
     found = eccentric.plan(
         args.logs,
         args.rig,

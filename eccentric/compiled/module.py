@@ -123,8 +123,8 @@ def _samples(called: Signature, arrays: Sequence[np.ndarray]) -> tuple[tuple[int
         return np.broadcast_shapes(*(x.shape for x in arrays)), ()
     for name, x in zip(called.inputs, arrays, strict=True):
         if x.shape[-1:] != (called.length,):
-            required = f"{called.length} values on the last axis are required"
-            raise ValueError(f"{name}: {required}, received shape {x.shape}")
+            required = f"expected {called.length} values on the last axis"
+            raise ValueError(f"{name}: {required}, got shape {x.shape}")
     return np.broadcast_shapes(*(x.shape[:-1] for x in arrays)), (called.length,)
 
 
@@ -164,9 +164,7 @@ def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - called as 
     from eccentric.model import Model
 
     if not isinstance(model, Model):
-        raise TypeError(
-            f"compile: a Model, its name or its path is required, received {type(model).__name__}"
-        )
+        raise TypeError(f"compile: expected a Model, its name or its path, got {type(model).__name__}")
     return _built(model, local_compiler())[0]
 
 

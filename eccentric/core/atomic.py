@@ -31,7 +31,7 @@ def folder_to_write(path: str | os.PathLike[str]) -> Path:
     there = next(place for place in (target, *target.parents) if place.exists())
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
         what = "is protected" if there.is_dir() else "is a file"
-        raise InputError(Path(path), problem=f"a place that can be written is required, {there} {what}")
+        raise InputError(Path(path), problem=f"expected a place that can be written, but {there} {what}")
     return target
 
 
@@ -51,7 +51,7 @@ def own_folder(path: str | os.PathLike[str]) -> Path:
     if there and not (target / MARKER).is_file():
         raise InputError(
             Path(path),
-            f"a new or empty folder, or one that eccentric wrote (it holds {MARKER}),",
+            f"a new or empty folder, or one that eccentric wrote (it holds {MARKER})",
             "a folder with other files",
         )
     listed_in(target)
@@ -89,9 +89,9 @@ def listed_in(folder: Path) -> dict[str, str]:
         lines = marker.read_text(encoding="utf-8").splitlines()[1:] if marker.is_file() else []
     except UnicodeDecodeError as error:
         place = f"byte {error.start} is not"
-        raise InputError(marker, problem=f"UTF-8 text as eccentric wrote it is required, {place}") from None
+        raise InputError(marker, problem=f"expected UTF-8 text as eccentric wrote it, but {place}") from None
     except OSError as error:
-        raise InputError(marker, problem=f"a file that can be read is required ({error.strerror})") from None
+        raise InputError(marker, problem=f"expected a file that can be read ({error.strerror})") from None
     return {name: command for command, _, name in (line.partition(": ") for line in lines)}
 
 
@@ -248,7 +248,7 @@ def _moving(target: Path, new: Path) -> Iterator[None]:
         if tidy(target, new.parent):
             raise InputError(
                 target,
-                problem="a folder that no other run is writing is required; if that run was killed, try"
+                problem="expected a folder that no other run is writing; if that run was killed, try"
                 " again in an hour",
             )
         yield

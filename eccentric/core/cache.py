@@ -80,7 +80,7 @@ def own_cache() -> Path:
     if not _is_ours(place.stat()):
         raise InputError(
             "compile",
-            problem=f"a cache of your own is required, {place} belongs to another user: set XDG_CACHE_HOME",
+            problem=f"expected a cache of your own, but {place} belongs to another user: set XDG_CACHE_HOME",
         )
     if place.stat().st_mode & 0o077:
         with suppress(OSError):  # a disk without modes: what is read there is not used

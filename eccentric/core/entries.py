@@ -39,13 +39,13 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
             raise InputError(path, "a decimal point", f"{line!r} in {place}") from None
         if unquoted := re.match(r"(\S+)\s*=\s*([-+.\deE]+\s*[^\W\d_][^#]*?)\s*(?:#.*)?$", line):
             key, value = unquoted.groups()
-            wanted = f'a value with its unit in quotes is required, {key} = "{value}"'
-            raise InputError(path, problem=f"{wanted}, received {line!r} in {place}") from None
+            wanted = f'expected a value with its unit in quotes, {key} = "{value}"'
+            raise InputError(path, problem=f"{wanted}, got {line!r} in {place}") from None
         if word := re.match(r"(\S+)\s*=\s*([^\W\d]\w*)\s*(?:#.*)?$", line):
             truth = word[2].lower() in ("true", "false")
-            what = "true or false in small letters is" if truth else "a text in quotes is"
-            wanted = f"{what} required, {word[1]} = " + (word[2].lower() if truth else f'"{word[2]}"')
-            raise InputError(path, problem=f"{wanted}, received {line!r} in {place}") from None
+            what = "true or false in small letters" if truth else "a text in quotes"
+            wanted = f"expected {what}, {word[1]} = " + (word[2].lower() if truth else f'"{word[2]}"')
+            raise InputError(path, problem=f"{wanted}, got {line!r} in {place}") from None
         # ValueError: for example a number with thousands of digits
         raise InputError(path, problem=f"not valid {path.suffix[1:].upper()}: {error}") from None
     return read_table(content, str(path))
@@ -67,7 +67,7 @@ def read_utf8(path: Path) -> str:
     except OSError as error:
         raise InputError(path, problem=f"cannot be read ({error.strerror or error})") from None
     except UnicodeDecodeError as error:
-        raise InputError(path, problem=f"UTF-8 text is required, byte {error.start} is not") from None
+        raise InputError(path, problem=f"expected UTF-8 text, but byte {error.start} is not") from None
 
 
 def _no_repeats(pairs: list[tuple[str, Any]], path: Path) -> dict[str, Any]:

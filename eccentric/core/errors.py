@@ -1,4 +1,4 @@
-"""The one error a user sees: one line that names what was wrong, what was required, what was received."""
+"""The one error a user sees: one line that says where, what was expected and what came."""
 
 import difflib
 from collections.abc import Iterable, Sequence
@@ -14,9 +14,8 @@ class InputError(ValueError):
     Attributes:
         place: what is wrong, from the outside in, such as file, table and key, row and column:
             "rig.toml: [known] k_i"; "" if it is not said apart.
-        expected, got: what is required there, and what was received.
+        expected, got: what is expected there, and what came.
         why: after what is expected, why it is or how it is given: "to draft a rig", ", as in 1 kg".
-        plural: whether several things are expected.
         problem: what is wrong, of an error that is not about a value that was expected; "" of others.
         hint: what helps to mend it, or may be behind it.
         keys: entries of the place that it is about, where the place does not end with one.
@@ -29,7 +28,6 @@ class InputError(ValueError):
         got: object = "",
         *,
         why: str = "",
-        plural: bool = False,
         problem: str = "",
         hint: str = "",
         keys: Sequence[str] = (),
@@ -38,18 +36,17 @@ class InputError(ValueError):
         if not expected and not problem:
             place, problem = "", str(place)
         self.place, self.expected, self.got = str(place), expected, str(got)
-        self.why, self.plural, self.problem, self.hint, self.keys = why, plural, problem, hint, tuple(keys)
+        self.why, self.problem, self.hint, self.keys = why, problem, hint, tuple(keys)
         super().__init__(": ".join(filter(None, (self.place, self.statement))))
 
     @property
     def statement(self) -> str:
-        """Its line without the place: "a number is required, received 'x'"."""
+        """Its line without the place: "expected a number, got 'x'"."""
         hint = f"; {self.hint}" if self.hint else ""
         if self.problem:
             return self.problem + hint
-        required = f"{'are' if self.plural else 'is'} required"
         why = f"{'' if self.why[:1] in ('', ',') else ' '}{self.why}"
-        return f"{self.expected} {required}{why}, received {self.got}{hint}"
+        return f"expected {self.expected}{why}, got {self.got}{hint}"
 
     @property
     def fields(self) -> dict[str, Any]:
@@ -73,7 +70,7 @@ class InputError(ValueError):
         return self.but(hint="; ".join(filter(None, (self.hint, hint))))
 
 
-_FIELDS = ("place", "expected", "got", "why", "plural", "problem", "hint", "keys")
+_FIELDS = ("place", "expected", "got", "why", "problem", "hint", "keys")
 
 
 class MissingValueError(InputError):

@@ -73,7 +73,7 @@ def folder(name: str) -> Path:
     # An installed package is in site-packages, where a `templates` folder would belong to another project.
     if beside.is_dir() and (package.parent / "pyproject.toml").is_file():
         return beside
-    raise InputError(name, f"a folder {inside} or, in a clone, {beside},", "neither")
+    raise InputError(name, f"a folder {inside} or, in a clone, {beside}", "neither")
 
 
 def derivation(name_or_path: str | os.PathLike[str]) -> Path:

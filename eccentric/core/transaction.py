@@ -149,7 +149,7 @@ def workshop(place: Path) -> Iterator[Path]:
                         tidy(place, own)
             except OSError as error:
                 raise InputError(
-                    place, problem=f"a place that can be written is required ({error.strerror})"
+                    place, problem=f"expected a place that can be written ({error.strerror})"
                 ) from error
             yield own / NEW
         finally:

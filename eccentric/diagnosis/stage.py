@@ -229,21 +229,21 @@ def _require_supported(model: Model, channels: Channels) -> None:
     if model.tilted and channels.rig.case == "C1":
         raise InputError(
             model.name,
-            problem=f"diagnose requires a plane of motion that is not level, received case C1;"
+            problem=f"diagnose requires a plane of motion that is not level, got case C1;"
             f" {channels.rig.model} is its model",
         )
     if model.states:
         names = ", ".join(state.quantity.name for state in model.states)
         raise InputError(
             model.name,
-            problem=f"diagnose requires a model without hidden states, received one with {names}"
+            problem=f"diagnose requires a model without hidden states, got one with {names}"
             " (diagnose adds the effect that has them itself)",
         )
     own = channels.rig.axis.term("the paper's")
     if any("electrical" in extension.change.terms for extension in model.extensions):
         raise InputError(
             model.name,
-            problem=f"diagnose requires a model with {own} armature, received one extended by an electrical"
+            problem=f"diagnose requires a model with {own} armature, got one extended by an electrical"
             " effect (diagnose adds it itself)",
         )
     mechanical = model.balance("mechanical")
@@ -251,11 +251,11 @@ def _require_supported(model: Model, channels: Channels) -> None:
     if {v.i.symbol, v.u.symbol} & used:
         raise InputError(
             model.name,
-            problem="diagnose requires a model without effects of current or voltage, received one"
+            problem="diagnose requires a model without effects of current or voltage, got one"
             " with some (diagnose adds them itself)",
         )
     if v.temperature.symbol in used and channels.temperature is None:
-        raise InputError(model.name, problem="diagnose requires a temperature in the log, received none")
+        raise InputError(model.name, problem="diagnose requires a temperature in the log, got none")
 
 
 def _first_friction(balances: Sequence[BalanceDesign]) -> Array:

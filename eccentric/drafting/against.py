@@ -73,7 +73,7 @@ def _missing(rig: Rig, log: Log, told: Collection[Complaint]) -> Iterator[Compla
             continue
         if refused.isdisjoint(names) and not any(channel in sources for channel in choice):
             yield Complaint(
-                f"{rig.path}: [columns]: {' or '.join(names)} is required, received none; the log has"
+                f"{rig.path}: [columns]: expected {' or '.join(names)}, got none; the log has"
                 f" {few(log.columns)}",
                 "columns",
             )

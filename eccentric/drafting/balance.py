@@ -93,7 +93,7 @@ def motion_from(grid: Grid, angle: LoggedColumn | None, speed: LoggedColumn | No
             ]
         )
     else:
-        raise AssertionError("an angle or a speed is required")
+        raise AssertionError("expected an angle or a speed")
     inner = grid.inner()
     fast = float(np.quantile(np.abs(w[inner]), 0.95)) if np.any(inner) else 0.0
     return Moved(x, w, a, inner & (np.abs(w) > STILL * fast))

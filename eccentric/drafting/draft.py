@@ -114,9 +114,7 @@ def draft_of(log: Log) -> Draft:
     """
     rows = slice(0, min(log.rows, limits.MOST_ROWS))
     if log.rows < limits.FEWEST_ROWS:
-        raise InputError(
-            log.path, f"at least {limits.FEWEST_ROWS} rows", log.rows, why="to draft a rig", plural=True
-        )
+        raise InputError(log.path, f"at least {limits.FEWEST_ROWS} rows", log.rows, why="to draft a rig")
     columns, texts = columns_of(log, rows)
     run, ends = find_runs(columns, texts, rows.stop)
     left = {name: c for name, c in columns.items() if run is None or name != run.column}
@@ -124,12 +122,12 @@ def draft_of(log: Log) -> Draft:
     left.pop(clock.proposal.column)
     grid = grid_of(clock.raw * SECONDS[clock.unit], clock.breaks)
     if not grid.parts:
-        raise InputError(log.path, problem="a stretch of more rows without a gap in time is required")
+        raise InputError(log.path, problem="expected a stretch of more rows without a gap in time")
     if grid.step > 1.0 / limits.SLOWEST_HZ:
         said = (
             f"{1.0 / grid.step:.2g}: no acceleration is to be seen (is {clock.proposal.source!r} the time?)"
         )
-        raise InputError(log.path, f"at least {limits.SLOWEST_HZ:g} rows a second", said, plural=True)
+        raise InputError(log.path, f"at least {limits.SLOWEST_HZ:g} rows a second", said)
     temperature, supply = find_slow(list(left.values()))
     voltage = find_voltage(list(left.values()), supply)
     flags = [c for c in left.values() if c.is_flag]
@@ -158,7 +156,7 @@ def draft_of(log: Log) -> Draft:
     if not drives and not any(c is not None and c.name.quantity for c in (angle, speed)):
         raise InputError(
             log.path,
-            problem="an angle or a speed, and a drive, are required; no name says that a column is one"
+            problem="expected an angle or a speed, and a drive; no name says that a column is one"
             f" ({few(columns)}), and none follows another as a drive follows a motion",
         )
     left_out = {n: why for n, why in left_out.items() if n not in {p.source for p in drives}}
@@ -200,7 +198,7 @@ def draft_of(log: Log) -> Draft:
     else:
         entries = entries_of(found[0], evidence, gravity, gear.mu, drives)
     if not drives:
-        why = "a current, a torque or a voltage is required, and no column follows the motion as one does"
+        why = "expected a current, a torque or a voltage, and no column follows the motion as one does"
         line = RigLine("columns", "current", '"its column"', why, asked=True, needed=True)
         if coasts(motion):
             why = "a coast-down, if nothing drove it; without J_m and J_l it shows friction over inertia"
@@ -346,7 +344,7 @@ def _explaining(
     if best[0] < limits.SHOWN:
         raise InputError(
             where,
-            problem=f"an angle or a speed is required; no column looks like one"
+            problem=f"expected an angle or a speed; no column looks like one"
             f" ({few([c.text for c in could]) or 'all others have names of other quantities'})",
         )
     return best[1], best[2]

@@ -60,7 +60,7 @@ def draft_of_arm(log: Log, chain: Chain, arm: str, tell: Callable[[float], None]
                     votes.setdefault(own[proposal.source], []).append(proposal)
         tell((j + 1) / count)
     if len(silent) == count:
-        raise InputError(log.path, problem=f"joints that move are required; {silent[0]}")
+        raise InputError(log.path, problem=f"expected joints that move; {silent[0]}")
     heard = count - len(silent)
     chosen = [_agreed(pattern, given, heard) for pattern, given in votes.items()]
     proposals, left_out = _one_each(_sides(chosen, log, chain, first))
@@ -93,9 +93,8 @@ def _patterns(log: Log, count: int) -> tuple[int, list[str]]:
         most = max((len(numbers) for numbers in seen.values()), default=0)
         raise InputError(
             log.path,
-            f"columns of {counted(count, 'joint')}, such as q_1 to q_{count},",
+            f"columns of {counted(count, 'joint')}, such as q_1 to q_{count}",
             f"at most {most} that differ by a number; the log has {few(log.columns)}",
-            plural=True,
         )
     first = max(starts, key=lambda start: (starts[start], -start))
     return first, [p for p, numbers in seen.items() if numbers == {*range(first, first + count)}]
@@ -105,9 +104,7 @@ def _clock(log: Log, common: Sequence[str]) -> tuple[Proposal, Proposal | None]:
     """The time and the runs, among the columns that are one for all joints."""
     stop = min(log.rows, limits.MOST_ROWS)
     if log.rows < limits.FEWEST_ROWS:
-        raise InputError(
-            log.path, f"at least {limits.FEWEST_ROWS} rows", log.rows, why="to draft a rig", plural=True
-        )
+        raise InputError(log.path, f"at least {limits.FEWEST_ROWS} rows", log.rows, why="to draft a rig")
     columns, texts = columns_of(_part(log, common), slice(0, stop))
     run, ends = find_runs(columns, texts, stop)
     left = {n: c for n, c in columns.items() if not c.is_flag and (run is None or n != run.column)}

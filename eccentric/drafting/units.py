@@ -143,11 +143,10 @@ def find_clock(
                 where,
                 "numbers or times of day (14:05:00.5) for the time",
                 f"text in {few(map(repr, spelled))}",
-                plural=True,
             )
         raise InputError(
             where,
-            problem="a column that rises from row to row, the time, is required, the log has none"
+            problem="expected a column that rises from row to row, the time, but the log has none"
             f"{f' ({few(columns, 5)})' if columns else ''}: where its rows are evenly apart, say how many are"
             " in a second, as in --rate 500 (sample_rate_hz = 500 in a rig file)",
         )

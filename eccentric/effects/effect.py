@@ -79,9 +79,7 @@ class Setting:
     def __post_init__(self) -> None:
         for name in ("mu", "w_min", "w_max", "current_max", "duration_s", "mean_loss_W"):
             if not getattr(self, name) > 0.0:
-                raise ValueError(
-                    f"setting: {name}: a value above 0 is required, received {getattr(self, name)}"
-                )
+                raise ValueError(f"setting: {name}: expected a value above 0, got {getattr(self, name)}")
 
     @property
     def case(self) -> str:
@@ -468,5 +466,5 @@ def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
         )
     found = tuple(found)
     if wrong := [type(one).__name__ for one in found if not isinstance(one, Effect)]:
-        raise InputError(path, "effects of type Effect", wrong[0], plural=True)
+        raise InputError(path, "effects of type Effect", wrong[0])
     return found

@@ -74,8 +74,8 @@ def document_of(source: Path | Mapping[str, Any]) -> Mapping[str, Any]:
     except InputError:
         raise
     except (ValueError, RecursionError) as error:  # ValueError: for example a number of thousands of digits
-        what = "the fit.json of `eccentric fit`, or JSON with `parameters` like it, is required"
-        raise InputError(f"{source}: {what}, received a file that is not JSON ({error})") from None
+        what = "expected the fit.json of `eccentric fit`, or JSON with `parameters` like it"
+        raise InputError(f"{source}: {what}, got a file that is not JSON ({error})") from None
     return content if isinstance(content, Mapping) else {}
 
 
@@ -89,8 +89,8 @@ _DIAGNOSED = {
 def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     instead = next((x for kind, x in _DIAGNOSED.items() if str(content.get("format")).startswith(kind)), None)
     if instead is not None:
-        required = "the fit.json of `eccentric fit` is required"
-        raise InputError(f"{where}: {required}, received a diagnosis: {instead}")
+        required = "expected the fit.json of `eccentric fit`"
+        raise InputError(f"{where}: {required}, got a diagnosis: {instead}")
     if unscaled := content.get("joints_without_scale"):
         raise InputError(
             where,
@@ -114,15 +114,15 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     values = in_general_letters(values, axis, where)
     notes, identified_on = content.get("parameter_notes", {}), content.get("identified_range", "")
     if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
-        raise InputError(f"{where}: `parameter_notes` by letter and `identified_range` as text are required")
+        raise InputError(f"{where}: expected `parameter_notes` by letter and `identified_range` as text")
     chain = content.get("chain") or {}
     joints = chain.get("joints", []) if isinstance(chain, Mapping) else None
     if not isinstance(joints, list) or not all(isinstance(joint, Mapping) for joint in joints):
-        raise InputError(f"{where}: chain: an object with a list `joints` of objects is required")
+        raise InputError(f"{where}: chain: expected an object with a list `joints` of objects")
     bodies = content.get("bodies") or {}
     found = bodies.get("values") or {} if isinstance(bodies, Mapping) else None
     if not isinstance(found, Mapping) or not all(_is_number(x) for x in found.values()):
-        raise InputError(f"{where}: bodies: an object `values` of finite numbers is required")
+        raise InputError(f"{where}: bodies: expected an object `values` of finite numbers")
     # Bodies that cannot exist are no better than a log that does not fit the rig.
     fits = content.get("fits_the_rig") is not False and bodies.get("possible") is not False
     contained = content.get("back_emf_in_friction") is True

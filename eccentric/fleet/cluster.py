@@ -74,7 +74,7 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
             except RuntimeError:  # as multiprocessing says it, in each process that reads the script again
                 raise InputError(
                     "fleet",
-                    problem='a call below `if __name__ == "__main__":` is required, since workers read the'
+                    problem='expected a call below `if __name__ == "__main__":`, since workers read the'
                     " script again: none could be started",
                 ) from None
             # Ctrl-C in a callback of the garbage collector would be printed and lost.
@@ -93,7 +93,7 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
         except (OSError, ValueError) as error:
             said = str(error).splitlines()[0]
             raise InputError(
-                f"--scheduler {scheduler}", problem=f"a Dask scheduler is required there ({said})"
+                f"--scheduler {scheduler}", problem=f"expected a Dask scheduler there ({said})"
             ) from None
         try:
             yield client

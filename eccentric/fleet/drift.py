@@ -381,7 +381,7 @@ def _least(rows: Sequence[tuple[Array, Array]], periods: Sequence[Period]) -> tu
 # Why a joint cannot be judged, or its answer is not to be believed: too few periods, or a rig of another.
 
 
-_NEAR = "inertia and gravity near those of the rig are required"
+_NEAR = "expected inertia and gravity near those of the rig"
 _CONSTANTS = "masses, lengths, gear and torque constant"
 
 
@@ -390,11 +390,11 @@ def doubts_of(history: History) -> list[FleetProblem]:
     found: list[tuple[str, str]] = []
     count, axis = len(history.periods), history.axis
     if 0 < count < LEAST_PERIODS:
-        text = f"{LEAST_PERIODS} periods with an answer are required to tell a change, received {count}"
+        text = f"expected {LEAST_PERIODS} periods with an answer to tell a change, got {count}"
         found.append((NOT_TESTED, text))
     if (level := level_of(history)) <= 0.0:
         text = (
-            f"a positive mean friction {axis.term('torque')} is required, received"
+            f"expected a positive mean friction {axis.term('torque')}, got"
             f" {level:.3g} {axis.unit('N m')}: a wrong sign?"
         )
         found.append(("no friction", text))
@@ -404,7 +404,7 @@ def doubts_of(history: History) -> list[FleetProblem]:
         reach = float(np.median([period.reach * period.errors[place] for period in history.periods]))
         if scale + reach < 1.0 / MOST_SCALE or scale - reach > MOST_SCALE:
             text = (
-                f"{axis.term(_NEAR)}, received {scale:.3g} times as much:"
+                f"{axis.term(_NEAR)}, got {scale:.3g} times as much:"
                 f" {axis.term(_CONSTANTS)} of another joint?"
             )
             found.append((OTHER_RIG, text))

@@ -98,7 +98,7 @@ class Assigned:
 def _of_one_mass(rig: Rig) -> Rig:
     """The rig. InputError for one with masses that some runs carry: the sums of a fleet are of one link."""
     if rig.added:
-        raise InputError(rig.path, problem="[added]: logs of one mass are required in a fleet")
+        raise InputError(rig.path, problem="[added]: expected logs of one mass in a fleet")
     return rig
 
 
@@ -120,13 +120,13 @@ def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
     try:
         names = list(reader.fieldnames or [])
         if not {"joint", "rig"} <= set(names):
-            raise InputError(path, "columns joint and rig", few(names) or "none", plural=True)
+            raise InputError(path, "columns joint and rig", few(names) or "none")
         if again := next((name for name in names if names.count(name) > 1), None):
             raise InputError(path, "each column", f"{again!r} twice", why="only once")
         for line, row in enumerate(reader, start=2):
             where = f"{path}: line {line}"
             if None in row or None in row.values():
-                raise InputError(where, f"{len(names)} entries", "more or fewer", plural=True)
+                raise InputError(where, f"{len(names)} entries", "more or fewer")
             joint, rig = row.pop("joint"), row.pop("rig")
             _require_new(joint, found, where)
             found[joint] = rig, {key: _value(text) for key, text in row.items() if text.strip()}
@@ -248,7 +248,7 @@ def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[FleetPr
                     put(joint)
                 told(done / total, "sums")
         except SchedulerLost as error:
-            text = f"a scheduler with workers is required to the end, {total - done} of {total} files to do"
+            text = f"expected a scheduler with workers to the end, {total - done} of {total} files to do"
             problems.append(FleetProblem("", "", "", SCHEDULER, f"{text} ({error}): start again to go on"))
         finally:
             for joint in list(made):
@@ -279,7 +279,7 @@ def gone_of(stored: Mapping[str, Sequence[Stored]], logs: Iterable[LogFile]) -> 
 def outdated_of(out: Path, joint: str, recipe: str, logs: Iterable[LogFile]) -> list[FleetProblem]:
     """Sums that cannot be made anew: the rig has changed, and the log is gone."""
     there = _There(logs)
-    text = "a log is required, since its sums were made with other values of the rig, and it is gone"
+    text = "expected the log, since its sums were made with other values of the rig, but it is gone"
     return [
         FleetProblem(joint, row.period, row.name, "no log", text)
         for row in keys(out, joint)

@@ -81,8 +81,8 @@ def history_of(
         held = int(np.count_nonzero(np.any(stack, axis=(1, 2))))
         if coverage.seconds < LEAST_SECONDS or held < LEAST_BLOCKS * len(headings):
             text = (
-                f"{LEAST_SECONDS:g} s of motion in {math.ceil(LEAST_BLOCKS * len(headings))} blocks are"
-                f" required, received {coverage.seconds:.3g} s in {held}"
+                f"expected {LEAST_SECONDS:g} s of motion in {math.ceil(LEAST_BLOCKS * len(headings))} blocks,"
+                f" got {coverage.seconds:.3g} s in {held}"
             )
             problems.append(FleetProblem(joint, period, "", "not excited", text))
             continue
@@ -96,7 +96,7 @@ def history_of(
         if weak := dependent(merged(chosen)):
             names = ", ".join(headings[k].name for k in weak)
             text = (
-                f"motion that tells {names} apart is required: more speeds,"
+                f"expected motion that tells {names} apart: more speeds,"
                 f" {axis.term('angles')}, both directions"
             )
             problems.append(FleetProblem(joint, period, "", "singular", text))
@@ -196,10 +196,7 @@ def temperatures_of(histories: Sequence[History]) -> tuple[dict[str, dict[str, f
                 if len(known) == len(bad)
                 else "no other joint has one in all of these periods, and it is not taken out"
             )
-            text = (
-                f"a temperature that varies is required, received one value from {bad[0]} to {bad[-1]}:"
-                f" {instead}"
-            )
+            text = f"expected a temperature that varies, got one value from {bad[0]} to {bad[-1]}: {instead}"
             problems.append(FleetProblem(joint, bad[0], "", "temperature sensor", text))
     return found, problems
 

@@ -146,7 +146,7 @@ def _examined(
                 problems.append(FleetProblem(suspect.joint, "", "", "no diagnosis", said))
             told(done / len(left), "diagnoses")
     except SchedulerLost as error:
-        text = f"a scheduler with workers is required until the diagnoses are done ({error})"
+        text = f"expected a scheduler with workers until the diagnoses are done ({error})"
         problems.append(FleetProblem("", "", "", SCHEDULER, f"{text}: start again to go on"))
     return problems
 

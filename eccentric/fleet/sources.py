@@ -90,7 +90,7 @@ def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[Fle
         name = path.relative_to(root).as_posix()
         at = _of_folders(path.relative_to(root).parts[:-1]) if match is None else match(path.name)
         if "joint" not in at or "period" not in at:
-            problems.append(FleetProblem("", "", name, NOT_GROUPED, f"{_required(pattern)}, received {name}"))
+            problems.append(FleetProblem("", "", name, NOT_GROUPED, f"{_required(pattern)}, got {name}"))
             continue
         held = path.stat()
         found.append(LogFile(at["joint"], at["period"], name, path, held.st_size, held.st_mtime_ns))
@@ -101,9 +101,9 @@ def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[Fle
 
 def _required(pattern: str | None) -> str:
     if pattern is not None:
-        return f"a name like {pattern} is required"
+        return f"expected a name like {pattern}"
     names = "a --pattern of names such as '{joint}_{period}'"
-    return f"folders joint=... and month=... (or {', '.join(_TIMES)}), or {names}, are required"
+    return f"expected folders joint=... and month=... (or {', '.join(_TIMES)}), or {names}"
 
 
 def without_suffix(name: str) -> str:
@@ -136,7 +136,7 @@ def _listed(logs: str) -> tuple[Path, list[Path]]:
     paths = [p for p in paths if not any(part.startswith((".", "_")) for part in p.relative_to(root).parts)]
     if not paths:
         raise InputError(
-            logs, problem=f"a folder or glob with logs ({', '.join(SUFFIXES)}) is required, found none"
+            logs, problem=f"expected a folder or glob with logs ({', '.join(SUFFIXES)}), found none"
         )
     return root, paths
 
@@ -151,7 +151,7 @@ def _of_folders(parts: Iterable[str]) -> Mapping[str, str]:
 def _compiled(pattern: str):  # noqa: ANN202 - a function from a name to its parts
     parts = re.split(r"\{(joint|period)\}", pattern)
     if sorted(parts[1::2]) != ["joint", "period"]:
-        raise InputError("pattern", "{joint} and {period}, each once,", f"{pattern!r}", plural=True)
+        raise InputError("pattern", "{joint} and {period}, each once", f"{pattern!r}")
     text = "".join(f"(?P<{p}>.+?)" if k % 2 else re.escape(p) for k, p in enumerate(parts))
     form = re.compile(text)
     has_suffix = without_suffix(pattern) != pattern

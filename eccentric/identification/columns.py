@@ -275,7 +275,7 @@ def require_case(rig: Rig, model: Model) -> None:
     if model.axis is not rig.axis:
         raise InputError(
             rig.path,
-            problem=f"model {model.name} requires kind = {model.axis.name!r}, received {rig.axis.name!r};"
+            problem=f"model {model.name} requires kind = {model.axis.name!r}, got {rig.axis.name!r};"
             f" {rig.model} fits it",
         )
     if model.tilted:
@@ -285,7 +285,7 @@ def require_case(rig: Rig, model: Model) -> None:
         received = f"case {rig.case}" if rig.case else "a tilted plane (no case)"
         raise InputError(
             rig.path,
-            problem=f"model {model.name} requires case {case}, received {received}; {rig.model} fits it",
+            problem=f"model {model.name} requires case {case}, got {received}; {rig.model} fits it",
         )
 
 

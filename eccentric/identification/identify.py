@@ -483,7 +483,6 @@ def _needed(channels: Channels, rig: Rig, base: Model, machine: Machine) -> dict
                 f"[known] {' and '.join(missing)}",
                 f"{received}: add {what}, or remove the voltage from [columns]",
                 why=", since current and voltage are mapped",
-                plural=len(missing) > 1,
                 letter=missing[0],
             )
     known = {name: rig.value(name) for name in sorted(needed - given)}

@@ -247,8 +247,7 @@ def pose(channels: Channels, rig: Rig, model: Model, *, by_current: bool = False
             rig.path,
             f"[known] {rig.axis.named(few(lacking))}",
             "none of them" if several else "neither",
-            why=f"by {model.name}, or {'their ranges' if several else 'its range'} in [unknown]",
-            plural=several,
+            why=f"for {model.name}, or {'their ranges' if several else 'its range'} in [unknown]",
             letter=lacking[0],
         )
     emitted = Emitted(model)
@@ -259,7 +258,7 @@ def pose(channels: Channels, rig: Rig, model: Model, *, by_current: bool = False
         raise InputError(
             model.name,
             problem=f"fit requires friction and load that depend on motion, time and logged temperature"
-            f", received some that depend on {', '.join(sorted(missing))}",
+            f", got some that depend on {', '.join(sorted(missing))}",
         )
     by = channels.motor.measured_by
     machine = Machine(model)

@@ -123,8 +123,8 @@ def require_rank(design: Array, names: Sequence[str], where: str, axis: AxisKind
     if members:
         raise InputError(
             where,
-            problem=f"{', '.join(members)} cannot be separated on this log: more different speeds"
-            f" (or {axis.term('angles')}, in both directions) are required",
+            problem=f"{', '.join(members)} cannot be separated on this log: it takes more speeds"
+            f" (or {axis.term('angles')}, in both directions)",
         )
 
 

@@ -234,7 +234,7 @@ def _gain(scale: Estimate, rig: ArmRig, j: int) -> Estimate:
         reason = "its bodies need too little torque to identify it"
         if high < 0.0:
             reason = "its current is opposite to the torque of its bodies: one of the two has a wrong sign"
-        required = f"a value for joint {rig.number(j)} is required, received none"
+        required = f"expected a value for joint {rig.number(j)}, got none"
         raise InputError(f"{rig.path}: [drives] k_i", problem=f"{required}: {reason}")
     value = 1.0 / scale.value
     return Estimate(value, value**2 * scale.std_error, (1.0 / high, 1.0 / low), "N m/A")

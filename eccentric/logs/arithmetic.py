@@ -139,5 +139,5 @@ def _finite(number: float, text: str, where: str) -> float:
     except OverflowError:
         converted = math.inf
     if not math.isfinite(converted):
-        raise InputError(where, problem=f"a finite number is required in {text!r}")
+        raise InputError(where, problem=f"expected a finite number in {text!r}")
     return converted

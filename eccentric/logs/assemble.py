@@ -223,7 +223,7 @@ def on_one_clock(
     """
     filled = [c for c in (_clean(c) for c in channels) if len(c.time) > 1]
     if not filled:
-        empty = f"{path}: a log with numbers over time is required, received none"
+        empty = f"{path}: expected a log with numbers over time, got none"
         raise InputError("; ".join((empty, *notes)))
     lead = max(filled, key=lambda c: len(c.time))
     others = [c for c in filled if not np.array_equal(c.time, lead.time)]
@@ -240,7 +240,6 @@ def on_one_clock(
                 f"{lead.name} from {lead.time[0]:.6g} to {lead.time[-1]:.6g} s and others from {first:.6g}"
                 f" or to {last:.6g} s"
             ),
-            plural=True,
         )
     columns: dict[str, Column] = {time: t - t[0]}
     units = {time: "s"}

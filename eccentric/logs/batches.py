@@ -73,9 +73,7 @@ class LogStream:
         """
         found = list(self.batches(names, spans))
         if not found:
-            raise InputError(
-                "; ".join((f"{self.path}: a log with rows is required, received none", *self.notes))
-            )
+            raise InputError("; ".join((f"{self.path}: expected a log with rows, got none", *self.notes)))
         columns: dict[str, Column] = {}
         for name in found[0].columns:
             parts = [batch.columns[name] for batch in found]
@@ -106,7 +104,7 @@ def stream_log(source: LogSource, name: str = "table") -> LogStream:
         with reader_errors(path):
             found = format_of(path).in_parts(path)
             if found is not None and (found.rows == 0 or not found.names):
-                said = (f"{shown(path)}: a log with rows is required, received none", *found.notes)
+                said = (f"{shown(path)}: expected a log with rows, got none", *found.notes)
                 raise InputError("; ".join(said))
         if found is not None:
             whole = partial(read_log, path)

@@ -13,7 +13,7 @@ import numpy as np
 from eccentric.logs.assemble import MISSING, Column, column_of, number_of
 from eccentric.logs.limits import DAY_S
 
-POINT = "; a decimal point is required, as in 1.5"
+POINT = "; expected a decimal point, as in 1.5"
 _COMMA = re.compile(r"\s*[-+]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][-+]?\d+)?\s*")
 _DATE = re.compile(r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
 _UNIT = re.compile(r"[\[(]?\s*[A-Za-zµμΩ°%/^·* \d.²³-]{0,12}\s*[\])]?")

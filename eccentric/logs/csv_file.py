@@ -73,7 +73,7 @@ def text_of(path: Path, encoding: str = "utf-8-sig") -> str:
     with _opened(path, encoding) as file:
         text = file.read(MOST_CHARACTERS + 1)
     if len(text) > MOST_CHARACTERS:
-        raise InputError(path, f"at most {MOST_CHARACTERS:,} characters", "more", plural=True)
+        raise InputError(path, f"at most {MOST_CHARACTERS:,} characters", "more")
     return text
 
 
@@ -261,7 +261,7 @@ def _rectangular(
             return [(line, row) for (line, _), row in zip(found, rows, strict=True)]
         line, row = found[other[0]]
         hint = POINT if layout.delimiter == "," and len(row) == 2 * width else ""
-        raise InputError(f"{path}: line {line}", f"{width} values", f"{len(row)}{hint}", plural=True)
+        raise InputError(f"{path}: line {line}", f"{width} values", f"{len(row)}{hint}")
     for k in other:
         found[k] = (found[k][0], [""] * width)
     return found
@@ -286,5 +286,5 @@ def _header(cells: Sequence[str], path: Path) -> tuple[str, ...]:
         raise InputError(path, "a header row with column names", "numbers")
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise InputError(path, "unique column names", f"{twice!r} {names.count(twice)}x", plural=True)
+        raise InputError(path, "unique column names", f"{twice!r} {names.count(twice)}x")
     return tuple(names)

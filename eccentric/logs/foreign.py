@@ -120,7 +120,6 @@ def _require(path: Path, need: int, rows: int, values: int) -> None:
             f"at most {rows * free // need:,} rows of this kind",
             f"{rows:,} rows with {values:,} values, for about {need / 1000000000.0:.3g} GB",
             why=f", for which the {free / 1000000000.0:.3g} GB of free memory suffice",
-            plural=True,
         )
 
 

@@ -129,7 +129,7 @@ class Log:
         if name not in self.columns:
             raise InputError(
                 self.path,
-                problem=f"column {name!r} is required, the log has {few(self.columns)}"
+                problem=f"expected column {name!r}, but the log has {few(self.columns)}"
                 + meant(name, self.columns),
             )
         return self.columns[name]
@@ -189,7 +189,7 @@ def read_log(source: LogSource, name: str = "table") -> Log:
         where, read = name, read_memory(source, name)
     rows = len(next(iter(read.columns.values()))) if read.columns else 0
     if rows == 0:
-        raise InputError("; ".join((f"{where}: a log with rows is required, received none", *read.notes)))
+        raise InputError("; ".join((f"{where}: expected a log with rows, got none", *read.notes)))
     return Log(where, read.columns, rows, read.lines, read.notes, units=read.units, read_as=read.read_as)
 
 
@@ -204,7 +204,7 @@ def reader_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except UnicodeDecodeError as error:
-        raise InputError(path, problem=f"UTF-8 text is required, byte {error.start} is not") from None
+        raise InputError(path, problem=f"expected UTF-8 text, but byte {error.start} is not") from None
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise InputError(path, problem=f"the compressed file is damaged or cut off ({error})") from None
     except OSError as error:

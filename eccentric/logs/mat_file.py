@@ -101,7 +101,7 @@ def check(data: bytes) -> list[tuple[int, ...]]:
                 raise DamagedError("it breaks off")
             kind, content = _Bytes(content, order).element()
         if kind != MATRIX:
-            raise DamagedError(f"a variable of type {kind} is where a matrix is required")
+            raise DamagedError(f"a variable of type {kind} is where a matrix")
         _matrix(_Bytes(content, order), 0, shapes)
     return shapes
 

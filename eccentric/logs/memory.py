@@ -99,13 +99,11 @@ def _by_name(table: Mapping[Any, Any], name: str) -> Read:
     found = {column: values for column, values in read.items() if values is not None}
     lengths = {column: len(values) for column, values in found.items() if values.ndim}
     if found and not lengths:
-        raise InputError(name, "columns", "single values", why=", each an array of numbers", plural=True)
+        raise InputError(name, "columns", "single values", why=", each an array of numbers")
     first = next(iter(lengths), "")
     for column, length in lengths.items():
         if length != lengths[first]:
-            raise InputError(
-                f"{name}: column {column!r}", f"{lengths[first]} rows, as in {first!r},", length, plural=True
-            )
+            raise InputError(f"{name}: column {column!r}", f"{lengths[first]} rows, as in {first!r}", length)
     full = {c: values if values.ndim else np.full(lengths[first], values) for c, values in found.items()}
     others = [column for column in read if column not in found]
     notes = [f"left out, since they are neither numbers nor text: {few(others)}"] if others else []
@@ -115,13 +113,13 @@ def _by_name(table: Mapping[Any, Any], name: str) -> Read:
 def _values(values: object, column: object, name: str) -> Column | None:
     """One column (n,) as float64 or str, or a single value (); None for other types."""
     if not isinstance(column, str):
-        raise InputError(name, "column names of type str", f"{column!r}", plural=True)
+        raise InputError(name, "column names of type str", f"{column!r}")
     where = f"{name}: column {column!r}"
     try:
         array = np.ma.asarray(values) if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
     except (ValueError, TypeError, RuntimeError) as error:
         said = str(error).split(". ")[0]
-        raise InputError(f"{where}: an array of numbers (n,) is required ({said})") from None
+        raise InputError(f"{where}: expected an array of numbers (n,) ({said})") from None
     if array.ndim > 1:
         raise InputError(where, "one dimension", f"shape {array.shape}")
     kind = array.dtype.kind

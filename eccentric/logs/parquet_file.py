@@ -34,7 +34,7 @@ def arrow_columns(table: Any, where: str) -> Read:
     names: list[str] = table.column_names
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise InputError(where, "unique column names", f"{twice!r} {names.count(twice)}x", plural=True)
+        raise InputError(where, "unique column names", f"{twice!r} {names.count(twice)}x")
     columns: dict[str, Column] = {}
     left_out: list[str] = []
     for name in names:

@@ -161,7 +161,7 @@ def parse_value(text: str, required: str, where: str, counts_per_rev: float | No
         point = text.replace(",", ".", 1)
         raise InputError(where, "a decimal point", f"{text!r}", why=f", as in {point!r}")
     if match[3].startswith(":"):
-        raise InputError(where, "a ratio with '/', as in '1/5',", f"{text!r}")
+        raise InputError(where, "a ratio with '/', as in '1/5'", f"{text!r}")
     if required == "rad" and not match[3]:
         raise InputError(where, "a unit", f"{text!r}", why="(deg, rad)")
     divisor = float(match[2]) if match[2] else 1.0

@@ -224,7 +224,7 @@ LINEAR = AxisKind(
         "torque's": "force's",
         "inertia": "mass",
         "inertias": "masses",
-        "inertia and gravity near those of the rig are required": "a mass near that of the rig is required",
+        "expected inertia and gravity near those of the rig": "expected a mass near that of the rig",
         "masses, lengths, gear and torque constant": "mass, force constant or gain",
         "moment of inertia": "mass",
         "net of inertia and gravity": "net of mass and load",

@@ -98,24 +98,20 @@ class Term:
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
-            raise ValueError(
-                f"term {self.name}: kind: one of {', '.join(KINDS)} is required, received {self.kind!r}"
-            )
+            raise ValueError(f"term {self.name}: kind: expected one of {', '.join(KINDS)}, got {self.kind!r}")
         for name, given, words in (("role", self.role, Role), ("load", self.load, Load)):
             if not isinstance(given, words):
                 known = ", ".join(f"{words.__name__}.{word.name}" for word in words)
-                raise TypeError(f"term {self.name}: {name}: one of {known} is required, received {given!r}")
+                raise TypeError(f"term {self.name}: {name}: expected one of {known}, got {given!r}")
         if self.kind == "friction" and self.role is Role.NONE:
             roles = ", ".join(f"Role.{role.name}" for role in Role if role is not Role.NONE)
-            raise ValueError(
-                f"term {self.name}: a role of friction is required, one of {roles}, received none"
-            )
+            raise ValueError(f"term {self.name}: expected a role of friction, one of {roles}, got none")
         if self.kind != "friction" and self.role is not Role.NONE:
             raise ValueError(
-                f"term {self.name}: only friction has a role, received {self.role} of kind {self.kind}"
+                f"term {self.name}: only friction has a role, got {self.role} of kind {self.kind}"
             )
         if self.joint < 0:
-            raise ValueError(f"term {self.name}: joint: 0 or above is required, received {self.joint}")
+            raise ValueError(f"term {self.name}: joint: expected 0 or above, got {self.joint}")
 
     @property
     def value(self) -> sp.Expr:
@@ -155,5 +151,5 @@ class Balance:
         slope = residual.coeff(symbol)
         rest = sp.expand(residual - slope * symbol)
         if slope == 0 or symbol in slope.free_symbols | rest.free_symbols:
-            raise ValueError(f"balance {self.name}: a sum that is linear in {symbol} is required")
+            raise ValueError(f"balance {self.name}: expected a sum that is linear in {symbol}")
         return -rest / slope

@@ -36,7 +36,7 @@ def extended(model: Model, new: Extension) -> Model:
     _require_free_names(model, new)
     _require_replaceable(model, new)
     if unknown := sorted(set(new.change.terms) - {balance.name for balance in model.balances}):
-        raise InputError(new.name, problem=f"a balance {unknown[0]!r} is required, {model.name} has none")
+        raise InputError(new.name, problem=f"expected a balance {unknown[0]!r}, but {model.name} has none")
     definitions, states, terms = new.change.definitions, new.change.states, dict(new.change.terms)
     for there in (extension.change for extension in model.extensions):
         definitions = tuple(map(there.reach_definition, definitions))

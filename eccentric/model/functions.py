@@ -89,7 +89,7 @@ def _print_of(value: Any, known: dict[sp.Basic, bytes]) -> bytes:
         if value not in known:
             if type(value).__module__.partition(".")[0] not in _OURS:
                 name = type(value).__qualname__
-                raise TypeError(f"a class of SymPy or of ours is required, received {name}")
+                raise TypeError(f"expected a class of SymPy or of ours, got {name}")
             inside = [_print_of(arg, known) for arg in value.args]
             text = f"{type(value).__module__}.{type(value).__qualname__}" if inside else sp.srepr(value)
             known[value] = _digest(text.encode(), *inside)
@@ -110,7 +110,7 @@ def _print_of(value: Any, known: dict[sp.Basic, bytes]) -> bytes:
         return _digest(b"set", *sorted(_print_of(x, known) for x in value))
     if value is None or isinstance(value, str | bytes | int | float):
         return _digest(f"{type(value).__name__} {value!r}".encode())
-    raise TypeError(f"a record of expressions is required, received {type(value).__name__}")
+    raise TypeError(f"expected a record of expressions, got {type(value).__name__}")
 
 
 def _digest(*parts: bytes) -> bytes:

@@ -203,7 +203,7 @@ def of_expression(expression: sp.Basic, units: Mapping[sp.Symbol, str]) -> Dimen
         if part != PURE and not isinstance(
             expression, sp.sign | sp.Heaviside | steps.Sgn | steps.Forward | steps.Backward
         ):
-            raise ValueError(f"{value} in {expression}: a pure number is required")
+            raise ValueError(f"{value} in {expression}: expected a pure number")
     return PURE
 
 

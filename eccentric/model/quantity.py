@@ -135,7 +135,7 @@ def quantity(
     """
     require_free(name)
     if domain not in _ASSUMPTIONS:
-        raise ValueError(f"{name}: domain: one of {', '.join(_ASSUMPTIONS)} is required, received {domain!r}")
+        raise ValueError(f"{name}: domain: expected one of {', '.join(_ASSUMPTIONS)}, got {domain!r}")
     value = sp.Rational(default) if isinstance(default, str) else default
     symbol, whole = sp.Symbol(name, **_ASSUMPTIONS[domain]), None if part_of is None else part_of.symbol
     return Quantity(symbol, unit, meaning, equation, domain, value, letter, whole)

@@ -95,7 +95,6 @@ def _column(model: Model, group: list[Term]) -> Column:
             f"model {model.name}: terms {names}: no log distinguishes them",
             "one role and one joint",
             received,
-            plural=True,
         )
     plainest = min(group, key=lambda term: sp.count_ops(term.basis))
     basis, parameter = plainest.basis, known[plainest.coefficient]

@@ -156,7 +156,6 @@ def _too_tight(separation: Separation, bounds: Bounds) -> InputError:
         f"speed, acceleration, {name} and {axis.term('angle')} that leave room for one motion",
         f"{bounds.speed:g} {speed}, {bounds.acceleration:g} {acceleration}, {bounds.current:g} {unit}"
         + ("" if bounds.angle is None else f", {bounds.angle[0]:g} to {bounds.angle[1]:g} {angle}"),
-        plural=True,
     )
 
 
@@ -221,11 +220,10 @@ def require_link(rig: Rig, model: Model) -> None:
         raise InputError(f"{rig.path}: --added", "a drive that turns", "a carriage")
     letters = [q.symbol.name for q in (v.M, v.L)]
     if missing := [name for name in letters if name not in rig.known]:
-        verb = "are" if len(missing) > 1 else "is"
         received = "a range" if set(missing) & set(rig.unknown) else "none"
         raise InputError(
             rig.path,
-            problem=f"[known] {' and '.join(missing)} {verb} required to add a mass, received {received}",
+            problem=f"expected [known] {' and '.join(missing)} to add a mass, got {received}",
         )
     if not set(letters) <= {q.name for q in model.parameters}:
         raise InputError("--added", "a model with an unbalanced mass", model.name)

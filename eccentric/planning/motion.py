@@ -120,13 +120,9 @@ def read_bounds(
     if angle in content:
         attempt(partial(_ends, content[angle], angle, units), angle)
     if values.get("time_s", LEAST_TIME_S) < LEAST_TIME_S:
-        complaints.append(
-            InputError("time_s", f"at least {LEAST_TIME_S:g} s", f"{values['time_s']:g}", plural=True)
-        )
+        complaints.append(InputError("time_s", f"at least {LEAST_TIME_S:g} s", f"{values['time_s']:g}"))
     if values.get("time_s", LEAST_TIME_S) > MOST_TIME_S:
-        complaints.append(
-            InputError("time_s", f"at most {MOST_TIME_S:g} s", f"{values['time_s']:g}", plural=True)
-        )
+        complaints.append(InputError("time_s", f"at most {MOST_TIME_S:g} s", f"{values['time_s']:g}"))
     if complaints:
         raise together(where, complaints)
     return Bounds(

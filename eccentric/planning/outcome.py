@@ -149,10 +149,9 @@ def _require_amperes(question: Question, bounds: Bounds) -> None:
         letters |= drive.machine.resistance_letters
     missing = sorted(letters - set(with_own(rig, question.model).known))
     if missing and by != "current" and not bounds.by_force:
-        verb = "are" if len(missing) > 1 else "is"
         raise InputError(
             rig.path,
-            problem=f"[known] {' and '.join(map(rig.axis.named, missing))} {verb} required, received none:"
+            problem=f"expected [known] {' and '.join(map(rig.axis.named, missing))}, got none:"
             f" a {rig.axis.named(by)} alone gives no current to compare with the limit current_A",
         )
 

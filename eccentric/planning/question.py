@@ -175,12 +175,11 @@ def question_from(
     if said.get("added_kg", {}) != rig.added_kg:
         raise InputError(
             f"{where}: added_kg",
-            f"the masses of the rig, {rig.added_kg or 'none'},",
+            f"the masses of the rig, {rig.added_kg or 'none'}",
             said.get("added_kg", "none"),
-            plural=True,
         )
     if said["model"] != stage.plain.name:
-        raise InputError(f"{where}: model", f"that of these logs, {stage.plain.name},", said["model"])
+        raise InputError(f"{where}: model", f"that of these logs, {stage.plain.name}", said["model"])
     adopted = tuple(said["extended_by"]) if said["verdict"] in {"not_identifiable", "named"} else ()
     tied, family = tuple(said["tied"]), {c["id"]: c["family"] for c in said["candidates"]}
     # Beside a name, what else it left open.
@@ -193,7 +192,7 @@ def question_from(
     asked = {*beside, *rivals} - {""}
     effects = tuple(e for e in stage.offered if e.id in asked or e.corrects is not None)
     if unknown := asked - {e.id for e in effects}:
-        raise InputError(where, "effects that these logs can show", min(unknown), plural=True)
+        raise InputError(where, "effects that these logs can show", min(unknown))
     candidates = stage.candidates(effects)
     # What the other balance lacks changes nothing in the one that shows what is open.
     shown = {c.id: c.balance for c in candidates} | {"": "mechanical"}
@@ -237,7 +236,7 @@ def _fitted(screen: Screen, candidates: Sequence[Candidate]) -> tuple[Variant, .
         look = [screen.points[number] for _, number in screen.first_look(variants)]
         best = next((v for v in look if v.candidate.id == candidate.id), None)
         if best is None:
-            raise InputError("diagnosis", "effects that these logs determine", candidate.id, plural=True)
+            raise InputError("diagnosis", "effects that these logs determine", candidate.id)
         variants.append(best)
     return screen.refine(screen.fit(variants)).variants
 

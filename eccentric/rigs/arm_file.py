@@ -32,7 +32,7 @@ def require_mass(chain: Chain) -> None:
     """
     last = chain.links[-1]
     if last.moments.mass == 0 and not any(last.moments.second) and last.joint.J_m == 0:
-        raise InputError(last.joint.name, "a mass on the body of the last joint, or a rotor,", "none")
+        raise InputError(last.joint.name, "a mass on the body of the last joint, or a rotor", "none")
 
 
 GRAVITY = FileQuantity("gravity", "m/s^2", "m_s2")
@@ -51,7 +51,7 @@ def arm_of(content: Mapping[str, Any], path: Path, where: str) -> Chain:
     Raises InputError, one line with file, joint and key, what is required and what was received.
     """
     if {"arm", "columns"} <= set(content):
-        what = "an arm file is required, received the rig of an arm, whose key `arm` names the arm file"
+        what = "expected an arm file, got the rig of an arm, whose key `arm` names the arm file"
         raise InputError(where, problem=f"{what}")
     refuse_unknown(content, KEYS_OF_ARMS, where)
     name = content.get("name", identifier(path.stem))

@@ -115,7 +115,7 @@ class FileQuantity:
             number = read_number(value, where)
             if self.unit == "rad" and abs(number) > LARGEST_ANGLE:
                 hint = f'did you mean "{value:g} deg" under {self.key}?'
-                raise InputError(where, "an angle in rad, at most a turn,", f"{value!r}; {hint}")
+                raise InputError(where, "an angle in rad, at most a turn", f"{value!r}; {hint}")
         else:
             raise InputError(where, "a text with a unit", f"{value!r}", why=f', as in "0.1 {self.unit}"')
         if not abs(number) <= LARGEST_OF_ARM:
@@ -124,12 +124,12 @@ class FileQuantity:
 
     def _three(self, value: Any, key: str, where: str) -> Any:
         if not isinstance(value, list) or len(value) != 3:
-            raise InputError(where, "a list of three, [x, y, z],", f"{value!r}")
+            raise InputError(where, "a list of three, [x, y, z]", f"{value!r}")
         return [self._number(entry, key, where) for entry in value]
 
     def _rows(self, value: Any, key: str, where: str) -> Any:
         if not isinstance(value, list) or len(value) != 3:
-            raise InputError(where, "three rows of three numbers", f"{value!r}", plural=True)
+            raise InputError(where, "three rows of three numbers", f"{value!r}")
         return [self._three(row, key, where) for row in value]
 
     def _tensor(self, value: Any, key: str, where: str) -> Any:
@@ -346,7 +346,7 @@ def read_joints(tables: Any, where: str) -> list[ReadJoint]:
     for here, name, table in _named(tables, where):
         kind = table.get("kind", "revolute")
         if not isinstance(kind, str) or kind not in GEAR:
-            required = f"one of {', '.join(GEAR)} is required, received {kind!r}"
+            required = f"expected one of {', '.join(GEAR)}, got {kind!r}"
             raise InputError(f"{here}: kind", problem=f"{required}{meant(kind, GEAR)}")
         gear = GEAR[kind]
         refuse_unknown(table, dict.fromkeys((*KEYS_OF_JOINTS, *gear.keys)), here)
@@ -360,7 +360,7 @@ def read_joints(tables: Any, where: str) -> list[ReadJoint]:
             joint = Joint(kind, axis, after(before, place), *drive, name)
         found.append(ReadJoint(joint, read_body(table["body"], here), frame))
     if not found:
-        raise InputError(where, "joints", "none", why=", each as [[joint]]", plural=True)
+        raise InputError(where, "joints", "none", why=", each as [[joint]]")
     return found
 
 
@@ -390,16 +390,16 @@ def with_drives(read: Sequence[ReadJoint], tables: Any, where: str) -> list[Read
 def _named(tables: Any, where: str) -> Iterable[tuple[str, str, Mapping[str, Any]]]:
     """The place for messages, the name and the table of each joint; names are different."""
     if not isinstance(tables, list):
-        raise InputError(where, "joints", f"{tables!r}", why=", each as [[joint]]", plural=True)
+        raise InputError(where, "joints", f"{tables!r}", why=", each as [[joint]]")
     seen = set[str]()
     for number, entry in enumerate(tables, 1):
         here = f"{where}: joint {number}"
         table = read_table(entry, here)
         name = table.get("name")
         if not isinstance(name, str) or not name or not name.isprintable() or name == "payload":
-            raise InputError(here, "a name on one line, not 'payload',", f"{name!r}")
+            raise InputError(here, "a name on one line, not 'payload'", f"{name!r}")
         if name in seen:
-            raise InputError(where, "joints of different names", f"{name!r} twice", plural=True)
+            raise InputError(where, "joints of different names", f"{name!r} twice")
         seen.add(name)
         yield f"{where}: {name}", name, table
 

@@ -131,9 +131,7 @@ def arm_rig_of(content: Mapping[str, Any], where: str, name: str, folder: Path) 
     """
     if also := [key for key in ("known", "unknown") if key in content]:
         required = "bodies and gear ratios in the arm file, k_i, R and k_e in [drives]"
-        raise InputError(
-            f"{where}: [{also[0]}]", required, "a table", why="in the rig of an arm", plural=True
-        )
+        raise InputError(f"{where}: [{also[0]}]", required, "a table", why="in the rig of an arm")
     refuse_unknown(content, _KEYS, where)
     declared = _chain(content["arm"], where, folder)
     chain = with_numbers(declared)
@@ -174,7 +172,7 @@ def _chain(given: object, where: str, folder: Path) -> Chain:
     if isinstance(given, Chain):
         return given
     if not isinstance(given, str) or not given.strip():
-        raise InputError(f"{where}: arm", "the path of an arm, .toml or .urdf,", f"{given!r}")
+        raise InputError(f"{where}: arm", "the path of an arm, .toml or .urdf", f"{given!r}")
     with complaints_of(f"{where}: arm"):
         return read_arm(folder / given)
 
@@ -196,8 +194,8 @@ def _known(value: object, where: str) -> frozenset[str]:
     known = frozenset(names)
     # A first moment needs the mass, a second one both: what cannot be used is not taken as if it were.
     if known != frozenset(INERTIAL[: len(known)]):
-        required = f"{' before '.join(INERTIAL)} is required"
-        raise InputError(at, problem=f"{required}, received {', '.join(names)} without what comes before")
+        required = f"expected {' before '.join(INERTIAL)}"
+        raise InputError(at, problem=f"{required}, got {', '.join(names)} without what comes before")
     return known
 
 
@@ -207,7 +205,7 @@ def _require_patterns(columns: Mapping[str, Any], where: str) -> None:
         text = _text(columns.get(channel, NUMBER))
         if NUMBER not in text:
             raise InputError(
-                f"{where} {channel}", f"a pattern with {NUMBER}, the number of the joint,", f"{text!r}"
+                f"{where} {channel}", f"a pattern with {NUMBER}, the number of the joint", f"{text!r}"
             )
     for channel in ("time", "run"):
         if NUMBER in _text(columns.get(channel, "")):
@@ -257,7 +255,7 @@ def _drives(value: object, count: int, where: str) -> list[dict[str, Any]]:
         values = given if isinstance(given, list) else [given] * count
         if len(values) != count:
             raise InputError(
-                f"{where} {key}", f"one value, or one for each of {counted(count, 'joint')},", len(values)
+                f"{where} {key}", f"one value, or one for each of {counted(count, 'joint')}", len(values)
             )
         for own, one in zip(found, values, strict=True):
             own[key] = one

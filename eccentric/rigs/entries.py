@@ -16,7 +16,7 @@ from eccentric.model import DRIVE_PARTS, NO_PART
 def read_pair(value: object, where: str) -> tuple[Any, Any]:
     """Return the two ends of a range, unchanged; InputError for anything but a list of two."""
     if not isinstance(value, list) or len(value) != 2:
-        raise InputError(where, "a range of two values, [lower, upper],", f"{value!r}")
+        raise InputError(where, "a range of two values, [lower, upper]", f"{value!r}")
     return value[0], value[1]
 
 
@@ -28,7 +28,7 @@ def read_intervals(value: object, where: str) -> tuple[tuple[float, float], ...]
     for pair in value:
         start, end = (read_number(end, where) for end in read_pair(pair, where))
         if start >= end:
-            raise InputError(where, "intervals with start before end", f"{pair!r}", plural=True)
+            raise InputError(where, "intervals with start before end", f"{pair!r}")
         intervals.append((start, end))
     return tuple(intervals)
 
@@ -67,7 +67,7 @@ def plain_entries(value: object, where: str) -> Mapping[str, Any]:
     try:
         return json.loads(json.dumps(dict(value), default=_plain))
     except (TypeError, ValueError, RecursionError) as error:
-        raise InputError(where, problem=f"the content of a JSON file is required ({error})") from None
+        raise InputError(where, problem=f"expected the content of a JSON file ({error})") from None
 
 
 def _plain(value: Any) -> Any:
@@ -75,4 +75,4 @@ def _plain(value: Any) -> Any:
         return dict(value)
     if hasattr(value, "tolist"):  # arrays and numbers of NumPy
         return value.tolist()
-    raise TypeError(f"received {type(value).__name__}")
+    raise TypeError(f"got {type(value).__name__}")

@@ -229,8 +229,7 @@ def read_added(content: Mapping[str, Any], where: str, known: Mapping[str, float
     if table and (missing := sorted({"M", "L"} - set(known))):
         raise InputError(
             where,
-            problem=f"[known] {' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} required with"
-            " [added], received none",
+            problem=f"expected [known] {' and '.join(missing)} with [added], got none",
         )
     return {run: AddedMass(read_mass(value, f"{where}: [added] {run}")) for run, value in table.items()}
 

@@ -184,7 +184,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
     if "arm" in content:
         raise InputError(
             f"{where}: arm",
-            problem="the rig of a single drive is required here; fit and diagnose take that of an arm",
+            problem="expected the rig of a single drive here; fit and diagnose take that of an arm",
         )
     if {"joint", "urdf"} & set(content):
         raise InputError(where, "a rig file", 'an arm file; a rig names it with arm = "..."')

@@ -105,7 +105,7 @@ def read_columns(
         if not isinstance(text, str) or not text.strip():
             raise InputError(at, "a column name or arithmetic", f"{text!r}")
         if unit is not None and (not isinstance(unit, str) or not required):
-            raise InputError(at, "no unit, or a unit as text,", f"{unit!r}")
+            raise InputError(at, "no unit, or a unit as text", f"{unit!r}")
         gain = None
         if "gain" in entry:
             parsed, gain = _gain(entry["gain"], unit, required, at)

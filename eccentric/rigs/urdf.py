@@ -78,7 +78,7 @@ def _text(path: Path, where: str) -> str:
     except OSError as error:
         raise InputError(where, problem=f"cannot be read ({error.strerror or error})") from None
     except UnicodeDecodeError as error:
-        raise InputError(where, problem=f"UTF-8 text is required, byte {error.start} is not") from None
+        raise InputError(where, problem=f"expected UTF-8 text, but byte {error.start} is not") from None
     declared = _ENCODING.match(text)
     if declared and declared[1].lower() not in {"utf-8", "utf8", "us-ascii", "ascii"}:
         raise InputError(where, "UTF-8", f"encoding {declared[1]!r}")
@@ -124,12 +124,12 @@ def _require_numbers(element: Any, numbers: tuple[tuple[str, str, int, bool], ..
         except ValueError:
             values = []
         if len(values) != count or not all(math.isfinite(v) and abs(v) <= LARGEST_OF_ARM for v in values):
-            what = "a finite number is" if count == 1 else f"{count} finite numbers are"
+            what = "a finite number" if count == 1 else f"{count} finite numbers"
             received = "none" if given is None else repr(given)
-            raise InputError(here, problem=f"{tag} {attribute}: {what} required, received {received}")
+            raise InputError(here, problem=f"{tag} {attribute}: expected {what}, got {received}")
         if attribute == "rpy" and max(map(abs, values)) > LARGEST_ANGLE:
-            turns = "angles in rad, at most a turn, are required"
-            raise InputError(here, problem=f"{tag} rpy: {turns}, received {given!r}; did you mean degrees?")
+            turns = "expected angles in rad, at most a turn"
+            raise InputError(here, problem=f"{tag} rpy: {turns}, got {given!r}; did you mean degrees?")
 
 
 def _at(where: str, element: Any) -> str:
@@ -173,7 +173,7 @@ def tree_of(links: Sequence[Any], joints: Sequence[Any], where: str) -> Tree:
         if names and (most := names.most_common(1)[0])[1] > 1:
             raise InputError(where, f"each {what}", f"{most[0]!r} twice", why="only once")
     if not links:
-        raise InputError(where, "links", "none", plural=True)
+        raise InputError(where, "links", "none")
     by_name, inner = {link.name: link for link in links}, {}
     outer: dict[str, list[Any]] = {name: [] for name in by_name}
     for joint in joints:
@@ -203,7 +203,7 @@ def tree_of(links: Sequence[Any], joints: Sequence[Any], where: str) -> Tree:
     tree = Tree(where, roots[0], by_name, inner, outer)
     reached = {roots[0], *(joint.child for joint in _behind(tree, roots[0]))}
     if apart := [name for name in by_name if name not in reached]:
-        raise InputError(where, f"links behind {roots[0]!r}", f"a loop at {apart[0]!r}", plural=True)
+        raise InputError(where, f"links behind {roots[0]!r}", f"a loop at {apart[0]!r}")
     return tree
 
 
@@ -222,7 +222,7 @@ def path_to(tree: Tree, tip: str | None) -> list[Any]:
         path = [joint for joint in _up(tree, tip) if joint.type in MOVING][::-1]
     if not path:
         before = f" before link {tip!r}" if tip else ""
-        raise InputError(tree.where, problem=f"a joint that moves is required{before}, received none")
+        raise InputError(tree.where, problem=f"expected a joint that moves{before}, got none")
     if follower := next((joint for joint in path if joint.mimic is not None), None):
         raise InputError(
             f"{tree.where}: joint {follower.name!r}",

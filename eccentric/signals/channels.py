@@ -266,7 +266,6 @@ def _require_length(points: _Points, paths: Sequence[str]) -> None:
             few(paths),
             f"more than {2.0 * HALF_SPAN_S:g} s without a gap in time",
             f"{longest:.3g} s: is the unit of time right?",
-            plural=True,
         )
 
 
@@ -454,7 +453,6 @@ def _require_rows(channels: Channels, paths: Sequence[str], rig: Rig) -> None:
             f"moving rows (above {rows.moving_threshold_rad_s:.4g} {axis.unit('rad/s')} at the motor)",
             f"{fitted} and {scored} under {rig.path}: {_cause(channels, rig)}",
             why=f"to fit and to hold out ({rows.holdout.brief})",
-            plural=True,
         )
 
 
@@ -477,7 +475,7 @@ def _cause(channels: Channels, rig: Rig) -> str:
     if np.any(rows.moving) and max(lasts) < END_S / END_PART:
         return (
             f"the longest stretch without a gap lasts {max(lasts):.3g} s, of which {END_PART:.0%} at either"
-            " end is left to the filter, and rows near a reversal do not count: a longer record is required"
+            " end is left to the filter, and rows near a reversal do not count: record longer"
         )
     return f"are the units of time and {rig.axis.term('angle')} right?"
 

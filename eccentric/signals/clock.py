@@ -67,7 +67,6 @@ def clock_of(log: Log, labels: Integers, t: Array, kept: Mask) -> ClockOfLog:
             f"{log.path}: {log.place(lost[0])}",
             "time stamps that increase",
             f"{len(lost)} of {counted(int(np.count_nonzero(kept)), 'row')} out of order or twice",
-            plural=True,
         )
     if lost:
         text = (

@@ -205,7 +205,7 @@ def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
             )
             raise InputError(
                 log.path,
-                problem=f"a column for {needed} is required; map it in [columns] of {rig.path}"
+                problem=f"expected a column for {needed}; map it in [columns] of {rig.path}"
                 f"{_WITHOUT_CLOCK if choice == ('time',) else ''}; the log has {few(log.columns)}",
             )
     return {**sources, **_of_controller(rig)}
@@ -287,7 +287,7 @@ def require_columns(log: Log, rig: ArmRig) -> None:
             of = f"the {counted(len(rig.joints), 'joint')} of {rig.chain.name}"
             raise InputError(
                 f"{log.path}: {channel}",
-                problem=f"columns of {of} are required, the log has"
+                problem=f"expected columns of {of}, the log has"
                 f" {names[-1]!r} for a joint {rig.number(len(rig.joints))} that the arm does not have",
             )
 
@@ -297,11 +297,11 @@ def _require_all(log: Log, rig: ArmRig, channel: str, names: list[str]) -> None:
     if not missing or (len(missing) == len(names) and _ARITHMETIC.search(names[0])):
         return
     j, there = missing[0], len(names) - len(missing)
-    some = f", received {there} of {counted(len(names), 'joint')}" if there else ""
+    some = f", got {there} of {counted(len(names), 'joint')}" if there else ""
     of = f"joint {rig.number(j)} of {rig.chain.name}"
     raise InputError(
         f"{log.path}: {channel}",
-        problem=f"column {names[j]!r} is required for {of}"
+        problem=f"expected column {names[j]!r} for {of}"
         f" (columns count from first = {rig.first}){some}, the log has {few(log.columns)}"
         f"{meant(names[j], log.columns)}",
     )

@@ -91,7 +91,7 @@ class Motor:
         """The signal (n,) that measures the drive torque, in its own unit. InputError if there is none."""
         found = {"current": self.current, "torque": self.torque, "voltage": self.voltage}[self.measured_by]
         if found is None:
-            raise InputError("", problem=f"a {self.measured_by} channel is required, the log has none")
+            raise InputError("", problem=f"expected a {self.measured_by} channel, the log has none")
         return found
 
 

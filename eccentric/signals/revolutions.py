@@ -137,7 +137,6 @@ def even_turns(t: Array, count: Array | None, run: Integers, names: Sequence[str
                 f"at least {FEWEST_TURNS} turns without a jump of the speed",
                 f"{longest}",
                 why=f"with {'events'} = {'revolution'!r}",
-                plural=True,
             )
         every.append(found)
         step = float(np.median(np.diff(at) / np.diff(found.count)))

@@ -127,7 +127,7 @@ class Rows:
     def second_rate(self, x: Array) -> Array:
         """The mean second rate of a signal (n,), from the signal alone (m,): of windows by parts."""
         if self.rate_operator is None:
-            raise AssertionError("rows that are integrated by parts are required")
+            raise AssertionError("expected rows that are integrated by parts")
         return self.rate_operator @ x
 
     def inside(self, samples: Mask) -> Mask:
@@ -220,9 +220,7 @@ def require_rows(rows: Rows, part: Literal["train", "score"], least: int, where:
     if count < least:
         purpose = "to fit" if part == "train" else "to hold out"
         remedy = f": {rows.remedy}" if rows.remedy else ""
-        raise InputError(
-            where, f"at least {least} moving {rows.description} {purpose}", f"{count}{remedy}", plural=True
-        )
+        raise InputError(where, f"at least {least} moving {rows.description} {purpose}", f"{count}{remedy}")
 
 
 # Over which band a held-out error is taken: below the low pass of the angle, or above it.

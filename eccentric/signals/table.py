@@ -113,8 +113,8 @@ def _named(
         given = few(f"[{start:g}, {end:g}]" for start, end in rig.holdout.intervals_s)
         raise InputError(
             rig.path,
-            problem=f"holdout_intervals_s: an interval with rows of the log is required; the log goes "
-            f"from {np.min(t):.6g} to {np.max(t):.6g} s, received {given}: "
+            problem=f"holdout_intervals_s: expected an interval with rows of the log; the log goes "
+            f"from {np.min(t):.6g} to {np.max(t):.6g} s, got {given}: "
             "is time in s, and the log complete?",
         )
     if rig.holdout.intervals_s:
@@ -188,9 +188,7 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
     for log, table in zip(read, tables, strict=True):
         if set(table.channels) != names:
             differ = few(sorted(names ^ set(table.channels)))
-            raise InputError(
-                log.path, "the same channels", f"in some only: {differ}", why="in every log", plural=True
-            )
+            raise InputError(log.path, "the same channels", f"in some only: {differ}", why="in every log")
     joined = tables[0] if len(tables) == 1 else _joined(tables)
     _require_carriers(joined.run_names, rig)
     return joined
@@ -378,13 +376,13 @@ def _runs(
     if again is not None:
         place = log.place(int(rows[starts[again]]))
         name = names[int(labels[starts[again]])]
-        raise InputError(f"{log.path}: {place}", "contiguous runs", f"{name!r} again", plural=True)
+        raise InputError(f"{log.path}: {place}", "contiguous runs", f"{name!r} again")
     t = clock.t[rows]
     stuck = np.flatnonzero((np.diff(t) <= 0.0) & ~begins[1:])
     if len(stuck):
         k = int(stuck[0])
         raise InputError(
             f"{log.path}: {log.place(int(rows[k + 1]))}",
-            problem=f"time stamps must increase, received {t[k + 1]:.9g} s after {t[k]:.9g} s",
+            problem=f"time stamps must increase, got {t[k + 1]:.9g} s after {t[k]:.9g} s",
         )
     return np.cumsum(begins) - 1, tuple(called)

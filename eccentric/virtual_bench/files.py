@@ -28,7 +28,7 @@ def new_paths(path: str | Path, endings: Sequence[str]) -> tuple[Path, ...]:
     """
     log = Path(path)
     if not log.name.endswith(LOG) or log.name == LOG:
-        raise InputError(log, problem=f"a log name that ends in {LOG} is required")
+        raise InputError(log, problem=f"expected a log name that ends in {LOG}")
     stem = log.name.removesuffix(LOG)
     paths = log, *(log.with_name(f"{stem}{ending}") for ending in endings)
     if any(map(os.path.lexists, paths)):
@@ -53,7 +53,7 @@ def write_new(contents: Mapping[Path, bytes]) -> None:
                 (new / path.name).write_bytes(content)
     except OSError as error:
         raise InputError(
-            folder, problem=f"a folder that can be written is required ({error.strerror or error})"
+            folder, problem=f"expected a folder that can be written ({error.strerror or error})"
         ) from error
 
 

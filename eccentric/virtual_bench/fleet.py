@@ -163,7 +163,7 @@ def _require(**given: float) -> None:
                 name, f"a number from {least[name]:g} to {most.get(name, given['joints']):g}", f"{value:g}"
             )
     if given["degrading"] + given["bad_sensors"] > given["joints"]:
-        raise InputError("degrading", problem="no more joints than the fleet has are required to change")
+        raise InputError("degrading", problem="expected no more joints than the fleet has to change")
 
 
 def _joint(random: Generator, name: str, seed: int) -> FleetJoint:
@@ -297,7 +297,7 @@ def write_fleet(plan: FleetPlan, path: str | Path, progress: Callable[[float], N
         raise InputError("fleet", problem='pyarrow is required: pip install "eccentric[fleet]"') from None
     target = own_folder(path)
     if target.exists() and any(target.iterdir()):
-        raise InputError(path, problem="a new or empty folder is required")
+        raise InputError(path, problem="expected a new or empty folder")
     total = len(plan.joints) * len(plan.periods)
     with whole_folder(path, "bench --fleet") as new:
         for done, (joint, period) in enumerate(plan.logs()):

@@ -68,7 +68,7 @@ def random_scenario(
     requested = [(one, strength) if isinstance(one, str) else one for one in effects]
     for one in requested:
         if not isinstance(one, tuple | list) or len(one) != 2:
-            raise InputError("effects", "names or (name, strength)", f"{one!r}", plural=True)
+            raise InputError("effects", "names or (name, strength)", f"{one!r}")
         name, size = one
         known_effect(name)
         if not _within(size, 0.0, 1.0) or size == 0.0:
@@ -109,9 +109,9 @@ def on_reference(scenario: Scenario, time: np.ndarray, speed: np.ndarray, start_
         InputError: fewer than two times, times that do not rise from 0, or values that are not numbers.
     """
     if time.ndim != 1 or time.shape != speed.shape or len(time) < 2:
-        raise InputError("reference", "as many speeds as times", f"{speed.shape}, {time.shape}", plural=True)
+        raise InputError("reference", "as many speeds as times", f"{speed.shape}, {time.shape}")
     if time[0] != 0.0 or not np.all(np.diff(time) > 0.0) or not np.all(np.isfinite(speed)):
-        raise InputError("reference", problem="times that rise from 0, and finite speeds, are required")
+        raise InputError("reference", problem="expected times that rise from 0, and finite speeds,")
     return replace(scenario, course=followed(time, speed), seed=scenario.seed + 1, start_angle=start_angle)
 
 
@@ -120,7 +120,7 @@ def known_effect(name: str) -> tuple[str, str | None]:
     match = re.fullmatch(r"(\w+)(?:\[(.+)\])?", str(name))
     if match is None or match[1] not in EFFECTS:
         raise InputError(
-            f"effect {name}", problem=f"one of {', '.join(EFFECTS)} is required" + meant(name, EFFECTS)
+            f"effect {name}", problem=f"expected one of {', '.join(EFFECTS)}" + meant(name, EFFECTS)
         )
     family, variant = match[1], match[2]
     variants = VARIANTS.get(family, ())

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to rotating_link.c (program 11d13805).
+ * Generated: do not edit. Belongs to rotating_link.c (program d0b57913).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

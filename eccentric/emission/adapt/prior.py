@@ -97,8 +97,8 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
     for j in _not_yet(model, bases):
         if values[j] == 0.0:
             raise InputError(
-                f"model {model.name}: an estimator of its friction: a value of {columns[j].name} other than 0"
-                " is required, since nothing else tells its size: fit the model first"
+                f"model {model.name}: an estimator of its friction: expected {columns[j].name} other than 0,"
+                " since nothing else tells its size: fit the model first"
             )
         size[j] = abs(values[j])
     covariance = np.diag((CHANGE * size) ** 2) + covariance_of_fit(columns, fit)
@@ -127,14 +127,13 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
 def _require(model: Model) -> None:
     where = f"model {model.name}: an estimator of its friction"
     if not model.current_known or model.back_emf_in_friction or model.torque_unit != "N m":
-        said = model.axis.text("a fit with the current in amperes and torques in N m is required")
+        said = model.axis.text("expected a fit with the current in amperes and torques in N m")
         raise InputError(f"{where}: {said}")
     missing = [q.name for q in spoken(model).parameters if q.default is None]
     if missing:
         since = model.axis.text("since it learns from what inertia leaves of the torque")
         raise InputError(
-            f"{where}: a value of {' and of '.join(missing)} is required, {since}:"
-            " give them with --parameters"
+            f"{where}: expected a value of {' and of '.join(missing)}, {since}: give them with --parameters"
         )
 
 

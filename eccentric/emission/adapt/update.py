@@ -192,7 +192,6 @@ def followed(model: Model, program: Program, columns: Sequence[Column], single: 
                     f"model {model.name}: an estimator of its friction",
                     "coefficients linear in those of friction",
                     s.name,
-                    plural=True,
                 )
             found.append(
                 Followed(

@@ -35,8 +35,8 @@ class UnprintableError(InputError):
     def __init__(self, operation: sp.Basic) -> None:
         self.operation = operation
         super().__init__(
-            f"{operation}: +, -, *, /, integer powers, sqrt, Abs, Min, Max, exp or a step of"
-            f" eccentric.model.steps is required, received {type(operation).__name__}"
+            f"{operation}: expected +, -, *, /, integer powers, sqrt, Abs, Min, Max, exp or a step of"
+            f" eccentric.model.steps, got {type(operation).__name__}"
         )
 
 

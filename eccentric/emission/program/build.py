@@ -71,8 +71,8 @@ class Choice:
             if name in former:
                 raise InputError("functions", former[name], f"{name!r}, its former name")
             if name not in offered:
-                known = f"one of {', '.join(offered)} is required"
-                raise InputError("functions", problem=f"{known}, received {name!r}{meant(name, offered)}")
+                known = f"expected one of {', '.join(offered)}"
+                raise InputError("functions", problem=f"{known}, got {name!r}{meant(name, offered)}")
         return tuple(
             output
             for output in outputs
@@ -329,7 +329,7 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
         absent = " and ".join(q.name for q in model.parameters if q.default is None)
         raise InputError(
             "fixed",
-            problem=f"a value of {absent} is required, which {program.name} has no default for: emit it with"
+            problem=f"expected a value of {absent}, which {program.name} has no default for: emit it with"
             " parameters, or choose functions that need none of them",
         )
     return program

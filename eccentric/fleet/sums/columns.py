@@ -132,11 +132,11 @@ def _require_motor(rig: Rig, machine: Machine, known: Collection[str], measured_
     if measured_by == "voltage":
         letters |= machine.resistance_letters | machine.back_emf_letters
     if missing := sorted(letters - set(known)):
-        named, verb = rig.axis.named, "are" if len(missing) > 1 else "is"
+        named = rig.axis.named
         raise InputError(
             rig.path,
-            problem=f"[known] {' and '.join(map(named, missing))} {verb} required by a fleet driven by"
-            f" {named(measured_by)}, received none",
+            problem=f"expected [known] {' and '.join(map(named, missing))} for a fleet driven by"
+            f" {named(measured_by)}, got none",
         )
 
 
@@ -148,18 +148,18 @@ def require_rig(rig: Rig) -> Model:
         open_ = rig.axis.named(few(sorted({*rig.unknown, *rig.estimate})))
         raise InputError(
             rig.path,
-            problem=f"values are required by a fleet, {open_} is left to be estimated: fit one log of"
+            problem=f"expected values for a fleet, but {open_} is left to be estimated: fit one log of"
             " the joint and enter what it finds",
         )
     if rig.alignment.input_delay_s:
         raise InputError(
-            f"{rig.path}: input_delay_s", "0", f"{rig.alignment.input_delay_s:g}", why="by a fleet"
+            f"{rig.path}: input_delay_s", "0", f"{rig.alignment.input_delay_s:g}", why="for a fleet"
         )
     if rig.log.kinds:
-        raise InputError(f"{rig.path}: [kinds]", "none", few(rig.log.kinds), why="by a fleet")
+        raise InputError(f"{rig.path}: [kinds]", "none", few(rig.log.kinds), why="for a fleet")
     if missing := sorted(load_letters(model) - set(rig.known) - {"M_l"}):
         letters = rig.axis.named(few(missing))
-        raise InputError(rig.path, f"[known] {letters}", "none", why=f"by {model.name}")
+        raise InputError(rig.path, f"[known] {letters}", "none", why=f"for {model.name}")
     # Without [columns] the header of each log decides what measures the drive.
     if drive := drive_channel(rig.log.columns or (), rig):
         _require_motor(rig, Machine(model), with_own(rig, model).known, drive)

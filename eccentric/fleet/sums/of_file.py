@@ -190,7 +190,7 @@ class _Left:
         """These rows and those of a table, its runs numbered on, as one."""
         own = self.table
         if set(own.channels) != set(table.channels):
-            raise InputError("the same channels are required in all parts of a log")
+            raise InputError("expected the same channels in all parts of a log")
         goes_on = own.run_names[own.run[-1]] == table.run_names[0]
         run = table.run + own.run[-1] + (0 if goes_on else 1)
         names = (*own.run_names[: own.run[-1] + 1], *table.run_names[1 if goes_on else 0 :])

@@ -76,7 +76,7 @@ class Chain:
             )
         used = self.gravity.free_symbols.union(*(_symbols(link) for link in self.links))
         if unknown := sorted(map(str, used - {q.symbol for q in self.parameters})):
-            raise InputError(name, problem=f"{unknown[0]} is required among its parameters")
+            raise InputError(name, problem=f"expected {unknown[0]} among its parameters")
 
     def __repr__(self) -> str:
         return (

@@ -147,7 +147,7 @@ def _body(chain: Chain, j: int, left: dict[str, float]) -> Moments:
     for name in names:
         if name not in left:
             joints = f"the {len(chain.joints)} joints of {chain.name}"
-            raise InputError("bodies", problem=f"{name} is required for {joints}")
+            raise InputError("bodies", problem=f"expected {name} for {joints}")
     return moments_from([exact(left.pop(name), name) for name in names])
 
 
@@ -159,4 +159,4 @@ def _require_possible(j: int, found: Moments) -> None:
     whole = np.array(found.second.row_join(found.first).col_join(last).tolist(), dtype=float)
     scale = np.sqrt(np.maximum(np.diag(whole), np.finfo(float).tiny))
     if whole[3, 3] < 0 or np.linalg.eigvalsh(whole / np.outer(scale, scale))[0] < -_ROUNDED:
-        raise InputError("bodies", "moments that a mass can have", "others", why=f"of body {j}", plural=True)
+        raise InputError("bodies", "moments that a mass can have", "others", why=f"of body {j}")

@@ -48,7 +48,7 @@ def vector(values: Iterable[Any], what: str) -> sp.ImmutableMatrix:
     if entries is None and hasattr(values, "tolist"):
         entries = list(values)
     if entries is None or len(entries) != 3:
-        raise InputError(what, "three numbers", f"{values!r}", plural=True)
+        raise InputError(what, "three numbers", f"{values!r}")
     return sp.ImmutableMatrix([exact(value, what) for value in entries])
 
 
@@ -60,7 +60,7 @@ def matrix(values: Any, what: str) -> sp.ImmutableMatrix:
     """
     rows = values.tolist() if hasattr(values, "tolist") else values
     if not isinstance(rows, Sequence) or len(rows) != 3:
-        raise InputError(what, "three rows of three numbers", f"{values!r}", plural=True)
+        raise InputError(what, "three rows of three numbers", f"{values!r}")
     return sp.ImmutableMatrix([list(vector(row, what)) for row in rows])
 
 
@@ -104,7 +104,7 @@ class Placement:
             rows = self.rotation.evalf(20)
             excess = (rows.T * rows - sp.eye(3)).norm() + abs(rows.det() - 1)
             if excess > _RIGHT:
-                raise InputError(name, problem="rotation: columns that are a right-handed frame are required")
+                raise InputError(name, problem="rotation: expected columns that are a right-handed frame")
 
     @classmethod
     def turned(
@@ -176,7 +176,7 @@ class Joint:
 
 def _unit(axis: sp.ImmutableMatrix, name: str) -> sp.ImmutableMatrix:
     if not all(entry.is_number for entry in axis):
-        raise InputError(f"{name}: axis", "three numbers", tuple(axis), plural=True)
+        raise InputError(f"{name}: axis", "three numbers", tuple(axis))
     length = float(sp.sqrt(axis.dot(axis)).evalf())
     shown = ", ".join(f"{float(entry):g}" for entry in axis)
     if abs(length - 1) > _UNIT:
@@ -249,7 +249,7 @@ class Body:
         if self.mass.is_number and self.mass < 0:
             raise InputError(f"{name}: mass", "0 or above", f"{float(self.mass):g} kg")
         if self.inertia != self.inertia.T:
-            raise InputError(name, problem="inertia: a symmetric tensor is required")
+            raise InputError(name, problem="inertia: expected a symmetric tensor")
         if all(entry.is_number for entry in self.inertia):
             _require_possible(name, self.inertia)
 
@@ -274,14 +274,11 @@ def _require_possible(name: str, inertia: sp.MatrixBase) -> None:
     shown = ", ".join(f"{value:g}" for value in principal)
     slack = _SLACK * max(abs(principal[-1]), abs(principal[0]))
     if principal[0] < -slack:
-        raise InputError(
-            f"{name}: inertia", "principal moments of 0 or above", f"{shown} kg m^2", plural=True
-        )
+        raise InputError(f"{name}: inertia", "principal moments of 0 or above", f"{shown} kg m^2")
     if principal[2] > principal[0] + principal[1] + slack:
         raise InputError(
             f"{name}: inertia",
             "principal moments",
             f"{shown} kg m^2",
             why="of which none exceeds the sum of the others",
-            plural=True,
         )

@@ -300,7 +300,6 @@ class _Reader:
                     f"{batch.path}: {batch.place(int(rows[k]))}",
                     "contiguous runs",
                     f"{label!r} again",
-                    plural=True,
                 )
             self._runs.add(label)
         before = np.concatenate([[self._last], t[:-1]])
@@ -309,7 +308,7 @@ class _Reader:
             k = int(stuck[0])
             raise InputError(
                 f"{batch.path}: {batch.place(int(rows[k]))}",
-                problem=f"time stamps must increase, received {t[k]:.9g} s after {before[k]:.9g} s",
+                problem=f"time stamps must increase, got {t[k]:.9g} s after {before[k]:.9g} s",
             )
 
     def _window(

@@ -124,7 +124,7 @@ def planted(
     where = " or ".join(str(joint + 1) for joint in sorted(joints))
     raise InputError(
         f"effect {request.family}",
-        problem=f"a course that shows it in joint {where} is required; try another seed",
+        problem=f"expected a course that shows it in joint {where}; try another seed",
     )
 
 

@@ -190,7 +190,7 @@ def checked(
 def _effect(one: str | tuple[str, float], joints: int) -> EffectRequest:
     pair = (one, STRENGTH) if isinstance(one, str) else one
     if not isinstance(pair, tuple | list) or len(pair) != 2:
-        raise InputError("effects", "names or (name, strength)", f"{one!r}", plural=True)
+        raise InputError("effects", "names or (name, strength)", f"{one!r}")
     name, strength = pair
     family, variant, joint = known_joint_effect(str(name))
     if joint is not None and not 1 <= joint <= joints:
@@ -206,8 +206,7 @@ def known_joint_effect(name: str) -> tuple[str, str | None, int | None]:
     if match is None or match[1] not in ARM_EFFECTS:
         raise InputError(
             f"effect {name}",
-            problem=f"one of {', '.join(ARM_EFFECTS)} is required"
-            + meant(name.partition("@")[0], ARM_EFFECTS),
+            problem=f"expected one of {', '.join(ARM_EFFECTS)}" + meant(name.partition("@")[0], ARM_EFFECTS),
         )
     family, variant, joint = match[1], match[2], match[3]
     variants = ARM_VARIANTS.get(family, ())
