@@ -75,7 +75,7 @@ def test_it_is_drawn_over_time(result: BenchResult) -> None:
     [
         ({"seed": -1}, "seed: expected an integer of 0 or more, got -1"),
         ({"case": "C3"}, "case: expected C1 or C2, "),
-        ({"effects": ["stribec"]}, "effect stribec: one of "),
+        ({"effects": ["stribec"]}, "effect stribec: expected one of "),
     ],
     ids=["seed", "case", "effect"],
 )

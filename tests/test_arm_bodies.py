@@ -130,7 +130,7 @@ def test_bodies_that_cannot_be_are_refused(change: dict[str, float], said: str) 
         ({"chain": [1]}, "chain: expected an object with a list `joints` of objects"),
         ({"chain": {"joints": [1]}}, "chain: expected an object with a list `joints` of objects"),
         ({"bodies": [1]}, "bodies: expected an object `values` of finite numbers"),
-        ({"bodies": {"values": {"mass_0": "1"}}}, "bodies: an object `values` of finite numbers"),
+        ({"bodies": {"values": {"mass_0": "1"}}}, "bodies: expected an object `values` of finite numbers"),
         ({"bodies": {"values": {}, "possible": False}}, "accept_misfit: needed"),
         (
             {"joints_without_scale": ["elbow"]},

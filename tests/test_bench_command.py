@@ -98,7 +98,7 @@ def test_the_command_line_overwrites_nothing(
 def test_the_command_line_requires_a_place_for_the_log(capsys: pytest.CaptureFixture[str]) -> None:
     """Without --out there is one line that requires it."""
     assert cli.main(["bench"]) == 2
-    assert capsys.readouterr().err.startswith("eccentric: error: --out: the path of a log")
+    assert capsys.readouterr().err.startswith("eccentric: error: --out: expected the path of a log")
 
 
 @pytest.mark.parametrize("family", EFFECTS)

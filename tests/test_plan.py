@@ -272,15 +272,15 @@ def test_a_document_without_a_tie_leaves_one_model(
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"format": "eccentric-fit/1"}, r"expected format eccentric-diagnosis/1"),
+        ({"format": "eccentric-fit/1"}, r"expected a document of format eccentric-diagnosis/1, got 'eccentric-fit/1'"),
         ({"logs": ["other.csv"]}, r"logs: expected the diagnosis of .*, got that of other.csv"),
-        ({"model": "c1_asymmetric"}, r"model: that of these logs"),
+        ({"model": "c1_asymmetric"}, r"model: expected that of these logs"),
         ({"tied": None}, r"expected tied, got none: diagnose the logs again"),
         ({"fits_the_rig": False}, r"expected a log that fits the rig"),
         ({"asked": {"with": ["stribeck"]}}, r"without effects to begin with .* got one with stribeck"),
         (
             {"extended_by": ["my_effect"], "tied": ["my_effect"]},
-            r"effects that these logs can show .* my_effect",
+            r"expected effects that these logs can show, got my_effect",
         ),
     ],
 )
@@ -310,11 +310,11 @@ def test_a_log_of_another_rig_is_refused(tied: tuple[dict[str, np.ndarray], dict
     ("changed", "message"),
     [
         ({"speed_rad_s": None}, r"limits: expected speed_rad_s"),
-        ({"speed_rad_s": -1.0}, r"limits: speed_rad_s: a finite number above 0"),
+        ({"speed_rad_s": -1.0}, r"limits: speed_rad_s: expected a finite number above 0"),
         ({"speed_rad_s": "3 m"}, r"limits: speed_rad_s: .*rad/s"),
-        ({"time_s": 2.0}, r"limits: time_s: at least 10 s"),
-        ({"angle_rad": [1.0, -1.0]}, r"limits: angle_rad: lower before upper"),
-        ({"angle_rad": 1.0}, r"limits: angle_rad: a range of two"),
+        ({"time_s": 2.0}, r"limits: time_s: expected at least 10 s"),
+        ({"angle_rad": [1.0, -1.0]}, r"limits: angle_rad: expected lower before upper"),
+        ({"angle_rad": 1.0}, r"limits: angle_rad: expected a range of two"),
         ({"torque": 1.0}, r"limits: .*torque"),
     ],
 )
@@ -333,7 +333,7 @@ def test_all_mistakes_of_a_limits_file_are_told_at_once() -> None:
         )
     said = str(error.value)
     assert "\n" not in said
-    for part in ("'torque'", "acceleration_rad_s2 is", "'fast'", "current_A:", "time_s:", "speed_loop_Hz:"):
+    for part in ("'torque'", "acceleration_rad_s2, got none", "'fast'", "current_A:", "time_s:", "speed_loop_Hz:"):
         assert part in said, part
 
 
@@ -341,9 +341,9 @@ def test_a_current_that_moves_nothing_is_refused(
     contest: Separation,
 ) -> None:
     """No piece of motion stays within it; the message says what friction and load take."""
-    with pytest.raises(InputError, match=r"current_A: enough for load and friction") as error:
+    with pytest.raises(InputError, match=r"current_A: expected enough for load and friction") as error:
         planned(contest.question, read_bounds({**LIMITS, "current_A": 1e-3}))
-    needed = float(re.findall(r"required, ([0-9.e-]+) A", str(error.value))[0])
+    needed = float(re.findall(r"motion, ([0-9.e-]+) A", str(error.value))[0])
     planned(contest.question, read_bounds({**LIMITS, "current_A": 1.5 * needed}))
 
 
@@ -401,7 +401,7 @@ def test_the_command_prints_what_is_open(
 
     limits.write_text(limits.read_text(encoding="utf-8") + 'current_A = "9000 mA"\n', encoding="utf-8")
     assert main(given) == 2
-    assert "said.json: logs: the diagnosis of" in capsys.readouterr().err
+    assert "said.json: logs: expected the diagnosis of" in capsys.readouterr().err
     assert not out.exists()
 
     said.write_text(json.dumps({**diagnosis_document(found), "logs": ["log.csv"]}), encoding="utf-8")

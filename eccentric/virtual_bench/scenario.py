@@ -111,7 +111,7 @@ def on_reference(scenario: Scenario, time: np.ndarray, speed: np.ndarray, start_
     if time.ndim != 1 or time.shape != speed.shape or len(time) < 2:
         raise InputError("reference", "as many speeds as times", f"{speed.shape}, {time.shape}")
     if time[0] != 0.0 or not np.all(np.diff(time) > 0.0) or not np.all(np.isfinite(speed)):
-        raise InputError("reference", problem="expected times that rise from 0, and finite speeds,")
+        raise InputError("reference", problem="expected times that rise from 0, and finite speeds")
     return replace(scenario, course=followed(time, speed), seed=scenario.seed + 1, start_angle=start_angle)
 
 
