@@ -318,10 +318,14 @@ def _timed(speeds: Array, lengths: Array, steep: float) -> Array | None:
     t = np.arange(int(np.ceil((edges[-1] + last) * RATE_HZ)) + 1) / RATE_HZ
     omega, before = np.zeros_like(t), 0.0
     for start, length, speed in zip(edges, [*lengths, np.inf], [*speeds, 0.0], strict=False):
-        ramp = _ramp(speed - before, steep)
+        change, ramp = speed - before, _ramp(speed - before, steep)
         if ramp > length:
             return None
-        omega += (speed - before) * _step((t - start) / ramp if ramp else (t >= start).astype(float))
+        # One sample beyond the ramp, so that rounding leaves none of it.
+        first, last = np.searchsorted(t, start), np.searchsorted(t, start + ramp) + 1
+        if ramp:
+            omega[first:last] += change * _step((t[first:last] - start) / ramp)
+        omega[last if ramp else first :] += change
         before = float(speed)
     omega[-1] = 0.0
     return omega
