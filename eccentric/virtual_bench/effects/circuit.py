@@ -2,7 +2,7 @@
 
 from math import sin
 
-from eccentric.virtual_bench.effects.record import Builder, PlantedEffect, Request, simply
+from eccentric.virtual_bench.effects.record import PlantedEffect, Request, simply
 from eccentric.virtual_bench.plant import Motion
 
 
@@ -141,15 +141,3 @@ def encoder_eccentricity(request: Request) -> PlantedEffect:
         variant=request.variant,
         bound=0.02,
     )
-
-
-BUILDERS: tuple[Builder, ...] = (
-    kt_saturation,
-    current_bias,
-    inverter_deadtime,
-    resistance_temperature,
-    magnet_temperature,
-    ke_mismatch,
-    sensor_delay,
-    encoder_eccentricity,
-)

@@ -2,7 +2,7 @@
 
 from math import cos, exp, hypot, pi, sin
 
-from eccentric.virtual_bench.effects.record import Builder, Law, PlantedEffect, Request, simply
+from eccentric.virtual_bench.effects.record import Law, PlantedEffect, Request, simply
 from eccentric.virtual_bench.plant import Motion, Plant
 
 
@@ -234,19 +234,3 @@ def inertia_mismatch(request: Request) -> PlantedEffect:
 
 def _gravity_size(plant: Plant) -> float:
     return plant.gravity_torque(pi / 2, plant.g)
-
-
-BUILDERS: tuple[Builder, ...] = (
-    link_harmonic_friction,
-    motor_harmonic_friction,
-    nonsynchronous_friction,
-    cogging,
-    kt_ripple,
-    local_defect,
-    cable_spring,
-    gravity_tilt,
-    angle_offset,
-    mass_mismatch,
-    kinematic_error,
-    inertia_mismatch,
-)

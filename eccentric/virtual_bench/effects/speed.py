@@ -2,7 +2,7 @@
 
 from math import asinh, exp
 
-from eccentric.virtual_bench.effects.record import Builder, PlantedEffect, Request, simply
+from eccentric.virtual_bench.effects.record import PlantedEffect, Request, simply
 
 
 def stribeck(request: Request) -> PlantedEffect:
@@ -113,15 +113,3 @@ def sublinear_viscous(request: Request) -> PlantedEffect:
         (wc,),
         variant=name,
     )
-
-
-BUILDERS: tuple[Builder, ...] = (
-    stribeck,
-    quadratic_drag,
-    cubic_drag,
-    oneway_windage,
-    coulomb_asymmetry,
-    viscous_asymmetry,
-    eddy_current,
-    sublinear_viscous,
-)

@@ -2,7 +2,7 @@
 
 from math import exp
 
-from eccentric.virtual_bench.effects.record import Builder, PlantedEffect, Request, simply
+from eccentric.virtual_bench.effects.record import PlantedEffect, Request, simply
 from eccentric.virtual_bench.plant import Motion
 
 _KELVIN = 273.15
@@ -116,13 +116,3 @@ def time_drift(request: Request) -> PlantedEffect:
         ("time",),
         (seconds,),
     )
-
-
-BUILDERS: tuple[Builder, ...] = (
-    viscosity_temperature,
-    coulomb_temperature,
-    stribeck_temperature,
-    hidden_thermal_drift,
-    wear_runin,
-    time_drift,
-)
