@@ -59,10 +59,7 @@ def test_a_body_too_few_is_refused() -> None:
 def test_friction_of_another_arm_is_refused(tmp_path: Path) -> None:
     """By the name that the fit has for it, or by a coefficient that the arm lacks; nothing is written."""
     for document, said in (
-        (
-            {"model": "other", "parameters": {"C_m_0": 0.01}},
-            "expected a fit of planar_2r, got one of other",
-        ),
+        ({"model": "other", "parameters": {"C_m_0": 0.01}}, "expected a fit of planar_2r, got one of other"),
         ({"parameters": {"C_m_2": 0.01}}, "C_m_2: planar_2r has no such parameter"),
     ):
         with pytest.raises(InputError, match=said):
@@ -132,10 +129,7 @@ def test_bodies_that_cannot_be_are_refused(change: dict[str, float], said: str) 
         ({"bodies": [1]}, "bodies: expected an object `values` of finite numbers"),
         ({"bodies": {"values": {"mass_0": "1"}}}, "bodies: expected an object `values` of finite numbers"),
         ({"bodies": {"values": {}, "possible": False}}, "accept_misfit: needed"),
-        (
-            {"joints_without_scale": ["elbow"]},
-            "expected friction in N m of every joint, got that of elbow",
-        ),
+        ({"joints_without_scale": ["elbow"]}, "expected friction in N m of every joint, got that of elbow"),
     ],
 )
 def test_a_fit_that_is_no_use_is_refused(tmp_path: Path, document: dict, said: str) -> None:

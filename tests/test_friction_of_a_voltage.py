@@ -185,9 +185,7 @@ def test_a_diagnosis_keeps_the_declared_motor(diagnosed_as_declared: eccentric.D
     assert module.current(theta, omega, alpha) == pytest.approx(expected, rel=1e-2, abs=1e-2)
 
 
-def test_the_report_says_that_the_motor_is_declared(
-    diagnosed_as_declared: eccentric.DiagnosisResult,
-) -> None:
+def test_the_report_says_that_the_motor_is_declared(diagnosed_as_declared: eccentric.DiagnosisResult) -> None:
     """Neither R nor k_i is listed as estimated from the log."""
     table = diagnosed_as_declared.table()
     origins = {row[0]: row[-1] for row in table.rows}
@@ -224,10 +222,7 @@ def called(result: eccentric.DiagnosisResult) -> str:
 
 @pytest.mark.parametrize(
     ("swings", "expected"),
-    [
-        (False, "friction_torque"),
-        pytest.param(True, "mechanical_friction_torque", marks=pytest.mark.slow),
-    ],
+    [(False, "friction_torque"), pytest.param(True, "mechanical_friction_torque", marks=pytest.mark.slow)],
 )
 def test_the_summary_calls_the_friction_that_was_found(tmp_path: Path, swings: bool, expected: str) -> None:
     """Free swings separate the back-EMF from friction, driven runs alone do not; the script says which."""

@@ -214,10 +214,7 @@ def test_the_angle_is_that_of_the_log() -> None:
 
 
 def test_an_earlier_diagnosis_says_what_is_open(
-    tied: Tied,
-    found: Diagnosis,
-    contest: Separation,
-    monkeypatch: pytest.MonkeyPatch,
+    tied: Tied, found: Diagnosis, contest: Separation, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """From its document, without a search: the same rivals, as likely, with the same fits to the log."""
 
@@ -292,10 +289,7 @@ def test_a_document_without_a_tie_leaves_one_model(tied: Tied, found: Diagnosis)
     ],
 )
 def test_a_diagnosis_of_something_else_is_refused(
-    tied: Tied,
-    found: Diagnosis,
-    changed: dict[str, object],
-    message: str,
+    tied: Tied, found: Diagnosis, changed: dict[str, object], message: str
 ) -> None:
     """One line with the key, what is required and what came."""
     said = {
@@ -392,10 +386,7 @@ def test_rivals_that_are_the_same_torque_are_told_as_such(contest: Separation, p
 
 
 def test_the_command_prints_what_is_open(
-    tied: Tied,
-    found: Diagnosis,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    tied: Tied, found: Diagnosis, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """From files to files, by an earlier diagnosis, with a missing limit and a wrong document as one line."""
     log, rig, limits, said = (tmp_path / name for name in ("log.csv", "rig.json", "limits.toml", "said.json"))

@@ -139,11 +139,7 @@ def gravity_tilt(request: Request) -> PlantedEffect:
     if request.plant.case == "C1":
         shift = request.phase()
         start = simply(**_other_gravity(lambda s, a: g * sin(a), lambda s, a: shift))
-        form, size, shape = (
-            "tilt A: g' = g sin A, down at thl = -phi",
-            request.torque(1.4) / load,
-            (shift,),
-        )
+        form, size, shape = ("tilt A: g' = g sin A, down at thl = -phi", request.torque(1.4) / load, (shift,))
     else:
         start = simply(**_other_gravity(lambda s, a: g * cos(a), lambda s, a: 0.0))
         form, size, shape = "tilt A: g' = g cos A", (request.torque(2.8) / load) ** 0.5, ()

@@ -255,13 +255,7 @@ def presliding(request: Request) -> PlantedEffect:
     )
     shape = (x0, vs) if falls else (x0,)
     return PlantedEffect(
-        "presliding",
-        form,
-        request.torque(),
-        start,
-        ("history", "direction"),
-        shape,
-        variant=request.variant,
+        "presliding", form, request.torque(), start, ("history", "direction"), shape, variant=request.variant
     )
 
 
