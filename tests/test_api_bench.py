@@ -85,11 +85,3 @@ def test_bad_values_are_one_line(arguments: dict, line: str) -> None:
         eccentric.bench(**arguments)
 
     assert str(error.value).startswith(line)
-
-
-def test_nothing_that_is_there_is_overwritten(tmp_path: Path) -> None:
-    """A file of the name is found before anything is simulated."""
-    (tmp_path / "log.json").write_text("mine")
-
-    with pytest.raises(InputError, match="a new file to write"):
-        eccentric.bench(seconds=3600, out=tmp_path / "log.csv.gz")
