@@ -6,6 +6,7 @@ have the same value for a number and in an array; Python's may differ in the las
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from types import FunctionType, SimpleNamespace
@@ -63,9 +64,9 @@ def scalar_function(expression: sp.Basic) -> tuple[Callable[..., Any], tuple[str
     opaque = expression.replace(lambda e: isinstance(e, sp.Pow) and e.exp not in _ROOTS, _opaque)
     call, names = function_of(opaque)
     code = call.__code__
-    if missing := set(code.co_names) - {"numpy", *vars(SCALAR), *_POWERS}:
+    if missing := set(code.co_names) - {"numpy", "functools", "reduce", *vars(SCALAR), *_POWERS}:
         raise NotImplementedError(", ".join(sorted(missing)))
-    return FunctionType(code, {"numpy": SCALAR, **_POWERS}), names
+    return FunctionType(code, {"numpy": SCALAR, "functools": functools, **_POWERS}), names
 
 
 def _opaque(power: sp.Pow) -> sp.Expr:
