@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.virtual_bench import ArmScenario, random_arm_scenario
-from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink
+from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, JointFriction
 
 NO_MUJOCO = "MuJoCo (`pip install 'eccentric[arms-bench]'`) is not installed"
 
@@ -60,7 +60,5 @@ def vector(values: np.ndarray) -> tuple[float, float, float]:
 
 def without_friction(scenario: ArmScenario) -> ArmScenario:
     """The same arm with bearings and motors that turn freely."""
-    from eccentric.virtual_bench.arms.plant import JointFriction
-
     links = tuple(replace(link, friction=JointFriction()) for link in scenario.arm.links)
     return replace(scenario, arm=replace(scenario.arm, links=links))

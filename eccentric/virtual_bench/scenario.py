@@ -99,8 +99,8 @@ def random_scenario(
         family, variant = known_effect(name)
         # Drawn also if one is given, for the same shapes.
         drawn = str(rng.choice(VARIANTS[family])) if family in VARIANTS else ""
-        request = Request(size, variant or drawn, variant is not None, setting, rng)
-        built.append(replace(EFFECTS[family](request), strength=size))
+        request = Request(family, size, variant or drawn, variant is not None, setting, rng)
+        built.append(EFFECTS[family](request))
     logged = temperature or any(effect.needs_temperature for effect in built)
     hiding = [effect.id for effect in built if effect.hides_temperature]
     if hiding and logged:

@@ -6,8 +6,7 @@ In: the arguments of `random_arm_scenario`. Out: a log, its rig, the arm and the
 bodies are MuJoCo's (`pip install 'eccentric[arms-bench]'`), the friction is of closed forms written here:
 the toolkit and the bench share nothing.
 
-    plant        joints, links, drives, friction
-    engine       mass matrix, bias and joint loads, by MuJoCo; loads and torques along the reference
+    plant        joints, links, drives, friction; mass matrix, bias and joint loads, by MuJoCo
     trajectory   reference motion, encoders and loops
     effects      families; drawn, and sized along the reference; at work in their joints
     scenario     all of it drawn, arms that could have been built

@@ -10,8 +10,7 @@ from typing import cast
 import numpy as np
 
 from eccentric.core import InputError
-from eccentric.virtual_bench.arms.engine import SURVEY_S, Survey, rms
-from eccentric.virtual_bench.arms.plant import BenchArm, FrictionLaw
+from eccentric.virtual_bench.arms.plant import SURVEY_S, BenchArm, FrictionLaw, Survey, rms
 from eccentric.virtual_bench.arms.trajectory import ArmCourse
 from eccentric.virtual_bench.effects import (
     EFFECTS,
@@ -31,6 +30,7 @@ from eccentric.virtual_bench.plant import Motion, Plant
 # The motion of one joint of an arm, as seen by the laws of its effects.
 
 
+@dataclass(slots=True, eq=False)
 class JointMotion(Motion):
     """`Motion` of the joint's motor, and what only an arm has.
 
@@ -38,11 +38,7 @@ class JointMotion(Motion):
     without friction, with its sign; both on the motor side [N m].
     """
 
-    __slots__ = ("transmitted",)
-
-    def __init__(self, plant: Plant, effects: int = 0) -> None:
-        super().__init__(plant, effects=effects)
-        self.transmitted = 0.0
+    transmitted: float = 0.0
 
 
 _OF_ONE_DRIVE = (
@@ -68,14 +64,12 @@ def load_dependent(request: Request) -> PlantedEffect:
     """Dry friction of the gear in proportion to the torque that it passes on, or to that of gravity alone."""
     by_gravity = request.variant == "gravity"
     load = _gravity if by_gravity else _transmitted
-    return PlantedEffect(
-        "load_dependent",
+    return request.effect(
         f"A |{'G' if by_gravity else 'mu T'}| sgn w",
         request.strength,
         simply(dry=lambda s, a: a * abs(load(s))),
         ("gravity_load", "link_angle") if by_gravity else ("transmitted_torque",),
         bound=0.6,
-        variant=request.variant,
     )
 
 
@@ -87,15 +81,13 @@ def gear_efficiency(request: Request) -> PlantedEffect:
         torque = _transmitted(s)
         return a * abs(torque) * (1.0 if torque * s.w_mid > 0.0 else back)
 
-    return PlantedEffect(
-        "gear_efficiency",
+    return request.effect(
         f"A |mu T| sgn w when driving, {back} A |mu T| sgn w when back-driven",
         request.strength,
         simply(dry=dry),
         ("transmitted_torque", "direction"),
         (back,),
         bound=0.6,
-        variant=request.variant,
     )
 
 
@@ -107,14 +99,12 @@ def stribeck_load(request: Request) -> PlantedEffect:
     def rise(s: Motion, a: float) -> float:
         return a * (s.normal if by_force else abs(_transmitted(s))) * exp(-((s.w_mid / vs) ** 2))
 
-    return PlantedEffect(
-        "stribeck_load",
+    return request.effect(
         f"A {'F_N' if by_force else '|mu T|'} exp(-(w/vs)^2) sgn w",
         2.0 * request.strength,
         simply(rise=rise),
         ("velocity", "link_angle") if by_force else ("transmitted_torque", "velocity"),
         (vs,),
-        variant=request.variant,
     )
 
 
@@ -138,14 +128,12 @@ def bearing_load(request: Request) -> PlantedEffect:
         def carried(normal: float) -> float:
             return weight * (normal / weight) ** power
 
-    return PlantedEffect(
-        "bearing_load",
+    return request.effect(
         form,
         request.torque() / weight,
         simply(dry=lambda s, a: a * carried(s.normal)),
         ("velocity", "link_angle"),
         (shape,),
-        variant=request.variant,
     )
 
 
@@ -229,7 +217,7 @@ class Acting:
     def __init__(self, planted: JointEffect, run: int) -> None:
         self.joint, self.effect, self.plant = planted.joint, planted.effect, planted.plant
         self._laws = list(self.effect.start().items())
-        self.motion = JointMotion(planted.plant, len(self._laws))
+        self.motion = JointMotion(planted.plant, effects=len(self._laws))
         self.motion.temperature, self.motion.travel = planted.starts[run]
         self._width = SMOOTH * planted.top_speed
         self.torque = 0.0  # the effect's, for the truth [N m]
@@ -325,11 +313,12 @@ def _in_joint(
     """Draw an effect in this joint; None if no shape of a plausible amplitude has the strength."""
     friction = friction_of(arm, gone)[:, joint] * arm.links[joint].mu
     setting = _setting(arm, course, gone, joint, friction)
-    asked = Request(request.strength, request.variant or variant, request.variant is not None, setting, rng)
+    given = request.variant is not None
+    drawn = Request(request.family, request.strength, request.variant or variant, given, setting, rng)
     moving = np.abs(gone.w[:, joint]) > MOVING * course.top[joint]
     cold = ((COLD_C, 0.0),) * course.runs
     for _ in range(_DRAWS):
-        effect = replace(ARM_EFFECTS[request.family](asked), strength=request.strength)
+        effect = ARM_EFFECTS[request.family](drawn)
         found = JointEffect(joint, effect, setting.plant, setting.top_speed, cold)
         for _ in range(6):
             torque, starts = _along(found, arm, course, gone)

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from eccentric.virtual_bench.arms.effects import COLD_C, RISE_K, TAU_S, JointEffect
-from eccentric.virtual_bench.arms.engine import rms
+from eccentric.virtual_bench.arms.plant import rms
 from eccentric.virtual_bench.arms.scenario import ArmScenario
 from eccentric.virtual_bench.arms.simulation import ArmTrace, Progress, trace
 from eccentric.virtual_bench.files import LOG, csv_archive, json_bytes, new_paths, write_new

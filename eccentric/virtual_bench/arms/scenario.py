@@ -8,8 +8,7 @@ from math import exp, log, pi
 import numpy as np
 
 from eccentric.virtual_bench.arms.effects import JointEffect, effect_requests, planted
-from eccentric.virtual_bench.arms.engine import Survey, rms, survey
-from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, JointFriction, Vector
+from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, JointFriction, Survey, Vector, rms, survey
 from eccentric.virtual_bench.arms.trajectory import ArmCourse, ArmServo, harmonic_course, sweep_course
 from eccentric.virtual_bench.effects import Requested, check_values
 

@@ -30,22 +30,19 @@ def load_dependent(request: Request) -> PlantedEffect:
     if request.variant == "gravity" and request.chosen:
         request.require_case("C2", "load_dependent[gravity]", "there is no gravity load in the other case")
     if request.variant == "gravity" and request.plant.case == "C2":
-        return PlantedEffect(
-            "load_dependent",
+        return request.effect(
             "A |G| sgn w",
             request.strength,
             simply(dry=lambda s, a: a * abs(s.gravity)),
             ("gravity_load", "link_angle"),
             bound=0.8,
-            variant=request.variant,
         )
 
     def start() -> dict[str, Law]:
         load = _transmitted()
         return {"dry": lambda s, a: a * abs(load(s))}
 
-    return PlantedEffect(
-        "load_dependent",
+    return request.effect(
         "A |mu tau_l| sgn w, tau_l = J_l dw_l/dt + f_l + G",
         request.strength,
         start,
@@ -68,8 +65,7 @@ def stribeck_load(request: Request) -> PlantedEffect:
         def rise(s: Motion, a: float) -> float:
             return a * s.normal * exp(-((s.w_mid / vs) ** 2))
 
-        return PlantedEffect(
-            "stribeck_load",
+        return request.effect(
             "A F_N exp(-(w/vs)^2) sgn w",
             request.torque(2.0) / weight,
             simply(rise=rise),
@@ -84,8 +80,7 @@ def stribeck_load(request: Request) -> PlantedEffect:
         load = (lambda s: s.gravity) if gravity else _transmitted()
         return {"rise": lambda s, a: a * abs(load(s)) * exp(-((s.w_mid / vs) ** 2))}
 
-    return PlantedEffect(
-        "stribeck_load",
+    return request.effect(
         f"A |{'G' if gravity else 'mu tau_l'}| exp(-(w/vs)^2) sgn w",
         2.0 * request.strength,
         start,
@@ -120,8 +115,7 @@ def bearing_load(request: Request) -> PlantedEffect:
         def carried(normal: float) -> float:
             return weight * (normal / weight) ** power
 
-    return PlantedEffect(
-        "bearing_load",
+    return request.effect(
         form,
         min(request.torque(3.0) / weight, plant.mu * plant.C_lN),
         simply(dry=lambda s, a: a * (carried(s.normal) - s.normal)),
@@ -158,16 +152,7 @@ def gear_efficiency(request: Request) -> PlantedEffect:
 
             return {"dry": dry}
 
-    return PlantedEffect(
-        "gear_efficiency",
-        form,
-        1.4 * request.strength,
-        start,
-        depends,
-        (back,),
-        bound=0.6,
-        variant=request.variant,
-    )
+    return request.effect(form, 1.4 * request.strength, start, depends, (back,), bound=0.6)
 
 
 def backlash(request: Request) -> PlantedEffect:
@@ -207,8 +192,7 @@ def backlash(request: Request) -> PlantedEffect:
             "torque": lambda s, a: -s.gravity if state else 0.0,
         }
 
-    return PlantedEffect(
-        "backlash",
+    return request.effect(
         "-(mu f_l + G) while the motor turns A after a reversal of the load",
         0.1 / request.plant.mu,
         start,
@@ -254,9 +238,7 @@ def presliding(request: Request) -> PlantedEffect:
         else "A z, dz/dx = (1 - z sgn w)/x0"
     )
     shape = (x0, vs) if falls else (x0,)
-    return PlantedEffect(
-        "presliding", form, request.torque(), start, ("history", "direction"), shape, variant=request.variant
-    )
+    return request.effect(form, request.torque(), start, ("history", "direction"), shape)
 
 
 def magnetic_hysteresis(request: Request) -> PlantedEffect:
@@ -278,11 +260,6 @@ def magnetic_hysteresis(request: Request) -> PlantedEffect:
 
         return {"torque": torque}
 
-    return PlantedEffect(
-        "magnetic_hysteresis",
-        "A z, dz = di/i0 within [-1, 1]",
-        request.torque(1.3),
-        start,
-        ("current", "history"),
-        (i0,),
+    return request.effect(
+        "A z, dz = di/i0 within [-1, 1]", request.torque(1.3), start, ("current", "history"), (i0,)
     )

@@ -53,6 +53,7 @@ class PlantSetting:
 class Request:
     """One effect to build: its strength (rms over the friction's), and `rng` to draw its shape from."""
 
+    family: str
     strength: float
     variant: str  # "" where the family has none
     chosen: bool  # was the variant given, or drawn?
@@ -81,6 +82,19 @@ class Request:
     def phase(self) -> float:
         """Return a random angle in (-pi, pi] [rad], to two decimals."""
         return round(float(self.rng.uniform(-pi, pi)), 2)
+
+    def effect(
+        self,
+        form: str,
+        amplitude: float,
+        start: Callable[[], dict[str, Law]],
+        depends_on: tuple[str, ...],
+        shape: tuple[float, ...] = (),
+        **others: Any,
+    ) -> "PlantedEffect":
+        """Return the requested effect with this law; `others` are further fields of `PlantedEffect`."""
+        fields = {"strength": self.strength, "variant": self.variant, **others}
+        return PlantedEffect(self.family, form, amplitude, start, depends_on, shape, **fields)
 
     def require_case(self, case: str, effect: str, why: str) -> None:
         """Raise InputError unless the plant is of that case."""
