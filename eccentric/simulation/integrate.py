@@ -77,7 +77,7 @@ def integrate(
     rows = np.arange(offsets[-1]) - np.repeat(offsets[:-1] - spans.start, spans.steps + 1)
     parts = _steps_a_row(recording, longest_step_s)
     theta = None
-    if feedback is None and len(spans) <= FEW_SPANS:
+    if feedback is None and 0 < len(spans) <= FEW_SPANS:
         theta = _one_by_one(plant, recording, spans, parts, tell)
     if theta is None:
         theta = _at_once(plant, recording, spans, feedback, parts, offsets, tell)
