@@ -141,14 +141,8 @@ def test_a_fit_that_is_no_use_is_refused(tmp_path: Path, document: dict, said: s
 
 def test_what_rounding_leaves_of_a_zero_is_none(tmp_path: Path) -> None:
     """Of two pendulums in one plane nothing bends the bearings: noise of 1e-17 changes no byte of the C."""
-    pendulum = {
-        "Sigma_0_yy": 0.1,
-        "Sigma_1_yy": 0.06,
-        "h_0_y": -0.3,
-        "h_1_y": -0.2,
-        "mass_0": 1.3,
-        "mass_1": 0.8,
-    }
+    pendulum = {"mass_0": 1.3, "h_0_y": -0.3, "Sigma_0_yy": 0.1}
+    pendulum |= {"mass_1": 0.8, "h_1_y": -0.2, "Sigma_1_yy": 0.06}
     none = dict.fromkeys(of_file(), 0.0) | pendulum
     noise = np.random.default_rng(73).normal(size=len(none)) * 1e-17
     noisy = {name: x or float(e) for (name, x), e in zip(none.items(), noise, strict=True)}

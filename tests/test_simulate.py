@@ -21,18 +21,8 @@ from tests.extended import setting
 
 ROOT = Path(__file__).resolve().parents[1]
 LOG, RIG = (ROOT / "examples" / "bench" / name for name in ("bench.csv.gz", "bench.toml"))
-NONE: dict[str, Any] = {
-    "M_l": 0.0,
-    "B_lN": 0.0,
-    "C_lN": 0.0,
-    "B_m": 0.0,
-    "C_m": 0.0,
-    "R": 1.0,
-    "k_e": 0.0,
-    "B_lT": 0.0,
-    "C_lT": 0.0,
-    "F_T": 0.0,
-}
+ABSENT = ("M_l", "B_lN", "C_lN", "B_m", "C_m", "k_e", "B_lT", "C_lT", "F_T")
+NONE: dict[str, Any] = {"R": 1.0, **dict.fromkeys(ABSENT, 0.0)}
 
 
 def recording(t: np.ndarray, signal: np.ndarray | float, **changes: Any) -> Recording:
