@@ -232,7 +232,8 @@ class _Bench:
 
     def _along(self, motion: Reference) -> tuple[Array, Array, Array]:
         """Columns of friction (n, k), torque without friction (n,), and columns of what is not known."""
-        inputs = {"theta_m": motion.theta, "omega_m": motion.omega, "alpha_m": motion.alpha, "t": motion.t}
+        signals = {"theta_m": motion.theta, "omega_m": motion.omega, "alpha_m": motion.alpha, "t": motion.t}
+        inputs = {name: np.asarray(x, np.float64) for name, x in signals.items()}
         parameters = self._emitted.parameters(self.known)
         friction = self._emitted("regressor", inputs, parameters)
         gravity = np.broadcast_to(self._emitted("gravity_torque", inputs, parameters), motion.t.shape)
