@@ -18,14 +18,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks import measured_lines
-from eccentric.joints import (
-    ArmDiagnosis,
-    ArmFit,
-    diagnose_arm,
-    fit_arm,
-    payload_of,
-    predicted,
-)
+from eccentric.joints import ArmDiagnosis, ArmFit, diagnose_arm, fit_arm, payload_of, predicted
 from eccentric.logs import Log, read_log
 from eccentric.rigs import read_arm_rig
 

@@ -9,15 +9,7 @@ import tempfile
 from pathlib import Path
 
 from benchmarks import generators
-from benchmarks.cortex_m4 import (
-    GENERATED,
-    OPTIMISED,
-    TOOLS,
-    Subject,
-    instructions,
-    linked_growth,
-    missing,
-)
+from benchmarks.cortex_m4 import GENERATED, OPTIMISED, TOOLS, Subject, instructions, linked_growth, missing
 from benchmarks.footprint import footprint
 from benchmarks.generators import FUNCTIONS, Generated
 from benchmarks.record import Measured, Part

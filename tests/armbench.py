@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from eccentric.virtual_bench import ArmScenario, random_arm_scenario
-from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink
+from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, JointFriction
+from tests.arms import random_inertia
 
 NO_MUJOCO = "MuJoCo (`pip install 'eccentric[arms-bench]'`) is not installed"
 
@@ -28,14 +29,10 @@ def random_links(rng: np.random.Generator, n: int) -> BenchArm:
     """An arm with any axes, places and bodies, and large rotors."""
     links = []
     for _ in range(n):
-        points, masses = rng.normal(size=(5, 3)) * 0.1, rng.uniform(0.1, 1.0, 5)
-        tensor = np.sum(
-            [m * (p @ p * np.eye(3) - np.outer(p, p)) for m, p in zip(masses, points, strict=True)], axis=0
-        )
+        tensor, axis = random_inertia(rng), rng.normal(size=3)
         xx, yy, zz, xy, xz, yz = (
             float(tensor[i, k]) for i, k in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
         )
-        axis = rng.normal(size=3)
         links.append(
             BenchLink(
                 position=vector(rng.normal(size=3) * 0.3),
@@ -60,7 +57,5 @@ def vector(values: np.ndarray) -> tuple[float, float, float]:
 
 def without_friction(scenario: ArmScenario) -> ArmScenario:
     """The same arm with bearings and motors that turn freely."""
-    from eccentric.virtual_bench.arms.plant import JointFriction
-
     links = tuple(replace(link, friction=JointFriction()) for link in scenario.arm.links)
     return replace(scenario, arm=replace(scenario.arm, links=links))

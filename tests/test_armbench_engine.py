@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eccentric.virtual_bench.arms.engine import RigidArm
-from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink
+from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, RigidArm
 from tests.armbench import random_links, require_mujoco, vector
 
 require_mujoco()

@@ -109,12 +109,12 @@ def test_the_command_writes_what_the_function_returns(
     ("arguments", "line"),
     [
         (["--arm", "7"], "--arm: expected 2r or 3 or 6, got 7"),
-        (["--arm", "2r", "--effect", "stribec@1"], "--effect stribec@1: one of stribeck, "),
+        (["--arm", "2r", "--effect", "stribec@1"], "--effect stribec@1: expected one of stribeck, "),
         (["--arm", "2r", "--effect", "stribeck@3"], "--effect stribeck@3: expected a joint from 1 to 2, "),
         (["--arm", "2r", "--effect", "stribeck@0"], "--effect stribeck@0: expected a joint from 1 to 2, "),
         (
             ["--arm", "2r", "--effect", "stribeck@1=2"],
-            "--effect stribeck@1: a strength above 0 and at most 1",
+            "--effect stribeck@1: expected a strength above 0 and at most 1",
         ),
         (["--arm", "2r", "--effect", "stribeck[x]"], "--effect stribeck: expected no variant, got x"),
         (["--arm", "2r", "--runs", "2"], "--runs: expected 3 to 20, got 2"),

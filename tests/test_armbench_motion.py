@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.virtual_bench import ArmScenario, random_arm_scenario
-from eccentric.virtual_bench.arms.engine import RigidArm
-from eccentric.virtual_bench.arms.plant import FrictionLaw, JointFriction
+from eccentric.virtual_bench.arms.plant import FrictionLaw, JointFriction, RigidArm
 from eccentric.virtual_bench.arms.scenario import random_arm
 from eccentric.virtual_bench.arms.simulation import ArmTrace, trace
 from tests.armbench import drawn_arm_scenario, require_mujoco

@@ -184,10 +184,7 @@ SYMBOLIC = {
         dict(zip((f"body_0_{part}" for part in HALF), (2, 0, 0, sp.Rational(1, 10)), strict=True)),
     ),
     "inertia": ('["elbow.inertia"]', {f"body_0_{part}": 0 for part in TENSOR}),
-    "all of a body": (
-        '["payload", "payload.mass"]',
-        {f"payload_{part}": 0 for part in (*HALF, *TENSOR)},
-    ),
+    "all of a body": ('["payload", "payload.mass"]', {f"payload_{part}": 0 for part in (*HALF, *TENSOR)}),
     "nothing": ("[]", {}),
 }
 

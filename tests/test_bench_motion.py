@@ -10,7 +10,7 @@ import pytest
 from eccentric.virtual_bench import PlantedEffect
 from eccentric.virtual_bench.plant import Motion, Plant
 from eccentric.virtual_bench.time_step import laws, mover
-from tests.virtual import drawn_scenario
+from tests.virtual import drawn_scenario, moving
 
 # Table 1 of the paper at mu = 1/5, in the reading that its F_1 and F_0 take: k_e = 0.2 V s/rad, F_T = M_l g.
 TABLE_1 = Plant(
@@ -28,9 +28,7 @@ def _run(
     effects: Sequence[PlantedEffect] = (),
     **start: float,
 ) -> Motion:
-    bound = laws(effects)
-    motion = Motion(plant, effects=len(bound), **start)
-    advance = mover(plant, motion, dt, bound)
+    motion, advance = moving(plant, dt, effects, **start)
     for _ in range(round(seconds / dt)):
         advance(voltage)
     return motion
@@ -68,8 +66,7 @@ def test_spin_down_follows_its_closed_form_and_ends_in_rest() -> None:
 def test_friction_takes_what_the_motor_gives_and_gravity_keeps() -> None:
     """Work of k_i i = gain of kinetic and potential energy + work of the friction (17)-(20)."""
     p, dt, voltage = C2, 2.5e-4, 9.0
-    motion = Motion(p, w=30.0)
-    advance = mover(p, motion, dt)
+    motion, advance = moving(p, dt, w=30.0)
     before, driven, lost = _energy(motion, p), 0.0, 0.0
     for _ in range(8000):
         w, theta = motion.w, motion.theta
@@ -126,9 +123,7 @@ def test_backlash_lets_go_of_the_link_for_the_gap() -> None:
     """After a reversal the link's friction is gone while the motor turns by the gap, and only then."""
     scenario = drawn_scenario(case="C1", effects=["backlash"])
     effect = replace(scenario.effects[0], amplitude=0.5)
-    bound = laws([effect])
-    motion = Motion(scenario.plant, w=20.0, effects=len(bound))
-    advance = mover(scenario.plant, motion, 1e-5, bound)
+    motion, advance = moving(scenario.plant, 1e-5, [effect], w=20.0)
     free = 0.0
     for _ in range(100_000):
         travel = motion.travel
@@ -146,9 +141,8 @@ def test_what_the_circuit_gives_the_flux_turns_into_work(family: str) -> None:
     """Without friction or gravity, u i - R i^2 summed over a start is the kinetic energy."""
     scenario = drawn_scenario(case="C1", effects=[family])
     plant = replace(scenario.plant, C_m=0.0, B_m=0.0, C_lN=0.0, B_lN=0.0, gamma_T=0.0, beta_T=0.0)
-    bound = laws([replace(scenario.effects[0], amplitude=0.3)])
-    motion, dt, given = Motion(plant, effects=len(bound)), 5e-4, 0.0
-    advance = mover(plant, motion, dt, bound)
+    dt, given = 5e-4, 0.0
+    motion, advance = moving(plant, dt, [replace(scenario.effects[0], amplitude=0.3)])
     for _ in range(2000):
         advance(8.0)
         given += dt * (8.0 * motion.i - plant.R * motion.i**2)
@@ -191,9 +185,9 @@ def test_warm_dry_friction_slows_a_coasting_drive_by_what_is_left_of_it() -> Non
     scenario = drawn_scenario(effects=["coulomb_temperature"])
     dry = {"M": 0.0, "k_i": 0.0, "k_e": 0.0, "B_m": 0.0, "B_lN": 0.0}
     plant, effect, dt = replace(scenario.plant, **dry), scenario.effects[0], 1e-3
-    motion = Motion(plant, w=40.0, effects=1)
+    motion, advance = moving(plant, dt, [effect], w=40.0)
     motion.temperature = plant.Tamb + 0.5 / effect.amplitude
-    mover(plant, motion, dt, laws([effect]))(0.0)
+    advance(0.0)
     level = plant.C_m + plant.mu * plant.C_lN * plant.M_l * plant.g
 
     assert 0.5 * level * dt / plant.inertia == pytest.approx(40.0 - motion.w, rel=1e-9)

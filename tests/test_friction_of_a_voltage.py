@@ -40,6 +40,7 @@ from tests.virtual import drawn_scenario
 # `make test` has a voltage alone in test_voltage_alone.
 pytestmark = pytest.mark.slow
 
+BY_CURRENT = f"k_i_Nm_per_A = {K_I}\nJ_m_kgm2 = {INERTIA}\nJ_l_kgm2 = 0.0\n"
 OF_CURRENT = {"current", "mechanical_residual", "electrical_residual"}
 OF_VOLTAGE = {"voltage", "electrical_residual"}
 WITHOUT_BACK_EMF = {"mechanical_friction_torque", *OF_CURRENT}
@@ -99,8 +100,7 @@ def test_a_fit_with_a_current_starts_anew_from_such_a_model(tmp_path: Path) -> N
     """As the base of a further fit it has all functions; with the current its friction is mechanical."""
     before = fitted_to(tmp_path, "").model
     signal = {"current_A": torque("C2", FRICTION) / K_I}
-    inertia = f"k_i_Nm_per_A = {K_I}\nJ_m_kgm2 = {INERTIA}\nJ_l_kgm2 = 0.0\n"
-    written(tmp_path, f'case = "C2"\n{KNOWN}{inertia}', signal)
+    written(tmp_path, f'case = "C2"\n{KNOWN}{BY_CURRENT}', signal)
     module = eccentric.fit(tmp_path / "log.csv", tmp_path / "rig.toml", before).module
     expected = resultant() - K_I * K_E / R * SAMPLES[1]
 
@@ -121,9 +121,8 @@ def test_a_current_gives_a_voltage_only_with_the_armature(
     tmp_path: Path, declared: str, expected: set[str]
 ) -> None:
     """Without R and k_e there is none, and no electrical residual; all else stays."""
-    inertia = f"k_i_Nm_per_A = {K_I}\nJ_m_kgm2 = {INERTIA}\nJ_l_kgm2 = 0.0\n"
     signal = {"current_A": torque("C2", FRICTION) / K_I}
-    written(tmp_path, f'case = "C2"\n{KNOWN}{inertia}{declared}', signal)
+    written(tmp_path, f'case = "C2"\n{KNOWN}{BY_CURRENT}{declared}', signal)
     found = eccentric.fit(tmp_path / "log.csv", tmp_path / "rig.toml")
     found.emit(tmp_path / "arm", "arm")
 
@@ -149,12 +148,12 @@ def test_a_torque_gives_a_voltage_only_with_the_torque_constant_too(
     assert expected == set(dir(module)) & OF_VOLTAGE
 
 
-@pytest.mark.slow
 def test_the_model_of_a_diagnosis_has_no_voltage_either(tmp_path: Path) -> None:
     """Of a current without R and k_e: neither what is emitted nor the derivation that is written."""
     noise = 0.02 * np.random.default_rng(3).standard_normal(len(motion()[0]))
-    inertia = f"k_i_Nm_per_A = {K_I}\nJ_m_kgm2 = {INERTIA}\nJ_l_kgm2 = 0.0\n"
-    written(tmp_path, f'case = "C2"\n{KNOWN}{inertia}', {"current_A": torque("C2", FRICTION) / K_I + noise})
+    written(
+        tmp_path, f'case = "C2"\n{KNOWN}{BY_CURRENT}', {"current_A": torque("C2", FRICTION) / K_I + noise}
+    )
     found = eccentric.diagnose(tmp_path / "log.csv", tmp_path / "rig.toml")
     found.write(tmp_path / "found")
     again = eccentric.load_model(tmp_path / "found" / "model.py")
@@ -163,36 +162,20 @@ def test_the_model_of_a_diagnosis_has_no_voltage_either(tmp_path: Path) -> None:
     assert (False, False) == (found.model.voltage_known, again.voltage_known)
 
 
-@pytest.fixture(scope="module")
-def diagnosed_as_declared(tmp_path_factory: pytest.TempPathFactory) -> eccentric.DiagnosisResult:
-    """The diagnosis of case C2 with a voltage, on a rig that declares its whole motor."""
-    folder = tmp_path_factory.mktemp("declared")
+def test_a_diagnosis_keeps_the_declared_motor(tmp_path: Path) -> None:
+    """R and k_i are those of the rig, as the report says; the emitted current is torque over k_i [A]."""
     noise = 0.02 * np.random.default_rng(3).standard_normal(len(motion()[0]))
-    signal = {"voltage_V": voltage("C2") + noise}
-    written(folder, f'case = "C2"\n{KNOWN}{MOTOR}{MASS}', signal)
-    return eccentric.diagnose(folder / "log.csv", folder / "rig.toml")
-
-
-def test_a_diagnosis_keeps_the_declared_motor(diagnosed_as_declared: eccentric.DiagnosisResult) -> None:
-    """R and k_i are those of the rig, and the emitted current is torque over k_i, in amperes."""
-    model, module = diagnosed_as_declared.model, diagnosed_as_declared.module
-    motor = {q.name: q for q in model.parameters if q.name in {"R", "k_i"}}
-    theta, omega, alpha = (x[::997] for x in motion())
+    written(tmp_path, f'case = "C2"\n{KNOWN}{MOTOR}{MASS}', {"voltage_V": voltage("C2") + noise})
+    found = eccentric.diagnose(tmp_path / "log.csv", tmp_path / "rig.toml")
+    motor = {q.name: q for q in found.model.parameters if q.name in {"R", "k_i"}}
+    origins = {row[0]: row[-1] for row in found.table().rows}
+    expected = torque("C2", FRICTION)[::997] / K_I
 
     assert {"R": R, "k_i": K_I} == pytest.approx({n: float(q.default or 0) for n, q in motor.items()})
     assert not any("identified" in q.meaning for q in motor.values())
-    expected = torque("C2", FRICTION)[::997] / K_I
-    assert module.current(theta, omega, alpha) == pytest.approx(expected, rel=1e-2, abs=1e-2)
-
-
-def test_the_report_says_that_the_motor_is_declared(
-    diagnosed_as_declared: eccentric.DiagnosisResult,
-) -> None:
-    """Neither R nor k_i is listed as estimated from the log."""
-    table = diagnosed_as_declared.table()
-    origins = {row[0]: row[-1] for row in table.rows}
-
     assert ("rig", "rig") == (origins["R"], origins["k_i"])
+    at = [x[::997] for x in motion()]
+    assert found.module.current(*at) == pytest.approx(expected, rel=1e-2, abs=1e-2)
 
 
 @pytest.mark.parametrize(
@@ -224,10 +207,7 @@ def called(result: eccentric.DiagnosisResult) -> str:
 
 @pytest.mark.parametrize(
     ("swings", "expected"),
-    [
-        (False, "friction_torque"),
-        pytest.param(True, "mechanical_friction_torque", marks=pytest.mark.slow),
-    ],
+    [(False, "friction_torque"), pytest.param(True, "mechanical_friction_torque", marks=pytest.mark.slow)],
 )
 def test_the_summary_calls_the_friction_that_was_found(tmp_path: Path, swings: bool, expected: str) -> None:
     """Free swings separate the back-EMF from friction, driven runs alone do not; the script says which."""

@@ -70,11 +70,7 @@ def log_of(kappa: float, seed: int) -> tuple[dict[str, Array], dict[str, object]
 
     def motion(time: Array | float) -> tuple[Array, Array, Array]:
         phase = np.multiply.outer(time, rates) + shifts
-        return (
-            -np.cos(phase) @ (sizes / rates),
-            np.sin(phase) @ sizes,
-            np.cos(phase) @ (sizes * rates),
-        )
+        return (-np.cos(phase) @ (sizes / rates), np.sin(phase) @ sizes, np.cos(phase) @ (sizes * rates))
 
     theta, w, alpha = motion(t)
     if kappa:

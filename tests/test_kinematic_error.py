@@ -16,10 +16,8 @@ from scipy.integrate import solve_ivp
 from eccentric.diagnosis import diagnose
 from eccentric.effects import library
 from eccentric.virtual_bench import simulate, write
-from eccentric.virtual_bench.plant import Motion
-from eccentric.virtual_bench.time_step import laws, mover
 from tests.extended import CASES, J_L, J_M, M_L, MU, G, L, M, call, inputs, setting, with_effect
-from tests.virtual import drawn_scenario
+from tests.virtual import drawn_scenario, moving
 
 Array = np.ndarray
 ORDERS = {"motor,n=1": 1.0, "motor,n=2": 2.0, "link,n=1": MU, "link,n=2": 2.0 * MU}
@@ -186,9 +184,7 @@ def test_the_plant_moves_as_the_exact_equation_says(case: str) -> None:
     expected = solve_ivp(motion_of, (0.0, 0.5), [1.0, 30.0], rtol=1e-9, atol=1e-9, max_step=1e-3).y[:, -1]
     away = []
     for dt in (5e-4, 2.5e-4):
-        bound = laws([effect])
-        motion = Motion(p, theta=1.0, w=30.0, effects=len(bound))
-        advance = mover(p, motion, dt, bound)
+        motion, advance = moving(p, dt, [effect], theta=1.0, w=30.0)
         for _ in range(round(0.5 / dt)):
             advance(6.0)
         away.append(abs(motion.w - expected[1]))

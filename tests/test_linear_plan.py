@@ -54,7 +54,7 @@ def test_limits_of_another_kind_are_refused(limits: dict[str, object], message: 
 
 def test_a_force_that_is_too_small_is_told_in_newtons() -> None:
     """It is named by its key, in its unit: no ampere where none was given. Dry friction and load are 23 N."""
-    message = r"limits: force_N: enough for load and friction .*, ([\d.]+) N with .*, got 2 N$"
+    message = r"limits: force_N: expected enough for load and friction .*, ([\d.]+) N with .*, got 2 N$"
     with pytest.raises(InputError, match=message) as refused:
         eccentric.plan(logged(2, seconds=6.0, runs=1), RIG, {**LIMITS, "force_N": 2})
     said = str(refused.value)

@@ -24,6 +24,7 @@ from eccentric.diagnosis.search import PARTS, STABLE, SURE, Variant
 from eccentric.model import TURNING, load_model
 from eccentric.planning import (
     Bounds,
+    MeasurementPlan,
     plan_detection,
     planned,
     question_from,
@@ -40,11 +41,12 @@ from eccentric.presentation import diagnosis_document, plan_lines
 from eccentric.rigs import read_rig
 from eccentric.virtual_bench import random_scenario, simulate
 
+Tied = tuple[dict[str, np.ndarray], dict[str, object]]
 LIMITS = {"speed_rad_s": 190.0, "acceleration_rad_s2": 500.0, "current_A": 9.0, "time_s": 40.0}
 
 
 @pytest.fixture(scope="module")
-def tied() -> tuple[dict[str, np.ndarray], dict[str, object]]:
+def tied() -> Tied:
     """A log in which an eddy-current brake and Stribeck friction look alike, and its rig; it is the brake."""
     rng = np.random.default_rng(160019)
     case, log_type = str(rng.choice(["C1", "C2"])), str(rng.choice(["runs", "traj"]))
@@ -55,7 +57,7 @@ def tied() -> tuple[dict[str, np.ndarray], dict[str, object]]:
 
 
 @pytest.fixture(scope="module")
-def found(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> Diagnosis:
+def found(tied: Tied) -> Diagnosis:
     """Its diagnosis."""
     return diagnose([tied[0]], tied[1])
 
@@ -65,6 +67,12 @@ def contest(found: Diagnosis) -> Separation:
     """Its rivals."""
     assert found.attribution.verdict == "not_identifiable"
     return Separation(question_of(found))
+
+
+@pytest.fixture(scope="module")
+def plan(contest: Separation) -> MeasurementPlan:
+    """The plan that decides between them."""
+    return planned(contest.question, read_bounds(LIMITS))
 
 
 @pytest.mark.parametrize("angle", [None, (-3.0, 5.0)])
@@ -151,12 +159,12 @@ def _rows(ground: Ground, truth: Rival, variants: list[Variant]) -> tuple[np.nda
 
 
 def test_the_plan_keeps_the_limits_and_is_written_as_it_is(
-    tied: tuple[dict[str, np.ndarray], dict[str, object]], tmp_path: Path
+    tied: Tied, found: Diagnosis, tmp_path: Path
 ) -> None:
     """What the files hold: the motion within its limits, and C that compiles silently and holds the same."""
-    found = eccentric.plan(*tied, LIMITS)
+    result = eccentric.plan(*tied, LIMITS, diagnosis=diagnosis_document(found))
     out = tmp_path / "plan"
-    names = sorted(path.name for path in found.write(out))
+    names = sorted(path.name for path in result.write(out))
     assert names == ["plan.json", "plan.png", "plan.svg", "reference.csv", "reference.h"]
 
     table = np.genfromtxt(out / "reference.csv", delimiter=",", names=True)
@@ -206,10 +214,7 @@ def test_the_angle_is_that_of_the_log() -> None:
 
 
 def test_an_earlier_diagnosis_says_what_is_open(
-    tied: tuple[dict[str, np.ndarray], dict[str, object]],
-    found: Diagnosis,
-    contest: Separation,
-    monkeypatch: pytest.MonkeyPatch,
+    tied: Tied, found: Diagnosis, contest: Separation, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """From its document, without a search: the same rivals, as likely, with the same fits to the log."""
 
@@ -237,9 +242,7 @@ def test_an_earlier_diagnosis_says_what_is_open(
     assert apart[0] == pytest.approx(apart[1], rel=0.05)
 
 
-def test_an_effect_of_the_circuit_beside_what_is_open_changes_nothing(
-    tied: tuple[dict[str, np.ndarray], dict[str, object]], found: Diagnosis
-) -> None:
+def test_an_effect_of_the_circuit_beside_what_is_open_changes_nothing(tied: Tied, found: Diagnosis) -> None:
     """A motion is judged in the balance of the rivals; what the other one lacks stays out of it."""
     said = json.loads(json.dumps(diagnosis_document(found)))
     circuit = {"id": "inverter_deadtime", "family": "inverter_deadtime", "probability": 0.99}
@@ -254,9 +257,7 @@ def test_an_effect_of_the_circuit_beside_what_is_open_changes_nothing(
         np.testing.assert_allclose(one.coefficients, other.coefficients, rtol=1e-6)
 
 
-def test_a_document_without_a_tie_leaves_one_model(
-    tied: tuple[dict[str, np.ndarray], dict[str, object]], found: Diagnosis
-) -> None:
+def test_a_document_without_a_tie_leaves_one_model(tied: Tied, found: Diagnosis) -> None:
     """That of the base where nothing is missing, that with the effect where one is named: fitted as ever."""
     said = {**diagnosis_document(found), "tied": []}
     search = found.attribution.searches["mechanical"]
@@ -272,23 +273,23 @@ def test_a_document_without_a_tie_leaves_one_model(
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"format": "eccentric-fit/1"}, r"expected format eccentric-diagnosis/1"),
+        (
+            {"format": "eccentric-fit/1"},
+            r"expected a document of format eccentric-diagnosis/1, got 'eccentric-fit/1'",
+        ),
         ({"logs": ["other.csv"]}, r"logs: expected the diagnosis of .*, got that of other.csv"),
-        ({"model": "c1_asymmetric"}, r"model: that of these logs"),
+        ({"model": "c1_asymmetric"}, r"model: expected that of these logs"),
         ({"tied": None}, r"expected tied, got none: diagnose the logs again"),
         ({"fits_the_rig": False}, r"expected a log that fits the rig"),
         ({"asked": {"with": ["stribeck"]}}, r"without effects to begin with .* got one with stribeck"),
         (
             {"extended_by": ["my_effect"], "tied": ["my_effect"]},
-            r"effects that these logs can show .* my_effect",
+            r"expected effects that these logs can show, got my_effect",
         ),
     ],
 )
 def test_a_diagnosis_of_something_else_is_refused(
-    tied: tuple[dict[str, np.ndarray], dict[str, object]],
-    found: Diagnosis,
-    changed: dict[str, object],
-    message: str,
+    tied: Tied, found: Diagnosis, changed: dict[str, object], message: str
 ) -> None:
     """One line with the key, what is required and what came."""
     said = {
@@ -298,7 +299,7 @@ def test_a_diagnosis_of_something_else_is_refused(
         question_from(said, [tied[0]], read_rig(tied[1]), None)
 
 
-def test_a_log_of_another_rig_is_refused(tied: tuple[dict[str, np.ndarray], dict[str, object]]) -> None:
+def test_a_log_of_another_rig_is_refused(tied: Tied) -> None:
     """Its current belongs to another time: there is nothing to plan from."""
     columns = {name: column[:5000] for name, column in tied[0].items()}
     columns |= {name: np.roll(columns[name], 2500) for name in ("current_A", "voltage_V")}
@@ -310,11 +311,11 @@ def test_a_log_of_another_rig_is_refused(tied: tuple[dict[str, np.ndarray], dict
     ("changed", "message"),
     [
         ({"speed_rad_s": None}, r"limits: expected speed_rad_s"),
-        ({"speed_rad_s": -1.0}, r"limits: speed_rad_s: a finite number above 0"),
+        ({"speed_rad_s": -1.0}, r"limits: speed_rad_s: expected a finite number above 0"),
         ({"speed_rad_s": "3 m"}, r"limits: speed_rad_s: .*rad/s"),
-        ({"time_s": 2.0}, r"limits: time_s: at least 10 s"),
-        ({"angle_rad": [1.0, -1.0]}, r"limits: angle_rad: lower before upper"),
-        ({"angle_rad": 1.0}, r"limits: angle_rad: a range of two"),
+        ({"time_s": 2.0}, r"limits: time_s: expected at least 10 s"),
+        ({"angle_rad": [1.0, -1.0]}, r"limits: angle_rad: expected lower before upper"),
+        ({"angle_rad": 1.0}, r"limits: angle_rad: expected a range of two"),
         ({"torque": 1.0}, r"limits: .*torque"),
     ],
 )
@@ -333,17 +334,22 @@ def test_all_mistakes_of_a_limits_file_are_told_at_once() -> None:
         )
     said = str(error.value)
     assert "\n" not in said
-    for part in ("'torque'", "acceleration_rad_s2 is", "'fast'", "current_A:", "time_s:", "speed_loop_Hz:"):
+    for part in (
+        "'torque'",
+        "acceleration_rad_s2, got none",
+        "'fast'",
+        "current_A:",
+        "time_s:",
+        "speed_loop_Hz:",
+    ):
         assert part in said, part
 
 
-def test_a_current_that_moves_nothing_is_refused(
-    contest: Separation,
-) -> None:
+def test_a_current_that_moves_nothing_is_refused(contest: Separation) -> None:
     """No piece of motion stays within it; the message says what friction and load take."""
-    with pytest.raises(InputError, match=r"current_A: enough for load and friction") as error:
+    with pytest.raises(InputError, match=r"current_A: expected enough for load and friction") as error:
         planned(contest.question, read_bounds({**LIMITS, "current_A": 1e-3}))
-    needed = float(re.findall(r"required, ([0-9.e-]+) A", str(error.value))[0])
+    needed = float(re.findall(r"motion, ([0-9.e-]+) A", str(error.value))[0])
     planned(contest.question, read_bounds({**LIMITS, "current_A": 1.5 * needed}))
 
 
@@ -357,32 +363,30 @@ def test_a_current_that_moves_nothing_is_refused(
         (0.3, "0.2 kg more on the link would not settle it either."),
     ],
 )
-def test_more_mass_is_told_where_it_helps_and_where_not(contest: Separation, more: float, words: str) -> None:
+def test_more_mass_is_told_where_it_helps_and_where_not(
+    plan: MeasurementPlan, more: float, words: str
+) -> None:
     """Beside a plan that is not likely to decide, which says so."""
-    plan = replace(planned(contest.question, read_bounds(LIMITS)), probability=0.4)
-    said = plan_lines(replace(plan, heavier=Heavier(0.2, more)))
+    said = plan_lines(replace(plan, probability=0.4, heavier=Heavier(0.2, more)))
     assert "No motion within the limits is likely to settle it; this is the best one." in said
     assert any(line.startswith(words) for line in said)
 
 
-def test_rivals_that_are_the_same_torque_are_told_as_such(contest: Separation) -> None:
+def test_rivals_that_are_the_same_torque_are_told_as_such(contest: Separation, plan: MeasurementPlan) -> None:
     """One effect under two names: no motion decides, and none has to; two that differ are not the same."""
     first = replace(contest.rivals[0], chance=0.5)
     twins = replace(contest.question, rivals=(first, replace(first, family="twin")))
     words = f"{first.family} and twin predict the same torque on log and motion"
 
-    plan = planned(twins, read_bounds(LIMITS))
-    assert plan.same == ((first.family, "twin"),)
-    assert plan.probability == pytest.approx(0.0, abs=1e-6)
-    assert any(line.startswith(words) for line in plan_lines(plan))
-    assert planned(contest.question, read_bounds(LIMITS)).same == ()
+    same = planned(twins, read_bounds(LIMITS))
+    assert same.same == ((first.family, "twin"),)
+    assert same.probability == pytest.approx(0.0, abs=1e-6)
+    assert any(line.startswith(words) for line in plan_lines(same))
+    assert plan.same == ()
 
 
 def test_the_command_prints_what_is_open(
-    tied: tuple[dict[str, np.ndarray], dict[str, object]],
-    found: Diagnosis,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    tied: Tied, found: Diagnosis, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """From files to files, by an earlier diagnosis, with a missing limit and a wrong document as one line."""
     log, rig, limits, said = (tmp_path / name for name in ("log.csv", "rig.json", "limits.toml", "said.json"))
@@ -401,7 +405,7 @@ def test_the_command_prints_what_is_open(
 
     limits.write_text(limits.read_text(encoding="utf-8") + 'current_A = "9000 mA"\n', encoding="utf-8")
     assert main(given) == 2
-    assert "said.json: logs: the diagnosis of" in capsys.readouterr().err
+    assert "said.json: logs: expected the diagnosis of" in capsys.readouterr().err
     assert not out.exists()
 
     said.write_text(json.dumps({**diagnosis_document(found), "logs": ["log.csv"]}), encoding="utf-8")

@@ -13,23 +13,16 @@ from scipy.integrate import solve_ivp
 
 import eccentric
 from eccentric.cli import main
+from eccentric.effects import library
 from eccentric.model import load_model
 from eccentric.simulation import DrivePlant, Law, Recording, Spans, integrate, together, whole_runs, windows
+from eccentric.simulation.plant import complete
+from tests.extended import setting
 
 ROOT = Path(__file__).resolve().parents[1]
 LOG, RIG = (ROOT / "examples" / "bench" / name for name in ("bench.csv.gz", "bench.toml"))
-NONE: dict[str, Any] = {
-    "M_l": 0.0,
-    "B_lN": 0.0,
-    "C_lN": 0.0,
-    "B_m": 0.0,
-    "C_m": 0.0,
-    "R": 1.0,
-    "k_e": 0.0,
-    "B_lT": 0.0,
-    "C_lT": 0.0,
-    "F_T": 0.0,
-}
+ABSENT = ("M_l", "B_lN", "C_lN", "B_m", "C_m", "k_e", "B_lT", "C_lT", "F_T")
+NONE: dict[str, Any] = {"R": 1.0, **dict.fromkeys(ABSENT, 0.0)}
 
 
 def recording(t: np.ndarray, signal: np.ndarray | float, **changes: Any) -> Recording:
@@ -162,6 +155,32 @@ def test_parameter_sets_at_once_are_each_of_them_alone() -> None:
         for span in range(3):
             alone = integrate(one, log, spans.chosen(np.arange(3) == span)).theta_m
             assert found.theta_m[k, found.span == span].tolist() == alone.tolist()
+
+
+@pytest.mark.parametrize(
+    "effect", ["stribeck[d=0.5]", "presliding[lugre]", "magnetic_hysteresis[play]", "viscosity_temperature"]
+)
+def test_a_span_alone_has_the_bits_of_one_of_many(effect: str) -> None:
+    """Numbers and arrays: powers, exponentials, hidden states, bristles."""
+    base = setting("C2", warm=True)
+    (own,) = (one for one in library(base) if one.id == effect)
+    model = own.extend(base.base)
+    law, added = Law(model), {q.name: 0.003 for q in model.parameters if q not in base.base.parameters}
+    shapes = {s.quantity.name: 0.5 * (s.low + s.high) for s in own.shapes}
+    values = complete(model, {"J_m": 2e-4, "J_l": 0.035, **added, **shapes})
+    t = np.arange(0.0, 0.5, 4e-3)
+    log = recording(t, 0.6 * np.sin(9.0 * t))
+    states = {name: np.full(len(t), x) for name, x in law.initial.items()}
+    log = dataclasses.replace(log, inputs={**log.inputs, "temperature": 30.0 + t}, states=states)
+    spans = Spans(np.zeros(9, int), np.full(9, len(t) - 1))
+
+    alone, many = (
+        integrate(DrivePlant(law, values, 1.0, 0.0), log, s).theta_m
+        for s in (spans.chosen(np.zeros(1, int)), spans)
+    )
+
+    assert np.ptp(alone) > 0.1
+    assert many.tolist() == [*alone.tolist()] * 9
 
 
 def test_windows_start_every_half_horizon_inside_the_held_out_part() -> None:

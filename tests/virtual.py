@@ -1,10 +1,13 @@
 """Scenarios of the virtual bench, and their logs."""
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from eccentric.virtual_bench import Scenario, random_scenario, simulate, write
+from eccentric.virtual_bench import PlantedEffect, Scenario, random_scenario, simulate, write
+from eccentric.virtual_bench.plant import Motion, Plant
+from eccentric.virtual_bench.time_step import laws, mover
 
 
 def drawn_scenario(seed: int = 3, /, **options: object) -> Scenario:
@@ -19,3 +22,12 @@ def log_of(tmp_path: Path, seed: int, *effects: tuple[str, float], **given: obje
     log, rig, truth = write(simulate(scenario), tmp_path / f"log{seed}.csv.gz")
     truth.unlink()
     return log, rig
+
+
+def moving(
+    plant: Plant, dt: float, effects: Sequence[PlantedEffect] = (), **start: float
+) -> tuple[Motion, Callable[[float], None]]:
+    """A rig with these effects, and what advances it by `dt` seconds under a voltage."""
+    bound = laws(effects)
+    motion = Motion(plant, effects=len(bound), **start)  # pyright: ignore[reportArgumentType]
+    return motion, mover(plant, motion, dt, bound)

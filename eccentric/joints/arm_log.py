@@ -128,8 +128,33 @@ class ArmLog:
         return fit_rows(self.channels[j], self.channels[j].rig)
 
     def drive(self, j: int) -> Drive:
-        """The drive of joint j without what it meets."""
-        return _drive(self, j)
+        """The drive of joint j without what it meets.
+
+        Without k_i, the declared bodies determine the torque of an ampere; with open bodies nothing does, and
+        the result is in amperes.
+        """
+        channels, rig = self.channels[j], self.rig.joints[j]
+        by, where = channels.motor.measured_by, f"{self.rig.path}: [drives]"
+        known: Mapping[str, float] = {
+            name: rig.known[name] for name in ("mu", "k_i", "R", "k_e") if name in rig.known
+        }
+        machine = Machine(joint_model("joint", "A joint", ()))
+        if by == "torque":
+            return Drive(machine, channels, {**known, "k_i": 1.0}, None, "N m")
+        if by == "current":
+            if "k_i" in known:
+                return Drive(machine, channels, known, None, "N m")
+            if j < len(self.gains) and (gain := self.gains[j]) is not None:
+                return Drive(machine, channels, {**known, "k_i": gain.value}, None, "N m")
+            return Drive(machine, channels, {**known, "k_i": 1.0}, None, "A")
+        if missing := [name for name in ("k_i", "R", "k_e") if name not in known]:
+            raise InputError(
+                f"{where} {missing[0]}",
+                "a value",
+                "none",
+                why=f"to convert the voltage of joint {self.rig.number(j)} to torque",
+            )
+        return Drive(machine, channels, known, known["R"] / known["k_i"], "N m")
 
     def joint(self, j: int, loads: Collection[Load], name: str = "") -> tuple[Model, FitData]:
         """Joint j as a log of one drive, and the model whose friction follows these loads."""
@@ -238,36 +263,6 @@ def _gain(scale: Estimate, rig: ArmRig, j: int) -> Estimate:
         raise InputError(f"{rig.path}: [drives] k_i", problem=f"{required}: {reason}")
     value = 1.0 / scale.value
     return Estimate(value, value**2 * scale.std_error, (1.0 / high, 1.0 / low), "N m/A")
-
-
-def _drive(log: ArmLog, j: int) -> Drive:
-    """The drive of a joint.
-
-    Without k_i, the declared bodies determine the torque of an ampere; with open bodies nothing does, and the
-    result is in amperes.
-    """
-    channels, rig = log.channels[j], log.rig.joints[j]
-    by, where = channels.motor.measured_by, f"{log.rig.path}: [drives]"
-    known: Mapping[str, float] = {
-        name: rig.known[name] for name in ("mu", "k_i", "R", "k_e") if name in rig.known
-    }
-    machine = Machine(joint_model("joint", "A joint", ()))
-    if by == "torque":
-        return Drive(machine, channels, {**known, "k_i": 1.0}, None, "N m")
-    if by == "current":
-        if "k_i" in known:
-            return Drive(machine, channels, known, None, "N m")
-        if j < len(log.gains) and (gain := log.gains[j]) is not None:
-            return Drive(machine, channels, {**known, "k_i": gain.value}, None, "N m")
-        return Drive(machine, channels, {**known, "k_i": 1.0}, None, "A")
-    if missing := [name for name in ("k_i", "R", "k_e") if name not in known]:
-        raise InputError(
-            f"{where} {missing[0]}",
-            "a value",
-            "none",
-            why=f"to convert the voltage of joint {log.rig.number(j)} to torque",
-        )
-    return Drive(machine, channels, known, known["R"] / known["k_i"], "N m")
 
 
 def _below(channels: Channels, cut: float, own: float) -> tuple[Array, Array, Array]:

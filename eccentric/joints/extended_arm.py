@@ -7,7 +7,7 @@ recursion of the chain stands in their place, and everything else of the joint g
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import sympy as sp
 
@@ -36,6 +36,7 @@ from eccentric.model import vocabulary as v
 
 _OF_THE_ARM = frozenset({"drive", "inertial", "bodies", "gravity"})
 """Kinds of terms that the recursion has already, for a joint."""
+_OF_THE_CHAIN = frozenset({v.mu.symbol, v.F_N.symbol})
 
 
 def why_not_emitted(found: ArmDiagnosis) -> str:
@@ -90,11 +91,11 @@ def in_an_arm(found: Recursion, joints: Sequence[Model], name: str, title: str) 
     plain = arm(found.chain, title, found=found)
     gravity, moments = _gravity(found)
     own = [
-        _Own(found, j, drive, model, torque).parts(plain)
+        _Own(found, j, drive, model, torque)
         for j, (drive, model, torque) in enumerate(zip(drives(found), joints, moments, strict=True))
     ]
     logged = {q.symbol: q for part in own for q in part.inputs}
-    balances = tuple(balance for part in own for balance in part.balances)
+    balances = tuple(part.balance(plain, name) for part in own for name in ("mechanical", "electrical"))
     definitions = (*gravity, *(d for part in own for d in part.definitions))
     states = tuple(state for part in own for state in part.states)
     used = _used(balances, definitions, states)
@@ -128,17 +129,6 @@ def _used(
         used |= waiting
         waiting = set().union(*(values[x].free_symbols for x in waiting if x in values)) - used
     return used
-
-
-@dataclass(frozen=True)
-class _Parts:
-    """What one joint adds to the model of an arm."""
-
-    inputs: tuple[Quantity, ...]
-    parameters: tuple[Quantity, ...]
-    definitions: tuple[Definition, ...]
-    states: tuple[State, ...]
-    balances: tuple[Balance, ...]
 
 
 class _Own:
@@ -180,29 +170,42 @@ class _Own:
             if q.symbol not in self._letters
         }
 
-    def parts(self, plain: Model) -> _Parts:
-        """What this joint adds; `plain` is the arm without models of its joints."""
-        model, known = self._model, {v.mu.symbol, v.F_N.symbol}
-        names = {q.symbol for q in model.inputs}
+    @property
+    def inputs(self) -> tuple[Quantity, ...]:
+        """The inputs of its model that the arm does not have."""
+        names = {q.symbol for q in self._model.inputs}
         logged = {v.temperature.symbol: self._temperature, v.t.symbol: v.t}
-        return _Parts(
-            tuple(q for symbol, q in logged.items() if symbol in names),
-            tuple(self._parameter(q) for q in model.parameters if q.symbol not in known),
-            tuple(
-                Definition(self._numbered(d.quantity), self._of_the_arm(d.value))
-                for d in model.definitions
-                if d.symbol not in known
-            ),
-            tuple(
-                State(
-                    self._numbered(state.quantity),
-                    self._of_the_arm(state.initial),
-                    self._of_the_arm(state.update),
-                )
-                for state in model.states
-            ),
-            tuple(self._balance(plain, name) for name in ("mechanical", "electrical")),
+        return tuple(q for symbol, q in logged.items() if symbol in names)
+
+    @property
+    def parameters(self) -> tuple[Quantity, ...]:
+        """Its parameters beside those of the chain."""
+        return tuple(self._parameter(q) for q in self._model.parameters if q.symbol not in _OF_THE_CHAIN)
+
+    @property
+    def definitions(self) -> tuple[Definition, ...]:
+        """Its definitions beside those of the chain."""
+        return tuple(
+            Definition(self._numbered(d.quantity), self._of_the_arm(d.value))
+            for d in self._model.definitions
+            if d.symbol not in _OF_THE_CHAIN
         )
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        """Its hidden states."""
+        return tuple(
+            State(self._numbered(s.quantity), self._of_the_arm(s.initial), self._of_the_arm(s.update))
+            for s in self._model.states
+        )
+
+    def balance(self, plain: Model, name: str) -> Balance:
+        """A balance of the arm with the terms of its model; `plain` is the arm without such models."""
+        balance = plain.balance(f"{name}_{self._j}")
+        kept = tuple(term for term in balance.terms if term.kind in _OF_THE_ARM)
+        added = map(self._term, self._model.balance(name).terms)
+        left = _OF_THE_ARM | ({"actuator"} if name == "electrical" else set())
+        return replace(balance, terms=(*kept, *(t for t in added if t.kind not in left and t.basis != 0)))
 
     def _of_the_arm(self, value: sp.Expr) -> sp.Expr:
         return value.xreplace(self._letters)
@@ -218,13 +221,6 @@ class _Own:
         own, remark = self._numbered(q), "".join(q.meaning.partition("; ")[1:])
         given = self._given.get(own.name)
         return own if given is None else replace(given, meaning=given.meaning + remark, default=q.default)
-
-    def _balance(self, plain: Model, name: str) -> Balance:
-        balance = plain.balance(f"{name}_{self._j}")
-        kept = tuple(term for term in balance.terms if term.kind in _OF_THE_ARM)
-        added = map(self._term, self._model.balance(name).terms)
-        left = _OF_THE_ARM | ({"actuator"} if name == "electrical" else set())
-        return replace(balance, terms=(*kept, *(t for t in added if t.kind not in left and t.basis != 0)))
 
     def _term(self, term: Term) -> Term:
         coefficient, basis = map(self._of_the_arm, (term.coefficient, term.basis))

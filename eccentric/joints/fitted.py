@@ -193,10 +193,7 @@ class ArmFit:
 
 
 def fit_arm(
-    logs: Sequence[LogSource],
-    rig: ArmRig,
-    names: Sequence[str],
-    tell: Callable[[str], None] = lambda _: None,
+    logs: Sequence[LogSource], rig: ArmRig, names: Sequence[str], tell: Callable[[str], None] = lambda _: None
 ) -> ArmFit:
     """Fit the friction of every joint.
 

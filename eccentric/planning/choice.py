@@ -103,10 +103,7 @@ def chosen(
 
 
 def kept(
-    separation: Separation,
-    parts: Sequence[Segment],
-    bounds: Bounds,
-    least: float = 0.0,
+    separation: Separation, parts: Sequence[Segment], bounds: Bounds, least: float = 0.0
 ) -> Offer | None:
     """The same motion, slower where needed for true drives to keep the limits.
 
@@ -222,8 +219,7 @@ def require_link(rig: Rig, model: Model) -> None:
     if missing := [name for name in letters if name not in rig.known]:
         received = "a range" if set(missing) & set(rig.unknown) else "none"
         raise InputError(
-            rig.path,
-            problem=f"expected [known] {' and '.join(missing)} to add a mass, got {received}",
+            rig.path, problem=f"expected [known] {' and '.join(missing)} to add a mass, got {received}"
         )
     if not set(letters) <= {q.name for q in model.parameters}:
         raise InputError("--added", "a model with an unbalanced mass", model.name)

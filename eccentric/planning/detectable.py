@@ -145,7 +145,7 @@ def plan_detection(
         needs = f" at {least / abs(k_i):.3g} A" if least and k_i else ""
         raise InputError("limits", f"room for one motion{needs}", f"{bounds.current:g} A")
     z = min(seen.z.values())
-    units = {c.parameter.name: q.unit for c in regressor(model) for q in [c.parameter]}
+    units = {c.parameter.name: c.parameter.unit for c in regressor(model)}
     return DetectionPlan(
         model=model.name,
         sought={name: Sought(value, units[name], seen.z[name]) for name, value in values.items()},
@@ -232,11 +232,8 @@ class _Bench:
 
     def _along(self, motion: Reference) -> tuple[Array, Array, Array]:
         """Columns of friction (n, k), torque without friction (n,), and columns of what is not known."""
-        names, values = (
-            ("theta_m", "omega_m", "alpha_m", "t"),
-            (motion.theta, motion.omega, motion.alpha, motion.t),
-        )
-        inputs = {name: np.asarray(x, np.float64) for name, x in zip(names, values, strict=True)}
+        signals = {"theta_m": motion.theta, "omega_m": motion.omega, "alpha_m": motion.alpha, "t": motion.t}
+        inputs = {name: np.asarray(x, np.float64) for name, x in signals.items()}
         parameters = self._emitted.parameters(self.known)
         friction = self._emitted("regressor", inputs, parameters)
         gravity = np.broadcast_to(self._emitted("gravity_torque", inputs, parameters), motion.t.shape)

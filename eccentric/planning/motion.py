@@ -303,9 +303,9 @@ def _sines(
     yield Segment(f"a sum of sines, 5 frequencies to {np.max(frequency):.2g} Hz", min(scales) * omega)
 
 
-def _ramp(change: float, steep: float) -> float:
+def _ramp(change: Any, steep: float) -> Any:
     """The time [s] of a smoothstep by this change of speed: its rate is 1.5 times its mean."""
-    return 1.5 * abs(float(change)) / steep
+    return 1.5 * np.abs(change) / steep
 
 
 def _timed(speeds: Array, lengths: Array, steep: float) -> Array | None:
@@ -313,16 +313,15 @@ def _timed(speeds: Array, lengths: Array, steep: float) -> Array | None:
 
     None where a ramp does not fit into its length.
     """
-    edges = np.r_[0.0, np.cumsum(lengths)]
-    last = _ramp(speeds[-1], steep)
-    t = np.arange(int(np.ceil((edges[-1] + last) * RATE_HZ)) + 1) / RATE_HZ
-    omega, before = np.zeros_like(t), 0.0
-    for start, length, speed in zip(edges, [*lengths, np.inf], [*speeds, 0.0], strict=False):
-        ramp = _ramp(speed - before, steep)
-        if ramp > length:
-            return None
-        omega += (speed - before) * _step((t - start) / ramp if ramp else (t >= start).astype(float))
-        before = float(speed)
+    starts, changes = np.r_[0.0, np.cumsum(lengths)], np.diff(speeds, prepend=0.0, append=0.0)
+    ramps = _ramp(changes, steep)
+    if np.any(ramps > np.r_[lengths, np.inf]):
+        return None
+    t = np.arange(int(np.ceil((starts[-1] + ramps[-1]) * RATE_HZ)) + 1) / RATE_HZ
+    part = np.searchsorted(starts, t, side="right") - 1
+    change, ramp = changes[part], ramps[part]
+    done = np.divide(t - starts[part], ramp, out=np.ones_like(t), where=ramp > 0.0)
+    omega = np.r_[0.0, np.cumsum(changes)][part] + change * _step(done)
     omega[-1] = 0.0
     return omega
 

@@ -163,7 +163,7 @@ def question_from(
     said = document if isinstance(document, Mapping) else read_document(Path(where), "a diagnosis.json")
     _require_known(said, where)
     if not said["fits_the_rig"]:
-        raise _unfit(rig.path, "")
+        raise _unfit(rig.path, " that does not")
     stage, names = staged_log(logs, rig, model)
     # The folders of logs with one name are as they were typed, here and there.
     if [Path(name).name for name in names] != [Path(str(name)).name for name in said["logs"]]:

@@ -134,7 +134,7 @@ def _followed(
     gain = 2.0 * math.pi * loop_hz * (met.inertia if met.tuned_for is None else met.tuned_for)
     per_step, pole = gain * INTEGRAL_PER_S * dt, 1.0 - math.exp(-2.0 * math.pi * SPEED_FILTER_HZ * dt)
     step, speed, seen, integral, away = dt / inertia, 0.0, 0.0, load[0], 0.0
-    fastest = strongest = low = high = 0.0
+    speeds, torques, deviations = [0.0], [0.0], [0.0]
     for asked, pull, hold in zip(motion.omega.tolist(), load, dry, strict=True):
         level = step * hold
         for _ in range(LOOP_STEPS):
@@ -145,9 +145,10 @@ def _followed(
             speed = push - level if push > level else push + level if push < -level else 0.0
             seen += pole * (speed - seen)
             away += dt * (speed - asked)
-            strongest = max(strongest, abs(torque))
-        fastest, low, high = max(fastest, abs(speed)), min(low, away), max(high, away)
-    return fastest, strongest, low, high
+            torques.append(torque)
+        speeds.append(speed)
+        deviations.append(away)
+    return max(map(abs, speeds)), max(map(abs, torques)), min(deviations), max(deviations)
 
 
 def _size(motion: Reference, friction: Floats) -> Floats:

@@ -19,6 +19,7 @@ from eccentric.simulation.plant import DrivePlant, plants_of
 from eccentric.simulation.recording import Recording, Spans, whole_runs, windows
 
 Array = NDArray[np.float64]
+Tell = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ class SimulatedErrors:
 
 
 def simulated_errors(
-    fits: Mapping[str, Refit], *, runs: bool = False, tell: Callable[[float], None] | None = None
+    fits: Mapping[str, Refit], *, runs: bool = False, tell: Tell | None = None
 ) -> SimulatedErrors | None:
     """Simulate fitted models on the held-out part of their log; None for a joint that others load.
 
@@ -127,11 +128,22 @@ def errors_of(
     channels: Channels,
     *,
     runs: bool = False,
-    tell: Callable[[float], None] | None = None,
+    tell: Tell | None = None,
 ) -> SimulatedErrors:
     """The same for plants by name, each with its log."""
-    clock, models, traced = _Clock(), list[ModelErrors](), dict[str, tuple[Recording, SimulatedMotion]]()
-    counts, controlled = tuple[int, ...](), False
+    models, traced = list[ModelErrors](), dict[str, tuple[Recording, SimulatedMotion]]()
+    counts, controlled, simulated, took = tuple[int, ...](), False, 0.0, 0.0
+
+    def moved(
+        plant: DrivePlant, recording: Recording, spans: Spans, feedback: Feedback | None, tell: Tell | None
+    ) -> SimulatedMotion:
+        nonlocal simulated, took
+        begun = time.perf_counter()
+        found = integrate(plant, recording, spans, feedback, tell)
+        took += time.perf_counter() - begun
+        simulated += float(np.sum(recording.t[spans.start + spans.steps] - recording.t[spans.start]))
+        return found
+
     for k, (name, (plant, recording)) in enumerate(plants.items()):
 
         def of(part: float, k: int = k) -> None:
@@ -141,20 +153,17 @@ def errors_of(
         rows = recording.held_out & recording.wanted
         each = [windows(recording, horizon, rows) for horizon in HORIZONS_S]
         counts = tuple(map(len, each))
-        every = Spans(*(np.concatenate([getattr(s, x) for s in each]) for x in ("start", "steps")))
-        found = clock.integrated(plant, recording, every, None, None if runs else of)
+        found = moved(plant, recording, sum(each[1:], each[0]), None, None if runs else of)
         horizons = _by_group(found, recording, counts)
         traced[name] = recording, found
         whole = with_servo = None
         if runs:
             servo = servo_of(channels, recording.zero)
-            spans = whole_runs(recording)
-            kept = np.array([bool(np.all(recording.wanted[a : a + n + 1])) for a, n in _pairs(spans)], bool)
-            spans = spans.chosen(kept)
-            found = clock.integrated(plant, recording, spans, None, of)
+            spans = whole_runs(recording).inside(recording.wanted)
+            found = moved(plant, recording, spans, None, of)
             whole = _by_run(found, recording, channels)
             if servo is not None:
-                found = clock.integrated(plant, recording, spans, servo, None)
+                found = moved(plant, recording, spans, servo, None)
                 with_servo, controlled = _by_run(found, recording, channels), True
                 traced[name] = recording, found
         models.append(ModelErrors(name, horizons, whole, with_servo))
@@ -162,36 +171,8 @@ def errors_of(
         tell(1.0)
     first = 0 if controlled else sum(counts[:-1])
     traces = _traces(traced, channels, first, controlled)
-    return SimulatedErrors(HORIZONS_S, counts, tuple(models), traces, controlled, clock.speed)
-
-
-class _Clock:
-    """Integrates, and adds up the time that was simulated and that it took."""
-
-    def __init__(self) -> None:
-        self._simulated, self._took = 0.0, 0.0
-
-    def integrated(
-        self,
-        plant: DrivePlant,
-        recording: Recording,
-        spans: Spans,
-        feedback: Feedback | None,
-        tell: Callable[[float], None] | None,
-    ) -> SimulatedMotion:
-        begun = time.perf_counter()
-        found = integrate(plant, recording, spans, feedback, tell)
-        self._took += time.perf_counter() - begun
-        self._simulated += float(np.sum(recording.t[spans.start + spans.steps] - recording.t[spans.start]))
-        return found
-
-    @property
-    def speed(self) -> float:
-        return self._simulated / self._took if self._took else 0.0
-
-
-def _pairs(spans: Spans) -> list[tuple[int, int]]:
-    return list(zip(spans.start.tolist(), spans.steps.tolist(), strict=True))
+    speed = simulated / took if took else 0.0
+    return SimulatedErrors(HORIZONS_S, counts, tuple(models), traces, controlled, speed)
 
 
 def _by_group(

@@ -8,8 +8,7 @@ that windows, runs and parameter sets are integrated at once.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -18,15 +17,16 @@ from numpy.typing import NDArray
 from eccentric.model import KINDS, Model, function_of, levels, meaning
 from eccentric.model import vocabulary as v
 from eccentric.simulation.limits import LEAST_DECAY
+from eccentric.simulation.scalar import scalar_function
 
 Array = NDArray[np.float64]
 
 _OUTSIDE = frozenset({"inertial", "friction"})
 _CHANGING = frozenset({"theta_m", "omega_m", "alpha_m", "t", "temperature", "i", "u", "dt"})
+_FUNCTIONS = ("exp", "expm1", "maximum", "minimum", "where")
 
 
-@dataclass(frozen=True)
-class FrictionSide:
+class FrictionSide(NamedTuple):
     """Friction in one direction of motion, each a number or (trajectories,).
 
     Attributes:
@@ -43,8 +43,7 @@ class FrictionSide:
     stiffness: Any = None
 
 
-@dataclass(frozen=True)
-class Torques:
+class Torques(NamedTuple):
     """The torques on the motor side at one state, each a number or (trajectories,).
 
     Attributes:
@@ -57,6 +56,50 @@ class Torques:
     armature: Any
     backward: FrictionSide
     forward: FrictionSide
+
+
+class _Bound:
+    """An expression as a function of those of its symbols that have no value yet, by name."""
+
+    def __init__(self, expression: sp.Basic, known: Mapping[str, Any], arithmetic: Any) -> None:
+        function = function_of if arithmetic is np else scalar_function
+        self._call, names = function(expression)
+        self._values = [known.get(name) for name in names]
+        self._places = [(k, name) for k, name in enumerate(names) if name not in known]
+        self.names = frozenset(name for _, name in self._places)
+
+    def __call__(self, here: Mapping[str, Any]) -> Any:
+        values = self._values
+        for k, name in self._places:
+            values[k] = here[name]
+        return self._call(*values)
+
+
+class LawAt:
+    """A law at the values of its parameters, as a function of inputs, `dt` [s] and hidden states by name."""
+
+    def __init__(
+        self,
+        torques: sp.Basic,
+        advances: Mapping[str, sp.Basic],
+        known: Mapping[str, Any],
+        arithmetic: Any,
+        armature: bool,
+    ) -> None:
+        self.armature = armature
+        self._torques = _Bound(torques, known, arithmetic)
+        self._advances = {name: _Bound(x, known, arithmetic) for name, x in advances.items()}
+        self.names = self._torques.names.union(*(x.names for x in self._advances.values()))
+
+    def torques(self, here: Mapping[str, Any]) -> Torques:
+        """The torques; the velocity is that before the step, and its friction is given in both directions."""
+        other, armature, *sides = self._torques(here)
+        half = len(sides) // 2
+        return Torques(other, armature, FrictionSide(*sides[:half]), FrictionSide(*sides[half:]))
+
+    def advanced(self, here: Mapping[str, Any]) -> dict[str, Any]:
+        """The hidden states one step later."""
+        return {name: advance(here) for name, advance in self._advances.items()}
 
 
 class Law:
@@ -97,18 +140,9 @@ class Law:
             found = {s.name: value_of(e, parameters) for e, s in self._fixed.items()}
         return {**parameters, **found, "inertia": value_of(meaning(self.model.inertia), parameters)}
 
-    def torques(self, known: Mapping[str, Any]) -> Torques:
-        """The torques for prepared parameters, inputs and hidden states by name.
-
-        The velocity is that before the step: levels and damping are those of its speed, in both directions.
-        """
-        other, armature, *sides = value_of(self._torques, known)
-        half = len(sides) // 2
-        return Torques(other, armature, FrictionSide(*sides[:half]), FrictionSide(*sides[half:]))
-
-    def advanced(self, known: Mapping[str, Any]) -> dict[str, Any]:
-        """The hidden states one step later, for the same and `dt` [s]."""
-        return {name: value_of(x, known) for name, x in self._advances.items()}
+    def at(self, known: Mapping[str, Any], arithmetic: Any = np) -> LawAt:
+        """The law at prepared parameters; `arithmetic` is NumPy, or `SCALAR` where all are numbers."""
+        return LawAt(self._torques, self._advances, known, arithmetic, self.armature)
 
     def _plain(self, expression: sp.Expr) -> sp.Expr:
         found = meaning(self.model.expand(expression))
@@ -153,7 +187,9 @@ def _greatest(*values: sp.Expr) -> sp.Expr:
     return first
 
 
-def step(torques: Torques, inertia: Any, omega_m: Any, other: Any, damping: Any, dt: Any) -> Any:
+def step(
+    torques: Torques, inertia: Any, omega_m: Any, other: Any, damping: Any, dt: Any, arithmetic: Any = np
+) -> Any:
     """The velocity [rad/s] after a step of the inclusion J dw/dt + damping w + friction(w) = other.
 
     Moreau's step, as `friction_step` has it: the momentum that all other torques leave is reduced by the
@@ -169,30 +205,31 @@ def step(torques: Torques, inertia: Any, omega_m: Any, other: Any, damping: Any,
         other: all torques but friction [N m].
         damping: of the drive, beside that of friction [N m s/rad].
         dt: duration [s].
+        arithmetic: NumPy, or `SCALAR` for numbers.
     """
     back, ahead = torques.backward, torques.forward
+    exp, expm1, maximum, minimum, where = (getattr(arithmetic, name) for name in _FUNCTIONS)
 
-    def chosen(by: Any, name: str) -> Any:
-        one, two = getattr(ahead, name), getattr(back, name)
-        return one if one is two else np.where(by > 0.0, one, two)
+    def chosen(by: Any, one: Any, two: Any) -> Any:
+        return one if one is two else where(by > 0.0, one, two)
+
+    def shrunk(x: Any, low: Any, high: Any) -> Any:
+        return x - minimum(maximum(x, low), high)
 
     if ahead.held is None:
-        decay = dt * (chosen(omega_m, "viscous") + damping) / inertia
+        decay = dt * (chosen(omega_m, ahead.viscous, back.viscous) + damping) / inertia
         # decay/(1 - exp(-decay)), whose limit is 1.
-        some = np.maximum(decay, LEAST_DECAY)
-        more = some / -np.expm1(-some)
-        momentum = inertia * omega_m * more * np.exp(-decay) + dt * other
-        return _shrunk(momentum, dt * back.dry, dt * ahead.dry) / (inertia * more)
+        some = maximum(decay, LEAST_DECAY)
+        more = some / -expm1(-some)
+        momentum = inertia * omega_m * more * exp(-decay) + dt * other
+        return shrunk(momentum, dt * back.dry, dt * ahead.dry) / (inertia * more)
     momentum = inertia * omega_m + dt * other
-    over = _shrunk(momentum, dt * back.dry, dt * ahead.dry)
-    excess = _shrunk(momentum, dt * back.held, dt * ahead.held)
-    slid = over / (inertia + dt * (chosen(excess, "viscous") + damping))
-    bent = excess / (inertia + dt * (chosen(excess, "damping") + chosen(excess, "stiffness") + damping))
-    return np.where(excess > 0.0, np.maximum(bent, slid), np.minimum(bent, slid))
-
-
-def _shrunk(x: Any, low: Any, high: Any) -> Any:
-    return x - np.minimum(np.maximum(x, low), high)
+    over = shrunk(momentum, dt * back.dry, dt * ahead.dry)
+    excess = shrunk(momentum, dt * back.held, dt * ahead.held)
+    slid = over / (inertia + dt * (chosen(excess, ahead.viscous, back.viscous) + damping))
+    bristles = chosen(excess, ahead.damping, back.damping) + chosen(excess, ahead.stiffness, back.stiffness)
+    bent = excess / (inertia + dt * (bristles + damping))
+    return where(excess > 0.0, maximum(bent, slid), minimum(bent, slid))
 
 
 def value_of(expression: sp.Basic, known: Mapping[str, Any]) -> Any:

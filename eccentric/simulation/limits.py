@@ -7,6 +7,8 @@ EVERY = 0.5
 LONGEST_STEP_S = 1e-3
 """Longest step of an integration [s]: on the bundled log and on a hobby servo, half of it changes no
 simulated error by more than one per cent."""
+FEW_SPANS = 4
+"""Spans up to which numbers, one span after the other, are faster than arrays of all spans."""
 TRACES = 4
 """Parts of a log in a figure."""
 REFINED_S = 0.5

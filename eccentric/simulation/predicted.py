@@ -81,11 +81,7 @@ class FittedDrive:
         measured = data.rows.mean(drive.driven_by(values, self.scale))
         left = residuals.rows("mechanical", values)
         return Predicted(
-            data.rows.t,
-            self.factor * measured,
-            self.factor * (measured - left),
-            data.rows.score,
-            self.unit,
+            data.rows.t, self.factor * measured, self.factor * (measured - left), data.rows.score, self.unit
         )
 
 

@@ -106,6 +106,11 @@ class Spans:
         """Those of a mask (spans,), or in an order."""
         return Spans(self.start[kept], self.steps[kept])
 
+    def inside(self, rows: Mask) -> Spans:
+        """Those that lie within chosen rows (n,)."""
+        each = zip(self.start.tolist(), self.steps.tolist(), strict=True)
+        return self.chosen(np.array([np.all(rows[start : start + steps + 1]) for start, steps in each], bool))
+
 
 def whole_runs(recording: Recording) -> Spans:
     """Each stretch without gap, from its first row to its last."""

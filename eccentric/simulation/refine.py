@@ -186,10 +186,7 @@ class _Task:
         train = self.stages[-1]
         errors = self.errors([x], train)[0]
         count = len(self._problem.coefficients)
-        at = {
-            **self._start.at,
-            **dict(zip((s.name for s in self._named), map(float, x[count:]), strict=True)),
-        }
+        at = self._at(x)
         active = np.where(x <= self.lower, -1, np.where(x >= self.upper, 1, 0)).astype(np.int64)
         root = np.sqrt(1.0 / np.sqrt(1.0 + (errors / size) ** 2))
         design = self._problem.with_scale_of(x[:count]).design(at)
@@ -217,13 +214,15 @@ class _Task:
         matrix = np.insert(np.insert(error.matrix, place, 0.0, 0), place, 0.0, 1)
         return Spread(matrix, np.insert(error.alone, place, 0.0), np.insert(error.moves, place, 0.0, 1))
 
+    def _at(self, x: Array) -> dict[str, float]:
+        """The nonlinear values by name."""
+        own = x[len(self._problem.coefficients) :]
+        return {**self._start.at, **{s.name: float(v) for s, v in zip(self._named, own, strict=True)}}
+
     def _plant(self, x: Array) -> DrivePlant:
-        problem, count = self._problem, len(self._problem.coefficients)
-        at = {
-            **self._start.at,
-            **dict(zip((s.name for s in self._named), map(float, x[count:]), strict=True)),
-        }
-        return plant_of_problem(problem, self._law, x[:count], at, self._start.at)
+        problem = self._problem
+        values = x[: len(problem.coefficients)]
+        return plant_of_problem(problem, self._law, values, self._at(x), self._start.at)
 
 
 def plant_of_problem(
@@ -268,13 +267,7 @@ def _spans(
         raise InputError(rig, f"a part of {REFINED_S:g} s without gap to fit on", "none")
     if servo is None:
         return REFINED_S, (short,), windows(recording, REFINED_S, rows[1])
-    train, held = (_inside(whole_runs(recording), chosen) for chosen in rows)
+    train, held = (whole_runs(recording).inside(chosen) for chosen in rows)
     if not len(train):
         raise InputError(rig, "a whole run to fit on, for its [controller] to be simulated", "none")
     return None, (short, train), held
-
-
-def _inside(spans: Spans, rows: NDArray[np.bool_]) -> Spans:
-    """The spans within chosen rows (n,)."""
-    each = zip(spans.start.tolist(), spans.steps.tolist(), strict=True)
-    return spans.chosen(np.array([np.all(rows[start : start + steps + 1]) for start, steps in each], bool))

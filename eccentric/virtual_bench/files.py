@@ -9,6 +9,7 @@ import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -82,9 +83,9 @@ def write(run: BenchRun, path: str | Path) -> tuple[Path, Path, Path]:
     stem = log.name.removesuffix(LOG)
     write_new(
         {
-            log: gzip.compress(_csv(run), 9, mtime=0),
-            rig: _json({**run.rig, "name": stem}),
-            truth: _json({**run.truth, "name": stem}),
+            log: csv_archive(run.columns, [_FORMATS[name] for name in run.columns]),
+            rig: json_bytes({**run.rig, "name": stem}),
+            truth: json_bytes({**run.truth, "name": stem}),
         }
     )
     return log, rig, truth
@@ -96,20 +97,14 @@ def free_paths(path: str | Path) -> tuple[Path, Path, Path]:
     return log, rig, truth
 
 
-def _csv(run: BenchRun) -> bytes:
+def csv_archive(columns: Mapping[str, np.ndarray], formats: Sequence[str]) -> bytes:
+    """Return the columns (rows,) as a gzipped CSV, each in its format."""
     text = io.StringIO()
-    names = list(run.columns)
-    rows = np.column_stack([run.columns[name] for name in names])
-    np.savetxt(
-        text,
-        rows,
-        fmt=",".join(_FORMATS[n] for n in names),
-        header=",".join(names),
-        comments="",
-        newline="\n",
-    )
-    return text.getvalue().encode("ascii")
+    rows, header = np.column_stack(list(columns.values())), ",".join(columns)
+    np.savetxt(text, rows, fmt=",".join(formats), header=header, comments="", newline="\n")
+    return gzip.compress(text.getvalue().encode("ascii"), 9, mtime=0)
 
 
-def _json(content: dict) -> bytes:
+def json_bytes(content: Mapping[str, Any]) -> bytes:
+    """Return the content as JSON."""
     return (json.dumps(content, indent=1) + "\n").encode("ascii")

@@ -4,7 +4,7 @@ Nothing here comes from the derivations: the bench is an oracle for the toolkit,
 All torques are on the motor side [N m]; angles and speeds of the link are mu times those of the motor.
 """
 
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass, field
 from math import cos, hypot, sin
 from typing import Any
 
@@ -103,50 +103,33 @@ class Plant:
 # The motion of the rig at one step of the simulation, as seen by the laws of the effects.
 
 
+@dataclass(slots=True, eq=False)
 class Motion:
     """The motion of the rig at this step, as seen by the effects; torques in N m on the motor side."""
 
-    __slots__ = (
-        "acting",
-        "alpha",
-        "dry",
-        "gravity",
-        "i",
-        "link",
-        "link_dry",
-        "link_viscous",
-        "normal",
-        "plant",
-        "t",
-        "temperature",
-        "theta",
-        "travel",
-        "v",
-        "viscous",
-        "w",
-        "w_before",
-        "w_link",
-        "w_mid",
-    )
+    plant: Plant  # the rig that moves: it need not be the one for which an effect was drawn
+    theta: float = 0.0  # motor angle at the end of the step
+    w: float = 0.0  # motor speed at the end of the step [rad/s]
+    effects: InitVar[int] = 0  # how many laws act
+    t: float = 0.0  # time [s]
+    w_before: float = 0.0  # motor speed at the start of the step
+    w_mid: float = 0.0  # motor speed extrapolated to the middle of the step
+    alpha: float = 0.0  # motor acceleration over the last step [rad/s^2]
+    link: float = 0.0  # link angle in the middle of the step
+    w_link: float = 0.0  # link speed [rad/s]
+    i: float = 0.0  # armature current, mean over the step [A]
+    v: float = 0.0  # voltage less the declared back EMF [V]
+    temperature: float = 0.0  # of both lubricant and winding [deg C]
+    travel: float = 0.0  # distance travelled by the motor [rad]
+    normal: float = 0.0  # normal force in the link joint [N]
+    gravity: float = 0.0  # gravity torque of eq. (5)
+    link_dry: float = 0.0  # Coulomb level of the link joint
+    link_viscous: float = 0.0  # viscous coefficient of the link joint [N m s/rad]
+    dry: float = 0.0  # Coulomb level of the paper's friction, motor and link
+    viscous: float = 0.0  # viscous coefficient of the paper's friction
+    acting: list[float] = field(default_factory=list)  # value of each effect's law at this step
 
-    def __init__(self, plant: Plant, theta: float = 0.0, w: float = 0.0, effects: int = 0) -> None:
-        self.plant = plant  # the rig that moves: it need not be the one for which an effect was drawn
-        self.t = 0.0  # time [s]
-        self.theta = theta  # motor angle at the end of the step
-        self.w = w  # motor speed at the end of the step [rad/s]
-        self.w_before = w  # motor speed at the start of the step
-        self.w_mid = w  # motor speed extrapolated to the middle of the step
-        self.alpha = 0.0  # motor acceleration over the last step [rad/s^2]
-        self.link = plant.mu * theta  # link angle in the middle of the step
-        self.w_link = plant.mu * w  # link speed [rad/s]
-        self.i = 0.0  # armature current, mean over the step [A]
-        self.v = 0.0  # voltage less the declared back EMF [V]
-        self.temperature = plant.Tamb  # of both lubricant and winding [deg C]
-        self.travel = 0.0  # distance travelled by the motor [rad]
-        self.normal = 0.0  # normal force in the link joint [N]
-        self.gravity = 0.0  # gravity torque of eq. (5)
-        self.link_dry = 0.0  # Coulomb level of the link joint
-        self.link_viscous = 0.0  # viscous coefficient of the link joint [N m s/rad]
-        self.dry = 0.0  # Coulomb level of the paper's friction, motor and link
-        self.viscous = 0.0  # viscous coefficient of the paper's friction
-        self.acting = [0.0] * effects  # value of each effect's law at this step
+    def __post_init__(self, effects: int) -> None:
+        self.w_before = self.w_mid = self.w
+        self.link, self.w_link = self.plant.mu * self.theta, self.plant.mu * self.w
+        self.temperature, self.acting = self.plant.Tamb, [0.0] * effects

@@ -1,15 +1,25 @@
 """What to simulate: a plant, its drive, its course, its effects and the seed of its noise."""
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import atan, floor, log2, pi
 
 import numpy as np
 from scipy.optimize import brentq
 
-from eccentric.core import InputError, meant
-from eccentric.virtual_bench.effects import EFFECTS, VARIANTS, PlantedEffect, PlantSetting, Request
+from eccentric.core import InputError
+from eccentric.virtual_bench.effects import (
+    EFFECTS,
+    VARIANTS,
+    PlantedEffect,
+    PlantSetting,
+    Request,
+    Requested,
+    check_strength,
+    check_values,
+    known_family,
+    with_strengths,
+)
 from eccentric.virtual_bench.plant import Plant
 from eccentric.virtual_bench.trajectory import Course, MotorController, followed, speed_runs, sum_of_sines
 
@@ -43,7 +53,7 @@ def random_scenario(
     case: str,
     mu: float,
     log_type: str,
-    effects: Sequence[str | tuple[str, float]] = (),
+    effects: Requested = (),
     strength: float = 0.15,
     noise: float = 0.01,
     temperature: bool = False,
@@ -62,17 +72,19 @@ def random_scenario(
 
     Raises InputError for values out of range, an unknown effect, or one that the case cannot show.
     """
-    _check(case, mu, log_type, strength, noise, seconds, drive)
-    if isinstance(effects, str) or not isinstance(effects, Sequence):
-        raise InputError("effects", "a list of names or of (name, strength)", f"{effects!r}")
-    requested = [(one, strength) if isinstance(one, str) else one for one in effects]
-    for one in requested:
-        if not isinstance(one, tuple | list) or len(one) != 2:
-            raise InputError("effects", "names or (name, strength)", f"{one!r}")
-        name, size = one
+    check_values(
+        {"case": (case, CASES), "log type": (log_type, LOG_TYPES), "drive": (drive, DRIVES)},
+        {
+            "gear ratio mu": (mu, 1e-3, 2.0),
+            "strength": (strength, 1e-6, 1.0),
+            "noise (fraction of the largest current)": (noise, 0.0, 0.5),
+            "seconds": (seconds, _SHORTEST_S, _LONGEST_S),
+        },
+    )
+    requested = with_strengths(effects, strength)
+    for name, size in requested:
         known_effect(name)
-        if not _within(size, 0.0, 1.0) or size == 0.0:
-            raise InputError(f"effect {name}", "a strength above 0 and at most 1", f"{size!r}")
+        check_strength(name, size)
     plant = _plant(rng, case, mu)
     top_speed = float(rng.uniform(6.5, 8.5)) / mu if log_type == "runs" else float(rng.uniform(5.5, 7.0)) / mu
     course = (speed_runs if log_type == "runs" else sum_of_sines)(rng, seconds, top_speed)
@@ -85,15 +97,16 @@ def random_scenario(
     built = []
     for name, size in requested:
         family, variant = known_effect(name)
-        drawn = _drawn_variant(family, rng)  # also if one is given, for the same shapes
-        request = Request(size, variant or drawn, variant is not None, setting, rng)
-        built.append(replace(EFFECTS[family](request), strength=size))
+        # Drawn also if one is given, for the same shapes.
+        drawn = str(rng.choice(VARIANTS[family])) if family in VARIANTS else ""
+        request = Request(family, size, variant or drawn, variant is not None, setting, rng)
+        built.append(EFFECTS[family](request))
     logged = temperature or any(effect.needs_temperature for effect in built)
     hiding = [effect.id for effect in built if effect.hides_temperature]
     if hiding and logged:
         raise InputError(f"effect {hiding[0]}", "a log without a temperature column", "one with it")
     if logged or hiding:
-        plant = replace(plant, Rth=_thermal_resistance(setting))
+        plant = replace(plant, Rth=float(f"{_FINAL_RISE_K / setting.loss:.3g}"))
     return Scenario(plant, controller, course, tuple(built), noise, logged, seed, theta)
 
 
@@ -111,55 +124,13 @@ def on_reference(scenario: Scenario, time: np.ndarray, speed: np.ndarray, start_
     if time.ndim != 1 or time.shape != speed.shape or len(time) < 2:
         raise InputError("reference", "as many speeds as times", f"{speed.shape}, {time.shape}")
     if time[0] != 0.0 or not np.all(np.diff(time) > 0.0) or not np.all(np.isfinite(speed)):
-        raise InputError("reference", problem="expected times that rise from 0, and finite speeds,")
+        raise InputError("reference", problem="expected times that rise from 0, and finite speeds")
     return replace(scenario, course=followed(time, speed), seed=scenario.seed + 1, start_angle=start_angle)
 
 
 def known_effect(name: str) -> tuple[str, str | None]:
     """Split `family[variant]`; InputError, listing what there is, if the bench has no such effect."""
-    match = re.fullmatch(r"(\w+)(?:\[(.+)\])?", str(name))
-    if match is None or match[1] not in EFFECTS:
-        raise InputError(
-            f"effect {name}", problem=f"expected one of {', '.join(EFFECTS)}" + meant(name, EFFECTS)
-        )
-    family, variant = match[1], match[2]
-    variants = VARIANTS.get(family, ())
-    if variant is not None and not variants:
-        raise InputError(f"effect {family}", "no variant", variant, why=", since it has none")
-    if variant is not None and variant not in variants:
-        raise InputError(f"effect {family}", f"a variant of {', '.join(variants)}", variant)
-    return family, variant
-
-
-def _drawn_variant(family: str, rng: np.random.Generator) -> str:
-    return str(rng.choice(VARIANTS[family])) if family in VARIANTS else ""
-
-
-def _check(
-    case: str, mu: float, log_type: str, strength: float, noise: float, seconds: float, drive: str
-) -> None:
-    for quantity, value, allowed in (
-        ("case", case, CASES),
-        ("log type", log_type, LOG_TYPES),
-        ("drive", drive, DRIVES),
-    ):
-        if value not in allowed:
-            raise InputError(quantity, " or ".join(allowed), value)
-    for quantity, value, low, high in (
-        ("gear ratio mu", mu, 1e-3, 2.0),
-        ("strength", strength, 1e-6, 1.0),
-        ("noise (fraction of the largest current)", noise, 0.0, 0.5),
-        ("seconds", seconds, _SHORTEST_S, _LONGEST_S),
-    ):
-        if not _within(value, low, high):
-            raise InputError(quantity, f"{low:g} to {high:g}", f"{value!r}")
-
-
-def _within(value: object, low: float, high: float) -> bool:
-    """Whether it is a number of the range, which NaN and true are not."""
-    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
-        return False
-    return bool(low <= value <= high)
+    return known_family(str(name), re.fullmatch(r"(\w+)(?:\[(.+)\])?", str(name)), EFFECTS, VARIANTS)
 
 
 def _plant(rng: np.random.Generator, case: str, mu: float) -> Plant:
@@ -255,7 +226,3 @@ def _setting(plant: Plant, course: Course, top_speed: float) -> PlantSetting:
         course.seconds,
         loss,
     )
-
-
-def _thermal_resistance(setting: PlantSetting) -> float:
-    return float(f"{_FINAL_RISE_K / setting.loss:.3g}")

@@ -29,12 +29,7 @@ def laws(effects: Sequence[PlantedEffect]) -> list[BoundLaw]:
     return [(port, effect, law) for effect in effects for port, law in effect.start().items()]
 
 
-def mover(
-    plant: Plant,
-    motion: Motion,
-    dt: float,
-    bound: Sequence[BoundLaw] = (),
-) -> Callable[[float], None]:
+def mover(plant: Plant, motion: Motion, dt: float, bound: Sequence[BoundLaw] = ()) -> Callable[[float], None]:
     """Return `advance(u)`, which advances `motion` by `dt` seconds under the armature voltage u [V].
 
     `bound` is what `laws` returned; `motion` must have as many places.

@@ -6,16 +6,14 @@ In: the arguments of `random_arm_scenario`. Out: a log, its rig, the arm and the
 bodies are MuJoCo's (`pip install 'eccentric[arms-bench]'`), the friction is of closed forms written here:
 the toolkit and the bench share nothing.
 
-    plant        joints, links, drives, friction
-    engine       mass matrix, bias and joint loads, by MuJoCo; loads and torques along the reference
+    plant        joints, links, drives, friction; mass matrix, bias and joint loads, by MuJoCo
     trajectory   reference motion, encoders and loops
-    families     of effects; motion, what their laws see
-    effects      drawn, and sized along the reference; at work in their joints
+    effects      families; drawn, and sized along the reference; at work in their joints
     scenario     all of it drawn, arms that could have been built
     simulation   step by step, all runs side by side
     log          what is written, and the temperatures in it
 """
 
-from eccentric.virtual_bench.arms.families import ARM_EFFECTS, ARM_VARIANTS, known_joint_effect
+from eccentric.virtual_bench.arms.effects import ARM_EFFECTS, ARM_VARIANTS, known_joint_effect
 from eccentric.virtual_bench.arms.log import ArmRun, free_arm_paths, simulate_arm, write_arm
 from eccentric.virtual_bench.arms.scenario import ArmScenario, random_arm_scenario

@@ -1,19 +1,192 @@
-"""An effect in one joint: drawn, and sized on the reference."""
+"""Families of effects in a joint of an arm, requested and drawn, sized along the reference, and at work."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
-from math import exp, tanh
+from math import exp, hypot, tanh
+from typing import cast
 
 import numpy as np
 
 from eccentric.core import InputError
-from eccentric.virtual_bench.arms.engine import SURVEY_S, Survey, rms
-from eccentric.virtual_bench.arms.families import ARM_EFFECTS, ARM_VARIANTS, EffectRequest, JointMotion
-from eccentric.virtual_bench.arms.plant import BenchArm, FrictionLaw
+from eccentric.virtual_bench.arms.plant import SURVEY_S, BenchArm, FrictionLaw, Survey, rms
 from eccentric.virtual_bench.arms.trajectory import ArmCourse
-from eccentric.virtual_bench.effects import PlantedEffect, PlantSetting, Request
-from eccentric.virtual_bench.plant import Plant
+from eccentric.virtual_bench.effects import (
+    EFFECTS,
+    VARIANTS,
+    Builder,
+    PlantedEffect,
+    PlantSetting,
+    Request,
+    Requested,
+    check_strength,
+    known_family,
+    simply,
+    with_strengths,
+)
+from eccentric.virtual_bench.plant import Motion, Plant
+
+# The motion of one joint of an arm, as seen by the laws of its effects.
+
+
+@dataclass(slots=True, eq=False)
+class JointMotion(Motion):
+    """`Motion` of the joint's motor, and what only an arm has.
+
+    `normal` is F_N, `gravity` the torque that holds the joint at rest, `transmitted` what its gear passes on
+    without friction, with its sign; both on the motor side [N m].
+    """
+
+    transmitted: float = 0.0
+
+
+_OF_ONE_DRIVE = (
+    "stribeck", "quadratic_drag", "cubic_drag", "oneway_windage", "coulomb_asymmetry", "viscous_asymmetry",
+    "eddy_current", "sublinear_viscous", "hidden_thermal_drift", "wear_runin", "time_drift",
+    "viscosity_temperature", "coulomb_temperature", "stribeck_temperature", "link_harmonic_friction",
+    "motor_harmonic_friction", "nonsynchronous_friction",
+    "cogging", "kt_ripple", "local_defect", "cable_spring", "presliding", "magnetic_hysteresis",
+    "kt_saturation", "current_bias",
+)  # fmt: skip
+"""Their laws read nothing but the motion, current and temperature of one motor."""
+
+
+def _transmitted(s: Motion) -> float:
+    return cast("JointMotion", s).transmitted
+
+
+def _gravity(s: Motion) -> float:
+    return s.gravity
+
+
+def load_dependent(request: Request) -> PlantedEffect:
+    """Dry friction of the gear in proportion to the torque that it passes on, or to that of gravity alone."""
+    by_gravity = request.variant == "gravity"
+    load = _gravity if by_gravity else _transmitted
+    return request.effect(
+        f"A |{'G' if by_gravity else 'mu T'}| sgn w",
+        request.strength,
+        simply(dry=lambda s, a: a * abs(load(s))),
+        ("gravity_load", "link_angle") if by_gravity else ("transmitted_torque",),
+        bound=0.6,
+    )
+
+
+def gear_efficiency(request: Request) -> PlantedEffect:
+    """Loss in proportion to the torque passed on, smaller or larger when the load drives the motor."""
+    back = request.draw(0.25, 0.5) if request.variant == "easy" else request.draw(1.8, 3.0)
+
+    def dry(s: Motion, a: float) -> float:
+        torque = _transmitted(s)
+        return a * abs(torque) * (1.0 if torque * s.w_mid > 0.0 else back)
+
+    return request.effect(
+        f"A |mu T| sgn w when driving, {back} A |mu T| sgn w when back-driven",
+        request.strength,
+        simply(dry=dry),
+        ("transmitted_torque", "direction"),
+        (back,),
+        bound=0.6,
+    )
+
+
+def stribeck_load(request: Request) -> PlantedEffect:
+    """Rise of dry friction near rest that grows with the torque passed on, or with F_N."""
+    vs = request.draw(0.06, 0.14) * request.setting.top_speed
+    by_force = request.variant == "F_N"
+
+    def rise(s: Motion, a: float) -> float:
+        return a * (s.normal if by_force else abs(_transmitted(s))) * exp(-((s.w_mid / vs) ** 2))
+
+    return request.effect(
+        f"A {'F_N' if by_force else '|mu T|'} exp(-(w/vs)^2) sgn w",
+        2.0 * request.strength,
+        simply(rise=rise),
+        ("velocity", "link_angle") if by_force else ("transmitted_torque", "velocity"),
+        (vs,),
+    )
+
+
+def bearing_load(request: Request) -> PlantedEffect:
+    """Dry friction of the bearing by a power of F_N, or under a preload across it, beside that by F_N itself.
+
+    Beside it, and not instead of it: what would be subtracted is more than there is where F_N hardly varies.
+    The powers are those of a Hertzian point contact, 2/3, and of a deep-groove ball bearing, 1.55 (Palmgren).
+    """
+    weight = request.plant.M * request.plant.g
+    if request.variant == "preload":
+        force = request.draw(0.5, 1.5) * weight
+        form, shape = "A sqrt(F_N^2 + F_p^2) sgn w", force
+
+        def carried(normal: float) -> float:
+            return hypot(normal, force)
+    else:
+        power = 2.0 / 3.0 if request.variant == "Hertz" else 1.55
+        form, shape = f"A F_0 (F_N/F_0)^{power:.3g} sgn w, F_0 the mean load", power
+
+        def carried(normal: float) -> float:
+            return weight * (normal / weight) ** power
+
+    return request.effect(
+        form,
+        request.torque() / weight,
+        simply(dry=lambda s, a: a * carried(s.normal)),
+        ("velocity", "link_angle"),
+        (shape,),
+    )
+
+
+ARM_EFFECTS: dict[str, Builder] = {
+    **{name: EFFECTS[name] for name in _OF_ONE_DRIVE},
+    **{one.__name__: one for one in (load_dependent, gear_efficiency, stribeck_load, bearing_load)},
+}
+"""Family -> its builder."""
+
+ARM_VARIANTS: dict[str, tuple[str, ...]] = {
+    **{name: VARIANTS[name] for name in _OF_ONE_DRIVE if name in VARIANTS},
+    "load_dependent": ("transmitted", "gravity"),
+    "gear_efficiency": ("easy", "hard"),
+    "stribeck_load": ("transmitted", "F_N"),
+    "bearing_load": ("Hertz", "Palmgren", "preload"),
+}
+"""Variants of a family; one without an entry has none."""
+
+
+# What is requested of the bench for arms: families with their joints and strengths.
+
+
+STRENGTH = 0.15
+
+
+@dataclass(frozen=True)
+class EffectRequest:
+    """One requested effect; without a variant or a joint (from 0), one is drawn."""
+
+    family: str
+    variant: str | None
+    joint: int | None
+    strength: float
+
+
+def effect_requests(effects: Requested, joints: int) -> list[EffectRequest]:
+    """Return the requested effects; raises InputError for one that is not allowed."""
+    found = []
+    for name, strength in with_strengths(effects, STRENGTH):
+        family, variant, joint = known_joint_effect(name)
+        if joint is not None and not 1 <= joint <= joints:
+            raise InputError(f"effect {name}", f"a joint from 1 to {joints}", joint)
+        check_strength(name, strength)
+        found.append(EffectRequest(family, variant, None if joint is None else joint - 1, float(strength)))
+    return found
+
+
+def known_joint_effect(name: str) -> tuple[str, str | None, int | None]:
+    """Split `family[variant]@joint`; InputError, listing what there is, if there is no such effect."""
+    match = re.fullmatch(r"(\w+)(?:\[(.+?)\])?(?:@(\d+))?", name)
+    family, variant = known_family(name, match, ARM_EFFECTS, ARM_VARIANTS)
+    return family, variant, int(match[3]) if match and match[3] else None
+
 
 # An effect of one joint at work beside that joint's own friction.
 
@@ -44,7 +217,7 @@ class Acting:
     def __init__(self, planted: JointEffect, run: int) -> None:
         self.joint, self.effect, self.plant = planted.joint, planted.effect, planted.plant
         self._laws = list(self.effect.start().items())
-        self.motion = JointMotion(planted.plant, len(self._laws))
+        self.motion = JointMotion(planted.plant, effects=len(self._laws))
         self.motion.temperature, self.motion.travel = planted.starts[run]
         self._width = SMOOTH * planted.top_speed
         self.torque = 0.0  # the effect's, for the truth [N m]
@@ -140,11 +313,12 @@ def _in_joint(
     """Draw an effect in this joint; None if no shape of a plausible amplitude has the strength."""
     friction = friction_of(arm, gone)[:, joint] * arm.links[joint].mu
     setting = _setting(arm, course, gone, joint, friction)
-    asked = Request(request.strength, request.variant or variant, request.variant is not None, setting, rng)
+    given = request.variant is not None
+    drawn = Request(request.family, request.strength, request.variant or variant, given, setting, rng)
     moving = np.abs(gone.w[:, joint]) > MOVING * course.top[joint]
     cold = ((COLD_C, 0.0),) * course.runs
     for _ in range(_DRAWS):
-        effect = replace(ARM_EFFECTS[request.family](asked), strength=request.strength)
+        effect = ARM_EFFECTS[request.family](drawn)
         found = JointEffect(joint, effect, setting.plant, setting.top_speed, cold)
         for _ in range(6):
             torque, starts = _along(found, arm, course, gone)

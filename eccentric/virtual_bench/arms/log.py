@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
-import io
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -15,10 +13,10 @@ import numpy as np
 from scipy.signal import lfilter
 
 from eccentric.virtual_bench.arms.effects import COLD_C, RISE_K, TAU_S, JointEffect
-from eccentric.virtual_bench.arms.engine import rms
+from eccentric.virtual_bench.arms.plant import rms
 from eccentric.virtual_bench.arms.scenario import ArmScenario
 from eccentric.virtual_bench.arms.simulation import ArmTrace, Progress, trace
-from eccentric.virtual_bench.files import LOG, new_paths, write_new
+from eccentric.virtual_bench.files import LOG, csv_archive, json_bytes, new_paths, write_new
 
 # Temperatures of the drives: of one with an effect as it was simulated, of the others from their losses.
 
@@ -185,12 +183,14 @@ def write_arm(run: ArmRun, path: str | Path) -> tuple[Path, Path, Path, Path]:
     """
     log, rig, arm, truth = free_arm_paths(path)
     stem = log.name.removesuffix(LOG)
+    formats = {"run": "%d", "t_s": "%.4f", "q": "%.7f"}
+    shown = [formats.get(name, formats.get(name.partition("_")[0], "%.5f")) for name in run.columns]
     write_new(
         {
-            log: gzip.compress(_csv(run), 9, mtime=0),
+            log: csv_archive(run.columns, shown),
             rig: _toml({**run.rig, "arm": arm.name}).encode("ascii"),
             arm: _toml(run.arm).encode("ascii"),
-            truth: (json.dumps({**run.truth, "name": stem}, indent=1) + "\n").encode("ascii"),
+            truth: json_bytes({**run.truth, "name": stem}),
         }
     )
     return log, rig, arm, truth
@@ -200,21 +200,6 @@ def free_arm_paths(path: str | Path) -> tuple[Path, Path, Path, Path]:
     """Return the paths of log, rig, arm and truth, none of which exists; InputError as for `write_arm`."""
     log, rig, arm, truth = new_paths(path, _BESIDE)
     return log, rig, arm, truth
-
-
-def _csv(run: ArmRun) -> bytes:
-    text, names = io.StringIO(), list(run.columns)
-    formats = {"run": "%d", "t_s": "%.4f", "q": "%.7f"}
-    shown = [formats.get(name, formats.get(name.partition("_")[0], "%.5f")) for name in names]
-    np.savetxt(
-        text,
-        np.column_stack([run.columns[name] for name in names]),
-        fmt=",".join(shown),
-        header=",".join(names),
-        comments="",
-        newline="\n",
-    )
-    return text.getvalue().encode("ascii")
 
 
 def _toml(content: dict[str, Any]) -> str:

@@ -7,11 +7,10 @@ from math import exp, log, pi
 
 import numpy as np
 
-from eccentric.virtual_bench.arms.effects import JointEffect, planted
-from eccentric.virtual_bench.arms.engine import Survey, rms, survey
-from eccentric.virtual_bench.arms.families import Requested, checked
-from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, JointFriction, Vector
+from eccentric.virtual_bench.arms.effects import JointEffect, effect_requests, planted
+from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, JointFriction, Survey, Vector, rms, survey
 from eccentric.virtual_bench.arms.trajectory import ArmCourse, ArmServo, harmonic_course, sweep_course
+from eccentric.virtual_bench.effects import Requested, check_values
 
 # Random arms that could have been built: two links in a vertical plane, three joints, six joints.
 
@@ -163,12 +162,12 @@ def random_arm_scenario(
     Raises:
         InputError: a value is out of range, an effect or a joint is unknown, or MuJoCo is not installed.
     """
-    wanted = checked(
-        effects, {"arm": (arm, KINDS), "log type": (log_type, LOG_TYPES), "measured": (measured, MEASURED),
-                  "sample rate [Hz]": (sample_rate_hz, RATES)},
+    check_values(
+        {"arm": (arm, KINDS), "log type": (log_type, LOG_TYPES), "measured": (measured, MEASURED),
+         "sample rate [Hz]": (sample_rate_hz, RATES)},
         {"runs": (runs, 3, 20), "seconds": (seconds, 15.0, 3600.0), "noise": (noise, 0.0, 0.5)},
-        joints=2 if arm == "2r" else int(arm),
     )  # fmt: skip
+    wanted = effect_requests(effects, joints=2 if arm == "2r" else int(arm))
     bare = random_arm(rng, arm)
     chosen = _course(rng, arm, log_type, int(runs), seconds)
     bodies = survey(bare, chosen)

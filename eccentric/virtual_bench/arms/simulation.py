@@ -18,8 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from eccentric.virtual_bench.arms.effects import GAP_S, MOVING, SMOOTH, Acting, corrected
-from eccentric.virtual_bench.arms.engine import JointLoads, RigidArm, rms
-from eccentric.virtual_bench.arms.plant import FrictionLaw
+from eccentric.virtual_bench.arms.plant import FrictionLaw, JointLoads, RigidArm, rms
 from eccentric.virtual_bench.arms.scenario import ArmScenario
 from eccentric.virtual_bench.arms.trajectory import ArmCourse, ArmLoop
 

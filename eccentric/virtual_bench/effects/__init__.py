@@ -5,21 +5,28 @@ if any. A builder draws the shape; the amplitude is a first guess for the reques
 simulation then measures and corrects.
 """
 
-from eccentric.virtual_bench.effects import circuit, geometry, history, loads, speed, warmth
+from eccentric.virtual_bench.effects import circuit, geometry, loads, speed, warmth
 from eccentric.virtual_bench.effects.record import (
     Builder,
     Law,
     PlantedEffect,
     PlantSetting,
     Request,
+    Requested,
+    check_strength,
+    check_values,
+    known_family,
     simply,
+    with_strengths,
 )
 
 EFFECTS: dict[str, Builder] = {
-    builder.__name__: builder
-    for file in (speed, warmth, geometry, loads, history, circuit)
-    for builder in file.BUILDERS
+    name: builder
+    for file in (speed, warmth, geometry, loads, circuit)
+    for name, builder in vars(file).items()
+    if getattr(builder, "__module__", "") == file.__name__ and not name.startswith("_")
 }
+"""Every public function of these files."""
 
 VARIANTS = {
     "link_harmonic_friction": ("n=1", "n=2", "n=3", "n=4"),

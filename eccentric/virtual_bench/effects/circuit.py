@@ -2,7 +2,7 @@
 
 from math import sin
 
-from eccentric.virtual_bench.effects.record import Builder, PlantedEffect, Request, simply
+from eccentric.virtual_bench.effects.record import PlantedEffect, Request, simply
 from eccentric.virtual_bench.plant import Motion
 
 
@@ -14,8 +14,7 @@ def kt_saturation(request: Request) -> PlantedEffect:
         share = a * (s.i / size) ** 2
         return -share / (1.0 + share)
 
-    return PlantedEffect(
-        "kt_saturation",
+    return request.effect(
         "k_i, k_e -> k_i, k_e over 1 + A (i/i0)^2",
         request.torque(0.5) / request.motor_torque,
         simply(flux=flux),
@@ -28,8 +27,7 @@ def kt_saturation(request: Request) -> PlantedEffect:
 
 def current_bias(request: Request) -> PlantedEffect:
     """Current sensor with an offset A."""
-    return PlantedEffect(
-        "current_bias",
+    return request.effect(
         "i_logged = i + A",
         request.torque() / request.plant.k_i,
         simply(current=lambda s, a: a),
@@ -49,8 +47,7 @@ def inverter_deadtime(request: Request) -> PlantedEffect:
         share = s.v / (a + s.plant.R * i0)
         return a * min(1.0, max(-1.0, share))
 
-    return PlantedEffect(
-        "inverter_deadtime",
+    return request.effect(
         "A sat(i/i0)",
         request.torque() * request.plant.R / request.plant.k_i,
         simply(drop=drop),
@@ -69,8 +66,7 @@ def resistance_temperature(request: Request) -> PlantedEffect:
         return s.v * share / (1.0 + share)
 
     size = request.torque() / (request.plant.k_i * request.setting.current * request.setting.warming)
-    return PlantedEffect(
-        "resistance_temperature",
+    return request.effect(
         "R -> R (1 + A (T - Tamb))",
         size,
         simply(drop=drop),
@@ -85,8 +81,7 @@ def resistance_temperature(request: Request) -> PlantedEffect:
 def magnet_temperature(request: Request) -> PlantedEffect:
     """Flux of the magnets, and with it torque and back-EMF constant, that falls with the temperature."""
     cold = request.plant.Tamb
-    return PlantedEffect(
-        "magnet_temperature",
+    return request.effect(
         "k_i, k_e -> k_i, k_e times 1 - A (T - Tamb)",
         1.5 * request.torque() / (request.motor_torque * request.setting.warming),
         simply(flux=lambda s, a: -a * (s.temperature - cold)),
@@ -102,8 +97,7 @@ def ke_mismatch(request: Request) -> PlantedEffect:
     """Back-EMF constant larger than declared by the fraction A."""
     plant = request.plant
     size = request.torque() * plant.R / (plant.k_i * plant.k_e * request.setting.speed)
-    return PlantedEffect(
-        "ke_mismatch",
+    return request.effect(
         "k_e -> k_e (1 + A)",
         size,
         simply(drop=lambda s, a: a * s.plant.k_e * s.w_mid),
@@ -113,10 +107,9 @@ def ke_mismatch(request: Request) -> PlantedEffect:
     )
 
 
-def sensor_delay(request: Request) -> PlantedEffect:  # noqa: ARG001 - every builder has this argument
+def sensor_delay(request: Request) -> PlantedEffect:
     """Current sensor with a delay A relative to angle and voltage."""
-    return PlantedEffect(
-        "sensor_delay",
+    return request.effect(
         "i_logged(t) = i(t - A)",
         0.01,
         simply(delay=lambda s, a: a),
@@ -131,25 +124,11 @@ def encoder_eccentricity(request: Request) -> PlantedEffect:
     plant, speed = request.plant, request.setting.speed
     rate, shift = (1.0 if request.variant == "motor" else plant.mu), request.phase()
     angle = {"motor": "thm", "link": "thl"}[request.variant]
-    return PlantedEffect(
-        "encoder_eccentricity",
+    return request.effect(
         f"{angle}_logged = {angle} + A sin({angle} + phi)",
         request.torque() / (plant.inertia * rate * speed**2),
         simply(angle=lambda s, a: a * sin(rate * s.theta + shift) / rate),
         ("motor_angle" if request.variant == "motor" else "link_angle", "velocity"),
         (rate, shift),
-        variant=request.variant,
         bound=0.02,
     )
-
-
-BUILDERS: tuple[Builder, ...] = (
-    kt_saturation,
-    current_bias,
-    inverter_deadtime,
-    resistance_temperature,
-    magnet_temperature,
-    ke_mismatch,
-    sensor_delay,
-    encoder_eccentricity,
-)

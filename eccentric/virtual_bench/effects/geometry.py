@@ -2,21 +2,19 @@
 
 from math import cos, exp, hypot, pi, sin
 
-from eccentric.virtual_bench.effects.record import Builder, Law, PlantedEffect, Request, simply
+from eccentric.virtual_bench.effects.record import Law, PlantedEffect, Request, simply
 from eccentric.virtual_bench.plant import Motion, Plant
 
 
 def link_harmonic_friction(request: Request) -> PlantedEffect:
     """Dry friction that varies n times per turn of the link (misalignment, bent shaft, lobed bearing)."""
     order, shift = int(request.variant[2:]), request.phase()
-    return PlantedEffect(
-        "link_harmonic_friction",
+    return request.effect(
         f"A cos({order} thl + phi) sgn w",
         request.torque(1.4),
         simply(dry=lambda s, a: a * cos(order * s.link + shift)),
         ("link_angle",),
         (float(order), shift),
-        variant=request.variant,
     )
 
 
@@ -28,8 +26,7 @@ def motor_harmonic_friction(request: Request) -> PlantedEffect:
     """
     drawn = 2 if request.plant.mu < 1.0 / 12.0 else 13
     order, shift = int(request.variant[2:]) if request.chosen else drawn, request.phase()
-    return PlantedEffect(
-        "motor_harmonic_friction",
+    return request.effect(
         f"A cos({order} thm + phi) sgn w",
         request.torque(1.4),
         simply(dry=lambda s, a: a * cos(order * s.theta + shift)),
@@ -48,8 +45,7 @@ def nonsynchronous_friction(request: Request) -> PlantedEffect:
     slow = request.plant.mu < 1.0 / 12.0
     whole = 0 if slow else int(request.rng.integers(2, 6))
     order, shift = whole + request.draw(0.55 if slow else 0.2, 0.8), request.phase()
-    return PlantedEffect(
-        "nonsynchronous_friction",
+    return request.effect(
         f"A cos({order:g} thm + phi) sgn w",
         request.torque(1.4),
         simply(dry=lambda s, a: a * cos(order * s.theta + shift)),
@@ -61,28 +57,24 @@ def nonsynchronous_friction(request: Request) -> PlantedEffect:
 def cogging(request: Request) -> PlantedEffect:
     """Cogging torque of slots and magnets, n times per turn of the motor (Hanselman 2003)."""
     order, shift = int(request.variant[2:]), request.phase()
-    return PlantedEffect(
-        "cogging",
+    return request.effect(
         f"A cos({order} thm + phi)",
         request.torque(1.4),
         simply(torque=lambda s, a: a * cos(order * s.theta + shift)),
         ("motor_angle",),
         (float(order), shift),
-        variant=request.variant,
     )
 
 
 def kt_ripple(request: Request) -> PlantedEffect:
     """Torque and back-EMF constant that vary n times per turn of the motor (commutation)."""
     order, shift = int(request.variant[2:]), request.phase()
-    return PlantedEffect(
-        "kt_ripple",
+    return request.effect(
         f"k_i, k_e -> k_i, k_e times 1 + A cos({order} thm + phi)",
         request.torque(1.4) / request.motor_torque,
         simply(flux=lambda s, a: a * cos(order * s.theta + shift)),
         ("motor_angle", "current"),
         (float(order), shift),
-        variant=request.variant,
         bound=0.6,
         channel="electrical",
     )
@@ -96,8 +88,7 @@ def local_defect(request: Request) -> PlantedEffect:
         away = (s.link - centre + pi) % (2.0 * pi) - pi
         return a * exp(-0.5 * (away / width) ** 2)
 
-    return PlantedEffect(
-        "local_defect",
+    return request.effect(
         "A exp(-((thl - th0)/d)^2/2) sgn w",
         request.torque(3.0),
         simply(dry=dry),
@@ -109,8 +100,7 @@ def local_defect(request: Request) -> PlantedEffect:
 def cable_spring(request: Request) -> PlantedEffect:
     """Cable or hose that winds up with the link."""
     rest = request.phase()
-    return PlantedEffect(
-        "cable_spring",
+    return request.effect(
         "A (thl - th0)",
         request.torque(0.1),
         simply(torque=lambda s, a: a * (s.link - rest)),
@@ -139,23 +129,18 @@ def gravity_tilt(request: Request) -> PlantedEffect:
     if request.plant.case == "C1":
         shift = request.phase()
         start = simply(**_other_gravity(lambda s, a: g * sin(a), lambda s, a: shift))
-        form, size, shape = (
-            "tilt A: g' = g sin A, down at thl = -phi",
-            request.torque(1.4) / load,
-            (shift,),
-        )
+        form, size, shape = ("tilt A: g' = g sin A, down at thl = -phi", request.torque(1.4) / load, (shift,))
     else:
         start = simply(**_other_gravity(lambda s, a: g * cos(a), lambda s, a: 0.0))
         form, size, shape = "tilt A: g' = g cos A", (request.torque(2.8) / load) ** 0.5, ()
-    return PlantedEffect("gravity_tilt", form, size, start, ("link_angle", "gravity_load"), shape, bound=0.7)
+    return request.effect(form, size, start, ("link_angle", "gravity_load"), shape, bound=0.7)
 
 
 def angle_offset(request: Request) -> PlantedEffect:
     """Zero of the link angle off by A, so that gravity acts at a different logged angle."""
     request.require_case("C2", "angle_offset", "without gravity in the plane no angle is special")
     g = request.plant.g
-    return PlantedEffect(
-        "angle_offset",
+    return request.effect(
         "G(thl + A) - G(thl), and F_N likewise",
         request.torque(1.4) / _gravity_size(request.plant),
         simply(**_other_gravity(lambda s, a: g, lambda s, a: a)),
@@ -182,8 +167,8 @@ def mass_mismatch(request: Request) -> PlantedEffect:
         viscous=lambda s, a: friction(s, a)[1] - s.link_viscous,
     )
     size = request.torque(1.4) / _gravity_size(request.plant)
-    return PlantedEffect(
-        "mass_mismatch", "M -> M (1 + A) in G and F_N", size, start, ("gravity_load", "link_angle"), bound=0.9
+    return request.effect(
+        "M -> M (1 + A) in G and F_N", size, start, ("gravity_load", "link_angle"), bound=0.9
     )
 
 
@@ -202,8 +187,7 @@ def kinematic_error(request: Request) -> PlantedEffect:
     load = hypot(plant.gravity_torque(pi / 2, plant.in_plane_gravity), setting.friction)
     inertial = plant.mu**2 * plant.J_l * rate * setting.speed**2
     letter = {"motor": "thm", "link": "thl"}[where]
-    return PlantedEffect(
-        "kinematic_error",
+    return request.effect(
         f"thl = mu thm + A sin({n} {letter} + phi), in angle, ratio and acceleration of the link",
         request.torque(1.4) * plant.mu / (rate * hypot(load, inertial)),
         simply(
@@ -222,8 +206,7 @@ def kinematic_error(request: Request) -> PlantedEffect:
 
 def inertia_mismatch(request: Request) -> PlantedEffect:
     """Inertia on the motor side larger than declared by the fraction A."""
-    return PlantedEffect(
-        "inertia_mismatch",
+    return request.effect(
         "A J dw/dt",
         request.strength,
         simply(inertia=lambda s, a: a * s.plant.inertia),
@@ -234,19 +217,3 @@ def inertia_mismatch(request: Request) -> PlantedEffect:
 
 def _gravity_size(plant: Plant) -> float:
     return plant.gravity_torque(pi / 2, plant.g)
-
-
-BUILDERS: tuple[Builder, ...] = (
-    link_harmonic_friction,
-    motor_harmonic_friction,
-    nonsynchronous_friction,
-    cogging,
-    kt_ripple,
-    local_defect,
-    cable_spring,
-    gravity_tilt,
-    angle_offset,
-    mass_mismatch,
-    kinematic_error,
-    inertia_mismatch,
-)

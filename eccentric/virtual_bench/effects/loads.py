@@ -1,9 +1,9 @@
-"""Effects of the load that the transmission carries."""
+"""Effects of the load that the transmission carries, and effects with memory."""
 
 from collections.abc import Callable
 from math import exp, hypot
 
-from eccentric.virtual_bench.effects.record import Builder, Law, PlantedEffect, Request, sign, simply
+from eccentric.virtual_bench.effects.record import Law, PlantedEffect, Request, sign, simply
 from eccentric.virtual_bench.plant import Motion
 
 # Gear meshing follows the load within about this time; the lag also keeps the step explicit.
@@ -30,22 +30,19 @@ def load_dependent(request: Request) -> PlantedEffect:
     if request.variant == "gravity" and request.chosen:
         request.require_case("C2", "load_dependent[gravity]", "there is no gravity load in the other case")
     if request.variant == "gravity" and request.plant.case == "C2":
-        return PlantedEffect(
-            "load_dependent",
+        return request.effect(
             "A |G| sgn w",
             request.strength,
             simply(dry=lambda s, a: a * abs(s.gravity)),
             ("gravity_load", "link_angle"),
             bound=0.8,
-            variant=request.variant,
         )
 
     def start() -> dict[str, Law]:
         load = _transmitted()
         return {"dry": lambda s, a: a * abs(load(s))}
 
-    return PlantedEffect(
-        "load_dependent",
+    return request.effect(
         "A |mu tau_l| sgn w, tau_l = J_l dw_l/dt + f_l + G",
         request.strength,
         start,
@@ -68,8 +65,7 @@ def stribeck_load(request: Request) -> PlantedEffect:
         def rise(s: Motion, a: float) -> float:
             return a * s.normal * exp(-((s.w_mid / vs) ** 2))
 
-        return PlantedEffect(
-            "stribeck_load",
+        return request.effect(
             "A F_N exp(-(w/vs)^2) sgn w",
             request.torque(2.0) / weight,
             simply(rise=rise),
@@ -84,8 +80,7 @@ def stribeck_load(request: Request) -> PlantedEffect:
         load = (lambda s: s.gravity) if gravity else _transmitted()
         return {"rise": lambda s, a: a * abs(load(s)) * exp(-((s.w_mid / vs) ** 2))}
 
-    return PlantedEffect(
-        "stribeck_load",
+    return request.effect(
         f"A |{'G' if gravity else 'mu tau_l'}| exp(-(w/vs)^2) sgn w",
         2.0 * request.strength,
         start,
@@ -120,8 +115,7 @@ def bearing_load(request: Request) -> PlantedEffect:
         def carried(normal: float) -> float:
             return weight * (normal / weight) ** power
 
-    return PlantedEffect(
-        "bearing_load",
+    return request.effect(
         form,
         min(request.torque(3.0) / weight, plant.mu * plant.C_lN),
         simply(dry=lambda s, a: a * (carried(s.normal) - s.normal)),
@@ -158,16 +152,7 @@ def gear_efficiency(request: Request) -> PlantedEffect:
 
             return {"dry": dry}
 
-    return PlantedEffect(
-        "gear_efficiency",
-        form,
-        1.4 * request.strength,
-        start,
-        depends,
-        (back,),
-        bound=0.6,
-        variant=request.variant,
-    )
+    return request.effect(form, 1.4 * request.strength, start, depends, (back,), bound=0.6)
 
 
 def backlash(request: Request) -> PlantedEffect:
@@ -207,8 +192,7 @@ def backlash(request: Request) -> PlantedEffect:
             "torque": lambda s, a: -s.gravity if state else 0.0,
         }
 
-    return PlantedEffect(
-        "backlash",
+    return request.effect(
         "-(mu f_l + G) while the motor turns A after a reversal of the load",
         0.1 / request.plant.mu,
         start,
@@ -217,10 +201,65 @@ def backlash(request: Request) -> PlantedEffect:
     )
 
 
-BUILDERS: tuple[Builder, ...] = (
-    load_dependent,
-    stribeck_load,
-    bearing_load,
-    gear_efficiency,
-    backlash,
-)
+# Effects with memory: states that the log does not show.
+
+
+_MICRO_DAMPING_S = 0.01  # sigma_1/sigma_0 of the bristles
+
+
+def presliding(request: Request) -> PlantedEffect:
+    """Compliant contact (seal, grease, strain-wave gear) that builds up torque over x0 after each reversal.
+
+    Dahl 1968: dz = dx/x0 (1 - z sgn dx), solved exactly over each step. LuGre (Canudas de Wit 1995) has a
+    level g that falls with the speed, here towards 0.6 of its value at rest, over which the bristles bend as
+    well, dz = dx/x0 (1 - z sgn(dx)/g), and a torque in proportion to dz/dt.
+    """
+    x0 = request.draw(0.08, 0.3)
+    reach, vs = x0 / request.plant.mu, 0.1 * request.setting.top_speed
+    falls = request.variant == "lugre"
+
+    def start() -> dict[str, Law]:
+        z, travel = 0.0, 0.0
+
+        def torque(s: Motion, a: float) -> float:
+            nonlocal z, travel
+            way = sign(s.w_mid)
+            level = 0.6 + 0.4 * exp(-((s.w_mid / vs) ** 2)) if falls else 1.0
+            z = way * level + (z - way * level) * exp(-(s.travel - travel) / (reach * level))
+            travel = s.travel
+            rate = (s.w_mid - abs(s.w_mid) * z / level) / reach if falls else 0.0
+            return a * (z + _MICRO_DAMPING_S * rate)
+
+        return {"torque": torque}
+
+    form = (
+        f"A (z + {_MICRO_DAMPING_S} dz/dt), dz/dx = (1 - z sgn(w)/g)/x0, g = 0.6 + 0.4 exp(-(w/vs)^2)"
+        if falls
+        else "A z, dz/dx = (1 - z sgn w)/x0"
+    )
+    shape = (x0, vs) if falls else (x0,)
+    return request.effect(form, request.torque(), start, ("history", "direction"), shape)
+
+
+def magnetic_hysteresis(request: Request) -> PlantedEffect:
+    """Remanent magnetisation: the torque lags the current in a loop of half-width A in torque.
+
+    An elastic-plastic element of the current, dz = di/i0 within [-1, 1]. Duhem's smooth form was tried: the
+    drive's ripple at each pulse pulls its loop to the centre, but iron does not follow changes that small.
+    """
+    i0 = request.draw(0.3, 0.6) * request.setting.current
+
+    def start() -> dict[str, Law]:
+        z, last = 0.0, 0.0
+
+        def torque(s: Motion, a: float) -> float:
+            nonlocal z, last
+            z = min(1.0, max(-1.0, z + (s.i - last) / i0))
+            last = s.i
+            return a * z
+
+        return {"torque": torque}
+
+    return request.effect(
+        "A z, dz = di/i0 within [-1, 1]", request.torque(1.3), start, ("current", "history"), (i0,)
+    )

@@ -1,12 +1,14 @@
-"""The record of a planted effect (where it acts, its law), and the inputs of its builder."""
+"""The record of a planted effect (where it acts, its law), its builder's inputs, and checks of requests."""
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot, inf, pi
+from typing import Any
 
 import numpy as np
 
-from eccentric.core import InputError
+from eccentric.core import InputError, meant
 from eccentric.virtual_bench.plant import Motion, Plant
 
 Law = Callable[[Motion, float], float]
@@ -51,6 +53,7 @@ class PlantSetting:
 class Request:
     """One effect to build: its strength (rms over the friction's), and `rng` to draw its shape from."""
 
+    family: str
     strength: float
     variant: str  # "" where the family has none
     chosen: bool  # was the variant given, or drawn?
@@ -79,6 +82,19 @@ class Request:
     def phase(self) -> float:
         """Return a random angle in (-pi, pi] [rad], to two decimals."""
         return round(float(self.rng.uniform(-pi, pi)), 2)
+
+    def effect(
+        self,
+        form: str,
+        amplitude: float,
+        start: Callable[[], dict[str, Law]],
+        depends_on: tuple[str, ...],
+        shape: tuple[float, ...] = (),
+        **others: Any,
+    ) -> "PlantedEffect":
+        """Return the requested effect with this law; `others` are further fields of `PlantedEffect`."""
+        fields = {"strength": self.strength, "variant": self.variant, **others}
+        return PlantedEffect(self.family, form, amplitude, start, depends_on, shape, **fields)
 
     def require_case(self, case: str, effect: str, why: str) -> None:
         """Raise InputError unless the plant is of that case."""
@@ -115,6 +131,67 @@ class PlantedEffect:
 
 
 Builder = Callable[[Request], PlantedEffect]
+
+
+Requested = Sequence[str | tuple[str, float]] | Mapping[str, float]
+"""Effects by name, each alone or with its strength."""
+
+
+def with_strengths(effects: Requested, strength: float) -> list[tuple[str, Any]]:
+    """Return the names with their strengths; InputError where that is not what they are."""
+    if isinstance(effects, str) or not isinstance(effects, Sequence | Mapping):
+        raise InputError("effects", "a list of names or of (name, strength)", f"{effects!r}")
+    every = effects.items() if isinstance(effects, Mapping) else effects
+    pairs = [(one, strength) if isinstance(one, str) else one for one in every]
+    for pair in pairs:
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise InputError("effects", "names or (name, strength)", f"{pair!r}")
+    return [(str(name), size) for name, size in pairs]
+
+
+def check_values(
+    choices: Mapping[str, tuple[object, Collection[object]]],
+    ranges: Mapping[str, tuple[object, float, float]],
+) -> None:
+    """Raise InputError unless every value is one of its choices, or a number in its range."""
+    for quantity, (value, allowed) in choices.items():
+        if value not in allowed:
+            raise InputError(quantity, " or ".join(map(str, allowed)), value)
+    for quantity, (value, low, high) in ranges.items():
+        if not _within(value, low, high):
+            raise InputError(quantity, f"{low:g} to {high:g}", f"{value!r}")
+
+
+def check_strength(name: str, size: object) -> None:
+    """Raise InputError unless it is a number above 0 and at most 1."""
+    if not _within(size, 0.0, 1.0) or size == 0.0:
+        raise InputError(f"effect {name}", "a strength above 0 and at most 1", f"{size!r}")
+
+
+def _within(value: object, low: float, high: float) -> bool:
+    """Whether it is a number of the range, which NaN and true are not."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        return False
+    return bool(low <= value <= high)
+
+
+def known_family(
+    name: str, match: re.Match[str] | None, families: Collection[str], variants: Mapping[str, Sequence[str]]
+) -> tuple[str, str | None]:
+    """Return family and variant of a name, the first two groups of its match.
+
+    Raises InputError, listing what there is, if the bench has no such effect.
+    """
+    if match is None or match[1] not in families:
+        hint = meant(name.partition("@")[0], families)
+        raise InputError(f"effect {name}", problem=f"expected one of {', '.join(families)}{hint}")
+    family, variant = match[1], match[2]
+    known = variants.get(family, ())
+    if variant is not None and variant not in known:
+        raise InputError(
+            f"effect {family}", f"a variant of {', '.join(known)}" if known else "no variant", variant
+        )
+    return family, variant
 
 
 def simply(**ports: Law) -> Callable[[], dict[str, Law]]:

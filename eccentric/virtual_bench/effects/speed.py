@@ -2,14 +2,13 @@
 
 from math import asinh, exp
 
-from eccentric.virtual_bench.effects.record import Builder, PlantedEffect, Request, simply
+from eccentric.virtual_bench.effects.record import PlantedEffect, Request, simply
 
 
 def stribeck(request: Request) -> PlantedEffect:
     """Dry friction that falls from break-away to its kinetic level (Stribeck 1902; Bo and Pavelescu 1982)."""
     vs, power = request.draw(0.06, 0.14) * request.setting.top_speed, float(request.rng.choice([1.0, 2.0]))
-    return PlantedEffect(
-        "stribeck",
+    return request.effect(
         "A exp(-(|w|/vs)^d) sgn w",
         request.torque(2.0),
         simply(rise=lambda s, a: a * exp(-((abs(s.w_mid) / vs) ** power))),
@@ -20,8 +19,7 @@ def stribeck(request: Request) -> PlantedEffect:
 
 def quadratic_drag(request: Request) -> PlantedEffect:
     """Turbulent air drag."""
-    return PlantedEffect(
-        "quadratic_drag",
+    return request.effect(
         "A w |w|",
         request.torque() / request.setting.speed**2,
         simply(drag=lambda s, a: a * abs(s.w_mid)),
@@ -31,8 +29,7 @@ def quadratic_drag(request: Request) -> PlantedEffect:
 
 def cubic_drag(request: Request) -> PlantedEffect:
     """Drag with the cube of the speed, as for fans near their design point."""
-    return PlantedEffect(
-        "cubic_drag",
+    return request.effect(
         "A w^3",
         request.torque() / request.setting.speed**3,
         simply(drag=lambda s, a: a * s.w_mid**2),
@@ -43,8 +40,7 @@ def cubic_drag(request: Request) -> PlantedEffect:
 def oneway_windage(request: Request) -> PlantedEffect:
     """Quadratic drag in one direction only, as from a one-sided scoop."""
     way = float(request.rng.choice([-1.0, 1.0]))
-    return PlantedEffect(
-        "oneway_windage",
+    return request.effect(
         "A w |w| for w of one sign",
         request.torque(1.4) / request.setting.speed**2,
         simply(drag=lambda s, a: a * abs(s.w_mid) if s.w_mid * way > 0.0 else 0.0),
@@ -56,8 +52,7 @@ def oneway_windage(request: Request) -> PlantedEffect:
 def coulomb_asymmetry(request: Request) -> PlantedEffect:
     """Dry friction higher in one direction (helical gears, lip seals)."""
     way = float(request.rng.choice([-1.0, 1.0]))
-    return PlantedEffect(
-        "coulomb_asymmetry",
+    return request.effect(
         "A sgn w for w of one sign",
         request.torque(1.4),
         simply(dry=lambda s, a: a if s.w_mid * way > 0.0 else 0.0),
@@ -69,8 +64,7 @@ def coulomb_asymmetry(request: Request) -> PlantedEffect:
 def viscous_asymmetry(request: Request) -> PlantedEffect:
     """Viscous friction higher in one direction."""
     way = float(request.rng.choice([-1.0, 1.0]))
-    return PlantedEffect(
-        "viscous_asymmetry",
+    return request.effect(
         "A w for w of one sign",
         request.torque(1.4) / request.setting.speed,
         simply(viscous=lambda s, a: a if s.w_mid * way > 0.0 else 0.0),
@@ -82,8 +76,7 @@ def viscous_asymmetry(request: Request) -> PlantedEffect:
 def eddy_current(request: Request) -> PlantedEffect:
     """Eddy-current brake: drag that peaks at the speed wc and falls beyond it (Smythe 1942)."""
     wc = request.draw(0.15, 0.35) * request.setting.top_speed
-    return PlantedEffect(
-        "eddy_current",
+    return request.effect(
         "A w/(1 + (w/wc)^2)",
         request.torque(2.5) / wc,
         simply(drag=lambda s, a: a / (1.0 + (s.w_mid / wc) ** 2)),
@@ -104,8 +97,7 @@ def sublinear_viscous(request: Request) -> PlantedEffect:
         "power law": ("A wc (|w|/wc)^0.6 sgn w above 0.01 wc", lambda x: max(x, 0.01) ** -0.4),
     }
     form, thinned = forms[name]
-    return PlantedEffect(
-        "sublinear_viscous",
+    return request.effect(
         form,
         request.torque(3.0) / request.setting.top_speed,
         simply(viscous=lambda s, a: a * thinned(abs(s.w_mid) / wc)),
@@ -113,15 +105,3 @@ def sublinear_viscous(request: Request) -> PlantedEffect:
         (wc,),
         variant=name,
     )
-
-
-BUILDERS: tuple[Builder, ...] = (
-    stribeck,
-    quadratic_drag,
-    cubic_drag,
-    oneway_windage,
-    coulomb_asymmetry,
-    viscous_asymmetry,
-    eddy_current,
-    sublinear_viscous,
-)

@@ -2,7 +2,7 @@
 
 from math import exp
 
-from eccentric.virtual_bench.effects.record import Builder, PlantedEffect, Request, simply
+from eccentric.virtual_bench.effects.record import PlantedEffect, Request, simply
 from eccentric.virtual_bench.plant import Motion
 
 _KELVIN = 273.15
@@ -30,15 +30,13 @@ def viscosity_temperature(request: Request) -> PlantedEffect:
         def factor(temperature: float, a: float) -> float:
             return exp(a * (1.0 / (temperature + _KELVIN) - 1.0 / (cold + _KELVIN))) - 1.0
 
-    return PlantedEffect(
-        "viscosity_temperature",
+    return request.effect(
         form,
         size,
         simply(**{"warm viscous": lambda s, a: factor(s.temperature, a)}),
         ("temperature", "velocity"),
         (cold,),
         bound=bound,
-        variant=request.variant,
         needs_temperature=True,
     )
 
@@ -46,8 +44,7 @@ def viscosity_temperature(request: Request) -> PlantedEffect:
 def coulomb_temperature(request: Request) -> PlantedEffect:
     """Dry friction that falls in proportion to the temperature."""
     cold = request.plant.Tamb
-    return PlantedEffect(
-        "coulomb_temperature",
+    return request.effect(
         "-A (T - Tamb) c sgn w",
         1.5 * request.strength / request.setting.warming,
         simply(**{"warm dry": lambda s, a: -a * (s.temperature - cold)}),
@@ -62,8 +59,7 @@ def stribeck_temperature(request: Request) -> PlantedEffect:
     """Rise of dry friction near rest whose speed grows as the oil becomes thinner (Hersey 1914)."""
     cold, vs = request.plant.Tamb, request.draw(0.05, 0.1) * request.setting.top_speed
     thins = request.draw(0.03, 0.06)
-    return PlantedEffect(
-        "stribeck_temperature",
+    return request.effect(
         "A exp(-|w| exp(-b (T - Tamb))/vs) sgn w",
         request.torque(1.5),
         simply(rise=lambda s, a: a * exp(-abs(s.w_mid) * exp(-thins * (s.temperature - cold)) / vs)),
@@ -80,8 +76,7 @@ def hidden_thermal_drift(request: Request) -> PlantedEffect:
     def falls(s: Motion, a: float) -> float:
         return -a * (s.temperature - cold)
 
-    return PlantedEffect(
-        "hidden_thermal_drift",
+    return request.effect(
         "-A (T - Tamb) f, T heated by the losses and not logged",
         1.5 * request.strength / request.setting.warming,
         simply(**dict.fromkeys(("warm dry", "warm viscous", "warm rise"), falls)),
@@ -95,8 +90,7 @@ def hidden_thermal_drift(request: Request) -> PlantedEffect:
 def wear_runin(request: Request) -> PlantedEffect:
     """Dry friction of a fresh surface, worn off with the distance travelled (Archard 1953)."""
     distance = request.draw(0.15, 0.35) * request.setting.speed * request.setting.seconds
-    return PlantedEffect(
-        "wear_runin",
+    return request.effect(
         "A exp(-s/s0) sgn w, s the motor's travel",
         request.torque(2.5),
         simply(dry=lambda s, a: a * exp(-s.travel / distance)),
@@ -108,21 +102,10 @@ def wear_runin(request: Request) -> PlantedEffect:
 def time_drift(request: Request) -> PlantedEffect:
     """Dry friction that grows steadily with time, as a drying grease does."""
     seconds = request.setting.seconds
-    return PlantedEffect(
-        "time_drift",
+    return request.effect(
         "A (t/t_end) sgn w",
         request.torque(1.7),
         simply(dry=lambda s, a: a * s.t / seconds),
         ("time",),
         (seconds,),
     )
-
-
-BUILDERS: tuple[Builder, ...] = (
-    viscosity_temperature,
-    coulomb_temperature,
-    stribeck_temperature,
-    hidden_thermal_drift,
-    wear_runin,
-    time_drift,
-)
