@@ -22,7 +22,7 @@ from eccentric.model import (
     recursion,
 )
 from eccentric.model import vocabulary as v
-from eccentric.model.chain import momentum, motion
+from eccentric.model.chain import motion
 
 # --- A frame in its carrier: positions, differentiated ------------------------------------------------------
 
@@ -37,11 +37,11 @@ cosine, sine, omega_l, alpha_l = motion.cosine, motion.sine, motion.rate_l, moti
 
 # --- A body: its mass points, summed ------------------------------------------------------------------------
 
-m, h, Sigma = momentum.m, momentum.h, momentum.Sigma
-force, moment = momentum.force(), momentum.moment()
-rotor = momentum.rotor(2)
+m, h, Sigma = motion.m, motion.h, motion.Sigma
+force, moment = motion.force(), motion.moment()
+rotor = motion.rotor(2)
 tau_m, f_m, mu = v.tau_m.symbol, v.f_m.symbol, v.mu.symbol
-J_m, omega_m, alpha_m = momentum.J_m, momentum.omega_m, momentum.alpha_m
+J_m, omega_m, alpha_m = motion.J_m, motion.omega_m, motion.alpha_m
 inertia = Sigma.trace() * sp.eye(3) - Sigma
 at_centre = dict.fromkeys(h, sp.Integer(0)) | dict(zip(U, turning, strict=True))
 euler = inertia * alpha + w.cross(inertia * w)
@@ -80,10 +80,7 @@ letters = [
 M_0, M_1, c_0, c_1, I_0, I_1, l_0, mu_0, mu_1, J_m_0, J_m_1 = (q.symbol for q in letters)
 two_links = Chain(
     "serial_chain",
-    joints=[
-        Joint(mu=mu_0, J_m=J_m_0),
-        Joint(mu=mu_1, J_m=J_m_1, placement=Placement((0, -l_0, 0))),
-    ],
+    joints=[Joint(mu=mu_0, J_m=J_m_0), Joint(mu=mu_1, J_m=J_m_1, placement=Placement((0, -l_0, 0)))],
     bodies=[
         Body(M_0, (0, -c_0, 0), [[0, 0, 0], [0, 0, 0], [0, 0, I_0]]),
         Body(M_1, (0, -c_1, 0), [[0, 0, 0], [0, 0, 0], [0, 0, I_1]]),

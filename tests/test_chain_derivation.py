@@ -9,7 +9,7 @@ import sympy as sp
 
 from eccentric.model import Equation, load_model, model_names
 from eccentric.model import vocabulary as v
-from eccentric.model.chain import momentum, motion
+from eccentric.model.chain import motion
 from eccentric.model.limit import of_expression, of_unit
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -21,13 +21,13 @@ def units() -> dict[sp.Symbol, str]:
     vectors = {
         "rad/s": motion.w, "rad/s^2": motion.alpha, "m/s^2": [*motion.a, *motion.s_ddot],
         "m": [*motion.s, *motion.letters("p"), sp.Symbol("b", real=True)], "m/s": motion.s_dot,
-        "1/s^2": list(motion.U), "kg m": momentum.h, "kg m^2": [*momentum.Sigma, momentum.J_m],
-        "kg": [momentum.m], "N": [*motion.letters("f"), *sp.symbols("F_N F_T", real=True)],
+        "1/s^2": list(motion.U), "kg m": motion.h, "kg m^2": [*motion.Sigma, motion.J_m],
+        "kg": [motion.m], "N": [*motion.letters("f"), *sp.symbols("F_N F_T", real=True)],
         "N m": [*motion.letters("n"), *sp.symbols("M_B T", real=True)], "1": [motion.cosine, motion.sine],
     }  # fmt: skip
     named = {letter: unit for unit, letters in vectors.items() for letter in letters}
     named |= {motion.rate_l: "rad/s", motion.acceleration_l: "rad/s^2"}
-    named |= {momentum.omega_m: "rad/s", momentum.alpha_m: "rad/s^2"}
+    named |= {motion.omega_m: "rad/s", motion.alpha_m: "rad/s^2"}
     named |= {sp.Symbol(name, nonnegative=True): "s/rad" for name in ("B_lM", "B_lG")}
     named |= {sp.Symbol(name, nonnegative=True): "1" for name in ("C_lM", "C_lG")}
     named |= {sp.Symbol("M_jj", positive=True): "kg m^2", sp.Symbol("M_jk", real=True): "kg m^2"}

@@ -160,10 +160,7 @@ def test_polynomials_at_bottom_and_top() -> None:
     """Equations (24) and (25), s being a letter of the latter."""
     model = load_model("c2_parallel")
     s = sp.Symbol("s")
-    printed = (
-        *paper.polynomial_c2(None, sgn, LETTERS),
-        *paper.polynomial_c2(s, sgn, LETTERS),
-    )
+    printed = (*paper.polynomial_c2(None, sgn, LETTERS), *paper.polynomial_c2(s, sgn, LETTERS))
     derived = (*model.equation("bottom").right, *model.equation("top").right)
     for mine, papers in zip(derived, printed, strict=True):
         assert is_zero(mine - papers)

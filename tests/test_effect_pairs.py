@@ -278,13 +278,7 @@ STRIBECK = {
     "stribeck_load[F_N]",
 }
 MIXED = {"backlash"}
-NEITHER = {
-    "quadratic_drag",
-    "cubic_drag",
-    "oneway_windage[+]",
-    "oneway_windage[-]",
-    "eddy_current",
-}
+NEITHER = {"quadratic_drag", "cubic_drag", "oneway_windage[+]", "oneway_windage[-]", "eddy_current"}
 REACHED = {
     "viscosity_temperature": VISCOUS,
     "viscosity_temperature[arrhenius]": VISCOUS,

@@ -248,10 +248,7 @@ def test_a_users_file_loads(tail: str, tmp_path: Path) -> None:
     ("source", "expected"),
     [
         (None, "no such script of effects"),
-        (
-            "x = 1",
-            "expected a function `effects\\(setting\\)` or an `effect` of type Effect, got NoneType",
-        ),
+        ("x = 1", "expected a function `effects\\(setting\\)` or an `effect` of type Effect, got NoneType"),
         ("effect = 3", "got int"),
         ("def effects(setting):\n    return [3]", "expected effects of type Effect, got int"),
         ("1 / 0", "stopped with ZeroDivisionError: division by zero"),

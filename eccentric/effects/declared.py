@@ -166,9 +166,7 @@ def ki_mismatch(setting: Setting) -> Iterator[Effect]:
                 " units k_i of a DC motor equals its k_e"
             ),
             kin=LOAD,
-            tell_apart={
-                "gravity": "Weigh the mass; or accelerate hard, with the inertia declared.",
-            },
+            tell_apart={"gravity": "Weigh the mass; or accelerate hard, with the inertia declared."},
         ),
     )
 

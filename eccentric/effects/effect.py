@@ -129,13 +129,9 @@ SPEED = Kin(
     "speed",
     {"speed": "Add constant speeds at twice the present range and at its lower end, in both directions."},
 )
-LOAD = Kin(
-    "load",
-    {"load": "Accelerate hard at several speeds, then repeat with another mass on the link."},
-)
+LOAD = Kin("load", {"load": "Accelerate hard at several speeds, then repeat with another mass on the link."})
 GRAVITY = Kin(
-    "gravity",
-    {"gravity": "Hold slow speeds over whole turns in both directions, with two masses."},
+    "gravity", {"gravity": "Hold slow speeds over whole turns in both directions, with two masses."}
 )
 
 

@@ -127,7 +127,7 @@ def load_dependent(setting: Setting) -> Iterator[Effect]:
         tell_apart={
             "gear_efficiency": (
                 "Raise and lower the mass slowly at the same speeds, with the current logged and k_i known."
-            ),
+            )
         },
     )
     for load in gear_loads("load", setting):
@@ -214,7 +214,7 @@ TABLES = "SKF, Rolling Bearings, 2016, table of constant coefficients; JTEKT, Be
 
 # What the base model of case C1 already contains, and the column of it.
 IN_C1 = {
-    "bearing_load": "w and w^3, the columns of B_m and B_lN: the powers 1/2 and 3/2 of F_N, M L omega_l^2",
+    "bearing_load": "w and w^3, the columns of B_m and B_lN: the powers 1/2 and 3/2 of F_N, M L omega_l^2"
 }
 
 

@@ -114,7 +114,7 @@ def magnet_temperature(setting: Setting) -> Iterator[Effect]:
             kin=TEMPERATURE,
             tell_apart={
                 "resistance_temperature": "Hold the rotor locked at a constant current while it warms: only R"
-                " shows.",
+                " shows."
             },
         ),
     )
@@ -381,8 +381,5 @@ def _current_slope(name: str) -> tuple[sp.Symbol, tuple[State, State]]:
     """
     last = quantity(f"{name}_last", "A", "current one time step ago", letter="i_old")
     slope = quantity(f"{name}_slope", "A/s", "rate of change of the current", letter="i^'")
-    states = (
-        State(last, sp.Integer(0), current),
-        State(slope, sp.Integer(0), (current - last.symbol) / dt),
-    )
+    states = (State(last, sp.Integer(0), current), State(slope, sp.Integer(0), (current - last.symbol) / dt))
     return slope.symbol, states

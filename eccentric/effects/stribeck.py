@@ -59,9 +59,7 @@ def stribeck(setting: Setting) -> Iterator[Effect]:
         meaning="Dry friction that is higher at low speed, until a film of lubricant carries the load.",
         hint="steady runs at several speeds below and around the Stribeck velocity, in both directions",
         kin=SPEED,
-        tell_apart={
-            "presliding": "Move slowly below the Stribeck velocity, far from reversals.",
-        },
+        tell_apart={"presliding": "Move slowly below the Stribeck velocity, far from reversals."},
     )
     ratio = speed / w_s.symbol
     half, definitions = root("stribeck", omega_m / w_s.symbol, "speed over the Stribeck velocity")

@@ -18,7 +18,7 @@ from eccentric.model.model import Model
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, needed
 from eccentric.model.quantity import Definition, symbols
 from eccentric.model.regressor import regressor
-from eccentric.model.rest import acceleration, at_direction, budget, levels, step
+from eccentric.model.rest import acceleration, at_direction, budget, levels, moving, step
 from eccentric.model.steps import (
     Backward,
     Bounded,
@@ -110,15 +110,6 @@ def _is_curved(model: Model, values: Iterable[sp.Expr]) -> bool:
     moved = _following(model, {v.omega_m.symbol})
     steps = {step for value in values for step in value.atoms(OpaqueStep)}
     return any(step.free_symbols & moved for step in steps if not isinstance(step, _DIRECTED))
-
-
-def moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
-    """The values of the steps by direction for velocities above (1) or below (-1) zero."""
-    return {
-        Sgn(omega_m): sp.Integer(direction),
-        Forward(omega_m): sp.Integer(direction > 0),
-        Backward(omega_m): sp.Integer(direction < 0),
-    }
 
 
 STEP = "next_state"
@@ -231,12 +222,7 @@ def drive_interface(model: Model) -> Interface:
 
     moved = {"taken": frozenset({v.alpha_m.name}) if inertia else frozenset(), "requires": inertia}
     listed = [
-        output(
-            "normal_force",
-            "N",
-            "normal force F_N on the axis of rotation",
-            one(force or sp.S.Zero),
-        ),
+        output("normal_force", "N", "normal force F_N on the axis of rotation", one(force or sp.S.Zero)),
         output(
             "friction_torque",
             "N m",

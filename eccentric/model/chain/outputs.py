@@ -74,13 +74,10 @@ class _Outputs:
                 "inverse_dynamics",
                 "N m",
                 "torque of every motor that moves bodies and rotors and holds the weight, without friction",
-                self._of_moving(lambda: _inverse_dynamics(found)),
+                self._of_moving(lambda: _labelled("tau_m", found.motor_torques)),
             ),
             self._output(
-                "motor_torque",
-                "N m",
-                _words_of_motor_torque(model),
-                self._of_moving(self._motor_torque),
+                "motor_torque", "N m", _words_of_motor_torque(model), self._of_moving(self._motor_torque)
             ),
             self._output(
                 "joint_wrenches",
@@ -210,14 +207,14 @@ class _Outputs:
         return lambda: _expressions(results(), self._stable_moving)
 
     def _motor_torque(self) -> _Results:
-        both = zip(_inverse_dynamics(self._found), self._friction, strict=True)
-        for j, ((_, bodies), (_, friction)) in enumerate(both):
+        both = zip(self._found.motor_torques, self._friction, strict=True)
+        for j, (bodies, (_, friction)) in enumerate(both):
             yield f"tau_{j}", bodies + friction + _besides(self._model, j, bodies + friction)
 
     def _at_rest(self) -> Expressions:
         definitions, torques = at_rest(self._found)
         stable = _stable(self._found, self._model, tuple(map(_assigned, definitions)))
-        return _expressions([(f"G_{j}", torque) for j, torque in enumerate(torques)], stable)
+        return _expressions(_labelled("G", torques), stable)
 
     @cached_property
     def _both_ways(self) -> tuple[Assignment, ...]:
@@ -243,8 +240,7 @@ class _Outputs:
         return _expressions(held, _stable(self._found, self._model, definitions))
 
     def _inertia(self) -> tuple[tuple[Assignment, ...], Matrix]:
-        torques = [torque for _, torque in _inverse_dynamics(self._found)]
-        return mass_matrix(self._found, self._moving, torques)
+        return mass_matrix(self._found, self._moving, self._found.motor_torques)
 
     def _mass_matrix(self) -> Expressions:
         definitions, entries = self._inertia()
@@ -288,6 +284,10 @@ class _Outputs:
             for x in by
         ]
         return _expressions(results, _stable(self._found, self._model, steps))
+
+
+def _labelled(name: str, values: Iterable[sp.Expr]) -> list[tuple[str, sp.Expr]]:
+    return [(f"{name}_{j}", value) for j, value in enumerate(values)]
 
 
 def _without_time(found: Recursion) -> dict[str, sp.Expr]:
@@ -421,11 +421,6 @@ def _resultants(model: Model, friction: Sequence[tuple[str, sp.Expr]]) -> list[t
         drive = next(t for t in model.balance(f"mechanical_{j}").terms if t.kind == "drive")
         results.append((f"F_{j}", f + drive.coefficient / resistance * electrical.sum_of("back_emf")))
     return results
-
-
-def _inverse_dynamics(found: Recursion) -> list[tuple[str, sp.Expr]]:
-    of_joints = zip(found.chain.joints, found.rotors, found.torques, strict=True)
-    return [(f"tau_m_{j}", rotor + joint.mu * torque) for j, (joint, rotor, torque) in enumerate(of_joints)]
 
 
 def _wrenches(found: Recursion) -> list[tuple[str, sp.Expr]]:

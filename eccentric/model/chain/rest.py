@@ -66,10 +66,7 @@ def still(
     What then depends on parameters alone has a name of its own: it is a coefficient, which other functions,
     whose value moves, must not share.
     """
-    fixed = set(parameters)
-    known: dict[sp.Expr, sp.Expr] = {
-        x.symbol: _ZERO for inputs in found.inputs for x in (inputs.omega_m, inputs.alpha_m)
-    }
+    fixed, known = set(parameters), dict(found.standing)
 
     def folded(value: sp.Expr) -> sp.Expr:
         value = value.xreplace(known)
