@@ -1,8 +1,10 @@
 """The derivations: from first principles follows what the paper prints, in every equation and unit."""
 
 import math
+import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,6 +13,7 @@ import sympy as sp
 
 from eccentric.model import Equation, Model, load_model, meaning, model_names, regressor
 from eccentric.model import vocabulary as v
+from eccentric.model.chain import motion
 from eccentric.model.limit import of_expression, of_unit
 from tests import paper
 
@@ -24,64 +27,75 @@ TRANSVERSAL = {v.beta_T.symbol: v.B_lT.symbol * v.F_T.symbol, v.gamma_T.symbol: 
 
 
 def is_zero(expression: sp.Expr) -> bool:
-    """Whether an expression simplifies to zero."""
+    """Whether an expression expands, or simplifies, to zero."""
     # Half angles become whole ones, which expand_trig knows.
     halves = sp.expand(expression).subs(theta_m, 2 * theta_m / v.mu.symbol)
-    return sp.simplify(sp.expand_trig(halves)) == 0
+    expanded = sp.expand(sp.expand_trig(halves))
+    return expanded == 0 or sp.simplify(expanded) == 0
 
 
-def every_equation() -> list:
-    """Every equation of every derivation, with a readable id."""
-    return [
-        pytest.param(name, equation, id=f"{name}-{equation.name}")
-        for name in model_names()
-        for equation in load_model(name).equations
-    ]
+EQUATIONS = [
+    pytest.param(name, equation, id=f"{name}-{equation.name}")
+    for name in (*model_names(), "linear_axis", "serial_chain")
+    for equation in load_model(name).equations
+]
 
 
-@pytest.mark.parametrize(("name", "equation"), every_equation())
+@pytest.mark.parametrize(("name", "equation"), EQUATIONS)
 def test_every_identity_is_true(name: str, equation: Equation) -> None:
     """What a derivation says to follow from an equation does follow."""
     for identity in equation.identities:
         assert is_zero(identity.zero), f"{name}: {identity.statement}"
 
 
-def units(model: Model) -> dict[sp.Symbol, str]:
-    """Units of the model's symbols and of all others in its derivation."""
-    named = {q.symbol: q.unit for q in vars(v).values() if hasattr(q, "symbol")}
-    directed = [
-        v.directed(q, d)
-        for d in ("pos", "neg")
-        for q in (v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m, v.beta_T, v.gamma_T)
-    ]
-    return named | {q.symbol: q.unit for q in directed} | model.units() | {sp.Symbol("s"): "1"}
+@cache
+def units(name: str) -> dict[sp.Symbol, str]:
+    """Units of the symbols of a model and of all others in its derivation."""
+    coefficients = (v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m, v.beta_T, v.gamma_T)
+    papers = [q for q in vars(v).values() if hasattr(q, "symbol")]
+    papers += [v.directed(q, d) for d in ("pos", "neg") for q in coefficients]
+    named = {q.symbol: q.unit for q in papers} | {sp.Symbol("s"): "1"}
+    if name == "serial_chain":
+        named |= units_of_a_chain()
+    return named | load_model(name).units()
 
 
-@pytest.mark.parametrize(("name", "equation"), every_equation())
+def units_of_a_chain() -> dict[sp.Symbol, str]:
+    """Units of the letters of a frame, a body and a joint."""
+    vectors = {
+        "rad/s": motion.w, "rad/s^2": motion.alpha, "m/s^2": [*motion.a, *motion.s_ddot],
+        "m": [*motion.s, *motion.letters("p"), sp.Symbol("b", real=True)], "m/s": motion.s_dot,
+        "1/s^2": list(motion.U), "kg m": motion.h, "kg m^2": [*motion.Sigma, motion.J_m],
+        "kg": [motion.m], "N": [*motion.letters("f"), *sp.symbols("F_N F_T", real=True)],
+        "N m": [*motion.letters("n"), *sp.symbols("M_B T", real=True)], "1": [motion.cosine, motion.sine],
+    }  # fmt: skip
+    named = {letter: unit for unit, letters in vectors.items() for letter in letters}
+    named |= {motion.rate_l: "rad/s", motion.acceleration_l: "rad/s^2"}
+    named |= {motion.omega_m: "rad/s", motion.alpha_m: "rad/s^2"}
+    named |= {sp.Symbol(name, nonnegative=True): "s/rad" for name in ("B_lM", "B_lG")}
+    named |= {sp.Symbol(name, nonnegative=True): "1" for name in ("C_lM", "C_lG")}
+    named |= {sp.Symbol("M_jj", positive=True): "kg m^2", sp.Symbol("M_jk", real=True): "kg m^2"}
+    return named | dict.fromkeys(sp.symbols("omega_m_k omega_after_k", real=True), "rad/s")
+
+
+@pytest.mark.parametrize(("name", "equation"), EQUATIONS)
 def test_every_equation_has_its_unit(name: str, equation: Equation) -> None:
     """The right side of every equation has the dimension that is printed with it."""
-    if isinstance(equation.right, sp.MatrixBase):
-        rows = list(equation.right)
-        units_of_rows = equation.units() if len(equation.units()) > 1 else equation.units() * len(rows)
-    else:
-        rows, units_of_rows = [equation.right], equation.units()
-    for entry, unit in zip(rows, units_of_rows, strict=True):
+    rows = list(equation.right) if isinstance(equation.right, sp.MatrixBase) else [equation.right]
+    each = equation.units() * (len(rows) if isinstance(equation.unit, str) else 1)
+    for entry, unit in zip(rows, each, strict=True):
         if entry != 0:
-            assert of_unit(unit) == of_expression(entry, units(load_model(name))), f"{entry} [{unit}]"
+            assert of_unit(unit) == of_expression(entry, units(name)), f"{entry} [{unit}]"
 
 
-@pytest.mark.parametrize("name", model_names())
+@pytest.mark.parametrize("name", [*model_names(), "linear_axis", "serial_chain"])
 def test_definitions_and_terms_have_their_units(name: str) -> None:
     """Every definition has the unit of its quantity, and every term that of its balance."""
     model = load_model(name)
-    known = units(model) | {v.i.symbol: "A", v.u.symbol: "V"}
-    for definition in model.definitions:
-        assert of_unit(definition.quantity.unit) == of_expression(definition.value, known), (
-            definition.quantity.name
-        )
-    for balance in model.balances:
-        for term in balance.terms:
-            assert of_unit(balance.unit) == of_expression(term.value, known), term.name
+    values = [(d.quantity.name, d.quantity.unit, d.value) for d in model.definitions]
+    values += [(t.name, b.unit, t.value) for b in model.balances for t in b.terms]
+    for what, unit, value in values:
+        assert of_unit(unit) == of_expression(value, units(name)), what
 
 
 def test_normal_force_of_c1_is_the_papers() -> None:
@@ -291,17 +305,40 @@ def test_a_derivation_has_the_papers_numbers(name: str) -> None:
     assert [number for number in NUMBERS[name] if f"({number})" not in printed] == []
 
 
+def printed_by(name: str) -> str:
+    """What a derivation prints that is run by its path."""
+    command = [sys.executable, f"derivations/{name}.py"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env=environment)
+    return done.stdout
+
+
 def test_a_script_prints_its_derivation() -> None:
     """A derivation run by its path."""
-    command = [sys.executable, str(ROOT / "derivations" / "c1_asymmetric.py")]
-    printed = subprocess.run(
-        command, capture_output=True, text=True, check=True, cwd=ROOT, env=_environment()
-    ).stdout
-
-    assert str(load_model("c1_asymmetric")).strip() in printed
+    assert str(load_model("linear_axis")).strip() in printed_by("linear_axis")
 
 
-def _environment() -> dict[str, str]:
-    import os
+@pytest.mark.slow
+def test_the_script_of_the_chain_prints_the_recursion_and_the_arm() -> None:
+    """Run by its path it prints equations, checks, and the recursion as it is evaluated."""
+    printed = printed_by("serial_chain")
 
-    return {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
+    assert [] == [number for number in ("(1)", "(3)", "(7)") if number not in printed]
+    assert all(f"    {d.symbol} " in printed for d in load_model("serial_chain").definitions)
+
+
+def test_the_chain_is_no_model_of_the_papers_drive() -> None:
+    """`eccentric derive` takes those; the chain can be read and evaluated."""
+    assert "serial_chain" not in model_names()
+    assert (ROOT / "derivations" / "serial_chain.py").is_file()
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_terms_of_a_joint_say_what_they_follow(joint: int) -> None:
+    """Viscous and Coulomb friction by the loads that it carries, and free of load."""
+    terms = load_model("serial_chain").balance(f"mechanical_{joint}").terms
+    friction = {(t.role.value, t.load.value, t.joint) for t in terms if t.kind == "friction"}
+
+    # Gravity in the plane: nothing acts along the axis, nothing bends.
+    loads = ("F_N", "transmitted_torque", "none")
+    assert friction == {(role, load, joint) for role in ("viscous", "coulomb") for load in loads}
