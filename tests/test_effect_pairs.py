@@ -108,8 +108,8 @@ def differ_by_order(name: str, pairs: Iterable[Pair]) -> list[tuple[str, str]]:
     ],
 )
 def test_the_order_of_two_effects_changes_nothing(name: str) -> None:
-    """A pair of the library gives one model in both orders, or one refusal in one line; a third of them."""
-    assert [] == differ_by_order(name, every_nth(itertools.combinations(few_orders(name), 2), 3))
+    """A pair of the library gives one model in both orders, or one refusal in one line; an eighth of them."""
+    assert [] == differ_by_order(name, every_nth(itertools.combinations(few_orders(name), 2), 8))
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ effects have added, and the regressor has their bases.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
@@ -206,13 +207,9 @@ def drive_interface(model: Model) -> Interface:
         before: Iterable[Assignment] = (),
         **more: Any,
     ) -> Output:
-        own = (Assignment(a.target, a.value.xreplace(scaled), a.note) for a in before)
-        expressions = Expressions(
-            tuple((label, value.xreplace(scaled)) for label, value in results),
-            (*definitions, *own),
-            by,
-            (v.omega_m.symbol,),
-        )
+        own = (replace(a, value=a.value.xreplace(scaled)) for a in before)
+        found = tuple((label, value.xreplace(scaled)) for label, value in results)
+        expressions = Expressions(found, (*definitions, *own), by, (v.omega_m.symbol,))
         return Output(
             axis.named(name), axis.unit(unit), axis.text(meaning), inputs, lambda: expressions, **more
         )
