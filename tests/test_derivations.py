@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import pytest
 import sympy as sp
 
-from eccentric.model import Equation, Model, load_model, meaning, model_names, regressor
+from eccentric.model import Equation, load_model, meaning, model_names, regressor
 from eccentric.model import vocabulary as v
 from eccentric.model.chain import motion
 from eccentric.model.limit import of_expression, of_unit
@@ -98,86 +98,74 @@ def test_definitions_and_terms_have_their_units(name: str) -> None:
         assert of_unit(unit) == of_expression(value, units(name)), what
 
 
-def test_normal_force_of_c1_is_the_papers() -> None:
-    """Equation (8)."""
-    assert is_zero(
-        load_model("c1_perpendicular").definition("F_N").value - paper.normal_force_c1(omega_m, LETTERS)
-    )
+def of_derivation(name: str, *equations: str) -> list[sp.Expr]:
+    """The right sides of these equations, row by row, with the paper's coefficients of F_T."""
+    sides = [load_model(name).equation(equation).right.subs(TRANSVERSAL) for equation in equations]
+    return [x for side in sides for x in (side if isinstance(side, sp.MatrixBase) else [side])]
 
 
-def test_normal_force_of_c2_is_the_papers() -> None:
-    """Equations (16) and (17), squared: the numerically stable form is the same function."""
-    model = load_model("c2_parallel")
-    link = paper.normal_force_c2_link(theta_l, omega_l, LETTERS, sp)
-    motor = paper.normal_force_c2(theta_m, omega_m, LETTERS, sp)
-
-    assert is_zero(model.equation("normal_force").right - link**2)
-    assert is_zero(model.equation("normal_force_motor").right - motor**2)
-    assert is_zero(_plain(model, "F_N") ** 2 - motor**2)
+def stable_force(name: str) -> sp.Expr:
+    """F_N in inputs and parameters, the opaque steps written out, for an unbalanced mass, squared."""
+    model = load_model(name)
+    expression = meaning(model.expand(model.definition("F_N").symbol))
+    return expression.subs(sp.Eq(v.L.symbol * v.M.symbol, 0), sp.false).doit() ** 2
 
 
-def _plain(model: Model, name: str) -> sp.Expr:
-    """A definition in inputs and parameters, the opaque steps written out, for an unbalanced mass."""
-    expression = meaning(model.expand(model.definition(name).symbol))
-    return expression.subs(sp.Eq(v.L.symbol * v.M.symbol, 0), sp.false).doit()
+def printed() -> dict[str, tuple[list[sp.Expr], list[sp.Expr]]]:
+    """Equations of the paper -> what a derivation gives, and what the paper prints."""
+    p, C1, C2 = LETTERS, "c1_perpendicular", "c2_parallel"
+    F_N, phi, w, s = v.F_N.symbol, v.phi.symbol, sp.Symbol("w", positive=True), sp.Symbol("s")
+    by_load = (p.mu**2 * p.B_lN * F_N + p.B_m + p.k_i * p.k_e / p.R) * omega_m
+    by_load += (p.mu * p.C_lN * F_N + p.C_m) * sgn
+    F_1, F_0 = of_derivation(C2, "F_1", "F_0")
+    c1, c2 = paper.normal_force_c1(omega_m, p), paper.normal_force_c2(theta_m, omega_m, p, sp)
+    torque = paper.gravity_torque(theta_m, p, sp)
+    tilted = torque.subs(p.g, p.g * sp.cos(phi))
+    level, upright = (stable_force("rotating_link").subs(alpha_m, 0).subs(phi, x) for x in (sp.pi / 2, 0))
+    extremal = [x.subs(omega_l, w) ** 2 for x in of_derivation(C2, "F_N_max", "F_N_min")]
+    (critical,) = of_derivation(C2, "critical_velocity")
+    # The reaction with acceleration and tilt, derived by hand.
+    a, b, g = p.M * p.L, p.M + p.M_l, p.g * sp.cos(phi)
+    pull = omega_l**2 * sp.cos(theta_l) + alpha_l * sp.sin(theta_l)
+    reaction = a**2 * (omega_l**4 + alpha_l**2) + 2 * g * b * a * pull + b**2 * g**2
+    return {
+        "(4) with (11)": (
+            of_derivation(C1, "voltage_steady"), [paper.steady_state_voltage_c1(omega_m, p, sp)],
+        ),
+        "(5)": (of_derivation(C2, "gravity_torque"), [torque]),
+        "(5) in a tilted plane": (of_derivation("rotating_link", "gravity_torque"), [tilted]),
+        "(8)": ([load_model(C1).definition("F_N").value], [c1]),
+        "(9)": (of_derivation(C1, "link_friction"), [paper.link_friction_c1(omega_m, p, sp)]),
+        "(10)": (of_derivation(C1, "motor_friction"), [paper.motor_friction(omega_m, p, sp)]),
+        "(11) to (13)": (
+            of_derivation(C1, "polynomial_high", "polynomial_low"), list(paper.polynomial_c1(sgn, p)),
+        ),
+        "(16)": (
+            of_derivation(C2, "normal_force"), [paper.normal_force_c2_link(theta_l, omega_l, p, sp) ** 2],
+        ),
+        "(16) with acceleration and tilt": (of_derivation("rotating_link", "normal_force"), [reaction]),
+        "(17)": ([*of_derivation(C2, "normal_force_motor"), stable_force(C2)], [c2**2, c2**2]),
+        "(8) and (17) as limits": ([level, upright], [c1**2, c2**2]),
+        "(18) to (20)": ([*of_derivation(C2, "resultant"), F_1 * omega_m + F_0], [by_load, by_load]),
+        "(22) and (23)": (
+            extremal, [paper.normal_force_maximum(w, p) ** 2, paper.normal_force_minimum(w, p) ** 2],
+        ),
+        "below (23)": ([critical**2], [paper.critical_velocity(p, sp) ** 2]),
+        "(24) and (25)": (
+            of_derivation(C2, "bottom", "top"),
+            [*paper.polynomial_c2(None, sgn, p), *paper.polynomial_c2(s, sgn, p)],
+        ),
+    }  # fmt: skip
 
 
-def test_reaction_with_acceleration_and_tilt() -> None:
-    """The general in-plane reaction, with acceleration and tilt, is the closed form derived manually."""
-    general = load_model("rotating_link").equation("normal_force").right
-    p = LETTERS
-    a, b, c = p.M * p.L, p.M + p.M_l, p.g * sp.cos(p.phi)
-    by_hand = (
-        a**2 * (omega_l**4 + alpha_l**2)
-        + 2 * c * b * a * (omega_l**2 * sp.cos(theta_l) + alpha_l * sp.sin(theta_l))
-        + b**2 * c**2
-    )
-
-    assert is_zero(general - by_hand)
+PRINTED = printed()
 
 
-def test_polynomial_of_c1_is_the_papers() -> None:
-    """Equations (11) to (13)."""
-    model = load_model("c1_perpendicular")
-    derived = [*model.equation("polynomial_high").right, *model.equation("polynomial_low").right]
-    for mine, papers in zip(derived, paper.polynomial_c1(sgn, LETTERS), strict=True):
-        assert is_zero(mine.subs(TRANSVERSAL) - papers)
-
-
-def test_resultant_torque_of_c2_is_the_papers() -> None:
-    """Equations (18) to (20), with F_N as a symbol for its own equation (17)."""
-    model = load_model("c2_parallel")
-    F_N = v.F_N.symbol
-    p = LETTERS
-    papers = (p.mu**2 * p.B_lN * F_N + p.B_m + p.k_i * p.k_e / p.R) * omega_m + (
-        p.mu * p.C_lN * F_N + p.C_m
-    ) * sgn
-
-    assert is_zero(model.equation("resultant").right - papers)
-    assert is_zero(model.equation("F_1").right * omega_m + model.equation("F_0").right - papers)
-
-
-def test_extremal_normal_forces_and_the_critical_velocity() -> None:
-    """Equations (22) and (23), and the velocity at which (22) vanishes."""
-    model = load_model("c2_parallel")
-    w = sp.Symbol("w", positive=True)
-    at = {omega_l: w}
-    highest = paper.normal_force_maximum(w, LETTERS)
-    lowest = paper.normal_force_minimum(w, LETTERS)
-
-    assert is_zero(model.equation("F_N_max").right.subs(at) ** 2 - highest**2)
-    assert is_zero(model.equation("F_N_min").right.subs(at) ** 2 - lowest**2)
-    assert is_zero(model.equation("critical_velocity").right ** 2 - paper.critical_velocity(LETTERS, sp) ** 2)
-
-
-def test_polynomials_at_bottom_and_top() -> None:
-    """Equations (24) and (25), s being a letter of the latter."""
-    model = load_model("c2_parallel")
-    s = sp.Symbol("s")
-    printed = (*paper.polynomial_c2(None, sgn, LETTERS), *paper.polynomial_c2(s, sgn, LETTERS))
-    derived = (*model.equation("bottom").right, *model.equation("top").right)
-    for mine, papers in zip(derived, printed, strict=True):
-        assert is_zero(mine - papers)
+@pytest.mark.parametrize("number", PRINTED)
+def test_a_derivation_gives_what_the_paper_prints(number: str) -> None:
+    """Forces as their squares; with F_N as a symbol in (18) to (20), and s as one in (25)."""
+    for derived, papers in zip(*PRINTED[number], strict=True):
+        assert is_zero(derived - papers)
 
 
 @pytest.mark.parametrize("share", ["1/100", "99/100", "101/100", "3"], ids=lambda share: f"{share} critical")
@@ -204,43 +192,6 @@ def test_normal_force_lies_between_its_extremal_values_at_every_angle() -> None:
 
         assert min(forces) == pytest.approx(float(model.equation("F_N_min").right.subs(at)), rel=1e-9)
         assert max(forces) == pytest.approx(float(model.equation("F_N_max").right.subs(at)), rel=1e-12)
-
-
-def test_friction_of_the_link_joint_and_of_the_motor_are_the_papers() -> None:
-    """Equations (9) and (10), each an equation of its own."""
-    model = load_model("c1_perpendicular")
-    link, motor = (model.equation(name) for name in ("link_friction", "motor_friction"))
-
-    assert ("(9)", "(10)") == (link.number, motor.number)
-    assert is_zero(link.right.subs(TRANSVERSAL) - paper.link_friction_c1(omega_m, LETTERS, sp))
-    assert is_zero(motor.right - paper.motor_friction(omega_m, LETTERS, sp))
-
-
-@pytest.mark.parametrize("name", ["rotating_link", "c2_parallel"])
-def test_gravity_torque_is_the_papers(name: str) -> None:
-    """Equation (5), g being the gravity in the plane of motion."""
-    derived = load_model(name).equation("gravity_torque").right
-    papers = paper.gravity_torque(theta_m, LETTERS, sp)
-    projected = {v.g.symbol: v.g.symbol * sp.cos(v.phi.symbol)} if name == "rotating_link" else {}
-
-    assert is_zero(derived - papers.subs(projected))
-
-
-def test_steady_velocity_voltage_curve() -> None:
-    """Equation (4) with (11) at constant velocity."""
-    derived = load_model("c1_perpendicular").equation("voltage_steady").right.subs(TRANSVERSAL)
-
-    assert is_zero(derived - paper.steady_state_voltage_c1(omega_m, LETTERS, sp))
-
-
-def test_limits_of_the_general_model() -> None:
-    """At phi = pi/2 and phi = 0, without acceleration, the general model's F_N is that of C1 and of C2."""
-    general = load_model("rotating_link")
-    squared = meaning(general.expand(general.definition("F_N").symbol)) ** 2
-    squared = squared.subs(sp.Eq(v.L.symbol * v.M.symbol, 0), sp.false).doit().subs(alpha_m, 0)
-
-    assert is_zero(squared.subs(v.phi.symbol, 0) - paper.normal_force_c2(theta_m, omega_m, LETTERS, sp) ** 2)
-    assert is_zero(squared.subs(v.phi.symbol, sp.pi / 2) - paper.normal_force_c1(omega_m, LETTERS) ** 2)
 
 
 def test_balanced_mass_carries_only_its_weight() -> None:

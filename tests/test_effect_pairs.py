@@ -148,50 +148,23 @@ def test_what_cannot_be_joined_is_refused_by_names_alone() -> None:
 # --- What a factor on friction reaches ----------------------------------------------------------------------
 
 VISCOUS = {
-    "viscous_asymmetry",
-    "sublinear_viscous[n=0.5]",
-    "sublinear_viscous[n=0]",
-    "viscosity_temperature[bearing]",
-    "hidden_thermal_drift[bearing]",
-}
+    "viscous_asymmetry", "sublinear_viscous[n=0.5]", "sublinear_viscous[n=0]",
+    "viscosity_temperature[bearing]", "hidden_thermal_drift[bearing]",
+}  # fmt: skip
 COULOMB = {
-    "coulomb_asymmetry",
-    "coulomb_temperature[bearing]",
-    "hidden_thermal_drift[coulomb]",
-    "link_harmonic_friction[n=1]",
-    "link_harmonic_friction[n=2]",
-    "motor_harmonic_friction[n=3]",
-    "motor_harmonic_friction[n=4]",
-    "nonsynchronous_friction",
-    "bearing_load[degressive]",
-    "bearing_load[progressive]",
-    "bearing_load[preload]",
-    "load_dependent[transmitted]",
-    "load_dependent[progressive]",
-    "load_dependent[gravity]",
-    "gear_efficiency[transmitted]",
-    "gear_efficiency[gravity]",
-    "gear_efficiency[transmitted,driven]",
-    "gear_efficiency[gravity,driven]",
-    "local_defect",
-    "time_drift",
-    "wear_runin",
-    "wear_runin[travel]",
-    "presliding",
-    "presliding[lugre]",
-}
+    "coulomb_asymmetry", "coulomb_temperature[bearing]", "hidden_thermal_drift[coulomb]",
+    "link_harmonic_friction[n=1]", "link_harmonic_friction[n=2]", "motor_harmonic_friction[n=3]",
+    "motor_harmonic_friction[n=4]", "nonsynchronous_friction", "bearing_load[degressive]",
+    "bearing_load[progressive]", "bearing_load[preload]", "load_dependent[transmitted]",
+    "load_dependent[progressive]", "load_dependent[gravity]", "gear_efficiency[transmitted]",
+    "gear_efficiency[gravity]", "gear_efficiency[transmitted,driven]", "gear_efficiency[gravity,driven]",
+    "local_defect", "time_drift", "wear_runin", "wear_runin[travel]", "presliding", "presliding[lugre]",
+}  # fmt: skip
 STRIBECK = {
-    "stribeck[d=0.5]",
-    "stribeck[d=1]",
-    "stribeck[d=1.5]",
-    "stribeck[d=2]",
-    "stribeck_load[transmitted,d=1]",
-    "stribeck_load[transmitted,d=2]",
-    "stribeck_load[gravity,d=1]",
-    "stribeck_load[gravity,d=2]",
-    "stribeck_temperature",
-    "stribeck_load[F_N]",
-}
+    "stribeck[d=0.5]", "stribeck[d=1]", "stribeck[d=1.5]", "stribeck[d=2]", "stribeck_load[transmitted,d=1]",
+    "stribeck_load[transmitted,d=2]", "stribeck_load[gravity,d=1]", "stribeck_load[gravity,d=2]",
+    "stribeck_temperature", "stribeck_load[F_N]",
+}  # fmt: skip
 MIXED = {"backlash"}
 NEITHER = {"quadratic_drag", "cubic_drag", "oneway_windage[+]", "oneway_windage[-]", "eddy_current"}
 REACHED = {
