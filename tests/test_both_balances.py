@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
+from eccentric.diagnosis.search.attribution import Search
 from eccentric.diagnosis.search.candidate import Candidate, Variables
 from eccentric.diagnosis.search.limits import HINTED
 from eccentric.diagnosis.search.two_balances import search_all
@@ -24,7 +24,7 @@ def searched(
     voltage: dict[int, float],
     *candidates: Candidate,
     noise: Mapping[str, float] | None = None,
-) -> Mapping[str, Any]:
+) -> dict[str, Search]:
     """The search in two balances of these columns; the circuit has nothing to fit, all is declared."""
     t, none = mixed({0: 1.0}), np.empty((N, 0))
     circuit = replace(design(voltage), name="electrical", coefficients=(), columns=none, samples=none)

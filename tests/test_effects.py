@@ -265,8 +265,17 @@ def test_a_users_file_loads(tail: str, tmp_path: Path) -> None:
         ("def effects(setting):\n    return [3]", "expected effects of type Effect, got int"),
         ("1 / 0", "stopped with ZeroDivisionError: division by zero"),
         ("def effects(setting):\n    return setting.nothing", "stopped with AttributeError"),
+        ("def effects(setting):\n    yield setting.nothing", "stopped with AttributeError"),
     ],
-    ids=["missing", "empty", "of a wrong type", "list of a wrong type", "stops", "stops when called"],
+    ids=[
+        "missing",
+        "empty",
+        "of a wrong type",
+        "list of a wrong type",
+        "stops",
+        "stops when called",
+        "stops midway",
+    ],
 )
 def test_a_bad_file_gets_one_clear_line(source: str | None, expected: str, tmp_path: Path) -> None:
     """What is wrong with a user's file is said in one line that names the file."""

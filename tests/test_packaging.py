@@ -70,13 +70,21 @@ def site(built: tuple[Path, Path], tmp_path_factory: pytest.TempPathFactory) -> 
     return target
 
 
-def test_each_package_is_listed_once() -> None:
-    """The list of packages in pyproject.toml repeats none."""
-    packages = PROJECT["tool"]["setuptools"]["packages"]
+def test_every_package_and_what_it_holds_besides_modules_is_listed_once() -> None:
+    """What pyproject.toml lists is what the clone has: packages, stubs, templates."""
+    tools, root = PROJECT["tool"]["setuptools"], ROOT / "eccentric"
+    packages = {path.parent.relative_to(ROOT) for path in root.rglob("__init__.py")}
+    stubs = {path.parent.relative_to(ROOT) for path in root.rglob("*.pyi")}
+    listed = [name for name, files in tools["package-data"].items() if "__init__.pyi" in files]
+    templates = {path.parent.parent for path in (ROOT / "templates").rglob("*.jinja")}
 
-    assert len(set(packages)) == len(packages)
+    expected = [*(".".join(path.parts) for path in packages), "eccentric.derivations", "eccentric.templates"]
+    assert sorted(expected) == sorted(tools["packages"])
+    assert sorted(".".join(path.parts) for path in stubs) == sorted(listed)
+    assert {ROOT / "templates"} == templates
 
 
+@pytest.mark.slow
 def test_the_wheel_holds_the_toolkit_and_no_other_package(built: tuple[Path, Path]) -> None:
     """Every module, derivation and template, also through the source archive, below one name."""
     sources = [path for path in (ROOT / "eccentric").rglob("*.py*") if path.suffix != ".pyc"]
@@ -91,6 +99,7 @@ def test_the_wheel_holds_the_toolkit_and_no_other_package(built: tuple[Path, Pat
         assert expected == {name for name in wheel.namelist() if ".dist-info/" not in name}
 
 
+@pytest.mark.slow
 def test_the_source_archive_can_be_tested(built: tuple[Path, Path]) -> None:
     """The source distribution holds what `make test` reads."""
     with tarfile.open(built[0]) as archive:

@@ -140,14 +140,13 @@ def with_numbers(chain: Chain) -> Chain:
         if q.default is None or not q.default.is_number:
             raise InputError(chain.name, f"a number for {q.name}", "none")
         values[q.symbol] = q.default
+    held = chain.payload
     return Chain(
         chain.name,
         [_joint(joint, values) for joint in chain.joints],
         [Moments(*_numbers(body.moments, ("mass", "first", "second"), values)) for body in chain.bodies],
         chain.gravity.xreplace(values),
-        None
-        if chain.payload is None
-        else Body(*_numbers(chain.payload, ("mass", "centre", "inertia"), values), chain.payload.name),
+        held and Body(*_numbers(held, ("mass", "centre", "inertia"), values), name=held.name),
     )
 
 
