@@ -23,7 +23,8 @@ ZERO, ONE = sp.Integer(0), sp.Integer(1)
 class OpaqueStep(sp.Function):
     """Base of the opaque steps: real, and never evaluated by SymPy.
 
-    Each has its plain formula, and the slopes by its arguments; what has no slope is never differentiated by.
+    Each has its plain formula, and the slopes by its arguments up to the last that is no parameter; one that
+    has none is never differentiated.
     """
 
     is_extended_real = True
@@ -37,6 +38,8 @@ class OpaqueStep(sp.Function):
     def fdiff(self, argindex: int = 1) -> sp.Expr:
         """The derivative by an argument; where it jumps, the one-sided slope."""
         slopes = self._slopes(*self.args)
+        if not slopes:
+            return super().fdiff(argindex)
         if argindex > len(slopes):
             raise ArgumentIndexError(self, argindex)
         return slopes[argindex - 1]
