@@ -1,7 +1,7 @@
 """The recursion along a chain: motion from the base outwards, force and moment from the end inwards.
 
-Each step is one of the formulas derived in `motion`, with the numbers and letters of the
-chain in place of its letters. The result is a list of scalar definitions, linear in the number of joints.
+Each step is one of the formulas derived in `motion`, with the numbers and letters of the chain in place of
+its letters. The result is a list of scalar definitions, linear in the number of joints.
 """
 
 from __future__ import annotations
