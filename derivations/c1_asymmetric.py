@@ -16,21 +16,20 @@ resultant = sp.expand(symmetric.equation("resultant").right)
 
 # One direction: the sign is known, and each friction coefficient has its own value.
 split = (v.B_lN, v.C_lN, v.beta_T, v.gamma_T, v.B_m, v.C_m)
+own = {d: {q.symbol: v.directed(q, d).symbol for q in split} for d in ("pos", "neg")}
 
 
 def polynomial(direction: str) -> sp.Matrix:
     """F_3, F_2, F_1, F_0 for one direction of motion."""
-    own = {quantity.symbol: v.directed(quantity, direction).symbol for quantity in split}
-    torque = resultant.subs(sp.sign(omega_m), {"pos": 1, "neg": -1}[direction]).subs(own)
+    torque = resultant.subs(sp.sign(omega_m), {"pos": 1, "neg": -1}[direction]).subs(own[direction])
     return sp.Matrix([torque.coeff(omega_m, power) for power in (3, 2, 1, 0)])
 
 
 positive, negative = polynomial("pos"), polynomial("neg")
-alike = {v.directed(q, d).symbol: q.symbol for q in split for d in ("pos", "neg")}
+alike = {new: old for letters in own.values() for old, new in letters.items()}
 powers = sp.Matrix([omega_m**3, omega_m**2, omega_m, 1])
 
 POLYNOMIAL = ("N m s^3/rad^3", "N m s^2/rad^2", "N m s/rad", "N m")
-own = {d: {q.symbol: v.directed(q, d).symbol for q in split} for d in ("pos", "neg")}
 friction = symmetric.equation("friction").right
 equations = (
     *(symmetric.equation(name) for name in ("normal_force", "normal_force_motor", "friction", "resultant")),

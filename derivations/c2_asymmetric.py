@@ -14,18 +14,17 @@ omega_m, F = symbols(v.omega_m, v.F)
 symmetric = load_model("c2_parallel")
 resultant = sp.expand(symmetric.equation("resultant").right)
 split = (v.B_lN, v.C_lN, v.B_m, v.C_m)
+own = {d: {q.symbol: v.directed(q, d).symbol for q in split} for d in ("pos", "neg")}
 
 
 def one_direction(direction: str) -> sp.Expr:
     """F for one direction of motion: the sign is known, each friction coefficient has its own value."""
-    own = {quantity.symbol: v.directed(quantity, direction).symbol for quantity in split}
-    torque = resultant.subs(sp.sign(omega_m), {"pos": 1, "neg": -1}[direction]).subs(own)
+    torque = resultant.subs(sp.sign(omega_m), {"pos": 1, "neg": -1}[direction]).subs(own[direction])
     return sp.collect(torque, omega_m)
 
 
 positive, negative = one_direction("pos"), one_direction("neg")
-alike = {v.directed(q, d).symbol: q.symbol for q in split for d in ("pos", "neg")}
-own = {d: {q.symbol: v.directed(q, d).symbol for q in split} for d in ("pos", "neg")}
+alike = {new: old for letters in own.values() for old, new in letters.items()}
 friction = symmetric.equation("friction").right
 equations = (
     *(

@@ -65,11 +65,7 @@ omega_critical = sp.sqrt(critical_square, evaluate=False)
 stable = scale_N * Magnitude(
     SquareDifference(speed, omega_star), 2 * omega_star * HalfCosine(theta_m, mu) * speed
 )
-plain = {
-    scale_N: M * L * mu**2,
-    omega_star: sp.sqrt((M + M_l) * g / (M * L)) / mu,
-    speed: sp.Abs(omega_m),
-}
+plain = {scale_N: M * L * mu**2, omega_star: sp.sqrt((M + M_l) * g / (M * L)) / mu, speed: sp.Abs(omega_m)}
 
 # --- The friction torque ------------------------------------------------------------------------------------
 
@@ -160,8 +156,7 @@ equations = (
         " scale_N = M L mu^2 (omega_star is the critical velocity on the motor side).",
         (
             Identity(
-                "it is equal to (17)",
-                meaning(stable).xreplace(plain) ** 2 - F_N_squared.subs(on_motor_side),
+                "it is equal to (17)", meaning(stable).xreplace(plain) ** 2 - F_N_squared.subs(on_motor_side)
             ),
         ),
     ),
@@ -297,8 +292,7 @@ equations = (
         " velocity and -1 above it.",
         (
             Identity(
-                "s (weight - M L omega_l^2) is F_Nmin",
-                F_N_min - switch * (weight_plain - M * L * omega_l**2),
+                "s (weight - M L omega_l^2) is F_Nmin", F_N_min - switch * (weight_plain - M * L * omega_l**2)
             ),
             Identity("at rest it is the sign of the weight", switch.subs(omega_l, 0) - sp.sign(weight_plain)),
             Identity("it is 0 at the critical velocity", switch.subs(omega_l, omega_critical)),

@@ -63,12 +63,7 @@ equations = (
         plain,
         "N m",
         "Friction of guide, screw and motor together.",
-        (
-            Identity(
-                "it is odd in the velocity",
-                plain + plain.subs(velocity, -velocity),
-            ),
-        ),
+        (Identity("it is odd in the velocity", plain + plain.subs(velocity, -velocity)),),
     ),
     *law_at_rest(plain, mass.symbol),
     Equation("current", "", i, current, "A", "The current that the motion requires."),

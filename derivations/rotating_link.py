@@ -122,10 +122,7 @@ definitions = (
 letters = DriveSymbols(
     omega_m, i, u, mu, R, k_i, k_e, B_m, C_m, {Load.NORMAL: (B_lN, C_lN), Load.TRANSVERSAL: (B_lT, C_lT)}
 )
-moved = (
-    ("inertia", "inertial", Gated(J, alpha_m), "(4)"),
-    ("gravity", "gravity", stable_gravity, "(5)"),
-)
+moved = (("inertia", "inertial", Gated(J, alpha_m), "(4)"), ("gravity", "gravity", stable_gravity, "(5)"))
 balance, electrical = drive_balances(
     letters, moved, {Load.NORMAL: link_force_N, Load.TRANSVERSAL: link_force_T}
 )
@@ -321,12 +318,7 @@ equations = (
         "F_N as computed in the code: half angle from the top and a difference of squares, for M L > 0"
         " divided by scale_N = M L mu^2; HalfCosine, HalfSine, SquareDifference and Magnitude keep their"
         " order of evaluation.",
-        (
-            Identity(
-                "its square is the squared normal force",
-                stable_squared - F_N_squared.subs(gear),
-            ),
-        ),
+        (Identity("its square is the squared normal force", stable_squared - F_N_squared.subs(gear)),),
     ),
 )
 

@@ -22,7 +22,7 @@ from eccentric.model import (
     recursion,
 )
 from eccentric.model import vocabulary as v
-from eccentric.model.chain import momentum, motion
+from eccentric.model.chain import motion
 
 # --- A frame in its carrier: positions, differentiated ------------------------------------------------------
 
@@ -37,11 +37,11 @@ cosine, sine, omega_l, alpha_l = motion.cosine, motion.sine, motion.rate_l, moti
 
 # --- A body: its mass points, summed ------------------------------------------------------------------------
 
-m, h, Sigma = momentum.m, momentum.h, momentum.Sigma
-force, moment = momentum.force(), momentum.moment()
-rotor = momentum.rotor(2)
+m, h, Sigma = motion.m, motion.h, motion.Sigma
+force, moment = motion.force(), motion.moment()
+rotor = motion.rotor(2)
 tau_m, f_m, mu = v.tau_m.symbol, v.f_m.symbol, v.mu.symbol
-J_m, omega_m, alpha_m = momentum.J_m, momentum.omega_m, momentum.alpha_m
+J_m, omega_m, alpha_m = motion.J_m, motion.omega_m, motion.alpha_m
 inertia = Sigma.trace() * sp.eye(3) - Sigma
 at_centre = dict.fromkeys(h, sp.Integer(0)) | dict(zip(U, turning, strict=True))
 euler = inertia * alpha + w.cross(inertia * w)
@@ -80,10 +80,7 @@ letters = [
 M_0, M_1, c_0, c_1, I_0, I_1, l_0, mu_0, mu_1, J_m_0, J_m_1 = (q.symbol for q in letters)
 two_links = Chain(
     "serial_chain",
-    joints=[
-        Joint(mu=mu_0, J_m=J_m_0),
-        Joint(mu=mu_1, J_m=J_m_1, placement=Placement((0, -l_0, 0))),
-    ],
+    joints=[Joint(mu=mu_0, J_m=J_m_0), Joint(mu=mu_1, J_m=J_m_1, placement=Placement((0, -l_0, 0)))],
     bodies=[
         Body(M_0, (0, -c_0, 0), [[0, 0, 0], [0, 0, 0], [0, 0, I_0]]),
         Body(M_1, (0, -c_1, 0), [[0, 0, 0], [0, 0, 0], [0, 0, I_1]]),
@@ -178,8 +175,7 @@ equations = (
         turning,
         "1/s^2",
         "A carrier turns with R' = R S(w), S(w) v = w x v; all components are its own. Differentiated once"
-        " more,"
-        " with alpha = w': U = R^T R''.",
+        " more, with alpha = w': U = R^T R''.",
         (Identity("it is S(alpha) + S(w)^2", all_zero(turning - S_alpha - S_w * S_w)),),
     ),
     Equation(
@@ -189,8 +185,7 @@ equations = (
         point,
         "m/s^2",
         "Acceleration of a point at s(t) in the carrier, R^T (r + R s)'', with r'' = R a. At the base a is"
-        " minus"
-        " the gravity, which so acts on every body.",
+        " minus the gravity, which so acts on every body.",
         (
             Identity(
                 "a point at rest has a + U s, a sliding one 2 w x s' and s'' as well",
@@ -205,8 +200,7 @@ equations = (
         frame.velocity,
         "rad/s",
         "Outwards, a revolute joint: angular velocity of a frame that turns by theta_l about z of its"
-        " carrier,"
-        " in its own components; for x and y alike. That of a sliding frame is the carrier's.",
+        " carrier, in its own components; for x and y alike. That of a sliding frame is the carrier's.",
         (
             Identity(
                 "it is that of the carrier, turned back, and omega_l about the axis",
@@ -242,8 +236,7 @@ equations = (
         force,
         "N",
         "Newton for a body: the accelerations a + U rho of its mass points, summed over the mass; m is the"
-        " mass,"
-        " h the first moment, m times the centre of mass.",
+        " mass, h the first moment, m times the centre of mass.",
     ),
     Equation(
         "moment",
@@ -267,8 +260,7 @@ equations = (
         handed,
         "N m",
         "Inwards: a joint at p in its parent hands on its force f, and its moment n and p x f; the joint of"
-        " the"
-        " parent exerts these and what moves its own body.",
+        " the parent exerts these and what moves its own body.",
     ),
     Equation(
         "rotor",
@@ -310,8 +302,7 @@ equations = (
         about_centre,
         "N m",
         "The bearing of a revolute joint carries F_N = |(f_x, f_y)| and F_T = |f_z|, and M_B = |(n_x, n_y)|"
-        " about"
-        " its centre, at b along the axis. A guide carries F_N and the whole moment.",
+        " about its centre, at b along the axis. A guide carries F_N and the whole moment.",
     ),
     Equation(
         "friction",
@@ -329,9 +320,8 @@ equations = (
         sp.Symbol("f_1"),
         outer_force,
         "N",
-        "Two links in a vertical plane, 0 where they hang lowest: force on link 1 by its joint, in the"
-        " frame of"
-        " link 1. F_N_1 is its norm.",
+        "Two links in a vertical plane, 0 where they hang lowest: force on link 1 by its joint, in the frame"
+        " of link 1. F_N_1 is its norm.",
         (
             Identity(
                 "with joint 0 at rest it is the load of the rotating link, eq (15)",

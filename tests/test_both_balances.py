@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from eccentric.diagnosis.search.attribution import Search
 from eccentric.diagnosis.search.candidate import Candidate, Variables
 from eccentric.diagnosis.search.limits import HINTED
 from eccentric.diagnosis.search.two_balances import search_all
@@ -16,6 +17,36 @@ from eccentric.diagnosis.search.verdict import decided
 from eccentric.effects import Shape
 from eccentric.model import quantity
 from tests.searched import Array, N, candidate, design, mixed
+
+
+def searched(
+    torque: dict[int, float],
+    voltage: dict[int, float],
+    *candidates: Candidate,
+    noise: Mapping[str, float] | None = None,
+) -> dict[str, Search]:
+    """The search in two balances of these columns; the circuit has nothing to fit, all is declared."""
+    t, none = mixed({0: 1.0}), np.empty((N, 0))
+    circuit = replace(design(voltage), name="electrical", coefficients=(), columns=none, samples=none)
+    moved = Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True)
+    return search_all([design(torque), circuit], candidates, moved, noise or {}, lambda _: None)
+
+
+def on_the_flux(ratio: float, *, torque: int = 5, voltage: int = 2, name: str = "flux") -> Candidate:
+    """An effect whose torque is `ratio` times its voltage, each in a column of its own."""
+    return replace(
+        candidate(name, {voltage: 1.0}, balance="electrical"),
+        also=lambda _: mixed({torque: ratio})[:, None],
+        joint=True,
+    )
+
+
+def verdict_of(
+    torque: dict[int, float], voltage: dict[int, float], *candidates: Candidate
+) -> tuple[str, list[str]]:
+    """The verdict on two balances of these columns, with what is named or tied."""
+    verdict = decided(searched(torque, voltage, *candidates))
+    return verdict.verdict, sorted(verdict.tied or [one.variant.candidate.id for one in verdict.adopted])
 
 
 @pytest.mark.parametrize(
@@ -27,21 +58,8 @@ def test_the_torque_settles_what_the_circuit_leaves_open(
     torque: dict[int, float], expected: tuple[str, list[str]]
 ) -> None:
     """In the voltage both leave the same but for a millionth; only one has a torque, and takes it out."""
-    flux = replace(
-        candidate("flux", {2: 1.0}, balance="electrical"), also=lambda _: mixed({5: 2.0})[:, None], joint=True
-    )
     other = candidate("other", {2: 1.0, 3: 1e-3}, balance="electrical")
-    t, none = mixed({0: 1.0}), np.empty((N, 0))
-    # The circuit has nothing to be fitted: R, k_i and k_e are declared.
-    circuit = replace(design({2: 3.0}), name="electrical", coefficients=(), columns=none, samples=none)
-
-    found = search_all(
-        [design(torque), circuit],
-        [flux, other, candidate("load", {7: 1.0})],
-        Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True),
-        {},
-        lambda _: None,
-    )
+    found = searched(torque, {2: 3.0}, on_the_flux(2.0), other, candidate("load", {7: 1.0}))
     verdict = decided(found)
 
     assert expected == (verdict.verdict, [one.variant.candidate.id for one in verdict.adopted])
@@ -62,17 +80,8 @@ def test_what_both_show_is_estimated_beside_what_else_the_torque_shows() -> None
         also=lambda values: mixed({5: 2.0, 6: values["x"]})[:, None],
         joint=True,
     )
-    t, none = mixed({0: 1.0}), np.empty((N, 0))
-    circuit = design({2: 3.0, 3: 0.3 * (true - 1.0)})
-    circuit = replace(circuit, name="electrical", coefficients=(), columns=none, samples=none)
-
-    found = search_all(
-        [design({5: 6.0, 6: 3.0 * true, 7: 60.0}), circuit],
-        [flux, candidate("ripple", {7: 1.0}), candidate("other", {6: 1.0})],
-        Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True),
-        {},
-        lambda _: None,
-    )
+    torque, voltage = {5: 6.0, 6: 3.0 * true, 7: 60.0}, {2: 3.0, 3: 0.3 * (true - 1.0)}
+    found = searched(torque, voltage, flux, candidate("ripple", {7: 1.0}), candidate("other", {6: 1.0}))
     (own,) = found["electrical"].best.variants
 
     assert ["ripple"] == [v.candidate.id for v in found["mechanical"].best.variants]
@@ -94,47 +103,12 @@ def test_what_is_small_draws_no_part_of_what_both_show_to_itself(names: str) -> 
     )
     others = [candidate(name, {7 + k: 1.0, 6: 0.5}) for k, name in enumerate(names)]
     torque = {5: 6.0, 6: 3.0 * true + 0.45 * len(others), **{7 + k: 0.9 for k in range(len(others))}}
-    t, none = mixed({0: 1.0}), np.empty((N, 0))
-    circuit = design({2: 3.0, 3: 0.3 * true})
-    circuit = replace(circuit, name="electrical", coefficients=(), columns=none, samples=none)
-
-    found = search_all(
-        [design(torque), circuit],
-        [flux, *others],
-        Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True),
-        {"mechanical": 0.99, "electrical": 0.99},
-        lambda _: None,
-    )
+    noise = {"mechanical": 0.99, "electrical": 0.99}
+    found = searched(torque, {2: 3.0, 3: 0.3 * true}, flux, *others, noise=noise)
     (own,) = found["electrical"].best.variants
 
     assert list(names) == sorted(v.candidate.id for v in found["mechanical"].best.variants)
     assert true == pytest.approx(own.values["x"], abs=0.01)
-
-
-def on_the_flux(ratio: float, *, torque: int = 5, voltage: int = 2, name: str = "flux") -> Candidate:
-    """An effect whose torque is `ratio` times its voltage, each in a column of its own."""
-    return replace(
-        candidate(name, {voltage: 1.0}, balance="electrical"),
-        also=lambda _: mixed({torque: ratio})[:, None],
-        joint=True,
-    )
-
-
-def verdict_of(
-    torque: dict[int, float], voltage: dict[int, float], *candidates: Candidate
-) -> tuple[str, list[str]]:
-    """The verdict on two balances of these columns, with what is named or tied."""
-    t, none = mixed({0: 1.0}), np.empty((N, 0))
-    circuit = replace(design(voltage), name="electrical", coefficients=(), columns=none, samples=none)
-    found = search_all(
-        [design(torque), circuit],
-        candidates,
-        Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True),
-        {},
-        lambda _: None,
-    )
-    verdict = decided(found)
-    return verdict.verdict, sorted(verdict.tied or [one.variant.candidate.id for one in verdict.adopted])
 
 
 FRICTION = candidate("friction", {5: 1.0, 6: 0.2})

@@ -39,18 +39,12 @@ CASES = {
         "elbow: axis: expected a vector of length 1, got (0, 0, 0) of length 0",
     ),
     "axis too long": (lambda: Joint(axis=(0, 1, 1)), "got (0, 1, 1) of length 1.41421"),
-    "axis of letters": (
-        lambda: Joint(axis=(sp.Symbol("x"), 0, 1)),
-        "joint: axis: expected three numbers",
-    ),
+    "axis of letters": (lambda: Joint(axis=(sp.Symbol("x"), 0, 1)), "joint: axis: expected three numbers"),
     "unknown joint": (
         lambda: Joint("prismatik"),
         "joint: kind: expected one of revolute, prismatic, got 'prismatik'; did you mean",
     ),
-    "gear that turns nothing": (
-        lambda: Joint(mu=0),
-        "mu: expected a positive gear ratio, got 0",
-    ),
+    "gear that turns nothing": (lambda: Joint(mu=0), "mu: expected a positive gear ratio, got 0"),
     "rotor below zero": (lambda: Joint(J_m=-0.1), "joint: J_m: expected 0 or above, got -0.1 kg m^2"),
     "rotation that stretches": (
         lambda: Placement(rotation=[[2, 0, 0], [0, 1, 0], [0, 0, 1]]),

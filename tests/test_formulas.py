@@ -10,41 +10,31 @@ from xml.etree import ElementTree as ET
 import pytest
 import sympy as sp
 
-from eccentric.effects import Effect, Setting, library
-from eccentric.model import load_model, meaning, model_names, quantity
+from eccentric.effects import Effect
+from eccentric.model import Quantity, load_model, meaning, model_names, quantity
 from eccentric.model import vocabulary as v
 from eccentric.presentation.html.equation import typesetter_of
 from eccentric.presentation.html.formulas import Typesetter, equation, letter, plain, short_formula
+from tests.extended import CASES, effects
 from tests.mathml import read, value
 
-CHANNELS = frozenset({"current", "voltage", "temperature"})
-FRICTION = {"B_lN": 0.004, "C_lN": 0.08, "B_m": 4e-4, "C_m": 0.008}
-BASES = {"C1": "c1_perpendicular", "C2": "c2_parallel"}
 MARKS = {"*": "__star", "+": "__plus", "-": "__minus", "'": "__rate", "''": "__rate2", "0": "__zero"}
 
 
-def effects() -> list[Effect]:
-    """Every effect of the library once, of a family with one for each harmonic the second."""
-    found = {}
-    for case in ("C1", "C2"):
-        for warm in (25.0, None):
-            channels = CHANNELS if warm else CHANNELS - {"temperature"}
-            base = load_model(BASES[case])
-            setting = Setting(
-                base,
-                0.2,
-                {"k_i": 0.06, "M": 0.5, "L": 0.2},
-                0.5,
-                40.0,
-                10.0,
-                60.0,
-                5.0,
-                temperature_mid=warm,
-                channels=channels,
-                friction=FRICTION,
-            )
-            found |= {e.id: e for e in library(setting) if not e.evidence.repeats or "[n=2]" in e.id}
-    return list(found.values())
+EFFECTS = {
+    effect.id: effect
+    for case in CASES
+    for effect in effects(case).values()
+    if not effect.evidence.repeats or "[n=2]" in effect.id
+}
+"""Every effect of the library once, of a family with one for each harmonic the second."""
+every_effect = pytest.mark.parametrize("effect", EFFECTS.values(), ids=EFFECTS)
+
+
+def quantities_of(effect: Effect) -> list[Quantity]:
+    """All that the effect brings along."""
+    followed = (*effect.change.definitions, *effect.change.states)
+    return [*effect.parameters, *(x.quantity for x in followed)]
 
 
 def expressions(effect: Effect) -> list[sp.Expr]:
@@ -75,15 +65,11 @@ def read_name(notation: str) -> str:
     return name + MARKS.get(mark, "")
 
 
-@pytest.mark.parametrize("effect", effects(), ids=lambda effect: effect.id)
+@every_effect
 def test_formulas_of_an_effect_have_its_values(effect: Effect) -> None:
     """Read back from the page, every formula of an effect has the value of the record, at random inputs."""
     chance = Random(effect.id)  # noqa: S311 - no secret
-    own = [
-        *effect.parameters,
-        *(d.quantity for d in effect.change.definitions),
-        *(s.quantity for s in effect.change.states),
-    ]
+    own = quantities_of(effect)
     known = {q.symbol: q for q in [*vars(v).values(), *own] if hasattr(q, "symbol")}
     for expression in expressions(effect):
         used = expression.free_symbols
@@ -102,14 +88,10 @@ def test_formulas_of_an_effect_have_its_values(effect: Effect) -> None:
         assert expected == pytest.approx(actual if left == "y" else actual**0.5, rel=1e-3), right
 
 
-@pytest.mark.parametrize("effect", effects(), ids=lambda effect: effect.id)
+@every_effect
 def test_no_name_of_the_code_is_in_a_formula(effect: Effect) -> None:
     """What an effect brings along has letters: its formulas hold no name with an underscore."""
-    own = [
-        *effect.parameters,
-        *(d.quantity for d in effect.change.definitions),
-        *(s.quantity for s in effect.change.states),
-    ]
+    own = quantities_of(effect)
     for expression in expressions(effect):
         mathml = Typesetter(own)(plain(expression))
 
@@ -153,9 +135,9 @@ def test_a_letter_of_two_quantities_stays_with_none_of_them() -> None:
 
 def test_a_long_sum_goes_one_term_to_a_line() -> None:
     """The torque that a gear passes on has a line each for gravity, inertia, friction by F_N and the rest."""
-    effect = next(e for e in effects() if e.id == "load_dependent[transmitted]")
+    effect = EFFECTS["load_dependent[transmitted]"]
     torque = effect.change.definitions[-1]
-    typeset = Typesetter([*effect.parameters, *(d.quantity for d in effect.change.definitions)])
+    typeset = Typesetter(quantities_of(effect))
 
     lines = ET.fromstring(equation(typeset, typeset(torque.symbol), plain(torque.value))).findall(".//mtr")  # noqa: S314
 

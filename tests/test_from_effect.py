@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -43,36 +41,29 @@ def test_a_temperature_scales_the_viscous_friction_of_another_effect() -> None:
     assert np.array_equal(scaling.on(cogging.roles), np.ones((len(T), len(cogging.roles))))
 
 
-def still(**known: float) -> Signals:
-    """Signals of a drive at rest, with other declared values."""
-    zero = dict.fromkeys(("theta_m", "omega_m", "alpha_m", "i", "u"), 0.0 * T)
-    return Signals({**zero, "t": T}, np.full_like(T, DT), (0,), KNOWN | known, base=MODEL)
+UNDECLARED = {letter: value for letter, value in KNOWN.items() if letter != "R"}
 
 
-def tolerance(letter: str, signals: Signals) -> float:
-    """The tolerance of the effect that corrects a declared value."""
-    friction = np.ones(len(signals.columns(MODEL)))
-    return candidate_of(effects("C2")[MISMATCHES[letter]], MODEL, signals, friction, None).tolerance
-
-
-def test_a_declared_value_is_off_by_its_tolerance() -> None:
+@pytest.mark.parametrize(
+    ("letter", "known", "expected"),
+    [
+        ("R", KNOWN, 0.02 * KNOWN["R"]),
+        ("k_e", KNOWN, 0.02 * KNOWN["k_e"]),
+        ("k_i", KNOWN, 0.02),
+        ("J", KNOWN, 0.05),
+        ("k_e", KNOWN | {"k_e": 0.0}, 0.0),
+        ("R", UNDECLARED, 0.0),
+    ],
+    ids=["R", "k_e", "k_i", "J", "two per cent of nothing", "not declared"],
+)
+def test_a_declared_value_is_off_by_its_tolerance(
+    letter: str, known: dict[str, float], expected: float
+) -> None:
     """R, k_i and k_e by 2 %, the inertia by 5 %: in ohm and V s/rad, or as a part of the value."""
-    signals = still()
+    zero = dict.fromkeys(("theta_m", "omega_m", "alpha_m", "i", "u"), 0.0 * T)
+    signals = Signals({**zero, "t": T}, np.full_like(T, DT), (0,), known, base=MODEL)
+    friction = np.ones(len(signals.columns(MODEL)))
+    effect = effects("C2")[MISMATCHES[letter]]
 
-    assert tolerance("R", signals) == pytest.approx(0.02 * KNOWN["R"], rel=1e-12)
-    assert tolerance("k_e", signals) == pytest.approx(0.02 * KNOWN["k_e"], rel=1e-12)
-    assert tolerance("k_i", signals) == pytest.approx(0.02, rel=1e-12)
-    assert tolerance("J", signals) == pytest.approx(0.05, rel=1e-12)
-
-
-def test_a_value_declared_as_zero_has_no_tolerance() -> None:
-    """Two per cent of nothing."""
-    assert tolerance("k_e", still(k_e=0.0)) == 0.0
-
-
-def test_a_value_that_is_not_declared_has_no_tolerance() -> None:
-    """It is estimated, whatever it is."""
-    signals = still()
-    known = {letter: value for letter, value in signals.known.items() if letter != "R"}
-
-    assert tolerance("R", replace(signals, known=known)) == 0.0
+    actual = candidate_of(effect, MODEL, signals, friction, None).tolerance
+    assert expected == pytest.approx(actual, rel=1e-12)

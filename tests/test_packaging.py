@@ -17,6 +17,7 @@ from eccentric.version import __version__
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PIP = (sys.executable, "-m", "pip")
 SCRIPTS = sorted((ROOT / "derivations").glob("*.py"))
 
 
@@ -39,17 +40,7 @@ def _build(source: Path, out: Path) -> tuple[Path, Path]:
     hook = "import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])"
     _run(sys.executable, "-c", hook, out, cwd=source)
     (sdist,) = out.glob("*.tar.gz")
-    pip = (
-        sys.executable,
-        "-m",
-        "pip",
-        "wheel",
-        "--quiet",
-        "--no-deps",
-        "--no-build-isolation",
-        "--wheel-dir",
-    )
-    _run(*pip, out, sdist, cwd=out)
+    _run(*PIP, "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", out, sdist, cwd=out)
     (wheel,) = out.glob("*.whl")
     return sdist, wheel
 
@@ -75,46 +66,30 @@ def built(clone: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, 
 def site(built: tuple[Path, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with the wheel installed in it; the dependencies stay where they are."""
     target = tmp_path_factory.mktemp("site")
-    _run(
-        sys.executable,
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--no-deps",
-        "--target",
-        target,
-        built[1],
-        cwd=target,
-    )
+    _run(*PIP, "install", "--quiet", "--no-deps", "--target", target, built[1], cwd=target)
     return target
 
 
-def test_each_package_is_listed_once() -> None:
-    """The list of packages in pyproject.toml repeats none."""
-    packages = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"][
-        "packages"
-    ]
+def test_every_package_and_what_it_holds_besides_modules_is_listed_once() -> None:
+    """What pyproject.toml lists is what the clone has: packages, stubs, templates."""
+    tools, root = PROJECT["tool"]["setuptools"], ROOT / "eccentric"
+    packages = {path.parent.relative_to(ROOT) for path in root.rglob("__init__.py")}
+    stubs = {path.parent.relative_to(ROOT) for path in root.rglob("*.pyi")}
+    listed = [name for name, files in tools["package-data"].items() if "__init__.pyi" in files]
+    templates = {path.parent.parent for path in (ROOT / "templates").rglob("*.jinja")}
 
-    assert len(set(packages)) == len(packages)
-
-
-def test_the_wheel_holds_one_import_package(built: tuple[Path, Path]) -> None:
-    """Beside its metadata the wheel installs `eccentric` and no other name."""
-    with zipfile.ZipFile(built[1]) as wheel:
-        tops = {name.split("/")[0] for name in wheel.namelist()}
-
-    assert {"eccentric"} == {top for top in tops if not top.endswith(".dist-info")}
+    expected = [*(".".join(path.parts) for path in packages), "eccentric.derivations", "eccentric.templates"]
+    assert sorted(expected) == sorted(tools["packages"])
+    assert sorted(".".join(path.parts) for path in stubs) == sorted(listed)
+    assert {ROOT / "templates"} == templates
 
 
-def test_the_wheel_holds_all_of_the_toolkit(built: tuple[Path, Path]) -> None:
-    """Every module, derivation and template of the clone is in the wheel, also through the source archive."""
+@pytest.mark.slow
+def test_the_wheel_holds_the_toolkit_and_no_other_package(built: tuple[Path, Path]) -> None:
+    """Every module, derivation and template, also through the source archive, below one name."""
+    sources = [path for path in (ROOT / "eccentric").rglob("*.py*") if path.suffix != ".pyc"]
     expected = {
-        *(
-            path.relative_to(ROOT).as_posix()
-            for path in (ROOT / "eccentric").rglob("*.py*")
-            if path.suffix != ".pyc"
-        ),
+        *(path.relative_to(ROOT).as_posix() for path in sources),
         *(f"eccentric/derivations/{path.name}" for path in SCRIPTS),
         *(f"eccentric/{path.relative_to(ROOT)}" for path in (ROOT / "templates").rglob("*.jinja")),
         "eccentric/py.typed",
@@ -124,13 +99,13 @@ def test_the_wheel_holds_all_of_the_toolkit(built: tuple[Path, Path]) -> None:
         assert expected == {name for name in wheel.namelist() if ".dist-info/" not in name}
 
 
-@pytest.mark.parametrize("name", ["tests", "generated", "examples", "Makefile", "constraints.txt", "LICENSE"])
-def test_the_source_archive_can_be_tested(name: str, built: tuple[Path, Path]) -> None:
+@pytest.mark.slow
+def test_the_source_archive_can_be_tested(built: tuple[Path, Path]) -> None:
     """The source distribution holds what `make test` reads."""
     with tarfile.open(built[0]) as archive:
         parts = {member.split("/")[1] for member in archive.getnames() if "/" in member}
 
-    assert name in parts
+    assert {"tests", "generated", "examples", "Makefile", "constraints.txt", "LICENSE"} <= parts
 
 
 @pytest.mark.slow
@@ -184,16 +159,11 @@ def test_every_extra_is_pinned() -> None:
     assert [line for line in lines if "/" in line] == []
 
 
-@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
-def test_no_script_has_the_name_of_a_standard_module(path: Path) -> None:
-    """Run by its path, a script is first on the import path and would hide a namesake from everyone."""
-    assert path.stem not in sys.stdlib_module_names
-
-
-@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
-def test_every_derivation_loads(path: Path) -> None:
-    """Each script in `derivations/` defines a model that the toolkit can load by the script's name."""
-    assert path.stem == load_model(path.stem).name
+@pytest.mark.parametrize("name", [path.stem for path in SCRIPTS])
+def test_every_derivation_loads_and_hides_no_standard_module(name: str) -> None:
+    """It defines the model of its name. Run by its path, a script is first on the import path."""
+    assert name == load_model(name).name
+    assert name not in sys.stdlib_module_names
 
 
 def test_the_citation_has_the_version() -> None:

@@ -101,7 +101,7 @@ class Setting:
         return set(channels) <= self.channels
 
 
-# What a person reads about an effect; written once, in the file of its family.
+# What a person reads about an effect; written once, beside its physics.
 
 
 @dataclass(frozen=True)
@@ -129,13 +129,9 @@ SPEED = Kin(
     "speed",
     {"speed": "Add constant speeds at twice the present range and at its lower end, in both directions."},
 )
-LOAD = Kin(
-    "load",
-    {"load": "Accelerate hard at several speeds, then repeat with another mass on the link."},
-)
+LOAD = Kin("load", {"load": "Accelerate hard at several speeds, then repeat with another mass on the link."})
 GRAVITY = Kin(
-    "gravity",
-    {"gravity": "Hold slow speeds over whole turns in both directions, with two masses."},
+    "gravity", {"gravity": "Hold slow speeds over whole turns in both directions, with two masses."}
 )
 
 
@@ -175,11 +171,6 @@ def measurement_between(first: tuple[str, Words], second: tuple[str, Words]) -> 
     of_kin = [own.tell_apart.get(other.kin.name) for (_, own), (_, other) in pairs if other.kin]
     kins = [own.kin.tell_apart.get(other.kin.name) for (_, own), (_, other) in pairs if own.kin and other.kin]
     return next(filter(None, [*own, *of_kin, *kins]), "")
-
-
-def how_often(n: int) -> str:
-    """A number of times, in words."""
-    return {1: "once", 2: "twice"}.get(n, f"{n} times")
 
 
 # An effect: a record of its physics, and the words that go with it.
@@ -453,18 +444,18 @@ def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
         module = run_script(path.resolve(), name)
         made = getattr(module, "effects", None)
         found = made(setting) if callable(made) else getattr(module, "effect", None)
+        found = (found,) if isinstance(found, Effect) else found
+        effects = tuple(found) if isinstance(found, Iterable) else None
     except InputError:
         raise
     except Exception as error:
         raise InputError(path, problem=f"the effects stopped with {type(error).__name__}: {error}") from error
     finally:
         sys.modules.pop(name, None)
-    found = (found,) if isinstance(found, Effect) else found
-    if not isinstance(found, Iterable):
+    if effects is None:
         raise InputError(
             path, "a function `effects(setting)` or an `effect` of type Effect", type(found).__name__
         )
-    found = tuple(found)
-    if wrong := [type(one).__name__ for one in found if not isinstance(one, Effect)]:
+    if wrong := [type(one).__name__ for one in effects if not isinstance(one, Effect)]:
         raise InputError(path, "effects of type Effect", wrong[0])
-    return found
+    return effects

@@ -7,16 +7,14 @@ cos(x) = 2 HalfCosine^2 - 1 and sin(x) = -2 HalfCosine HalfSine for x = rate the
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import sympy as sp
 
 from eccentric.effects.effect import Correction, Effect, Evidence, Plausible, Setting, Shape, Words
 from eccentric.model import (
-    Across,
-    Along,
     Change,
     Definition,
     Gated,
@@ -33,14 +31,26 @@ from eccentric.model import (
     quantity,
     regressor,
 )
+from eccentric.model import Column as FrictionColumn
 from eccentric.model import vocabulary as v
 
 omega_m, theta_m, alpha_m, dt = v.omega_m.symbol, v.theta_m.symbol, v.alpha_m.symbol, v.dt.symbol
+mu, F_N, current, time, temperature = (q.symbol for q in (v.mu, v.F_N, v.i, v.t, v.temperature))
 speed = sp.Abs(omega_m)
 direction = Sgn(omega_m)
 
 Bounds = tuple[float | None, float | None]
 Column = tuple[Quantity, sp.Expr]
+
+
+def positive(name: str, unit: str, meaning: str, letter: str, **more: Any) -> Quantity:
+    """A quantity above 0, by its letter in formulas."""
+    return quantity(name, unit, meaning, "", "positive", letter=letter, **more)
+
+
+def nonnegative(name: str, unit: str, meaning: str, letter: str, **more: Any) -> Quantity:
+    """A quantity of 0 or above, by its letter in formulas."""
+    return quantity(name, unit, meaning, "", "nonnegative", letter=letter, **more)
 
 
 def addition(
@@ -52,6 +62,7 @@ def addition(
     load: Load = Load.NONE,
     kind: str = "friction",
     balance: str = "mechanical",
+    circuit: Sequence[sp.Expr] = (),
     bounds: Sequence[Bounds] | None = None,
     depends_on: tuple[str, ...],
     formula: str,
@@ -69,57 +80,94 @@ def addition(
     covers: tuple[str, ...] = (),
     per_turn: sp.Expr | int = 0,
     words: Words | None = None,
+    headline: str = "",
     corrects: Correction | None = None,
     only_with: Parts | None = None,
     plausible: tuple[Plausible, ...] = (),
 ) -> Effect:
-    """An effect that adds coefficient times basis to one balance, one term for each of the columns.
+    """An effect that adds coefficient times basis to a balance, one term for each of the columns.
 
     Args:
-        family, variant, balance, formula, reference, shapes, words, corrects, only_with, plausible: as in
-            `Effect`.
+        family, variant, formula, reference, shapes, words, corrects, only_with, plausible: as in `Effect`.
         columns: coefficient and basis of each term.
         role: of the terms, or of each of them; a term with a role is friction.
         load: the load that the friction is proportional to.
         kind: of the terms without a role, see `eccentric.model.KINDS`.
+        balance: the one with the terms; of an effect on both the one that shows it.
+        circuit: of an effect on both balances, the basis of each coefficient in the electrical one [V].
         per_turn: of the terms, as in `eccentric.model.Term`.
         bounds: of each coefficient; by default at least 0 if its domain says so, else open.
         depends_on, needs, aliases, special_of, repeats, second_order, one_of, covers: as in `Evidence`.
         definitions, states, inputs: as in `eccentric.model.Change`.
+        headline: that of the words, for a family whose effects have their own.
     """
     roles = [role] * len(columns) if isinstance(role, Role) else role
     bounds = bounds or [(None if q.domain == "real" else 0.0, None) for q, _ in columns]
-    terms = tuple(
-        Term(q.name, kind, q.symbol, basis, reference, bound, per_turn=per_turn)
-        if does is Role.NONE
-        else Term(q.name, "friction", q.symbol, basis, reference, bound, does, load, per_turn=per_turn)
+    added = tuple(
+        Term(
+            q.name,
+            kind if does is Role.NONE else "friction",
+            q.symbol,
+            basis,
+            reference,
+            bound,
+            does,
+            Load.NONE if does is Role.NONE else load,
+            per_turn=per_turn,
+        )
         for (q, basis), bound, does in zip(columns, bounds, roles, strict=True)
     )
+    terms = {"mechanical" if circuit else balance: added}
+    if circuit:
+        pairs = zip(added, circuit, strict=True)
+        terms["electrical"] = tuple(replace(t, name=f"{t.name}_u", basis=basis) for t, basis in pairs)
+    words = words or Words()
     return Effect(
         family=family,
         variant=variant,
         balance=balance,
         formula=formula,
         reference=reference,
-        change=Change({balance: terms}, definitions, states, inputs),
+        change=Change(terms, definitions, states, inputs),
         evidence=Evidence(depends_on, needs, aliases, special_of, repeats, second_order, one_of, covers),
         coefficients=tuple(q for q, _ in columns),
         shapes=shapes,
-        words=words or Words(),
+        words=replace(words, headline=headline) if headline else words,
         corrects=corrects,
         only_with=only_with or {},
         plausible=plausible,
     )
 
 
-def of_flux(
+def rule(
     family: str,
-    columns: Sequence[Column],
-    setting: Setting,
+    definitions: tuple[Definition, ...],
     *,
-    bounds: Sequence[Bounds] | None = None,
-    needs: tuple[str, ...] = (),
-    **given: Any,
+    replaces: Mapping[sp.Symbol, sp.Symbol] | None = None,
+    scales: Iterable[Role] = (),
+    terms: tuple[Term, ...] = (),
+    **more: Any,
+) -> Effect:
+    """An effect that replaces quantities by some of its definitions, or scales friction by the last of them.
+
+    Args:
+        family, definitions, more: as in `addition`.
+        replaces: as in `eccentric.model.Change`.
+        scales: roles of the friction that is scaled.
+        terms: without a coefficient, added to the mechanical balance.
+    """
+    made = addition(family, (), definitions=definitions, **more)
+    change = replace(
+        made.change,
+        terms={"mechanical": terms} if terms else {},
+        replaces=replaces or {},
+        scales=dict.fromkeys(scales, definitions[-1].symbol),
+    )
+    return replace(made, change=change)
+
+
+def of_flux(
+    family: str, columns: Sequence[Column], setting: Setting, *, needs: tuple[str, ...] = (), **more: Any
 ) -> Effect:
     """An effect on the motor's flux: columns of the relative change of its torque constant.
 
@@ -128,36 +176,48 @@ def of_flux(
     constant without friction.
 
     Args:
-        family, given: as in `addition`.
+        family, more: as in `addition`.
         columns: coefficient and basis of each part of the relative change.
         setting: which channels are logged.
-        bounds: of each coefficient; open by default.
         needs: channels besides the current.
     """
-    torque, emf = v.k_i.symbol * v.i.symbol, v.k_e.symbol * omega_m
-    effect = addition(
+    return addition(
         family,
-        [(q, -torque * basis) for q, basis in columns],
+        [(q, -v.k_i.symbol * current * basis) for q, basis in columns],
+        circuit=[v.k_e.symbol * omega_m * basis for _, basis in columns],
         kind="actuator",
-        bounds=bounds or [(None, None)] * len(columns),
-        needs=("current", *needs),
-        **given,
-    )
-    terms = effect.change.terms["mechanical"]
-    circuit = tuple(
-        replace(term, name=f"{term.name}_emf", basis=emf * basis)
-        for term, (_, basis) in zip(terms, columns, strict=True)
-    )
-    return replace(
-        effect,
         balance="electrical" if setting.measured_twice else "mechanical",
-        change=replace(effect.change, terms={"mechanical": terms, "electrical": circuit}),
+        needs=("current", *needs),
+        **more,
     )
 
 
 def constant(name: str, unit: str, meaning: str, value: float, letter: str = "") -> Definition:
     """A number with a name and a unit, such as a reference temperature."""
     return Definition(quantity(name, unit, meaning, letter=letter), sp.Rational(repr(float(value))))
+
+
+def reference_temperature(name: str, celsius: float) -> Definition:
+    """The median of the logged temperature, as a constant."""
+    return constant(f"{name}_T0", "K", "reference temperature in degC", celsius, letter="T_0")
+
+
+def earlier_fit(name: str, setting: Setting) -> list[tuple[FrictionColumn, Definition]]:
+    """Columns of the friction of the base model, with their coefficients from an earlier fit as constants."""
+    return [
+        (
+            column,
+            constant(
+                f"{name}_{column.name}",
+                column.unit,
+                f"{column.name} from an earlier fit",
+                setting.friction[column.name],
+                f"{column.name}^0",
+            ),
+        )
+        for column in regressor(setting.base)
+        if column.name in setting.friction
+    ]
 
 
 def harmonic(rate: sp.Expr | int, angle: sp.Expr = theta_m) -> tuple[sp.Expr, sp.Expr]:
@@ -200,12 +260,6 @@ def _link_inertia_torque(setting: Setting) -> sp.Expr:
     return Gated(v.J_l.symbol, alpha_m) * sp.diff(link, v.J_l.symbol) + beside * alpha_m
 
 
-def link_force(setting: Setting) -> sp.Expr:
-    """Magnitude of the forces that the link's bearing carries [N]: F_N, and the weight along its axis."""
-    along = sp.sin(v.phi.symbol) if setting.base.tilted else int(setting.case == "C1")
-    return v.F_N.symbol + (v.M.symbol + v.M_l.symbol) * v.g.symbol * along
-
-
 def weight(setting: Setting) -> float:
     """Weight of mass and link in the plane of motion [N]; 0 if the rig does not know it.
 
@@ -237,24 +291,16 @@ def transmitted(
     """
     if of_an_arm(setting):
         return gravity(setting) + _link_inertia_torque(setting), ()
-    columns = [column for column in regressor(setting.base) if column.name in setting.friction]
-    constants = [
-        constant(
-            f"{name}_{column.name}",
-            column.unit,
-            f"{column.name} from an earlier fit",
-            setting.friction[column.name],
-            f"{column.name}^0",
-        )
-        for column in columns
-    ]
+    fitted = earlier_fit(name, setting)
     own = {Role.VISCOUS: of_viscous or share}
-    parts = [
-        known.symbol * column.basis * (own.get(column.role, share) if column.load is Load.NONE else 1)
-        for column, known in zip(columns, constants, strict=True)
-    ]
-    friction = sp.Add(*parts)
-    return gravity(setting) + _link_inertia_torque(setting) + friction, tuple(constants)
+    friction = sp.Add(
+        *(
+            known.symbol * column.basis * (own.get(column.role, share) if column.load is Load.NONE else 1)
+            for column, known in fitted
+        )
+    )
+    constants = tuple(known for _, known in fitted)
+    return gravity(setting) + _link_inertia_torque(setting) + friction, constants
 
 
 def loss(setting: Setting) -> sp.Expr:
@@ -314,80 +360,3 @@ def relaxation(
     state = quantity(name, "1", meaning, letter=letter)
     end = Sgn(way)
     return State(state, sp.Integer(0), end + (state.symbol - end) * sp.exp(-path / length))
-
-
-def current_slope(name: str) -> tuple[sp.Symbol, tuple[State, State]]:
-    """Rate of change of the current [A/s] as a state, and the states it needs: the last difference quotient.
-
-    It lags by one and a half time steps, and the current should be low-passed first.
-    """
-    last = quantity(f"{name}_last", "A", "current one time step ago", letter="i_old")
-    slope = quantity(f"{name}_slope", "A/s", "rate of change of the current", letter="i^'")
-    states = (
-        State(last, sp.Integer(0), v.i.symbol),
-        State(slope, sp.Integer(0), (v.i.symbol - last.symbol) / dt),
-    )
-    return slope.symbol, states
-
-
-# Slopes of a torque over velocity and angle, with those of the normal force, which follows both.
-
-
-class Slopes(NamedTuple):
-    """Velocity times the slope over it [N m], the slope over the motor angle [N m/rad], and what both use."""
-
-    by_speed: sp.Symbol
-    by_angle: sp.Symbol
-    definitions: tuple[Definition, ...]
-
-
-def slopes(name: str, torque: sp.Expr, setting: Setting) -> Slopes:
-    """The slopes of a torque in F_N and the motion of the motor; names begin with `name`.
-
-    The normal force is the length of a vector: the pull of the mass and the weight along the link, and the
-    weight across it. Its slopes are components along that vector, and 0 where it has no length.
-    """
-    pull = quantity(f"{name}_pull", "N", "centrifugal force of the mass", "", "nonnegative", letter="F_c")
-    speed = quantity(f"{name}_by_speed", "N m", "velocity times a torque's slope over it", letter="D")
-    angle = quantity(f"{name}_by_angle", "N m/rad", "its slope over the motor angle", letter="K")
-    torque = _in_force(torque, setting)
-    by_force = sp.diff(torque, v.F_N.symbol) * pull.symbol
-    by_angle = over_angle(torque)
-    by_speed = omega_m * sp.diff(torque, omega_m)
-    pulled: tuple[Definition, ...] = ()
-    if by_force != 0:
-        pulled = (Definition(pull, v.M.symbol * v.L.symbol * (v.mu.symbol * omega_m) ** 2),)
-        along, across = _direction(pull.symbol, setting)
-        by_speed += 2 * along * by_force
-        by_angle -= v.mu.symbol * across * by_force
-    return Slopes(
-        speed.symbol, angle.symbol, (*pulled, Definition(speed, by_speed), Definition(angle, by_angle))
-    )
-
-
-def over_angle(torque: sp.Expr) -> sp.Expr:
-    """The slope of a torque over the motor angle; by half angles, cos^2 - sin^2 is 2 cos^2 - 1."""
-    return sp.diff(torque, theta_m).replace(
-        lambda e: e.is_Pow and isinstance(e.base, HalfSine) and e.exp == 2,
-        lambda e: 1 - HalfCosine(*e.base.args) ** 2,
-    )
-
-
-def _in_force(torque: sp.Expr, setting: Setting) -> sp.Expr:
-    """The torque without definitions that follow from the normal force, such as another load of a bearing."""
-    for definition in reversed(setting.base.definitions):
-        if definition.symbol == v.F_N.symbol:
-            break
-        torque = torque.xreplace({definition.symbol: definition.value})
-    return torque
-
-
-def _direction(pull: sp.Symbol, setting: Setting) -> tuple[sp.Expr, sp.Expr]:
-    """Components of the normal force along the link and across it, over its length."""
-    if setting.case == "C1":
-        return sp.Integer(1), sp.Integer(0)
-    cosine, sine = harmonic(v.mu.symbol)
-    inside = sp.cos(v.phi.symbol) if setting.base.tilted else 1
-    weight = (v.M.symbol + v.M_l.symbol) * v.g.symbol * inside
-    ends = pull + weight * cosine, weight * sine
-    return Along(*ends), Across(*ends)

@@ -10,7 +10,7 @@ import sympy as sp
 
 from eccentric.model import steps
 from eccentric.model import vocabulary as v
-from eccentric.model.balance import Balance, Term
+from eccentric.model.balance import Term
 from eccentric.model.equation import Equation
 from eccentric.model.model import Model
 from eccentric.model.quantity import Definition, Quantity
@@ -63,11 +63,8 @@ def limit(
 
 def prune(model: Model) -> Model:
     """The model without the inputs, parameters and definitions that neither terms nor `_KEPT` need."""
-    needed: set[sp.Symbol] = set()
-    for balance in model.balances:
-        for term in balance.terms:
-            needed |= term.value.free_symbols
-    needed |= {d.symbol for d in model.definitions if d.symbol in _KEPT}
+    needed = {d.symbol for d in model.definitions if d.symbol in _KEPT}
+    needed = needed.union(*(t.value.free_symbols for b in model.balances for t in b.terms))
     for definition in reversed(model.definitions):
         if definition.symbol in needed:
             needed |= definition.value.free_symbols
@@ -93,42 +90,35 @@ def directed(
         gates: direction ("pos", "neg") -> expression that is 1 in that direction and 0 otherwise.
     """
     renamed = {q.symbol: {d: v.directed(q, d) for d in gates} for q in model.friction_parameters}
-    terms: list[Term] = []
-    for term in model.balance("mechanical").terms:
+    swaps = {d: {old: new[d].symbol for old, new in renamed.items()} for d in gates}
+
+    def directed_terms(term: Term) -> list[Term]:
         if term.kind != "friction":
-            terms.append(term)
-            continue
-        for direction, gate in gates.items():
-            terms.append(
-                replace(
-                    term,
-                    name=f"{term.name}_{direction}",
-                    basis=Gated(term.basis, gate),
-                    coefficient=renamed[term.coefficient][direction].symbol,
-                )
+            return [term]
+        return [
+            replace(
+                term,
+                name=f"{term.name}_{d}",
+                basis=Gated(term.basis, gate),
+                coefficient=swaps[d][term.coefficient],
             )
-    parameters: list[Quantity] = []
-    for quantity in model.parameters:
-        parameters.extend(renamed[quantity.symbol].values() if quantity.symbol in renamed else [quantity])
-    definitions: list[Definition] = []
-    for definition in model.definitions:
-        if definition.value.free_symbols & set(renamed):
-            for direction in gates:
-                swap = {old: new[direction].symbol for old, new in renamed.items()}
-                definitions.append(
-                    Definition(v.directed(definition.quantity, direction), definition.value.subs(swap))
-                )
-        else:
-            definitions.append(definition)
-    mechanical = replace(model.balance("mechanical"), terms=tuple(terms))
-    balances: tuple[Balance, ...] = tuple(mechanical if b.name == "mechanical" else b for b in model.balances)
+            for d, gate in gates.items()
+        ]
+
+    def directed_definitions(x: Definition) -> list[Definition]:
+        if not x.value.free_symbols & set(renamed):
+            return [x]
+        return [Definition(v.directed(x.quantity, d), x.value.subs(swaps[d])) for d in gates]
+
+    mechanical = model.balance("mechanical")
+    split = replace(mechanical, terms=tuple(t for term in mechanical.terms for t in directed_terms(term)))
     return replace(
         model,
         name=name,
         title=title,
-        parameters=tuple(parameters),
-        definitions=tuple(definitions),
-        balances=balances,
+        parameters=tuple(x for q in model.parameters for x in renamed.get(q.symbol, {"": q}).values()),
+        definitions=tuple(d for x in model.definitions for d in directed_definitions(x)),
+        balances=tuple(split if b.name == "mechanical" else b for b in model.balances),
         equations=equations,
     )
 

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import sympy as sp
 
 from eccentric.core import InputError
+from eccentric.model import vocabulary as v
 from eccentric.model.axis import TURNING, AxisKind, in_letters_of, spoken_equation, spoken_quantity
 from eccentric.model.balance import Balance, Role, Term
 from eccentric.model.equation import Equation, equation_named
 from eccentric.model.output import Interface
 from eccentric.model.quantity import Definition, Quantity, State
 from eccentric.model.steps import meaning
-from eccentric.model.vocabulary import alpha_m, i, phi
 
 # Changes of a model: terms to add, quantities to replace, friction to scale.
 
@@ -127,25 +127,20 @@ class Model:
         states = (state.quantity for state in self.states)
         known = {q.symbol for q in (*self.inputs, *self.parameters, *states)}
         for definition in self.definitions:
-            if unknown := definition.value.free_symbols - known:
-                names = ", ".join(sorted(map(str, unknown)))
-                raise InputError(
-                    f"model {self.name}",
-                    problem=f"{definition.quantity.name} uses {names} before its definition",
-                )
+            self._require(known, definition.value, definition.quantity.name, " before its definition")
             known.add(definition.symbol)
         for balance in self.balances:
             for term in balance.terms:
-                if unknown := term.value.free_symbols - known:
-                    names = ", ".join(sorted(map(str, unknown)))
-                    raise InputError(
-                        f"model {self.name}", problem=f"term {term.name} uses {names}, which nothing defines"
-                    )
+                self._require(known, term.value, f"term {term.name}", ", which nothing defines")
+
+    def _require(self, known: set[sp.Symbol], value: sp.Expr, whose: str, why: str) -> None:
+        if unknown := ", ".join(sorted(map(str, value.free_symbols - known))):
+            raise InputError(f"model {self.name}", problem=f"{whose} uses {unknown}{why}")
 
     @property
     def tilted(self) -> bool:
         """Whether the tilt of its motion plane is a parameter."""
-        return phi.symbol in {q.symbol for q in self.parameters}
+        return v.phi.symbol in {q.symbol for q in self.parameters}
 
     @cached_property
     def with_other_values(self) -> Model:
@@ -188,13 +183,13 @@ class Model:
     @cached_property
     def inertia(self) -> sp.Expr:
         """The factor of alpha_m in the inertial terms, in parameters: J_m + mu^2 J_l [kg m^2]."""
-        return self.expand(sp.diff(self.balance("mechanical").sum_of("inertial"), alpha_m.symbol))
+        return self.expand(sp.diff(self.balance("mechanical").sum_of("inertial"), v.alpha_m.symbol))
 
     @property
     def torque_per_volt(self) -> sp.Expr:
         """Torque of the motor at rest for a volt at its armature, k_i/R [N m/V]."""
         drive, resistive = self.balance("mechanical"), self.balance("electrical")
-        return sp.diff(drive.sum_of("drive"), i.symbol) / sp.diff(resistive.sum_of("resistive"), i.symbol)
+        return sp.diff(drive.sum_of("drive"), v.i.symbol) / sp.diff(resistive.sum_of("resistive"), v.i.symbol)
 
     def balance(self, name: str) -> Balance:
         """The balance of that name; InputError if there is none, as in a chain of several joints."""
@@ -250,6 +245,113 @@ class Model:
         )
 
 
+# Extensions: how a model is changed by something that it omits, independently of the order of several.
+#
+# A change has three parts: what it adds, what it replaces, and what it scales. Addition commutes. Replacing
+# and scaling are rules rather than single operations: the model remembers them and applies them to what later
+# extensions add as well. Hence the order of extensions makes no difference:
+#
+# - a scale factor multiplies every friction term of its role, including those of other extensions;
+# - a quantity is replaced everywhere, including in the terms, definitions and states of other extensions;
+# - an extension's own parts are taken as written: M_true = M (1 + r) keeps its M.
+#
+# Two extensions that introduce the same name, or replace the same quantity, are refused.
+
+
+def extended(model: Model, new: Extension) -> Model:
+    """The model with one more extension; several give the same model in any order.
+
+    Raises:
+        InputError: the model already has this extension, or one that introduces the same name or replaces the
+            same quantity; it lacks a quantity to replace or a balance to add terms to; or definitions would
+            use each other in a circle.
+    """
+    _require_free_names(model, new)
+    _require_replaceable(model, new)
+    if unknown := sorted(set(new.change.terms) - {balance.name for balance in model.balances}):
+        raise InputError(new.name, problem=f"expected a balance {unknown[0]!r}, but {model.name} has none")
+    definitions, states, terms = new.change.definitions, new.change.states, dict(new.change.terms)
+    for there in (extension.change for extension in model.extensions):
+        definitions = tuple(map(there.reach_definition, definitions))
+        states = tuple(map(there.reach_state, states))
+        terms = {name: tuple(map(there.reach_term, added)) for name, added in terms.items()}
+    inputs = sorted({q.symbol: q for q in (*new.change.inputs, *model.inputs)}.values(), key=_place)
+    parameters = (*model.parameters, *new.parameters)
+    states = (*map(new.change.reach_state, model.states), *states)
+    definitions = (*definitions, *map(new.change.reach_definition, model.definitions))
+    known = {q.symbol for q in (*inputs, *parameters, *(state.quantity for state in states))}
+    names = " and ".join(sorted(e.name for e in (*model.extensions, new)))
+    return replace(
+        model,
+        inputs=tuple(inputs),
+        parameters=parameters,
+        definitions=_ordered(definitions, known, f"{model.name} with {names}"),
+        balances=tuple(_balance(b, new.change, terms.get(b.name, ())) for b in model.balances),
+        states=states,
+        equations=(*model.equations, *new.equations),
+        extensions=(*model.extensions, new),
+    )
+
+
+def _balance(balance: Balance, change: Change, added: Iterable[Term]) -> Balance:
+    return replace(balance, terms=(*map(change.reach_term, balance.terms), *added))
+
+
+def _require_free_names(model: Model, new: Extension) -> None:
+    for other in model.extensions:
+        if other.name == new.name:
+            raise InputError(new.name, problem=f"is already in {model.name}")
+        if both := sorted(other.names & new.names):
+            first, second = sorted((other.name, new.name))
+            raise InputError(f"{first} and {second}", problem=f"both introduce {', '.join(both)}")
+    own = (*model.definitions, *model.states)
+    taken = {q.name for q in (*model.parameters, *model.inputs, *(x.quantity for x in own))}
+    if clash := sorted(new.names & taken):
+        raise InputError(
+            new.name, problem=f"{', '.join(clash)}: {model.name} already has a quantity of that name"
+        )
+
+
+def _require_replaceable(model: Model, new: Extension) -> None:
+    for other in model.extensions:
+        if both := sorted(map(str, set(other.change.replaces) & set(new.change.replaces))):
+            first, second = sorted((other.name, new.name))
+            raise InputError(f"{first} and {second}", problem=f"both replace {', '.join(both)}")
+    brought = {name for extension in model.extensions for name in extension.names}
+    added = {term.name for e in model.extensions for terms in e.change.terms.values() for term in terms}
+    used = set().union(
+        *(d.value.free_symbols for d in model.definitions if d.quantity.name not in brought),
+        *(t.value.free_symbols for b in model.balances for t in b.terms if t.name not in added),
+    )
+    if absent := sorted(map(str, set(new.change.replaces) - used)):
+        raise InputError(new.name, problem=f"{absent[0]} does not occur in {model.name}")
+
+
+_INPUTS = (v.theta_m, v.omega_m, v.i, v.u, v.t, v.temperature)
+
+
+def _place(quantity: Quantity) -> int:
+    """The place of an input: as in the vocabulary, alpha_m last."""
+    if quantity.symbol == v.alpha_m.symbol:
+        return len(_INPUTS) + 1
+    known = [q.symbol for q in _INPUTS]
+    return known.index(quantity.symbol) if quantity.symbol in known else len(_INPUTS)
+
+
+def _ordered(definitions: Iterable[Definition], known: set[sp.Symbol], whose: str) -> tuple[Definition, ...]:
+    """The definitions, each after those it uses."""
+    waiting, done = list(definitions), []
+    while waiting:
+        ready = next((d for d in waiting if d.value.free_symbols <= known), None)
+        if ready is None:
+            names = ", ".join(sorted(d.quantity.name for d in waiting))
+            raise InputError(whose, problem=f"{names} use each other in a circle, or something unknown")
+        waiting.remove(ready)
+        done.append(ready)
+        known.add(ready.symbol)
+    return tuple(done)
+
+
 # A model in the words of its axis: letters, units and meanings, for whoever reads it.
 
 
@@ -263,36 +365,25 @@ def spoken(model: Model) -> Model:
     def quantity(q: Quantity) -> Quantity:
         return spoken_quantity(axis, q)
 
+    definitions = [Definition(quantity(d.quantity), put(d.value)) for d in model.definitions]
+    states = [State(quantity(x.quantity), put(x.initial), put(x.update)) for x in model.states]
+    balances = [
+        Balance(
+            b.name,
+            axis.unit(b.unit),
+            tuple(replace(t, coefficient=put(t.coefficient), basis=put(t.basis)) for t in b.terms),
+        )
+        for b in model.balances
+    ]
     return replace(
         model,
         title=axis.text(model.title),
         inputs=tuple(map(quantity, model.inputs)),
         parameters=tuple(map(quantity, model.parameters)),
-        definitions=tuple(
-            Definition(quantity(definition.quantity), put(definition.value))
-            for definition in model.definitions
-        ),
-        balances=tuple(
-            replace(
-                balance,
-                unit=axis.unit(balance.unit),
-                terms=tuple(
-                    replace(term, coefficient=put(term.coefficient), basis=put(term.basis))
-                    for term in balance.terms
-                ),
-            )
-            for balance in model.balances
-        ),
+        definitions=tuple(definitions),
+        balances=tuple(balances),
         equations=tuple(spoken_equation(axis, equation) for equation in model.equations),
-        states=tuple(
-            replace(
-                state,
-                quantity=quantity(state.quantity),
-                initial=put(state.initial),
-                update=put(state.update),
-            )
-            for state in model.states
-        ),
+        states=tuple(states),
         extensions=(),
         axis=TURNING,
     )

@@ -7,6 +7,7 @@ effects have added, and the regressor has their bases.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
@@ -18,7 +19,7 @@ from eccentric.model.model import Model
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, needed
 from eccentric.model.quantity import Definition, symbols
 from eccentric.model.regressor import regressor
-from eccentric.model.rest import acceleration, at_direction, budget, levels, step
+from eccentric.model.rest import acceleration, at_direction, budget, levels, moving, step
 from eccentric.model.steps import (
     Backward,
     Bounded,
@@ -110,15 +111,6 @@ def _is_curved(model: Model, values: Iterable[sp.Expr]) -> bool:
     moved = _following(model, {v.omega_m.symbol})
     steps = {step for value in values for step in value.atoms(OpaqueStep)}
     return any(step.free_symbols & moved for step in steps if not isinstance(step, _DIRECTED))
-
-
-def moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
-    """The values of the steps by direction for velocities above (1) or below (-1) zero."""
-    return {
-        Sgn(omega_m): sp.Integer(direction),
-        Forward(omega_m): sp.Integer(direction > 0),
-        Backward(omega_m): sp.Integer(direction < 0),
-    }
 
 
 STEP = "next_state"
@@ -215,13 +207,9 @@ def drive_interface(model: Model) -> Interface:
         before: Iterable[Assignment] = (),
         **more: Any,
     ) -> Output:
-        own = (Assignment(a.target, a.value.xreplace(scaled), a.note) for a in before)
-        expressions = Expressions(
-            tuple((label, value.xreplace(scaled)) for label, value in results),
-            (*definitions, *own),
-            by,
-            (v.omega_m.symbol,),
-        )
+        own = (replace(a, value=a.value.xreplace(scaled)) for a in before)
+        found = tuple((label, value.xreplace(scaled)) for label, value in results)
+        expressions = Expressions(found, (*definitions, *own), by, (v.omega_m.symbol,))
         return Output(
             axis.named(name), axis.unit(unit), axis.text(meaning), inputs, lambda: expressions, **more
         )
@@ -231,12 +219,7 @@ def drive_interface(model: Model) -> Interface:
 
     moved = {"taken": frozenset({v.alpha_m.name}) if inertia else frozenset(), "requires": inertia}
     listed = [
-        output(
-            "normal_force",
-            "N",
-            "normal force F_N on the axis of rotation",
-            one(force or sp.S.Zero),
-        ),
+        output("normal_force", "N", "normal force F_N on the axis of rotation", one(force or sp.S.Zero)),
         output(
             "friction_torque",
             "N m",

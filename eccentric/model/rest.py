@@ -115,10 +115,7 @@ def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = 
                     "forwards, what friction takes of the momentum is its value at the end, times the step",
                     of_momentum(dt * high + e, ahead, high + c * ahead),
                 ),
-                Identity(
-                    "and backwards",
-                    of_momentum(-dt * low - e, back, -low + c * back),
-                ),
+                Identity("and backwards", of_momentum(-dt * low - e, back, -low + c * back)),
                 Identity(
                     "friction never drives: it has the sign of the velocity forwards",
                     never_negative((high + c * ahead) * ahead),
@@ -186,14 +183,18 @@ class Levels:
         return self.forward.stiffness != 0 or self.backward.stiffness != 0
 
 
-def at_direction(value: sp.Expr, omega_m: sp.Symbol, direction: int) -> sp.Expr:
-    """The value with the steps by the direction of omega_m decided: 1 forwards, -1 backwards."""
-    value = value.xreplace({
+def moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
+    """The values of the steps by direction for velocities above (1) or below (-1) zero."""
+    return {
         Sgn(omega_m): sp.Integer(direction),
         Forward(omega_m): sp.Integer(direction > 0),
         Backward(omega_m): sp.Integer(direction < 0),
-    })  # fmt: skip
-    value = value.replace(
+    }
+
+
+def at_direction(value: sp.Expr, omega_m: sp.Symbol, direction: int) -> sp.Expr:
+    """The value with the steps by the direction of omega_m decided: 1 forwards, -1 backwards."""
+    value = value.xreplace(moving(omega_m, direction)).replace(
         lambda e: isinstance(e, ByDirection) and e.args[0] == omega_m,
         lambda e: e.args[1 if direction > 0 else 2],
     )
@@ -201,10 +202,7 @@ def at_direction(value: sp.Expr, omega_m: sp.Symbol, direction: int) -> sp.Expr:
 
 
 def levels(
-    model: Model,
-    omega_m: sp.Symbol,
-    terms: tuple[Term, ...],
-    given: Collection[sp.Symbol] = frozenset(),
+    model: Model, omega_m: sp.Symbol, terms: tuple[Term, ...], given: Collection[sp.Symbol] = frozenset()
 ) -> Levels:
     """The levels of friction terms over the velocity omega_m, and the viscous coefficients.
 

@@ -140,33 +140,27 @@ def with_numbers(chain: Chain) -> Chain:
         if q.default is None or not q.default.is_number:
             raise InputError(chain.name, f"a number for {q.name}", "none")
         values[q.symbol] = q.default
+    held = chain.payload
     return Chain(
         chain.name,
         [_joint(joint, values) for joint in chain.joints],
-        [_moments(body, values) for body in chain.bodies],
+        [Moments(*_numbers(body.moments, ("mass", "first", "second"), values)) for body in chain.bodies],
         chain.gravity.xreplace(values),
-        None if chain.payload is None else _payload(chain.payload, values),
+        held and Body(*_numbers(held, ("mass", "centre", "inertia"), values), name=held.name),
     )
+
+
+def _numbers(of: Any, names: Sequence[str], values: dict[sp.Symbol, Any]) -> list[Any]:
+    return [getattr(of, name).xreplace(values) for name in names]
 
 
 def _joint(joint: Joint, values: dict[sp.Symbol, Any]) -> Joint:
     found = copy.copy(joint)
     found.placement = copy.copy(joint.placement)
-    for name in ("mu", "J_m", "bearing"):
-        setattr(found, name, getattr(joint, name).xreplace(values))
-    for name in ("position", "rotation"):
-        setattr(found.placement, name, getattr(joint.placement, name).xreplace(values))
+    found.mu, found.J_m, found.bearing = _numbers(joint, ("mu", "J_m", "bearing"), values)
+    place = found.placement
+    place.position, place.rotation = _numbers(joint.placement, ("position", "rotation"), values)
     return found
-
-
-def _moments(body: Body | Moments, values: dict[sp.Symbol, Any]) -> Moments:
-    of = body.moments
-    return Moments(*(x.xreplace(values) for x in (of.mass, of.first, of.second)))
-
-
-def _payload(body: Body, values: dict[sp.Symbol, Any]) -> Body:
-    mass, centre, inertia = (x.xreplace(values) for x in (body.mass, body.centre, body.inertia))
-    return Body(mass, centre, inertia, body.name)
 
 
 # What tells one arm from another: gravity, and of every joint its name, place, gear and rotor.

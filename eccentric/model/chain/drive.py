@@ -2,8 +2,7 @@
 
 Friction of the link is viscous and Coulomb friction in proportion to each load of its joint: F_N, F_T, M_B
 and what the gear passes on, which is without the friction itself. What follows no load is that of the motor,
-B_m and
-C_m: behind the gear it would be the same.
+B_m and C_m: behind the gear it would be the same.
 """
 
 from __future__ import annotations

@@ -129,14 +129,12 @@ class Joint:
         placement: of the joint in the frame of its parent.
         mu: gear ratio, joint over motor: 1 for a revolute joint [1], for a prismatic one [m/rad].
         J_m: inertia of the rotor about its axis, which is parallel to that of the joint [kg m^2]. The motor
-            is
-            mounted on the parent.
+            is mounted on the parent.
         bearing: the centre of the bearing along the axis, from the origin of the joint's frame [m].
         name: in messages.
 
     Raises:
-        InputError: an unknown kind, an axis of another length than 1, a gear ratio or an inertia out of
-            range.
+        InputError: an unknown kind, an axis of another length than 1, a gear ratio or inertia out of range.
     """
 
     def __init__(

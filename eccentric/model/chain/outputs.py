@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 
 from eccentric.model import vocabulary as v
 from eccentric.model.balance import Load, Term
 from eccentric.model.chain.inertial import inertial
+from eccentric.model.chain.motion import AXES
 from eccentric.model.chain.recursion import Recursion, at_rest
 from eccentric.model.chain.rest import Matrix, Stepped, acceleration, mass_matrix, step, still
 from eccentric.model.model import Model
@@ -21,7 +22,6 @@ from eccentric.model.quantity import Definition, quantity
 from eccentric.model.rest import Levels, NamedSteps, budget, levels
 from eccentric.model.steps import HalfCosine, HalfSine, meaning
 
-_AXES = "xyz"
 _LOADS = {Load.NORMAL: "F_N", Load.TRANSVERSAL: "F_T", Load.BENDING: "M_B", Load.TRANSMITTED: "T"}
 _TORQUES = "torques of the motors, all but friction: those of the drives less those of weight and velocities"
 _Results = Iterable[tuple[str, sp.Expr]]
@@ -40,216 +40,148 @@ class ArmOutputs:
         return Interface(outputs, "motor_torque", constants)
 
 
+class _Declared(NamedTuple):
+    """An output as its method declares it.
+
+    Attributes:
+        unit, meaning: as in `Output`.
+        moves: whether it takes velocities and accelerations, not angles alone.
+        by_torques: whether the torques of the motors come last, before the time step.
+        on_request: as in `Output`.
+    """
+
+    unit: str
+    meaning: str
+    moves: bool = True
+    by_torques: bool = False
+    on_request: bool = False
+
+
+_DECLARED: dict[str, _Declared] = {}
+"""Name of each output, that of its method -> what it is, in the order of a module."""
+
+_Made = Callable[["_Outputs"], "_Results | Expressions"]
+
+
+def _output(unit: str, meaning: str, **more: bool) -> Callable[[_Made], _Made]:
+    """Declare the method below: results in the motion of the arm, or complete expressions."""
+
+    def declared(method: _Made) -> _Made:
+        _DECLARED[method.__name__] = _Declared(unit, meaning, **more)
+        return method
+
+    return declared
+
+
 class _Outputs:
-    """The outputs of an arm's model."""
+    """The outputs of an arm's model: a method each."""
 
     def __init__(self, found: Recursion, model: Model) -> None:
         self._found, self._model = found, model
-        self._motion, self._others = _inputs(found, model)
+        self._joints = range(len(found.inputs))
         self._moving = tuple(map(_assigned, model.definitions))
+
+    def listed(self) -> tuple[Output, ...]:
+        """All of them, in the order of a module."""
+        omega_m = [inputs.omega_m.symbol for inputs in self._found.inputs]
+        at_once = {x.name: x for x in omega_m} | {f"friction_{j}": sp.Integer(0) for j in self._joints}
+        more: dict[str, dict[str, Any]] = {
+            "friction_torque": {"needs": armature_parameters(self._model)},
+            "friction_step": {"without_time": at_once},
+        }
+        declared = dict(_DECLARED)
+        kinds = {t.kind for b in self._model.balances if b.unit == "N m" for t in b.terms}
+        if not kinds.isdisjoint({"conservative", "actuator"}):
+            one = declared["motor_torque"]
+            meaning = f"{one.meaning}, and the effects that are no friction"
+            declared["motor_torque"] = one._replace(meaning=meaning)
+        listed = [self._made(name, one, **more.get(name, {})) for name, one in declared.items()]
+        if self._model.states:
+            stepped = _Declared(*step_words(self._model))
+            held = {"without_time": held_states(self._model), "advances": True}
+            listed.append(self._made(STEP, stepped, lambda _: step_updates(self._model), **held))
+        return tuple(listed)
+
+    def _made(self, name: str, one: _Declared, method: _Made | None = None, **more: Any) -> Output:
+        n, results = len(self._joints), method or getattr(_Outputs, name)
+
+        def per_motor(name: str, unit: str, meaning: str) -> Input:
+            return Input(quantity(name, unit, meaning), n)
+
+        motion = (
+            per_motor("theta_m", "rad", f"angles of the {n} motors"),
+            per_motor("omega_m", "rad/s", f"velocities of the {n} motors"),
+            per_motor("alpha_m", "rad/s^2", f"accelerations of the {n} motors"),
+        )[: 3 if one.moves else 1]
+        # What each motor has is a vector; time, its step and hidden states are numbers.
+        others = (
+            per_motor("i", "A", f"armature currents of the {n} motors"),
+            per_motor("u", "V", f"armature voltages of the {n} motors"),
+            per_motor("temperature", v.temperature.unit, f"temperatures of the {n} joints in degC"),
+            *map(Input, (v.t, *(state.quantity for state in self._model.states))),
+        )
+        torques = (Input(replace(v.torque, meaning=_TORQUES), n),) if one.by_torques else ()
+
+        def expressions() -> Expressions:
+            made = results(self)
+            return made if isinstance(made, Expressions) else _expressions(made, self._stable_moving)
+
+        return Output(
+            name,
+            one.unit,
+            one.meaning,
+            (*motion, *others, *torques, Input(v.dt)),
+            expressions,
+            frozenset(x.quantity.name for x in motion),
+            on_request=one.on_request,
+            **more,
+        )
+
+    # What several of them need.
 
     @cached_property
     def _stable_moving(self) -> tuple[Assignment, ...]:
-        return _stable(self._found, self._model, self._moving)
+        return self._stable(self._moving)
+
+    def _stable(self, definitions: Iterable[Assignment]) -> tuple[Assignment, ...]:
+        return _stable(self._found, self._model, definitions)
+
+    def _terms(self, j: int) -> list[Term]:
+        return [t for t in self._model.balance(f"mechanical_{j}").terms if t.kind == "friction"]
+
+    def _drive(self, j: int) -> Term:
+        return next(t for t in self._model.balance(f"mechanical_{j}").terms if t.kind == "drive")
 
     @cached_property
-    def _friction(self) -> list[tuple[str, sp.Expr]]:
-        return _frictions(self._model, self._found)
+    def _friction(self) -> list[sp.Expr]:
+        """Each load is multiplied once, by what follows it; effects may contain a load in other ways."""
+        torques = []
+        for j, bearing in enumerate(self._found.bearings):
+            loads = [load for load in bearing.loads.values() if load.is_Symbol]
+            factors: dict[sp.Expr, list[sp.Expr]] = {}
+            for term in self._terms(j):
+                rest, own = term.value.as_independent(*loads, as_Add=False)
+                load, factor = (own, rest) if own in loads else (sp.Integer(1), term.value)
+                factors.setdefault(load, []).append(factor)
+            torques.append(sp.Add(*(load * sp.Add(*parts) for load, parts in factors.items())))
+        return torques
 
     @cached_property
     def _levels(self) -> list[Levels]:
         """Dry friction of every joint by its own direction; the loads are those of the state."""
         given = {d.symbol for d in self._found.definitions}
         return [
-            levels(self._model, inputs.omega_m.symbol, tuple(_terms(self._model, j)), given)
+            levels(self._model, inputs.omega_m.symbol, tuple(self._terms(j)), given)
             for j, inputs in enumerate(self._found.inputs)
         ]
-
-    def listed(self) -> tuple[Output, ...]:
-        """All of them, in the order of a module."""
-        found, model = self._found, self._model
-        per_joint = range(len(found.inputs))
-        listed = [
-            self._output(
-                "inverse_dynamics",
-                "N m",
-                "torque of every motor that moves bodies and rotors and holds the weight, without friction",
-                self._of_moving(lambda: _inverse_dynamics(found)),
-            ),
-            self._output(
-                "motor_torque",
-                "N m",
-                _words_of_motor_torque(model),
-                self._of_moving(self._motor_torque),
-            ),
-            self._output(
-                "joint_wrenches",
-                "N, N m",
-                "force and moment on every body by its joint, in and about the origin of the joint's frame",
-                self._of_moving(lambda: _wrenches(found)),
-            ),
-            self._output(
-                "bearing_loads",
-                "N, N m",
-                "what every bearing carries, F_N, F_T and M_B, and what its gear passes on, T",
-                self._of_moving(lambda: _loads(found)),
-            ),
-            self._output(
-                "gravity_torque",
-                "N m",
-                "torque of every motor that holds the weight: inverse_dynamics at rest",
-                self._at_rest,
-                moves=False,
-            ),
-            self._output(
-                "mechanical_friction_torque",
-                "N m",
-                "friction torque of every motor, f = f_m + mu f_l, without back-EMF",
-                self._of_moving(lambda: self._friction),
-            ),
-            self._output(
-                "breakaway_torque",
-                "N m",
-                "levels of dry friction of every motor at rest: any torque between them holds it",
-                self._breakaway,
-                moves=False,
-            ),
-            self._output(
-                "friction_budget",
-                "N m, N m, N m s/rad",
-                "levels of dry friction of every motor at this state, and the viscous coefficient",
-                self._budget,
-            ),
-            self._output(
-                "friction_torque",
-                "N m",
-                "resultant friction torque F of every motor, back-EMF damping included, eq (6)",
-                self._of_moving(lambda: _resultants(model, self._friction)),
-                needs=armature_parameters(model),
-            ),
-            self._output(
-                "regressor",
-                "N m per unit coefficient",
-                "friction torque of a joint per coefficient: the last number of a label is the joint",
-                self._of_moving(lambda: [column for j in per_joint for column in _columns(model, j)]),
-            ),
-            self._output(
-                "inertial_regressor",
-                "N m per unit parameter",
-                "torque of every motor per inertial parameter, a row for each motor;"
-                " rotors of a given inertia aside",
-                self._inertial_regressor,
-            ),
-            # These are long: the matrix aside, only on request.
-            self._output(
-                "mass_matrix",
-                "kg m^2",
-                "inertia on the motor side, rotors included, row by row",
-                self._mass_matrix,
-                moves=False,
-            ),
-            self._output(
-                "friction_step",
-                "rad/s, N m",
-                "velocities of the motors after a time step, and the friction torques in it",
-                lambda: self._by_torques(step),
-                by_torques=True,
-                without_time=_without_time(found),
-                on_request=True,
-            ),
-            self._output(
-                "acceleration",
-                "rad/s^2",
-                "accelerations of the motors by their torques, 0 at rest within the levels of dry friction",
-                lambda: self._by_torques(acceleration),
-                by_torques=True,
-                on_request=True,
-            ),
-            self._output(
-                "mechanical_friction_torque_gradient",
-                "N m per rad, rad/s, rad/s^2",
-                "partial derivatives of mechanical_friction_torque by theta_m, omega_m, alpha_m,"
-                " joint by joint",
-                self._gradient,
-                on_request=True,
-            ),
-        ]
-        if model.states:
-            updates = self._of_moving(lambda: step_updates(model))
-            listed.append(
-                self._output(
-                    STEP, *step_words(model), updates, without_time=held_states(model), advances=True
-                )
-            )
-        return tuple(listed)
-
-    def _output(
-        self,
-        name: str,
-        unit: str,
-        meaning: str,
-        expressions: Callable[[], Expressions],
-        *,
-        moves: bool = True,
-        by_torques: bool = False,
-        **more: Any,
-    ) -> Output:
-        """One of them.
-
-        `moves` is whether it takes velocities and accelerations, not angles alone; `by_torques` whether the
-        torques of the motors come last, before the time step.
-        """
-        motion, last = (self._motion if moves else self._motion[:1]), self._others[-1:]
-        if by_torques:
-            last = (Input(replace(v.torque, meaning=_TORQUES), len(self._found.inputs)), *last)
-        taken = frozenset(x.quantity.name for x in motion)
-        inputs = (*motion, *self._others[:-1], *last)
-        return Output(name, unit, meaning, inputs, expressions, taken, **more)
-
-    def _of_moving(self, results: Callable[[], _Results]) -> Callable[[], Expressions]:
-        return lambda: _expressions(results(), self._stable_moving)
-
-    def _motor_torque(self) -> _Results:
-        both = zip(_inverse_dynamics(self._found), self._friction, strict=True)
-        for j, ((_, bodies), (_, friction)) in enumerate(both):
-            yield f"tau_{j}", bodies + friction + _besides(self._model, j, bodies + friction)
-
-    def _at_rest(self) -> Expressions:
-        definitions, torques = at_rest(self._found)
-        stable = _stable(self._found, self._model, tuple(map(_assigned, definitions)))
-        return _expressions([(f"G_{j}", torque) for j, torque in enumerate(torques)], stable)
 
     @cached_property
     def _both_ways(self) -> tuple[Assignment, ...]:
         """The definitions, and those that a direction of motion changes, for both."""
         return (*self._moving, *(a for found in self._levels for a in found.definitions))
 
-    def _budget(self) -> Expressions:
-        omegas = [inputs.omega_m.symbol for inputs in self._found.inputs]
-        results = [
-            (f"{label}_{j}", value)
-            for j, (dry, omega_m) in enumerate(zip(self._levels, omegas, strict=True))
-            for label, value in budget(dry, omega_m)
-        ]
-        return _expressions(results, _stable(self._found, self._model, self._both_ways))
-
-    def _breakaway(self) -> Expressions:
-        results = tuple(
-            (f"{label}_{j}", dry.at_rest(direction))
-            for j, dry in enumerate(self._levels)
-            for label, direction in (("lower", -1), ("upper", 1))
-        )
-        definitions, held = still(self._found, self._moving, results, self._model.parameter_symbols)
-        return _expressions(held, _stable(self._found, self._model, definitions))
-
     def _inertia(self) -> tuple[tuple[Assignment, ...], Matrix]:
-        torques = [torque for _, torque in _inverse_dynamics(self._found)]
-        return mass_matrix(self._found, self._moving, torques)
-
-    def _mass_matrix(self) -> Expressions:
-        definitions, entries = self._inertia()
-        results = [(f"M_{j}_{k}", x) for j, row in enumerate(entries) for k, x in enumerate(row)]
-        return _expressions(results, _stable(self._found, self._model, definitions))
+        return mass_matrix(self._found, self._moving, self._found.motor_torques)
 
     def _by_torques(
         self, computed: Callable[[Recursion, NamedSteps, Matrix, list[Levels]], Stepped]
@@ -261,64 +193,163 @@ class _Outputs:
         inertia = [[named(f"M_{j}_{k}", x) for k, x in enumerate(row)] for j, row in enumerate(entries)]
         steps, results = computed(self._found, named, inertia, self._levels)
         before = (*definitions, *(a for a in self._both_ways if a.target not in there))
-        return _expressions(results, (*_stable(self._found, self._model, before), *steps))
+        return _expressions(results, (*self._stable(before), *steps))
 
-    def _inertial_regressor(self) -> Expressions:
-        of_bodies = inertial(self._found.chain)
-        names = [q.name for q in of_bodies.parameters]
+    # The outputs. Those on request are long.
+
+    @_output(
+        "N m", "torque of every motor that moves bodies and rotors and holds the weight, without friction"
+    )
+    def inverse_dynamics(self) -> _Results:
+        return _labelled("tau_m", self._found.motor_torques)
+
+    @_output(
+        "N m", "torque of every motor that the motion takes: inverse_dynamics and mechanical_friction_torque"
+    )
+    def motor_torque(self) -> _Results:
+        for j, (bodies, friction) in enumerate(zip(self._found.motor_torques, self._friction, strict=True)):
+            mechanical, drive = self._model.balance(f"mechanical_{j}"), self._drive(j)
+            conservative = mechanical.sum_of("conservative")
+            # A term of the current is taken at the current without it, as for one joint.
+            current = (bodies + friction + conservative) / drive.coefficient
+            besides = conservative + mechanical.sum_of("actuator").subs(drive.basis, current)
+            yield f"tau_{j}", bodies + friction + besides
+
+    @_output(
+        "N, N m", "force and moment on every body by its joint, in and about the origin of the joint's frame"
+    )
+    def joint_wrenches(self) -> _Results:
+        for j, (link, wrench) in enumerate(zip(self._found.chain.links, self._found.wrenches, strict=True)):
+            for part, vector in (("f", wrench.force), ("n", wrench.moment)):
+                yield from zip((f"{part}_{j}_{axis}" for axis in AXES), link.tilt * vector, strict=True)
+
+    @_output("N, N m", "what every bearing carries, F_N, F_T and M_B, and what its gear passes on, T")
+    def bearing_loads(self) -> _Results:
+        for j, bearing in enumerate(self._found.bearings):
+            yield from (
+                (f"{x}_{j}", bearing.loads[load]) for load, x in _LOADS.items() if load in bearing.loads
+            )
+
+    @_output("N m", "torque of every motor that holds the weight: inverse_dynamics at rest", moves=False)
+    def gravity_torque(self) -> Expressions:
+        definitions, torques = at_rest(self._found)
+        return _expressions(_labelled("G", torques), self._stable(map(_assigned, definitions)))
+
+    @_output("N m", "friction torque of every motor, f = f_m + mu f_l, without back-EMF")
+    def mechanical_friction_torque(self) -> _Results:
+        return _labelled("f", self._friction)
+
+    @_output(
+        "N m", "levels of dry friction of every motor at rest: any torque between them holds it", moves=False
+    )
+    def breakaway_torque(self) -> Expressions:
+        results = tuple(
+            (f"{label}_{j}", dry.at_rest(direction))
+            for j, dry in enumerate(self._levels)
+            for label, direction in (("lower", -1), ("upper", 1))
+        )
+        definitions, held = still(self._found, self._moving, results, self._model.parameter_symbols)
+        return _expressions(held, self._stable(definitions))
+
+    @_output(
+        "N m, N m, N m s/rad",
+        "levels of dry friction of every motor at this state, and the viscous coefficient",
+    )
+    def friction_budget(self) -> Expressions:
+        omegas = [inputs.omega_m.symbol for inputs in self._found.inputs]
         results = [
-            (f"tau_m_{j}_by_{name}", slope)
-            for j, row in enumerate(of_bodies.slopes)
-            for name, slope in zip(names, row, strict=True)
+            (f"{label}_{j}", value)
+            for j, (dry, omega_m) in enumerate(zip(self._levels, omegas, strict=True))
+            for label, value in budget(dry, omega_m)
         ]
-        stable = _stable(self._found, self._model, of_bodies.definitions)
-        return replace(_expressions(results, stable), constants=(("INERTIAL_PARAMETERS", of_bodies.words),))
+        return _expressions(results, self._stable(self._both_ways))
 
-    def _gradient(self) -> Expressions:
+    @_output("N m", "resultant friction torque F of every motor, back-EMF damping included, eq (6)")
+    def friction_torque(self) -> _Results:
+        for j, f in enumerate(self._friction):
+            electrical = self._model.balance(f"electrical_{j}")
+            resistance = next(t.coefficient for t in electrical.terms if t.kind == "resistive")
+            yield f"F_{j}", f + self._drive(j).coefficient / resistance * electrical.sum_of("back_emf")
+
+    @_output(
+        "N m per unit coefficient",
+        "friction torque of a joint per coefficient: the last number of a label is the joint",
+    )
+    def regressor(self) -> _Results:
+        for j in self._joints:
+            columns: dict[str, sp.Expr] = {}
+            for term in self._terms(j):
+                name = str(term.coefficient)
+                columns[name] = columns.get(name, sp.Integer(0)) + term.basis
+            yield from columns.items()
+
+    @_output(
+        "N m per unit parameter",
+        "torque of every motor per inertial parameter, a row for each motor; rotors of a given inertia aside",
+    )
+    def inertial_regressor(self) -> Expressions:
+        of_bodies = inertial(self._found.chain)
+        results = [
+            (f"tau_m_{j}_by_{q.name}", slope)
+            for j, row in enumerate(of_bodies.slopes)
+            for q, slope in zip(of_bodies.parameters, row, strict=True)
+        ]
+        made = _expressions(results, self._stable(of_bodies.definitions))
+        return replace(made, constants=(("INERTIAL_PARAMETERS", of_bodies.words),))
+
+    @_output("kg m^2", "inertia on the motor side, rotors included, row by row", moves=False)
+    def mass_matrix(self) -> Expressions:
+        definitions, entries = self._inertia()
+        results = [(f"M_{j}_{k}", x) for j, row in enumerate(entries) for k, x in enumerate(row)]
+        return _expressions(results, self._stable(definitions))
+
+    @_output(
+        "rad/s, N m",
+        "velocities of the motors after a time step, and the friction torques in it",
+        by_torques=True,
+        on_request=True,
+    )
+    def friction_step(self) -> Expressions:
+        return self._by_torques(step)
+
+    @_output(
+        "rad/s^2",
+        "accelerations of the motors by their torques, 0 at rest within the levels of dry friction",
+        by_torques=True,
+        on_request=True,
+    )
+    def acceleration(self) -> Expressions:
+        return self._by_torques(acceleration)
+
+    @_output(
+        "N m per rad, rad/s, rad/s^2",
+        "partial derivatives of mechanical_friction_torque by theta_m, omega_m, alpha_m, joint by joint",
+        on_request=True,
+    )
+    def mechanical_friction_torque_gradient(self) -> Expressions:
         """Slopes of every joint's friction by every input, definition by definition."""
         inputs = self._found.inputs
         by = [x.theta_m.symbol for x in inputs] + [x.omega_m.symbol for x in inputs]
         by += [x.alpha_m.symbol for x in inputs]
-        torques = [Assignment(sp.Symbol(f"friction_{label}", real=True), e) for label, e in self._friction]
+        torques = [
+            Assignment(sp.Symbol(f"friction_f_{j}", real=True), e) for j, e in enumerate(self._friction)
+        ]
         needs = needed((*self._moving, *torques), [t.target for t in torques])
         steps, slopes = differentiate(needs, by)
         results = [
-            (f"{label}_by_{x.name}", slopes.get((torque.target, x), sp.Integer(0)))
-            for (label, _), torque in zip(self._friction, torques, strict=True)
+            (f"f_{j}_by_{x.name}", slopes.get((torque.target, x), sp.Integer(0)))
+            for j, torque in enumerate(torques)
             for x in by
         ]
-        return _expressions(results, _stable(self._found, self._model, steps))
+        return _expressions(results, self._stable(steps))
 
 
-def _without_time(found: Recursion) -> dict[str, sp.Expr]:
-    """What a time step gives where no time passes: the velocities as they are, and no friction."""
-    velocities = [inputs.omega_m.symbol for inputs in found.inputs]
-    frictions = {f"friction_{j}": sp.Integer(0) for j in range(len(velocities))}
-    return {omega_m.name: omega_m for omega_m in velocities} | frictions
+def _labelled(name: str, values: Iterable[sp.Expr]) -> list[tuple[str, sp.Expr]]:
+    return [(f"{name}_{j}", value) for j, value in enumerate(values)]
 
 
 def _expressions(results: _Results, definitions: tuple[Assignment, ...]) -> Expressions:
     return Expressions(tuple((label, _with_held_ratios(e)) for label, e in results), definitions)
-
-
-def _inputs(found: Recursion, model: Model) -> tuple[tuple[Input, ...], tuple[Input, ...]]:
-    """The motion of the motors, and what else an output may depend on.
-
-    What each motor has is a vector; time, its step and hidden states are numbers.
-    """
-    n = len(found.inputs)
-    motion = (
-        Input(quantity("theta_m", "rad", f"angles of the {n} motors"), n),
-        Input(quantity("omega_m", "rad/s", f"velocities of the {n} motors"), n),
-        Input(quantity("alpha_m", "rad/s^2", f"accelerations of the {n} motors"), n),
-    )
-    of_motors = (
-        Input(quantity("i", "A", f"armature currents of the {n} motors"), n),
-        Input(quantity("u", "V", f"armature voltages of the {n} motors"), n),
-        Input(quantity("temperature", v.temperature.unit, f"temperatures of the {n} joints in degC"), n),
-    )
-    numbers = (v.t, *(state.quantity for state in model.states), v.dt)
-    return motion, (*of_motors, *map(Input, numbers))
 
 
 # In stable steps: the sine and cosine of a joint by those of its half turn, as for one joint.
@@ -359,88 +390,3 @@ def _assigned(definition: Definition) -> Assignment:
     """A definition with its comment; of the components of a vector the first one has it."""
     meaning = definition.quantity.meaning.partition(", component ")[0]
     return Assignment(definition.symbol, definition.value, f"{meaning} [{definition.quantity.unit}]")
-
-
-# What the balances of an arm's joints say of the torque of their motors: friction, and what effects add.
-
-
-def _terms(model: Model, j: int) -> list[Term]:
-    return [term for term in model.balance(f"mechanical_{j}").terms if term.kind == "friction"]
-
-
-def _columns(model: Model, j: int) -> list[tuple[str, sp.Expr]]:
-    """Coefficient and basis of the friction of a joint, each coefficient once."""
-    columns: dict[str, sp.Expr] = {}
-    for term in _terms(model, j):
-        name = str(term.coefficient)
-        columns[name] = columns.get(name, sp.Integer(0)) + term.basis
-    return list(columns.items())
-
-
-def _frictions(model: Model, found: Recursion) -> list[tuple[str, sp.Expr]]:
-    """Each load is multiplied once, by what follows it; effects may contain a load in other ways."""
-    results = []
-    for j, bearing in enumerate(found.bearings):
-        loads = [load for load in bearing.loads.values() if load.is_Symbol]
-        factors: dict[sp.Expr, list[sp.Expr]] = {}
-        for term in _terms(model, j):
-            rest, own = term.value.as_independent(*loads, as_Add=False)
-            load, factor = (own, rest) if own in loads else (sp.Integer(1), term.value)
-            factors.setdefault(load, []).append(factor)
-        results.append((f"f_{j}", sp.Add(*(load * sp.Add(*parts) for load, parts in factors.items()))))
-    return results
-
-
-def _besides(model: Model, j: int, torque: sp.Expr) -> sp.Expr:
-    """What the effects of a joint ask of its motor besides friction, at this torque of all else.
-
-    A term of the current is taken at the current without it, as for one joint: exact to first order in it.
-    """
-    mechanical = model.balance(f"mechanical_{j}")
-    drive = next(term for term in mechanical.terms if term.kind == "drive")
-    conservative = mechanical.sum_of("conservative")
-    current = (torque + conservative) / drive.coefficient
-    return conservative + mechanical.sum_of("actuator").subs(drive.basis, current)
-
-
-def _words_of_motor_torque(model: Model) -> str:
-    """What `motor_torque` adds up."""
-    kinds = {t.kind for b in model.balances if b.unit == "N m" for t in b.terms}
-    parts = "inverse_dynamics and mechanical_friction_torque"
-    if not kinds.isdisjoint({"conservative", "actuator"}):
-        parts += ", and the effects that are no friction"
-    return f"torque of every motor that the motion takes: {parts}"
-
-
-def _resultants(model: Model, friction: Sequence[tuple[str, sp.Expr]]) -> list[tuple[str, sp.Expr]]:
-    """Eq (4): the back-EMF damps by k_i k_e/R omega_m."""
-    results = []
-    for j, (_, f) in enumerate(friction):
-        electrical = model.balance(f"electrical_{j}")
-        resistance = next(t.coefficient for t in electrical.terms if t.kind == "resistive")
-        drive = next(t for t in model.balance(f"mechanical_{j}").terms if t.kind == "drive")
-        results.append((f"F_{j}", f + drive.coefficient / resistance * electrical.sum_of("back_emf")))
-    return results
-
-
-def _inverse_dynamics(found: Recursion) -> list[tuple[str, sp.Expr]]:
-    of_joints = zip(found.chain.joints, found.rotors, found.torques, strict=True)
-    return [(f"tau_m_{j}", rotor + joint.mu * torque) for j, (joint, rotor, torque) in enumerate(of_joints)]
-
-
-def _wrenches(found: Recursion) -> list[tuple[str, sp.Expr]]:
-    return [
-        (f"{part}_{j}_{_AXES[k]}", (link.tilt * vector)[k])
-        for j, (link, wrench) in enumerate(zip(found.chain.links, found.wrenches, strict=True))
-        for part, vector in (("f", wrench.force), ("n", wrench.moment))
-        for k in range(3)
-    ]
-
-
-def _loads(found: Recursion) -> list[tuple[str, sp.Expr]]:
-    return [
-        (f"{letter}_{j}", bearing.loads[load])
-        for j, bearing in enumerate(found.bearings)
-        for load, letter in _LOADS.items()
-        if load in bearing.loads
-    ]

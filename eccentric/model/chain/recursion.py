@@ -1,7 +1,7 @@
 """The recursion along a chain: motion from the base outwards, force and moment from the end inwards.
 
-Each step is one of the formulas derived in `motion` and `momentum`, with the numbers and letters of the
-chain in place of its letters. The result is a list of scalar definitions, linear in the number of joints.
+Each step is one of the formulas derived in `motion`, with the numbers and letters of the chain in place of
+its letters. The result is a list of scalar definitions, linear in the number of joints.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from functools import cached_property
 import sympy as sp
 
 from eccentric.model.balance import Load
-from eccentric.model.chain import momentum, motion
+from eccentric.model.chain import motion
 from eccentric.model.chain.chain import Chain, Link
 from eccentric.model.chain.links import is_zero
 from eccentric.model.chain.motion import AXES, Steps, substituted
@@ -200,7 +200,7 @@ def magnitude(components: list[sp.Expr]) -> sp.Expr:
     return found
 
 
-# Inwards: the force and moment of every joint, by the formulas of `momentum`.
+# Inwards: the force and moment of every joint, by the formulas of `motion`.
 
 
 ZERO = sp.ImmutableMatrix([0, 0, 0])
@@ -220,16 +220,16 @@ class Wrench:
 
 
 def moments_of(steps: Steps, j: int, link: Link) -> dict[sp.Symbol, sp.Expr]:
-    """The moments of mass of a body by the letters of `momentum`."""
+    """The moments of mass of a body by the letters of `motion`."""
     given, found = link.moments, {}
-    found[momentum.m] = steps(f"body_mass_{j}", "kg", f"mass of body {j}", given.mass)
+    found[motion.m] = steps(f"body_mass_{j}", "kg", f"mass of body {j}", given.mass)
     first = steps.vector(f"body_h_{j}", "kg m", f"first moment of body {j}", given.first)
-    found |= dict(zip(momentum.h, first, strict=True))
+    found |= dict(zip(motion.h, first, strict=True))
     for i in range(3):
         for k in range(i, 3):
             name = f"body_Sigma_{j}_{AXES[i]}{AXES[k]}"
             meaning = f"second moment of body {j}, component {AXES[i]}{AXES[k]}"
-            found[momentum.Sigma[i, k]] = steps(name, "kg m^2", meaning, given.second[i, k])
+            found[motion.Sigma[i, k]] = steps(name, "kg m^2", meaning, given.second[i, k])
     return found
 
 
@@ -278,11 +278,11 @@ def _of_body(steps: Steps, j: int, moments: dict[sp.Symbol, sp.Expr], moving: Mo
             moving.U[k, k] - moving.U[i, i],
         )
         for i, k in ((1, 2), (2, 0), (0, 1))
-        if not is_zero(moments[momentum.Sigma[min(i, k), max(i, k)]])
+        if not is_zero(moments[motion.Sigma[min(i, k), max(i, k)]])
     }
     of_motion = ((motion.a, moving.a), (motion.U, moving.U), (letters, values))
-    force = substituted(momentum.force(), *of_motion)
-    moment = substituted(momentum.moment().xreplace(differences), *of_motion)
+    force = substituted(motion.force(), *of_motion)
+    moment = substituted(motion.moment().xreplace(differences), *of_motion)
     return Wrench(
         steps.vector(f"force_b_{j}", "N", f"mass times acceleration of body {j}", force),
         steps.vector(f"moment_b_{j}", "N m", f"rate of angular momentum of body {j}", moment),
@@ -295,9 +295,9 @@ def _of_rotor(link: Link, moving: Moving, inputs: Inputs) -> sp.ImmutableMatrix:
     if is_zero(link.joint.J_m):
         return ZERO
     return substituted(
-        momentum.rotor(link.axis),
+        motion.rotor(link.axis),
         (motion.w, moving.carried),
-        ((momentum.J_m, momentum.omega_m, momentum.alpha_m), (link.joint.J_m, *speeds)),
+        ((motion.J_m, motion.omega_m, motion.alpha_m), (link.joint.J_m, *speeds)),
     )
 
 
@@ -327,6 +327,17 @@ class Recursion:
     def torques(self) -> tuple[sp.Expr, ...]:
         """Torque [N m] or force [N] of each joint about or along its axis: what its gear passes on."""
         return tuple(bearing.transmitted for bearing in self.bearings)
+
+    @cached_property
+    def motor_torques(self) -> tuple[sp.Expr, ...]:
+        """Torque [N m] of each motor that moves bodies and rotors and holds the weight, without friction."""
+        of_joints = zip(self.chain.joints, self.rotors, self.torques, strict=True)
+        return tuple(rotor + joint.mu * torque for joint, rotor, torque in of_joints)
+
+    @cached_property
+    def standing(self) -> dict[sp.Expr, sp.Expr]:
+        """Velocities and accelerations of the motors -> 0."""
+        return {x.symbol: sp.Integer(0) for inputs in self.inputs for x in (inputs.omega_m, inputs.alpha_m)}
 
 
 def recursion(chain: Chain) -> Recursion:
@@ -375,17 +386,11 @@ def at_rest(found: Recursion) -> tuple[tuple[Definition, ...], tuple[sp.Expr, ..
     Returns:
         What is left of its definitions, under their names, and the torque of every motor [N m].
     """
-    zero = sp.Integer(0)
-    known: dict[sp.Expr, sp.Expr] = {
-        x.symbol: zero for inputs in found.inputs for x in (inputs.omega_m, inputs.alpha_m)
-    }
-    left = []
+    known, left = dict(found.standing), []
     for definition in found.definitions:
         value = definition.value.xreplace(known)
         if value.is_Atom or (-value).is_Symbol:
             known[definition.symbol] = value
         else:
             left.append(replace(definition, value=value))
-    of_joints = zip(found.chain.joints, found.rotors, found.torques, strict=True)
-    torques = (rotor + joint.mu * torque for joint, rotor, torque in of_joints)
-    return tuple(left), tuple(torque.xreplace(known) for torque in torques)
+    return tuple(left), tuple(torque.xreplace(known) for torque in found.motor_torques)

@@ -66,10 +66,7 @@ def still(
     What then depends on parameters alone has a name of its own: it is a coefficient, which other functions,
     whose value moves, must not share.
     """
-    fixed = set(parameters)
-    known: dict[sp.Expr, sp.Expr] = {
-        x.symbol: _ZERO for inputs in found.inputs for x in (inputs.omega_m, inputs.alpha_m)
-    }
+    fixed, known = set(parameters), dict(found.standing)
 
     def folded(value: sp.Expr) -> sp.Expr:
         value = value.xreplace(known)
@@ -118,14 +115,6 @@ class _Law:
     def width(self) -> sp.Expr:
         """Between the levels at rest."""
         return self.forward[0].level - self.backward[0].level
-
-
-@dataclass(frozen=True)
-class _Found:
-    """A joint after a step of its own: its velocity, and the piece of the law that it is on."""
-
-    end: sp.Expr
-    piece: _Piece
 
 
 def _laws(named: NamedSteps, levels: Sequence[Levels]) -> list[_Law]:
@@ -190,11 +179,12 @@ class _Solved:
     def _sweep(self) -> None:
         self._count += 1
         for j in self._n:
-            found = self._alone(j, self._name("left", j, self._lacking(j)))
-            self.x[j], self._pieces[j] = found.end, found.piece
+            self.x[j], piece = self._alone(j, self._name("left", j, self._lacking(j)))
+            level, slope = self._name("level", j, piece.level), self._name("slope", j, piece.slope)
+            self._pieces[j] = _Piece(level, slope)
 
-    def _alone(self, j: int, left: sp.Expr) -> _Found:
-        """The step of joint j, whose momentum this is: a soft threshold."""
+    def _alone(self, j: int, left: sp.Expr) -> tuple[sp.Expr, _Piece]:
+        """The step of joint j, whose momentum this is: a soft threshold; with its piece of the law."""
         law = self._laws[j]
         ends: list[sp.Expr] = []
         pieces: list[_Piece] = []
@@ -205,26 +195,15 @@ class _Solved:
             ends.append(self._name(f"end{k or ''}", j, _within(end)))
             pieces.append(_Piece(chosen(over, ahead.level, back.level), slope))
         if len(ends) == 1:
-            return _Found(ends[0], self._piece(j, pieces[0]))
+            return ends[0], pieces[0]
         # The smaller friction leaves the greater speed; at rest neither moves by the first.
         (bent, slid), (first, second) = ends, pieces
         speed = self._name("faster", j, sp.Abs(slid) - sp.Abs(bent))
-        bends = AtZero(bent, _ZERO, Forward(speed))
-        slides = self._name("slides", j, bends)
-        end = self._name("velocity", j, ByDirection(slides, slid, bent))
-        return _Found(
-            end,
-            self._piece(
-                j,
-                _Piece(
-                    ByDirection(slides, second.level, first.level),
-                    ByDirection(slides, second.slope, first.slope),
-                ),
-            ),
+        slides = self._name("slides", j, AtZero(bent, _ZERO, Forward(speed)))
+        level, slope = (
+            ByDirection(slides, x, y) for x, y in ((second.level, first.level), (second.slope, first.slope))
         )
-
-    def _piece(self, j: int, piece: _Piece) -> _Piece:
-        return _Piece(self._name("level", j, piece.level), self._name("slope", j, piece.slope))
+        return self._name("velocity", j, ByDirection(slides, slid, bent)), _Piece(level, slope)
 
     def _solve(self) -> None:
         """The exact solution for the joints that move, and the least E on the way there."""
