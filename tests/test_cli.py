@@ -119,7 +119,7 @@ def test_help_lists_every_command_without_importing_sympy() -> None:
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        ([], "expected the following arguments: COMMAND"),
+        ([], "the following arguments are required: COMMAND"),
         (["fitt"], "unknown command 'fitt'; did you mean 'fit'?"),
         (["--versio"], "required: COMMAND"),
         (["fit"], "required"),
@@ -202,7 +202,7 @@ def test_places_are_found_beside_the_package() -> None:
 
 def test_a_place_that_is_not_there_is_named() -> None:
     """An incomplete installation says which folder is missing."""
-    with pytest.raises(InputError, match="nonsense: a folder"):
+    with pytest.raises(InputError, match="nonsense: expected a folder"):
         folder("nonsense")
 
 

@@ -73,7 +73,7 @@ def test_files_of_another_command_are_not_overwritten(tmp_path: Path) -> None:
     with whole_folder(tmp_path / "out", "diagnose") as new:
         (new / "arm.c").write_text("first")
 
-    said = r"out: expected a free name arm\.c, got a file that `eccentric diagnose` wrote; choose "
+    said = r"out: expected the name arm\.c to be free, got a file that `eccentric diagnose` wrote; choose "
     with pytest.raises(InputError, match=said), whole_folder(tmp_path / "out", "emit arm") as new:
         (new / "arm.c").write_text("second")
 
@@ -96,8 +96,8 @@ def test_a_folder_that_cannot_be_is_told_before_the_work(
         "": f".: {own} the working directory",
         "../file": "../file: expected a folder to write, got a file",
         "../file/a/b": f"../file/a/b: expected a place that can be written, but {tmp_path}/file is a file",
-        "../full": "../full: a new or empty folder, or one that eccentric wrote"
-        "expected  (it holds .eccentric), got a folder with other files",
+        "../full": "../full: expected a new or empty folder, or one that eccentric wrote"
+        " (it holds .eccentric), got a folder with other files",
     }
     for out, said in wrong.items():
         assert cli.main([command, "no.csv", "--rig", "no.toml", "--out", out]) == 2
@@ -124,7 +124,7 @@ def test_files_of_others_are_not_overwritten(tmp_path: Path) -> None:
     (tmp_path / "out/a").write_text("mine")
 
     with (
-        pytest.raises(InputError, match="out: expected a free name a, "),
+        pytest.raises(InputError, match="out: expected the name a to be free, "),
         whole_folder(tmp_path / "out", "fit") as new,
     ):
         (new / "a").write_text("ours")

@@ -67,9 +67,9 @@ def test_a_repository_in_the_folder_outlives_a_run(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("mine", "new", "said"),
     [
-        ("check", "check/c", "expected check, got a file that eccentric did not write"),
-        ("a/x", "a", "expected a, got a folder"),
-        ("a/x/y", "a/x", "expected a/x, got a folder"),
+        ("check", "check/c", "check to be free, got a file that eccentric did not write"),
+        ("a/x", "a", "a to be free, got a folder"),
+        ("a/x/y", "a/x", "a/x to be free, got a folder"),
     ],
     ids=["file for a folder", "folder for a file", "deeper"],
 )
@@ -83,7 +83,7 @@ def test_what_stands_where_a_new_file_has_to_is_refused(
     (out / mine).write_text("mine")
     before = tree(tmp_path)
 
-    with pytest.raises(InputError, match=f"out: a free name {said}; choose another folder"):
+    with pytest.raises(InputError, match=f"out: expected the name {said}; choose another folder"):
         written(out, "b", new, command="emit arm")
 
     assert before == tree(tmp_path)
@@ -98,9 +98,9 @@ def test_an_empty_folder_and_a_link_count_as_well(tmp_path: Path) -> None:
     (out / "check").symlink_to(tmp_path / "elsewhere")
     before = tree(tmp_path)
 
-    with pytest.raises(InputError, match="expected a free name a, got a folder"):
+    with pytest.raises(InputError, match="expected the name a to be free, got a folder"):
         written(out, "a")
-    with pytest.raises(InputError, match="expected a free name check, got a file that"):
+    with pytest.raises(InputError, match="expected the name check to be free, got a file that"):
         written(out, "check/c")
 
     assert before == tree(tmp_path)
@@ -147,7 +147,7 @@ def test_a_marker_that_is_no_text_is_one_clear_line(ask, tmp_path: Path) -> None
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / MARKER).write_bytes(b"notice\n\xfffit: a\n")
 
-    with pytest.raises(InputError, match=r"out/\.eccentric: expected UTF-8 text .*, byte 7 is not$"):
+    with pytest.raises(InputError, match=r"out/\.eccentric: expected UTF-8 text .*, but byte 7 is not$"):
         ask(tmp_path / "out")
 
     assert [path.name for path in (tmp_path / "out").iterdir()] == [MARKER]
