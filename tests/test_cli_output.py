@@ -150,10 +150,7 @@ def test_targets_of_the_wrong_kind_are_refused(tmp_path: Path, monkeypatch: pyte
 
     with pytest.raises(InputError, match="got a file"), whole_folder(tmp_path / "file", "fit"):
         pass
-    with (
-        pytest.raises(InputError, match="got one that is not a regular file"),
-        whole_file(tmp_path),
-    ):
+    with pytest.raises(InputError, match="got one that is not a regular file"), whole_file(tmp_path):
         pass
     with pytest.raises(InputError, match="got the working directory"), whole_folder(".", "fit"):
         pass

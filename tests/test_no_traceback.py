@@ -41,12 +41,7 @@ NO_INPUT: dict[str, tuple[Callable[..., object], tuple[object, ...], dict[str, o
     "emit, backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": 1}, "backend: expected one of"),
     "emit, no backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": []}, "got 'none'"),
     "emit, out": (eccentric.emit, ("c2_parallel", None), {}, "output: expected a path, got NoneType"),
-    "bench, seconds": (
-        eccentric.bench,
-        (),
-        {"seconds": "a"},
-        "seconds: expected 15 to 3600, got 'a'",
-    ),
+    "bench, seconds": (eccentric.bench, (), {"seconds": "a"}, "seconds: expected 15 to 3600, got 'a'"),
     "bench, mu": (eccentric.bench, (), {"mu": None}, "gear ratio mu: expected 0.001 to 2, got None"),
     "bench, noise": (
         eccentric.bench,
@@ -163,17 +158,9 @@ def test_a_range_without_effect_is_said(swings: eccentric.BenchResult) -> None:
 
 
 SIZES: dict[str, tuple[str, float, str]] = {
-    "a current of 1e308": (
-        "current_A",
-        1e308,
-        r"column .*: expected at most 1e.12 A",
-    ),
+    "a current of 1e308": ("current_A", 1e308, r"column .*: expected at most 1e.12 A"),
     "a current of 1e-310": ("current_A", 1e-310, "expected a value of at least 1e-12 A, got at most"),
-    "an angle of 1e300": (
-        "theta_m_rad",
-        1e300,
-        "line 3, column 'theta_m_rad'.*: expected at most 1e.12 rad",
-    ),
+    "an angle of 1e300": ("theta_m_rad", 1e300, "line 3, column 'theta_m_rad'.*: expected at most 1e.12 rad"),
 }
 
 

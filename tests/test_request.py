@@ -102,10 +102,7 @@ def test_only_these_families_are_offered() -> None:
     [
         (["--with", "link_harmonic"], "--with: .*did you mean link_harmonic_friction.*there are stribeck, "),
         (["--without", "stribeck[d=7]"], "--without: .*of stribeck there are stribeck"),
-        (
-            ["--only", "viscosity_temperature"],
-            "--only: expected .*this log can show, .*it can show stribeck",
-        ),
+        (["--only", "viscosity_temperature"], "--only: expected .*this log can show, .*it can show stribeck"),
         (["--with", "stribeck,stribeck"], "--with: .*only once, got stribeck twice"),
         (["--with", "presliding"], "--with presliding: .*without hidden states"),
     ],

@@ -65,8 +65,7 @@ DECLARED = f"phi_rad = {TILT}\n"
 OPEN = "[unknown]\nphi_rad = [0.2, 1.3]\n"
 # Open is the harder one.
 declared_or_open = pytest.mark.parametrize(
-    "tilt",
-    [pytest.param(DECLARED, id="declared", marks=pytest.mark.slow), pytest.param(OPEN, id="open")],
+    "tilt", [pytest.param(DECLARED, id="declared", marks=pytest.mark.slow), pytest.param(OPEN, id="open")]
 )
 
 

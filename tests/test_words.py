@@ -162,13 +162,7 @@ TEXTS = {
     *("Layout.notes", "LogDescription.notes", "JointColumns.doubt"),
     *("Read.notes", "InParts.notes", "LogStream.notes", "Log.notes", "Excerpt.note", "Excerpt.missed"),
     *("FleetProblem.text", "Examined.said"),
-    *(
-        "Draft.facts",
-        "Driven.doubt",
-        "Driven.evidence",
-        "Proposal.doubt",
-        "Proposal.evidence",
-    ),
+    *("Draft.facts", "Driven.doubt", "Driven.evidence", "Proposal.doubt", "Proposal.evidence"),
     *("RigLine.doubt", "RigLine.evidence", "Reading.why"),
 }
 """Fields of records that hold a text."""

@@ -116,9 +116,7 @@ def emit(
     )
 
 
-def _content(
-    parameters: str | os.PathLike[str] | FitResult | Mapping[str, Any],
-) -> Path | Mapping[str, Any]:
+def _content(parameters: str | os.PathLike[str] | FitResult | Mapping[str, Any]) -> Path | Mapping[str, Any]:
     if isinstance(parameters, FitResult):
         return parameters.document
     if isinstance(parameters, Mapping):

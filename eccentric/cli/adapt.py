@@ -23,12 +23,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--model", metavar="MODEL", help="a model or the path of a derivation (default: by the rig's case)")
     add("--parameters", type=Path, metavar="FIT.json", help="fit to start from; default: a fit of this log")
     add("--forgetting", type=float, metavar="L", help="forgetting factor per row; default: 0.999")
-    add(
-        "--false-alarms",
-        type=float,
-        metavar="N",
-        help="mean samples between false alarms; default: 1e7",
-    )
+    add("--false-alarms", type=float, metavar="N", help="mean samples between false alarms; default: 1e7")
     add("--settle", type=int, metavar="N", help="samples skipped after a reversal; default: 20")
     add_folder(parser, "adapt.json, adapt.png and adapt.svg")
 

@@ -94,10 +94,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="add a friction compensation for a loop, which cannot chatter",
     )
     parser.add_argument(
-        "--forgetting",
-        type=float,
-        metavar="L",
-        help="with --adapt: forgetting factor a row; default: 0.999",
+        "--forgetting", type=float, metavar="L", help="with --adapt: forgetting factor a row; default: 0.999"
     )
     parser.add_argument(
         "--false-alarms",

@@ -14,12 +14,7 @@ eccentric export build/bench --to budget --out build/pendulum
 eccentric export build/fit --to fmu --out build/fmu
 eccentric export my_derivation.py --parameters build/fit/fit.json --to mjcf --out build/mujoco"""
 
-_OPTIONS = {
-    "to": "--to",
-    "speeds": "--speeds",
-    "prefix": "--prefix",
-    "accept_misfit": "--accept-misfit",
-}
+_OPTIONS = {"to": "--to", "speeds": "--speeds", "prefix": "--prefix", "accept_misfit": "--accept-misfit"}
 """Argument -> its option."""
 
 

@@ -57,14 +57,7 @@ def run(args: argparse.Namespace) -> int:
     if not args.logs:
         raise InputError("plan", problem="expected a log, or --for, got neither")
     found = eccentric.plan(
-        args.logs,
-        args.rig,
-        args.limits,
-        args.model,
-        progress(),
-        bar(),
-        args.diagnosis,
-        args.added,
+        args.logs, args.rig, args.limits, args.model, progress(), bar(), args.diagnosis, args.added
     )
     names = [path.name for path in found.write(args.out)]
     print_warnings(found.warnings)

@@ -93,10 +93,7 @@ def arm_diagnosis_lines(found: ArmDiagnosis) -> list[str]:
     ]
     for joint in found.by_gain:
         if joint.verdict != "nothing_missing":
-            lines += [
-                f"joint {_called(joint.number, joint.name)}:",
-                *(f"  {x}" for x in _of_joint(joint)),
-            ]
+            lines += [f"joint {_called(joint.number, joint.name)}:", *(f"  {x}" for x in _of_joint(joint))]
     return [*lines, *_bodies(found.bodies), *_emitted(found), arm_diagnosis_sentence(found)]
 
 
