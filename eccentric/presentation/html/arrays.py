@@ -10,8 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eccentric.presentation.html.limits import BLOCK_S, LEAST_BLOCKS, LEAST_DIFFERENCE, SIGMAS
-
 Array = np.ndarray
 
 
@@ -210,6 +208,15 @@ def binned(rows: ResidualRows, channel: Channel, curves: Mapping[str, Array]) ->
 
 
 # Run by run: the error before and after, and whether the friction of the runs is one.
+
+
+BLOCK_S = 1.0
+"""Residuals this far apart count as independent, as in the intervals of the scores."""
+LEAST_BLOCKS = 5
+"""Fewest of them for a standard error: of fewer, it is left to chance, and of one it is zero."""
+SIGMAS, LEAST_DIFFERENCE = 5.0, 0.05
+"""A run's friction is another one beyond this many standard errors and by this part: that of a greased gear
+differs by some per cent from day to day."""
 
 
 @dataclass(frozen=True)

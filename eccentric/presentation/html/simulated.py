@@ -11,12 +11,15 @@ import numpy as np
 
 from eccentric.model import TURNING, AxisKind
 from eccentric.presentation.html.arrays import BalanceResiduals
-from eccentric.presentation.html.limits import GAP_STEPS, STRETCH_S
 from eccentric.presentation.html.text import curve_name, number, run_name
 
 Array = np.ndarray
 _LEFT, _RIGHT, _GAP = 66.0, 954.0, 30.0
 _HEIGHTS = (190.0, 90.0)
+STRETCH_S = 6.0
+"""Longest stretch of the measured and simulated drive: more, and lines of a page's width hide each other."""
+GAP_STEPS = 3.0
+"""A step of time this many usual ones long ends a line: rows at standstill are left out in between."""
 _POINTS = 900
 """Most points of a line: one for each unit of its width."""
 

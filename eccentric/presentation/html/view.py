@@ -11,7 +11,6 @@ from eccentric.presentation.html.arrays import BalanceResiduals, PartErrors, Run
 from eccentric.presentation.html.data import CandidateRow, Errors, Parameter, ReportData
 from eccentric.presentation.html.figures import Figures
 from eccentric.presentation.html.formulas import short_formula
-from eccentric.presentation.html.limits import SHOWN_RUNS
 from eccentric.presentation.html.panels import friction_panel, residual_panel, trace
 from eccentric.presentation.html.simulated import simulated
 from eccentric.presentation.html.text import (
@@ -40,6 +39,8 @@ _ORIGINS = {
 }
 _LEADING = 5
 """Candidates shown at first: those that lead the list, and all that are adopted or tied."""
+SHOWN_RUNS = 12
+"""Runs of the table that are not folded."""
 _MARKS = {"named": "✓", "not_identifiable": "≈", "unexplained": "?", "nothing_missing": "○"}
 
 
