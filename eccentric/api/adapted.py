@@ -137,9 +137,6 @@ class AdaptResult(Printed):
     def __repr__(self) -> str:
         return f"<AdaptResult: {len(self.course.names)} coefficients, {len(self.course.alarms)} alarms>"
 
-    def _repr_html_(self) -> str:
-        return self._html(self.table())
-
 
 def asked_adaptation(
     adapted: bool, forgetting: float | None, false_alarms: float | None, settle: int | None

@@ -20,6 +20,7 @@ from eccentric.presentation.fit_json import emitted_parameters as emitted_parame
 from eccentric.presentation.fit_json import fit_document as fit_document
 from eccentric.presentation.fit_text import NEEDS_MATPLOTLIB as NEEDS_MATPLOTLIB
 from eccentric.presentation.fit_text import Comparison as Comparison
+from eccentric.presentation.fit_text import aligned as aligned
 from eccentric.presentation.fit_text import compare as compare
 from eccentric.presentation.fit_text import fit_lines as fit_lines
 from eccentric.presentation.fit_text import fit_sentence as fit_sentence

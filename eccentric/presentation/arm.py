@@ -405,9 +405,9 @@ def _over_runs(joint: JointFit) -> dict[str, Any] | None:
     over = joint.over_runs
     if over is None:
         return None
-    *gain, better = over.gains["paper"]
+    percent, interval, better = over.gains["paper"]
     return {
         "runs": over.runs,
         "rmse": {"linear": over.rmse["linear"], "followed": over.rmse["paper"]},
-        "improvement": gain_entry(*gain) | {"better_runs": better},
+        "improvement": gain_entry(percent, interval) | {"better_runs": better},
     }

@@ -85,17 +85,6 @@ def simulation_lines(found: SimulatedErrors, logs: Sequence[str], axis: AxisKind
     return [head, what, *aligned(rows)]
 
 
-def simulated_line(found: SimulatedErrors, axis: AxisKind) -> str:
-    """The errors in one line, "" where the held-out part has no window."""
-    parts = [
-        f"over {horizon:g} s " + ", ".join(f"{m.name} {_shown(m.horizons[k])}" for m in found.models)
-        for k, horizon in enumerate(found.horizons_s)
-        if found.windows[k]
-    ]
-    what = f"simulated {axis.term('motor angle')}, mean absolute held-out error [{axis.unit('rad')}]"
-    return f"{what}: {'; '.join(parts)}" if parts else ""
-
-
 def refined_document(found: Refined) -> dict[str, Any]:
     """What a refinement did, for fit.json: mean absolute errors of the motor angle, before and after."""
     held = None if found.held_out is None else dict(zip(("before", "after"), found.held_out, strict=True))
