@@ -21,6 +21,8 @@ from eccentric.signals import read_channels
 BENCH = Path(__file__).parents[1] / "examples" / "bench"
 LOG, RIG = BENCH / "bench.csv.gz", BENCH / "bench.json"
 
+C2 = ("c2_parallel", "out")
+
 NO_INPUT: dict[str, tuple[Callable[..., object], tuple[object, ...], dict[str, object], str]] = {
     "fit without logs": (eccentric.fit, ([], RIG), {}, "expected a log, got none"),
     "diagnose without logs": (eccentric.diagnose, ([], RIG), {}, "expected a log, got none"),
@@ -31,24 +33,14 @@ NO_INPUT: dict[str, tuple[Callable[..., object], tuple[object, ...], dict[str, o
     "fit, model of bytes": (eccentric.fit, (LOG, RIG, b"x"), {}, "model: expected a path, got bytes"),
     "diagnose, a number": (eccentric.diagnose, (LOG, RIG, 1), {}, "model: expected a path, got int"),
     "diagnose, effects": (eccentric.diagnose, (LOG, RIG, None, 1), {}, "effects: expected a path"),
-    "emit, parameters": (
-        eccentric.emit,
-        ("c2_parallel", "out"),
-        {"parameters": 1},
-        "parameters: expected a path",
-    ),
-    "emit, prefix": (eccentric.emit, ("c2_parallel", "out"), {"prefix": 1}, "prefix: expected a lower-case"),
-    "emit, backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": 1}, "backend: expected one of"),
-    "emit, no backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": []}, "got 'none'"),
+    "emit, parameters": (eccentric.emit, C2, {"parameters": 1}, "parameters: expected a path"),
+    "emit, prefix": (eccentric.emit, C2, {"prefix": 1}, "prefix: expected a lower-case"),
+    "emit, backend": (eccentric.emit, C2, {"backend": 1}, "backend: expected one of"),
+    "emit, no backend": (eccentric.emit, C2, {"backend": []}, "got 'none'"),
     "emit, out": (eccentric.emit, ("c2_parallel", None), {}, "output: expected a path, got NoneType"),
     "bench, seconds": (eccentric.bench, (), {"seconds": "a"}, "seconds: expected 15 to 3600, got 'a'"),
     "bench, mu": (eccentric.bench, (), {"mu": None}, "gear ratio mu: expected 0.001 to 2, got None"),
-    "bench, noise": (
-        eccentric.bench,
-        (),
-        {"noise": 1j},
-        r"noise \(fraction .*\): expected 0 to 0\.5, got 1j",
-    ),
+    "bench, noise": (eccentric.bench, (), {"noise": 1j}, r"noise \(.*\): expected 0 to 0\.5, got 1j"),
     "bench, seed": (eccentric.bench, (), {"seed": 1.5}, "seed: expected an integer of 0 or more"),
     "bench, out": (eccentric.bench, (), {"out": 1}, "out: expected a path, got int"),
     "bench, effects": (eccentric.bench, ("stribeck",), {}, "effects: expected a list of names or of "),
@@ -57,7 +49,7 @@ NO_INPUT: dict[str, tuple[Callable[..., object], tuple[object, ...], dict[str, o
         eccentric.bench,
         ([("stribeck", "a")],),
         {},
-        "effect stribeck: expected a strength above 0 and at most 1",
+        "stribeck: expected a strength above 0",
     ),
 }
 
