@@ -269,10 +269,10 @@ def _part(balance: BalanceResiduals, own: Array) -> PartErrors | None:
 
 def runs_apart(runs: list[RunErrors]) -> tuple[RunErrors, RunErrors] | None:
     """The runs of least and most friction, if they differ clearly; None if one model suits them all."""
-    told = sorted((run for run in runs if run.level is not None), key=lambda run: run.level or (0.0, 0.0))
-    if len(told) < 2:
+    levels = sorted((run for run in runs if run.level is not None), key=lambda run: run.level or (0.0, 0.0))
+    if len(levels) < 2:
         return None
-    least, most = told[0], told[-1]
+    least, most = levels[0], levels[-1]
     (low, low_error), (high, high_error) = least.level or (0.0, 0.0), most.level or (0.0, 0.0)
     clear = high - low > SIGMAS * float(np.hypot(low_error, high_error))
     return (least, most) if clear and high - low > LEAST_DIFFERENCE else None
