@@ -105,6 +105,9 @@ def test_the_figures_carry_what_was_planted(plain: str) -> None:
     (plot,) = first["plots"]
     at, effect = (np.array(first["columns"][name]) for name in ("at", "effect"))
 
+    # The same page in every process: no order is that of a set.
+    ends = [f"{name}_{end}" for name in ("before", "after") for end in ("low", "high")]
+    assert ["at", "rows", "before", "after", "effect", *ends] == list(first["columns"])
     assert ("link angle [rad]", "residual × sgn ω [N m]", "N m") == (first["x"], plot["y"], first["unit"])
     assert ["paper's model", "extended model", "fitted effect"] == [c["label"] for c in plot["curves"]]
     assert [True, True, False] == [curve["bars"] for curve in plot["curves"]]

@@ -122,7 +122,7 @@ class Figures:
 def _columns(curves: Mapping[str, MeanAndSpread], with_bars: set[str]) -> dict[str, Any]:
     """A column for each curve, and those of the ends of its bars."""
     columns = {name: curve.middle for name, curve in curves.items()}
-    for name in with_bars & set(curves):
+    for name in (name for name in curves if name in with_bars):
         columns |= {f"{name}_low": curves[name].low, f"{name}_high": curves[name].high}
     return columns
 
