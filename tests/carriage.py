@@ -15,12 +15,7 @@ RIG: dict[str, Any] = {
     "kind": "linear",
     "name": "slide",
     "unknown": {"F_load_N": [-50, 50]},
-    "columns": {
-        "time": "t_s",
-        "run": "run",
-        "position": "q_m",
-        "force": {"column": "u_V", "gain": "35 N/V"},
-    },
+    "columns": {"time": "t_s", "run": "run", "position": "q_m", "force": {"column": "u_V", "gain": "35 N/V"}},
 }
 TRUTH = {"mass": 95.0, "B": 203.0, "C": 20.0, "F_load": -3.0}
 GIVEN = {**TRUTH, "R": 1.0, "k_f": 35.0, "k_e": 0.0}

@@ -37,7 +37,7 @@ LONGEST = (
     "test_voltage_alone", "test_closed_forms_numpy", "test_compiled_backend", "test_tilted",
     "test_diagnose_input", "test_api_diagnose", "test_jax", "test_jax_arms", "test_compiled_cache",
     "test_accuracy", "test_diagnose_folder", "test_target", "test_current_scale",
-    "test_friction_of_a_voltage", "test_from_python", "test_arm_extended", "test_fuzz_columns",
+    "test_friction_of_a_voltage", "test_from_python", "test_arm_extended", "test_fuzz",
     "test_selftest", "test_c99", "test_arms_pinocchio",
 )  # fmt: skip
 """In the whole suite or among the slow tests: a file is one process's, and begun last it would run alone."""

@@ -73,22 +73,8 @@ RIGS = st.one_of(
 PIECES = st.sampled_from(
     (
         *"+-*/()<>=!`'\"\\.,:;[]{}@#&|~^%0 \n\t",
-        *(
-            "**",
-            "//",
-            "==",
-            "<=",
-            "and",
-            "or",
-            "not",
-            "in",
-            "is",
-            "if",
-            "else",
-            "lambda",
-            "time_s",
-            "current_A",
-        ),
+        *("**", "//", "==", "<=", "and", "or", "not", "in", "is", "if", "else", "lambda"),
+        *("time_s", "current_A"),
         *("1e9", "1e999", "0x", "1_0", "1j", "1is", "9" * 5000, "True", "None", "f''", "b''", "...", ":="),
         *("__class__", "µ", "\0"),
     )
@@ -157,26 +143,14 @@ def log_of(suffix: str) -> Callable[[bytes], str]:
     return run
 
 
-def rig_of(suffix: str) -> Callable[[bytes], str]:
-    """Read bytes as a rig of that suffix."""
+def file_of(read: Callable[[Path], object], suffix: str) -> Callable[[bytes], str]:
+    """Read bytes as a rig or an arm of that suffix."""
 
     def run(content: bytes) -> str:
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / f"rig{suffix}"
+            path = Path(folder) / f"file{suffix}"
             path.write_bytes(content)
-            return outcome(lambda: read_rig(path))
-
-    return run
-
-
-def arm_of(suffix: str) -> Callable[[bytes], str]:
-    """Read bytes as an arm of that suffix."""
-
-    def run(content: bytes) -> str:
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / f"arm{suffix}"
-            path.write_bytes(content)
-            return outcome(lambda: read_arm(path))
+            return outcome(lambda: read(path))
 
     return run
 
@@ -256,16 +230,19 @@ TARGETS = {
     ".bag": Target(st.deferred(lambda: files(bag1_bytes())), log_of(".bag")),
     ".xlsx": Target(st.deferred(lambda: files(xlsx_bytes())), log_of(".xlsx")),
     "rig .toml": Target(
-        st.one_of(files((EXAMPLE / "bench.toml").read_bytes()), RIGS.map(toml_bytes)), rig_of(".toml")
+        st.one_of(files((EXAMPLE / "bench.toml").read_bytes()), RIGS.map(toml_bytes)),
+        file_of(read_rig, ".toml"),
     ),
-    "arm .toml": Target(files(ARM_FILE), arm_of(".toml")),
-    "arm .json": Target(files(json.dumps(tomllib.loads(ARM_FILE.decode())).encode()), arm_of(".json")),
-    "arm .urdf": Target(files(URDF), arm_of(".urdf")),
+    "arm .toml": Target(files(ARM_FILE), file_of(read_arm, ".toml")),
+    "arm .json": Target(
+        files(json.dumps(tomllib.loads(ARM_FILE.decode())).encode()), file_of(read_arm, ".json")
+    ),
+    "arm .urdf": Target(files(URDF), file_of(read_arm, ".urdf")),
     "rig .json": Target(
         st.one_of(
             files((EXAMPLE / "bench.json").read_bytes()), RIGS.map(lambda rig: json.dumps(rig).encode())
         ),
-        rig_of(".json"),
+        file_of(read_rig, ".json"),
     ),
     "arithmetic": Target(ARITHMETIC, lambda text: outcome(lambda: evaluate(text, column, "rig"))),
     "value with unit": Target(VALUES, lambda text: outcome(lambda: parse_value(text, "N m", "rig"))),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Mapping
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -12,12 +13,18 @@ ROOT = Path(__file__).resolve().parents[1]
 Graph = Mapping[str, set[str]]
 
 
+@cache
+def tree_of(path: Path) -> ast.Module:
+    """The syntax tree of a file, parsed once."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def names_imported(path: Path, package: tuple[str, ...]) -> Iterator[str]:
     """Yield the absolute dotted names that a file imports; `package` is where relative imports start.
 
     Imports inside functions and those for types only count as well: they are knowledge of the other file.
     """
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -46,7 +53,7 @@ def exports_of(path: Path) -> set[str]:
     """What a door exports: its `__all__`, else the names that it imports from its own files; else nothing."""
     if path.name != "__init__.py":
         return set()
-    inside, body = f"{module_of(path)}.", ast.parse(path.read_text(encoding="utf-8")).body
+    inside, body = f"{module_of(path)}.", tree_of(path).body
     for node in body:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
             return set(ast.literal_eval(node.value))

@@ -24,15 +24,8 @@ def learned(folder: Path) -> tuple[str, np.ndarray, Any]:
     program, rows = folder / "learn", folder / "rows"
     sources = [FIRMWARE / "learn_on_a_computer.c", FIRMWARE / "learn.c"]
     sources += [out / "c2_parallel.c", out / "c2_parallel_adapt.c"]
-    options = [
-        "-std=c99",
-        "-O2",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
-        "-DLEARN_ON_A_COMPUTER",
-        "-DECCENTRIC_REAL=float",
-    ]
+    options = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror"]
+    options += ["-DLEARN_ON_A_COMPUTER", "-DECCENTRIC_REAL=float"]
     run("gcc", *options, f"-I{FIRMWARE}", f"-I{out}", "-o", program, *sources, "-lm")
     done = subprocess.run([program, rows], capture_output=True, text=True, check=True)
     return done.stdout, np.fromfile(rows, ROW), module(out, "c2_parallel")

@@ -129,32 +129,20 @@ def driven(
     t, theta, omega, alpha = sines(rng, pace)
     torque = rig.torque(theta, omega, alpha) + noise_Nm * rng.standard_normal(len(t))
     voltage = rig.voltage(theta, omega, alpha) + noise_V * rng.standard_normal(len(t))
-    return Run(
-        {
-            "time_s": t,
-            "theta_m_rad": _counted(theta),
-            "voltage_V": voltage,
-            "current_A": torque / rig.k_i,
-            "torque_Nm": torque,
-            "motor_off": np.zeros_like(t),
-        }
-    )
+    return _run(t, theta, voltage, torque / rig.k_i, torque, np.zeros_like(t))
+
+
+def _run(t: Array, theta: Array, *measured: Array) -> Run:
+    """A run of these columns, the angle as its encoder counts it."""
+    names = ("voltage_V", "current_A", "torque_Nm", "motor_off")
+    return Run({"time_s": t, "theta_m_rad": _counted(theta)} | dict(zip(names, measured, strict=True)))
 
 
 def free(rig: Swing, theta: float) -> Run:
     """A run with the motor switched off."""
     t, angle = free_swing(rig, theta)
     nothing = np.full_like(t, GARBAGE_V)
-    return Run(
-        {
-            "time_s": t,
-            "theta_m_rad": _counted(angle),
-            "voltage_V": nothing,
-            "current_A": nothing,
-            "torque_Nm": nothing,
-            "motor_off": np.ones_like(t),
-        }
-    )
+    return _run(t, angle, nothing, nothing, nothing, np.ones_like(t))
 
 
 def log_of(rig: Swing, noise_V: float = 0.05, noise_Nm: float = 0.003, swings: bool = True) -> dict[str, Run]:

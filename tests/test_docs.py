@@ -190,6 +190,19 @@ def test_formulas_stand_whole_in_their_tables(site: Path) -> None:
         assert row
 
 
+def test_the_tested_versions_are_the_pinned_ones() -> None:
+    """The packages in the table of the first page have the versions of constraints.txt."""
+    page = (
+        (ROOT / "docs" / "index.md").read_text(encoding="utf-8").split("## Tested versions")[1].split("##")[0]
+    )
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    pins = dict(line.split("==") for line in lines if "==" in line)
+    shown = dict(re.findall(r"([\w-]+) (\d+\.\d+\.\d+)\b", page))
+
+    assert {name: pins.get(name) for name in shown} == shown
+    assert len(shown) > 5
+
+
 def test_every_command_is_told(site: Path) -> None:
     """The help of each command is on the page of the command line."""
     text = (site / "commands.html").read_text(encoding="utf-8")

@@ -59,8 +59,7 @@ def test_hints_and_errors_add_up() -> None:
 )
 def test_an_argument_is_called_by_its_option_and_a_file_is_not(place: str, expected: str) -> None:
     """A file whose name begins like an argument keeps its name."""
-    names = {"prefix": "--prefix", "effect": "--effect"}
-    with pytest.raises(InputError) as caught, options(names):
+    with pytest.raises(InputError) as caught, options("prefix", "effect"):
         raise InputError(place, "another value", "this")
 
     assert expected == caught.value.place

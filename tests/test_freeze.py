@@ -106,29 +106,18 @@ def test_figures_of_a_page_are_compared_as_numbers(tmp_path: Path) -> None:
 
     def page(numbers: list[float], title: str) -> str:
         data = base64.b64encode(gzip.compress(np.array(numbers, "<f4").tobytes())).decode()
-        packed = {
-            "type": "ndarray",
-            "array": {"type": "bytes", "data": data},
-            "dtype": "float32",
-            "shape": [2],
-        }
-        return (
-            f'<h1>{title}</h1>\n<script type="application/json" id="f">{json.dumps({"x": packed})}</script>\n'
-        )
+        array = {"type": "bytes", "data": data}
+        figures = json.dumps({"x": {"type": "ndarray", "array": array, "dtype": "float32", "shape": [2]}})
+        return f'<h1>{title}</h1>\n<script type="application/json" id="f">{figures}</script>\n'
 
-    name, one, last = (
-        f"{PLACE}/report.html",
-        page([1.0, 2.0], "A"),
-        float(np.nextafter(np.float32(2), np.float32(3))),
-    )
-
-    assert [] == differences(tmp_path, name, one, page([1.0, last], "A"))
-    assert [f"{name}: script 1 /x/1: 2.0, then 2.5"] == differences(
-        tmp_path, name, one, page([1.0, 2.5], "A")
-    )
-    assert [f"{name}: line 1: '<h1>A</h1>', then '<h1>B</h1>'"] == differences(
-        tmp_path, name, one, page([1.0, 2.0], "B")
-    )
+    name, one = f"{PLACE}/report.html", page([1.0, 2.0], "A")
+    last = float(np.nextafter(np.float32(2), np.float32(3)))
+    for other, expected in (
+        (page([1.0, last], "A"), []),
+        (page([1.0, 2.5], "A"), [f"{name}: script 1 /x/1: 2.0, then 2.5"]),
+        (page([1.0, 2.0], "B"), [f"{name}: line 1: '<h1>A</h1>', then '<h1>B</h1>'"]),
+    ):
+        assert expected == differences(tmp_path, name, one, other)
 
 
 def test_renamed_names_agree_by_their_map(tmp_path: Path) -> None:

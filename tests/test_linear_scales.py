@@ -53,16 +53,8 @@ def current(unit: str) -> dict[str, Any]:
             'force = { column = "1000*u_V", unit = "mV", gain = "35 N/V" }',
         ),
         (MASS, {"force": {"column": "f_N", "unit": "mN"}}, 'force = { column = "f_N", unit = "N" }'),
-        (
-            MASS,
-            {"position": {"column": "q_mm", "unit": "m"}},
-            'position = { column = "q_mm", unit = "mm" }',
-        ),
-        (
-            MASS,
-            {"position": {"column": "q_m", "unit": "mm"}},
-            'position = { column = "q_m", unit = "m" }',
-        ),
+        (MASS, {"position": {"column": "q_mm", "unit": "m"}}, 'position = { column = "q_mm", unit = "mm" }'),
+        (MASS, {"position": {"column": "q_m", "unit": "mm"}}, 'position = { column = "q_m", unit = "m" }'),
         (AMPERES, current("mA"), 'current = { column = "u_V", unit = "A" }'),
         ({**AMPERES, "k_f_N_per_A": 0.035}, current("A"), 'k_f = "35 N/A"'),
     ],
@@ -86,11 +78,7 @@ def test_the_right_rig_has_no_complaint(known: dict[str, Any], columns: dict[str
     assert complaints(known, **columns) == ""
 
 
-@pytest.mark.parametrize(
-    "force",
-    ["u_V", {"column": "u_V", "unit": "V"}],
-    ids=str,
-)
+@pytest.mark.parametrize("force", ["u_V", {"column": "u_V", "unit": "V"}], ids=str)
 def test_a_reference_in_volts_asks_for_its_gain(force: str | dict[str, str]) -> None:
     """With no unit, or its own: one complaint, which shows how the gain is written."""
     found = complaints({}, force=force)

@@ -252,11 +252,8 @@ def test_an_angle_of_the_screw_is_no_length() -> None:
         units |= {q.name: q.unit for q in heard.parameters}
 
     assert (units["defect_A"], units["cable_0"], units["kappa"]) == ("N", "N", "1/m")
-    assert (units["defect_angle"], units["defect_width"], units["cable_k"]) == (
-        "radian",
-        "radian",
-        "N/radian",
-    )
+    assert [units[name] for name in ("defect_angle", "defect_width")] == ["radian", "radian"]
+    assert units["cable_k"] == "N/radian"
 
 
 def test_a_sentence_is_filled_from_terms() -> None:
@@ -274,28 +271,13 @@ def test_the_keys_of_a_document_are_named_and_those_of_a_person_are_not() -> Non
     assert LINEAR.keyed(given) == {"rmse_N": {"velocity_m_s": "torque"}, "added_kg": {"torque": 1.0}}
 
 
-def test_what_a_person_has_named_is_left_alone() -> None:
-    """A log, a rig and a run may be called torque: their names are not words of ours."""
-    log = logged(8, seconds=8.0, runs=1)
-    log = {"t_s": log["t_s"], "motor angle": log["q_m"], "torque": log["u_V"], "run": log["run"]}
-    columns = {
-        "time": "t_s",
-        "position": {"column": "motor angle", "unit": "m"},
-        "force": {"column": "torque", "gain": "35 N/V"},
-    }
-    found = eccentric.fit(log, RIG | {"name": "torque rig", "columns": columns})
-
-    assert found.document["rig"] == "torque rig"
-    with pytest.raises(eccentric.InputError, match=r"no column 'torque'|'torque'"):
-        eccentric.fit({k: x for k, x in log.items() if k != "torque"}, RIG | {"columns": columns})
-
-
 @pytest.mark.parametrize("name", ["torque", "angle", "Torque"])
 def test_a_column_with_a_word_of_ours_for_a_name_changes_no_sentence(name: str) -> None:
     """What a person has named is never looked up; every word of ours is that of the axis."""
     log = logged(8, seconds=8.0, runs=1)
-    log = {"t_s": log["t_s"], "q_m": log["q_m"], name: log["u_V"]}
-    columns = {"time": "t_s", "position": "q_m", "force": {"column": name, "gain": "35 N/V"}}
+    log = {"t_s": log["t_s"], "motor angle": log["q_m"], name: log["u_V"]}
+    position = {"column": "motor angle", "unit": "m"}
+    columns = {"time": "t_s", "position": position, "force": {"column": name, "gain": "35 N/V"}}
     found = eccentric.fit(log, RIG | {"name": name, "columns": columns})
 
     assert foreign(found.summary()) == []

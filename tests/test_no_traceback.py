@@ -21,38 +21,35 @@ from eccentric.signals import read_channels
 BENCH = Path(__file__).parents[1] / "examples" / "bench"
 LOG, RIG = BENCH / "bench.csv.gz", BENCH / "bench.json"
 
+C2 = ("c2_parallel", "out")
+
 NO_INPUT: dict[str, tuple[Callable[..., object], tuple[object, ...], dict[str, object], str]] = {
     "fit without logs": (eccentric.fit, ([], RIG), {}, "expected a log, got none"),
     "diagnose without logs": (eccentric.diagnose, ([], RIG), {}, "expected a log, got none"),
-    "log with a null": (eccentric.read_log, ("a\0.csv",), {}, "log: a path without null"),
-    "rig with a null": (eccentric.read_rig, ("a\0.toml",), {}, "rig: a path without null"),
+    "log with a null": (eccentric.read_log, ("a\0.csv",), {}, "log: expected a path without null"),
+    "rig with a null": (eccentric.read_rig, ("a\0.toml",), {}, "rig: expected a path without null"),
     "load_model, a number": (eccentric.load_model, (1,), {}, "model: expected a path, got int"),
     "emit, a number": (eccentric.emit, (1.5, "out"), {}, "model: expected a path, got float"),
     "fit, model of bytes": (eccentric.fit, (LOG, RIG, b"x"), {}, "model: expected a path, got bytes"),
     "diagnose, a number": (eccentric.diagnose, (LOG, RIG, 1), {}, "model: expected a path, got int"),
     "diagnose, effects": (eccentric.diagnose, (LOG, RIG, None, 1), {}, "effects: expected a path"),
-    "emit, parameters": (eccentric.emit, ("c2_parallel", "out"), {"parameters": 1}, "parameters: a path is"),
-    "emit, prefix": (eccentric.emit, ("c2_parallel", "out"), {"prefix": 1}, "prefix: a lower-case"),
-    "emit, backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": 1}, "backend: one of"),
-    "emit, no backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": []}, "got 'none'"),
+    "emit, parameters": (eccentric.emit, C2, {"parameters": 1}, "parameters: expected a path"),
+    "emit, prefix": (eccentric.emit, C2, {"prefix": 1}, "prefix: expected a lower-case"),
+    "emit, backend": (eccentric.emit, C2, {"backend": 1}, "backend: expected one of"),
+    "emit, no backend": (eccentric.emit, C2, {"backend": []}, "got 'none'"),
     "emit, out": (eccentric.emit, ("c2_parallel", None), {}, "output: expected a path, got NoneType"),
-    "bench, seconds": (
-        eccentric.bench,
-        (),
-        {"seconds": "a"},
-        "seconds: expected 15 to 3600, got 'a'",
-    ),
+    "bench, seconds": (eccentric.bench, (), {"seconds": "a"}, "seconds: expected 15 to 3600, got 'a'"),
     "bench, mu": (eccentric.bench, (), {"mu": None}, "gear ratio mu: expected 0.001 to 2, got None"),
-    "bench, noise": (eccentric.bench, (), {"noise": 1j}, "expected noise .* 0 to 0.5, got 1j"),
-    "bench, seed": (eccentric.bench, (), {"seed": 1.5}, "seed: an integer of 0 or more"),
+    "bench, noise": (eccentric.bench, (), {"noise": 1j}, r"noise \(.*\): expected 0 to 0\.5, got 1j"),
+    "bench, seed": (eccentric.bench, (), {"seed": 1.5}, "seed: expected an integer of 0 or more"),
     "bench, out": (eccentric.bench, (), {"out": 1}, "out: expected a path, got int"),
-    "bench, effects": (eccentric.bench, ("stribeck",), {}, "effects: a list of names or of "),
+    "bench, effects": (eccentric.bench, ("stribeck",), {}, "effects: expected a list of names or of "),
     "bench, an effect": (eccentric.bench, ([1],), {}, r"effects: expected names or \(name, strength\)"),
     "bench, a strength": (
         eccentric.bench,
         ([("stribeck", "a")],),
         {},
-        "effect stribeck: expected a strength above 0 and at most 1",
+        "stribeck: expected a strength above 0",
     ),
 }
 
@@ -153,17 +150,9 @@ def test_a_range_without_effect_is_said(swings: eccentric.BenchResult) -> None:
 
 
 SIZES: dict[str, tuple[str, float, str]] = {
-    "a current of 1e308": (
-        "current_A",
-        1e308,
-        r"column .*: expected at most 1e.12 A",
-    ),
+    "a current of 1e308": ("current_A", 1e308, r"column .*: expected at most 1e.12 A"),
     "a current of 1e-310": ("current_A", 1e-310, "expected a value of at least 1e-12 A, got at most"),
-    "an angle of 1e300": (
-        "theta_m_rad",
-        1e300,
-        "line 3, column 'theta_m_rad'.*: at most 1e.12 rad",
-    ),
+    "an angle of 1e300": ("theta_m_rad", 1e300, "line 3, column 'theta_m_rad'.*: expected at most 1e.12 rad"),
 }
 
 
@@ -185,7 +174,7 @@ def test_a_value_that_no_sensor_gives_is_refused_where_it_is_read(tmp_path: Path
 PARAMETERS = {
     "phi": (2.0, "phi: expected an angle from 0 to pi/2, got 2.0"),
     "mu": (1e-300, "mu: expected a number of size 1e-12 to 1e.12, got 1e-300"),
-    "L": (5e-324, "expected within single precision, got L = 5.0e-324"),
+    "L": (5e-324, "expected .* within single precision, got L = 5.0e-324"),
     "M": (1e300, "M: expected a number of size up to 1e.12, got 1e.300"),
 }
 

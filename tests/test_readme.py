@@ -38,7 +38,9 @@ def test_the_c_in_both_precisions(tmp_path: Path, real: str, compiler: str) -> N
     assert expected == pytest.approx(float(run(tmp_path / "firmware")), rel=1e-6 if real == "float" else 1e-9)
 
 
-@pytest.mark.parametrize("number", range(2), ids=["NumPy", "compiled"])
+@pytest.mark.parametrize(
+    "number", [pytest.param(0, id="NumPy"), pytest.param(1, id="compiled", marks=pytest.mark.slow)]
+)
 def test_the_python_runs_as_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int) -> None:
     """Typed in the root of the clone the Python runs, and its last line has as many values as it says."""
     if number and shutil.which("cc") is None:

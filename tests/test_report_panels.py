@@ -5,35 +5,36 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from eccentric.presentation.html.arrays import Channel
-from eccentric.presentation.html.panels import POINTS, friction_panel, residual_panel, trace
+from eccentric.presentation.html.arrays import BalanceResiduals, Channel
+from eccentric.presentation.html.panels import POINTS, Panel, friction_panel, residual_panel, trace
 from tests.reported import balance_of, rows_of
+
+
+def drawn_over(balance: BalanceResiduals, key: str) -> Panel:
+    """The panel of the residual over a channel."""
+    channel = balance.rows.channel(key)
+    assert channel is not None
+    panel = residual_panel(balance, channel)
+    assert panel is not None
+    return panel
 
 
 @pytest.mark.parametrize("n", [50, 5000, 40000])
 @pytest.mark.parametrize("key", ["velocity", "link_angle", "current", "time"])
 def test_every_moving_row_is_in_a_bin_or_counted(n: int, key: str) -> None:
     """The rows of the marks and those left out are all the rows, fitted and held out."""
-    balance = balance_of(rows_of(n))
-    channel = balance.rows.channel(key)
-    assert channel is not None
-    panel = residual_panel(balance, channel)
+    panel = drawn_over(balance_of(rows_of(n)), key)
 
-    assert panel is not None
     assert n == panel.rows.sum() + panel.left_out
 
 
 def test_bars_are_quantiles_of_the_rows_of_their_bin() -> None:
     """By `numpy.quantile`, for an angle in sixty bins of a turn; the mean is NumPy's too."""
     balance = balance_of(rows_of(5000))
-    channel = balance.rows.channel("link_angle")
-    velocity = balance.rows.channel("velocity")
-    assert channel is not None
-    assert velocity is not None
-    panel = residual_panel(balance, channel)
-    place = np.floor(np.mod(channel.values, 2 * np.pi) / (2 * np.pi) * 60).astype(int)
+    velocity = balance.rows.channels[0]
+    panel = drawn_over(balance, "link_angle")
+    place = np.floor(np.mod(panel.channel.values, 2 * np.pi) / (2 * np.pi) * 60).astype(int)
 
-    assert panel is not None
     assert 60 == len(panel.at)
     facing = balance.paper * np.sign(velocity.values)
     for k in range(60):
@@ -46,16 +47,9 @@ def test_before_is_after_plus_effect_in_every_bin() -> None:
     """The fitted effect that is drawn is what lies between the two residuals."""
     balance = balance_of(rows_of(5000))
     for channel in balance.rows.channels:
-        panel = residual_panel(balance, channel)
-        assert panel is not None
-        curves = panel.curves
+        means = {name: curve.middle for name, curve in drawn_over(balance, channel.key).curves.items()}
 
-        assert np.allclose(
-            curves["before"].middle,
-            curves["after"].middle + curves["effect"].middle,
-            atol=1e-15,
-            equal_nan=True,
-        )
+        assert np.allclose(means["before"], means["after"] + means["effect"], atol=1e-15, equal_nan=True)
 
 
 def test_a_mean_of_a_line_lies_on_the_line() -> None:
@@ -72,13 +66,9 @@ def test_a_mean_of_a_line_lies_on_the_line() -> None:
 
 def test_an_angle_is_drawn_over_one_turn() -> None:
     """0.03 sin(2 theta_l), planted against the motion, comes out over the wrapped link angle."""
-    balance = balance_of(rows_of(40000))
-    channel = balance.rows.channel("link_angle")
-    assert channel is not None
-    assert np.ptp(channel.values) > 2 * np.pi
-    panel = residual_panel(balance, channel)
+    panel = drawn_over(balance_of(rows_of(40000)), "link_angle")
 
-    assert panel is not None
+    assert np.ptp(panel.channel.values) > 2 * np.pi
     assert panel.against_motion
     assert 0.0 <= np.nanmin(panel.at) < np.nanmax(panel.at) < 2 * np.pi
     # A bin is a sixtieth of a turn wide: its mean is within the square of that of the value in the middle.

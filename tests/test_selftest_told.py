@@ -48,7 +48,7 @@ def told(said: str) -> tuple[str, dict[str, float]]:
     return first, values
 
 
-@both_reals
+@pytest.mark.parametrize("real", ["float", pytest.param("double", marks=pytest.mark.slow)])
 def test_a_failure(tmp_path: Path, real: str) -> None:
     """Told are the function, its own inputs, what came and what was required: the paper's value."""
     said, values = failed(tmp_path, real, changed(tmp_path, GRAVITY, TRIPLED))
@@ -82,7 +82,7 @@ def test_an_array_function_that_writes_beside(tmp_path: Path, real: str) -> None
     ("coefficient", "real"),
     [
         pytest.param(coefficient, real, marks=() if real == few else pytest.mark.slow)
-        for coefficient, few in (("omega_star_1", "double"), ("period_2", "float"), ("L_M_g_mu2", ""))
+        for coefficient, few in (("omega_star_1", "double"), ("period_2", ""), ("L_M_g_mu2", ""))
         for real in REALS
     ],
 )

@@ -37,9 +37,7 @@ def need(*tools: str) -> None:
         pytest.skip(f"not installed: {', '.join(lacking)}")
 
 
-FEW = {
-    ("rotating_link", "m4f-O2-float"),
-}
+FEW = {("rotating_link", "m4f-O2-float")}
 """What `make test` runs: on the smaller target the largest model."""
 
 

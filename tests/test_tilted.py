@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +11,14 @@ import pytest
 
 from eccentric.core import InputError
 from eccentric.diagnosis import Diagnosis, diagnose
-from eccentric.identification import drive_of, fit_data_of, refit
-from eccentric.model import load_model
-from eccentric.presentation import diagnosis_sentence
+from eccentric.identification import drive_of, fit, fit_data_of, refit
+from eccentric.model import Model, Role, Sgn, Term, load_model, quantity
+from eccentric.model import vocabulary as v
+from eccentric.presentation import diagnosis_sentence, emitted_parameters
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from tests.identified import is_found
+from tests.planted import FRICTION, K_I, KNOWN, MASS, TORQUE, T, motion, torque, written
 from tests.swing import Array, Swing, log_of, write_rig, write_runs
 
 TILT = 0.7
@@ -65,8 +67,7 @@ DECLARED = f"phi_rad = {TILT}\n"
 OPEN = "[unknown]\nphi_rad = [0.2, 1.3]\n"
 # Open is the harder one.
 declared_or_open = pytest.mark.parametrize(
-    "tilt",
-    [pytest.param(DECLARED, id="declared", marks=pytest.mark.slow), pytest.param(OPEN, id="open")],
+    "tilt", [pytest.param(DECLARED, id="declared", marks=pytest.mark.slow), pytest.param(OPEN, id="open")]
 )
 
 
@@ -151,3 +152,52 @@ def test_a_level_plane_is_case_c1(tmp_path: Path, tilt: str, model: str | None, 
     """Without gravity in the plane, the model of case C1 is named in one line."""
     with pytest.raises(InputError, match=re.escape(said)):
         diagnosed(tmp_path, Tilted(tilt=np.pi / 2.0), tilt, model)
+
+
+# A model is tilted if its motion plane is, whatever the names of its parameters.
+
+
+w = v.omega_m.symbol
+DRAG, PITCH = 2e-6, 0.5
+
+
+def fan() -> Model:
+    """Case C2 with the drag D phi omega_m |omega_m| of a fan, phi = 1/2 the pitch of its blades."""
+    base = load_model("c2_parallel")
+    D = quantity("D", "N m s^2/rad^2", "drag of a fan", "", "nonnegative")
+    pitch = quantity("phi", "1", "pitch of its blades", "", "positive", str(PITCH))
+    term = Term("fan", "friction", D.symbol, pitch.symbol * w**2 * Sgn(w), "own", role=Role.DRAG)
+    mechanical, electrical = base.balance("mechanical"), base.balance("electrical")
+    return replace(
+        base,
+        name="with_fan",
+        parameters=(*base.parameters, D, pitch),
+        balances=(replace(mechanical, terms=(*mechanical.terms, term)), electrical),
+    )
+
+
+def log_and_rig(tmp_path: Path, case: str) -> tuple[Path, Path]:
+    """A log of the drive with a fan, with noise, and its rig."""
+    omega = motion()[1]
+    noise = np.random.default_rng(3).normal(0.0, 2e-4, len(T))
+    drive = torque("C2", FRICTION) + DRAG * PITCH * omega * np.abs(omega) + noise
+    written(tmp_path, f'case = "{case}"\n' + KNOWN + TORQUE + MASS, {"current_A": drive / K_I})
+    return tmp_path / "log.csv", tmp_path / "rig.toml"
+
+
+def test_a_pitch_called_phi_is_no_tilt(tmp_path: Path) -> None:
+    """Its own value holds and not the tilt of 0: in the fit, in what is emitted and in a diagnosis."""
+    log, rig = log_and_rig(tmp_path, "C2")
+    found = diagnose([log], rig, fan())
+    fitted = fit(found.channels, read_rig(rig), fan())
+    assert DRAG == pytest.approx(fitted.coefficients["D"].value, rel=2e-2)
+    assert DRAG == pytest.approx(found.models.extended.estimates["D"].value, rel=2e-2)
+    assert PITCH == emitted_parameters(fitted)[0]["phi"]
+    assert () == found.effects
+
+
+def test_a_model_of_another_case_is_refused_whatever_its_parameters_are_called(tmp_path: Path) -> None:
+    """Gravity in a level plane is refused, also for a model with a parameter of the name phi."""
+    log, rig = log_and_rig(tmp_path, "C1")
+    with pytest.raises(InputError, match="with_fan requires case C2, got case C1"):
+        diagnose([log], rig, fan())

@@ -1,15 +1,14 @@
-"""Facts inside, words at the edge: where sentences may be made, and that nothing below reads one."""
+"""Facts inside, words at the edge: where sentences may be made, that nothing below reads one, and names."""
 
 import ast
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 
 import pytest
 
-from tests.import_graph import ROOT, files_of
+from tests.import_graph import ROOT, files_of, tree_of
 
 THREE_WORDS = re.compile(r"\b[A-Za-z]{2,}[,;:]? [A-Za-z]{2,}[,;:]? [A-Za-z]{2,}")
 ERRORS = {"InputError", "MissingValueError", "AssertionError"}
@@ -26,11 +25,6 @@ def _below() -> dict[str, Path]:
     """The files of the toolkit outside `presentation`, by their path below `eccentric/`."""
     paths = {path.relative_to(ROOT / "eccentric").as_posix(): path for path in files_of("eccentric").values()}
     return {name: path for name, path in sorted(paths.items()) if not name.startswith("presentation/")}
-
-
-@cache
-def _tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 def _not_text(tree: ast.Module) -> Iterator[int]:
@@ -134,23 +128,11 @@ READ = {
 TEXTS = {
     # Data of its owner: of a model, an effect, a program, a draft that is a file.
     *("Words.headline", "Words.hint", "Words.meaning", "Words.title", "Rival.headline"),
-    *(
-        "Model.title",
-        "Quantity.meaning",
-        "Variable.meaning",
-        "_Followed.meaning",
-        "_Fitted.notes",
-        "_Fitted.title",
-    ),
+    *("Model.title", "Quantity.meaning", "Variable.meaning", "_Followed.meaning"),
+    *("_Fitted.notes", "_Fitted.title"),
     *("Output.meaning", "Routine.meaning", "Helper.meaning", "Assignment.note"),
-    *(
-        "Program.notes",
-        "Program.title",
-        "Target.meaning",
-        "Format.title",
-        "FittedValues.notes",
-        "RigDraft.text",
-    ),
+    *("Program.notes", "Program.title", "Target.meaning", "Format.title"),
+    *("FittedValues.notes", "RigDraft.text"),
     # Text that is no sentence: of a unit, a column, a line of code, a name.
     *("Unit.text", "ColumnSource.text", "Line.text", "Line.note", "Name.text"),
     # What a person is told at the end, made of what follows.
@@ -162,13 +144,7 @@ TEXTS = {
     *("Layout.notes", "LogDescription.notes", "JointColumns.doubt"),
     *("Read.notes", "InParts.notes", "LogStream.notes", "Log.notes", "Excerpt.note", "Excerpt.missed"),
     *("FleetProblem.text", "Examined.said"),
-    *(
-        "Draft.facts",
-        "Driven.doubt",
-        "Driven.evidence",
-        "Proposal.doubt",
-        "Proposal.evidence",
-    ),
+    *("Draft.facts", "Driven.doubt", "Driven.evidence", "Proposal.doubt", "Proposal.evidence"),
     *("RigLine.doubt", "RigLine.evidence", "Reading.why"),
 }
 """Fields of records that hold a text."""
@@ -178,7 +154,7 @@ def test_sentences_are_made_in_presentation() -> None:
     """Elsewhere no literal has three words, but docstrings, errors, data of their owner, and what is left."""
     counted = Counter[str]()
     for name, path in _below().items():
-        counted[name.split("/")[0]] += sentences_in(_tree(path))
+        counted[name.split("/")[0]] += sentences_in(tree_of(path))
     more = {room: n for room, n in counted.items() if room not in DATA and n > LEFT.get(room, (0, ""))[0]}
 
     assert more == {}
@@ -186,14 +162,14 @@ def test_sentences_are_made_in_presentation() -> None:
 
 def test_the_line_of_an_error_is_for_people() -> None:
     """Code goes by the fields of an error; its line is only passed on, and where is known."""
-    found = {name for name, path in _below().items() if errors_read_in(_tree(path))}
+    found = {name for name, path in _below().items() if errors_read_in(tree_of(path))}
 
     assert found == READ.keys()
 
 
 def test_records_hold_values() -> None:
     """No record below `presentation` has a field for a text, but those listed."""
-    found = set[str]().union(*(free_texts_in(_tree(path)) for path in _below().values()))
+    found = set[str]().union(*(free_texts_in(tree_of(path)) for path in _below().values()))
 
     assert found == TEXTS
 
@@ -203,7 +179,7 @@ def test_nothing_translates_a_finished_text() -> None:
     calls = {
         ast.unparse(node.args[0])
         for path in files_of("eccentric").values()
-        for node in ast.walk(_tree(path))
+        for node in ast.walk(tree_of(path))
         if isinstance(node, ast.Call)
         and isinstance(node.func, ast.Attribute)
         and node.func.attr == "text"
@@ -237,3 +213,66 @@ def test_the_rule_sees_what_it_is_about(source: str, sentences: int, ours: int, 
 
     assert (sentences_in(tree), errors_read_in(tree)) == (sentences, ours)
     assert free_texts_in(tree) == texts
+
+
+# Names: one for one thing, and where numbers that decide are.
+
+
+def test_no_two_public_classes_share_a_name() -> None:
+    """A class is found by its name alone, whichever room it is in."""
+    places = defaultdict[str, list[str]](list)
+    for module, path in files_of("eccentric").items():
+        for node in tree_of(path).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                places[node.name].append(module)
+
+    shared = {name: modules for name, modules in places.items() if len(modules) > 1}
+
+    assert {} == shared
+
+
+def test_errors_say_what_is_required_then_what_was_received() -> None:
+    """Every message has the form "place: expected X, got Y": X first, and a comma between them."""
+    other = re.compile(r"""[:;"'] required (?!in\b)|"required |; received|received:""")
+    sources = [*files_of("eccentric").values(), *sorted((ROOT / "templates").rglob("*.py.jinja"))]
+
+    raised = {
+        f"{path.relative_to(ROOT)}: {line.strip()}"
+        for path in sources
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if '"' in line and other.search(line)
+    }
+
+    assert set() == raised
+
+
+DECIDING = ("diagnosis", "identification", "joints", "logs", "rigs", "signals")
+# Numbers that are no thresholds: a turn, the exponent and padding of a method, the width of a line.
+NO_THRESHOLDS = {"COUNT", "TURN", "_TURN", "_POWER", "_PADDING", "_WIDTH"}
+
+
+def test_thresholds_of_a_room_are_in_its_limits() -> None:
+    """Named numbers of a room that decides are in `limits.py`; literals in a formula are not seen."""
+    outside = {
+        f"{module}.{name}"
+        for room in DECIDING
+        for module, path in files_of(f"eccentric/{room}").items()
+        if path.name not in {"limits.py", "mat_file.py"}
+        for name in _numbers(tree_of(path))
+    }
+
+    assert set() == {name for name in outside if name.rpartition(".")[2] not in NO_THRESHOLDS}
+
+
+def _numbers(tree: ast.Module) -> set[str]:
+    """Names of a module that are made of numbers alone."""
+    found = set[str]()
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and any(
+            isinstance(part, ast.Constant) and type(part.value) in {int, float}
+            for part in (node.value, *getattr(node.value, "elts", ()))
+        ):
+            found |= {
+                part.id for target in node.targets for part in ast.walk(target) if isinstance(part, ast.Name)
+            }
+    return found

@@ -3,19 +3,16 @@
     inputs      logs, rigs and models as a user has them      -> those of the rooms
     described   describe_log -> LogDescription
     drafted     draft_rig -> RigDraft;  check_rig -> RigCheck
-    fitted      fit        -> FitResult
+    fitted      fit        -> FitResult; FrictionRegressor: an estimator of scikit-learn
     diagnosed   diagnose   -> DiagnosisResult
     of_arms     fit_arm, diagnose_arm  -> ArmFitResult, ArmDiagnosisResult
-    compared    compare    -> CompareResult
-    simulation  simulate   -> SimulateResult
+    compared    compare    -> CompareResult; simulate -> SimulateResult
     planned     plan       -> PlanResult; plan_detection -> DetectionPlanResult
-    emitted     emit       -> files
-    exported    export     -> ExportResult, files
+    emitted     emit       -> files; export -> ExportResult, files
     adapted     adapt      -> AdaptResult
     simulated   bench      -> BenchResult;  bench_arm -> ArmBenchResult;  bench_fleet -> files
     fleet       diagnose_fleet -> FleetResult
     tables      ResultTable, LabelledMatrix, Correlation: for a terminal, a notebook, and data frames
-    regressor   FrictionRegressor: a fit as an estimator of scikit-learn
     result      the members of every result
 
 In: paths, tables in memory, mappings. Out: results with named fields, `summary()`, `table()`, `plot()`,

@@ -9,14 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.adaptation import CURRENT, Replay, replayed, require_logged
-from eccentric.api.inputs import (
-    LogSources,
-    ModelSource,
-    RigSource,
-    model_of,
-    read_logs,
-    sources_of,
-)
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, read_logs, sources_of
 from eccentric.api.result import Printed
 from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, given_path
@@ -143,9 +136,6 @@ class AdaptResult(Printed):
 
     def __repr__(self) -> str:
         return f"<AdaptResult: {len(self.course.names)} coefficients, {len(self.course.alarms)} alarms>"
-
-    def _repr_html_(self) -> str:
-        return self._html(self.table())
 
 
 def asked_adaptation(

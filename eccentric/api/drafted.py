@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, read_logs
-from eccentric.api.result import ResultBase, fastest
+from eccentric.api.result import ResultBase, speeds_of
 from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, MissingValueError, counted, few, whole_file
 from eccentric.drafting import (
@@ -396,7 +396,7 @@ def _unsolvable(fit: Fit, rig: Rig) -> Iterator[str]:
     """Friction that takes more of an acceleration than the inertia, by the values of the fit."""
     document = fit_document(fit, [])
     model = with_fitted(fit.problem.model, read_parameters(document), fit.problem.model.name)
-    loss = inertial_loss(model, *fastest(document))
+    loss = inertial_loss(model, *speeds_of(document)[1:])
     if loss is not None and not loss.solvable:
         yield f"{rig.path}: {loss_sentence(loss, rig.axis)}"
 

@@ -95,10 +95,7 @@ def plan(
         warnings = (*channels.intake.warnings, *question.data.drive.warnings)
     made = planned(question, bounds, progress or (lambda _: None), mass)
     return PlanResult(
-        plan=made,
-        lines=tuple(plan_lines(made)),
-        warnings=tuple(warnings),
-        document=plan_document(made),
+        plan=made, lines=tuple(plan_lines(made)), warnings=tuple(warnings), document=plan_document(made)
     )
 
 

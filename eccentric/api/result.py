@@ -103,11 +103,11 @@ def require_fit(fits_the_rig: bool, source: str, accept_misfit: bool) -> None:
         )
 
 
-def fastest(fit: Mapping[str, Any] | None) -> tuple[float, ...]:
-    """The highest motor speed [rad/s] of the content of a fit; nothing without one."""
+def speeds_of(fit: Mapping[str, Any] | None) -> tuple[float, ...]:
+    """The lowest and highest motor speed [rad/s] of the content of a fit; nothing without them."""
     ranges = (fit or {}).get("ranges")
     speeds = ranges.get("speed_m_rad_s") if isinstance(ranges, Mapping) else None
-    return (float(speeds[1]),) if isinstance(speeds, list | tuple) and len(speeds) == 2 else ()
+    return tuple(map(float, speeds)) if isinstance(speeds, list | tuple) and len(speeds) == 2 else ()
 
 
 # What every result offers.

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from eccentric.identification import Estimate, correlation
 from eccentric.logs import Log
+from eccentric.presentation import aligned
 
 
 @dataclass(frozen=True)
@@ -163,12 +164,8 @@ def ranges_of(log: Log) -> ResultTable:
 
 def _text(names: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[bool]) -> str:
     """The table for a terminal with aligned columns; those in `right` are right-aligned."""
-    widths = [max(map(len, column)) for column in zip(names, *rows, strict=True)]
-    lines = (
-        "  ".join(x.rjust(w) if r else x.ljust(w) for x, w, r in zip(row, widths, right, strict=True))
-        for row in (names, *rows)
-    )
-    return "\n".join(line.rstrip() for line in lines)
+    left = [k for k, r in enumerate(right) if not r]
+    return "\n".join(aligned([names, *rows], left))
 
 
 def _html(names: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

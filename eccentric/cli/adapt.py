@@ -4,15 +4,13 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import add_folder, options, print_warnings
+from eccentric.cli.arguments import add_folder, options, write_and_print
 from eccentric.core import own_folder
 
 NAME = "adapt"
 HELP = "replay a log through the emitted friction estimator: coefficients over time, alarms"
 EXAMPLE = """eccentric adapt examples/bench/bench.csv.gz --rig examples/bench/bench.toml --out build/adapted
 eccentric adapt tuesday.csv --rig my_rig.toml --parameters build/monday/fit.json --out build/tuesday"""
-_OPTIONS = {"forgetting": "--forgetting", "false_alarms": "--false-alarms", "settle": "--settle"}
-"""Argument -> its option."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -23,12 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--model", metavar="MODEL", help="a model or the path of a derivation (default: by the rig's case)")
     add("--parameters", type=Path, metavar="FIT.json", help="fit to start from; default: a fit of this log")
     add("--forgetting", type=float, metavar="L", help="forgetting factor per row; default: 0.999")
-    add(
-        "--false-alarms",
-        type=float,
-        metavar="N",
-        help="mean samples between false alarms; default: 1e7",
-    )
+    add("--false-alarms", type=float, metavar="N", help="mean samples between false alarms; default: 1e7")
     add("--settle", type=int, metavar="N", help="samples skipped after a reversal; default: 20")
     add_folder(parser, "adapt.json, adapt.png and adapt.svg")
 
@@ -36,7 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Replay, write the folder, print what was learned; return 0."""
     own_folder(args.out)
-    with options(_OPTIONS):
+    with options("forgetting", "false_alarms", "settle"):
         found = eccentric.adapt(
             args.logs,
             args.rig,
@@ -46,8 +39,5 @@ def run(args: argparse.Namespace) -> int:
             false_alarms=args.false_alarms,
             settle=args.settle,
         )
-    names = [path.name for path in found.write(args.out)]
-    print_warnings(found.warnings)
-    print(found.summary())
-    print(f"{args.out}: {', '.join(names)}")
+    write_and_print(found, args.out)
     return 0

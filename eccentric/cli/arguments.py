@@ -194,16 +194,24 @@ def names_in(given: Iterable[str]) -> list[str]:
 
 
 @contextmanager
-def options(names: Mapping[str, str]) -> Iterator[None]:
-    """Let errors about an argument name its option: argument -> option."""
+def options(*arguments: str, **others: str) -> Iterator[None]:
+    """Let errors about an argument name its option: `--` and its name, for `others` another one."""
+    named = {name: f"--{re.sub('[_ ]', '-', name)}" for name in arguments} | others
     try:
         yield
     except InputError as error:
         place = error.place
-        name = next(
-            (name for name in names if place == name or place.startswith((f"{name}:", f"{name} "))), None
-        )
-        raise error if name is None else error.but(place=names[name] + place[len(name) :]) from None
+        name = next((n for n in named if place == n or place.startswith((f"{n}:", f"{n} "))), None)
+        raise error if name is None else error.but(place=named[name] + place[len(name) :]) from None
+
+
+def write_and_print(found: Any, out: Path | None, *, as_json: bool = False) -> None:
+    """Write a result into its folder, if there is one, and print it: warnings, summary or JSON, files."""
+    names = [] if out is None else [path.name for path in found.write(out)]
+    print_warnings(found.warnings)
+    print(found.to_json() if as_json else found.summary(), end="" if as_json else "\n")
+    if names and not as_json:
+        print(f"{out}: {', '.join(names)}")
 
 
 def print_warnings(warnings: Iterable[str]) -> None:

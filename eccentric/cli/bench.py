@@ -16,26 +16,12 @@ eccentric bench --out LOG.csv.gz --effect 'link_harmonic_friction[n=2]=0.2'
 eccentric bench --out LOG.csv.gz --arm 6 --effect gear_efficiency@3=0.2 --seed 4
 eccentric bench --fleet --out DIR"""
 
-_OPTIONS = {
-    "case": "--case",
-    "log type": "--log-type",
-    "gear ratio mu": "--mu",
-    "noise": "--noise",
-    "seconds": "--seconds",
-    "drive": "--drive",
-    "seed": "--seed",
-    "effect": "--effect",
-    "arm": "--arm",
-    "joints": "--joints",
-    "months": "--months",
-    "periods": "--months",
-    "degrading": "--degrading",
-    "bad_sensors": "--bad-sensors",
-    "runs": "--runs",
-    "measured": "--measured",
-    "sample rate [Hz]": "--rate",
-}
-"""Beginning of a message of the bench -> the option concerned."""
+_NAMES = (
+    "case", "log type", "noise", "seconds", "drive", "seed", "effect", "arm",
+    "joints", "months", "degrading", "bad_sensors", "runs", "measured",
+)  # fmt: skip
+_OTHERS = {"gear ratio mu": "--mu", "periods": "--months", "sample rate [Hz]": "--rate"}
+"""Beginning of a message of the bench -> the option concerned, where that is another name."""
 _OF_A_DRIVE = {"case": "C2", "mu": 0.2, "log_type": "runs", "drive": "fine", "temperature": False}
 _OF_AN_ARM = {"log_type": "traj", "runs": 5, "measured": "current", "rate": 250}
 """Arguments of one kind of bench, with their values where none is given."""
@@ -105,7 +91,7 @@ def run(args: argparse.Namespace) -> int:
         raise InputError("--out", "a log name that ends in .csv.gz", args.out)
     bench = _of_a_drive if args.arm is None else _of_an_arm
     common = {"seconds": args.seconds, "noise": args.noise, "seed": args.seed, "out": args.out}
-    with options(_OPTIONS):
+    with options(*_NAMES, **_OTHERS):
         effects, said = bench(args, common)
     name = Path(args.out).name.removesuffix(".csv.gz")
     print(f"{args.out}: {said}")
@@ -131,7 +117,7 @@ def _of_a_fleet(args: argparse.Namespace) -> int:
         what = "no --effect" if args.effect else "the path of a folder as --out"
         raise InputError("--fleet", what, "one" if args.effect else "none", why="with it")
     own = {name: value for name in _OF_A_FLEET if (value := getattr(args, name)) is not None}
-    with options(_OPTIONS):
+    with options(*_NAMES, **_OTHERS):
         changed = eccentric.bench_fleet(args.out, seed=args.seed, **own, progress=bar())
     print(f"{args.out}: logs/, rigs.csv with its rig files")
     print(f"sealed in truth.json: {counted(len(changed), 'joint')} that change")

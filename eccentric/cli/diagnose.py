@@ -24,10 +24,8 @@ HELP = "find the effect that is missing from the model, add it, emit the extende
 EXAMPLE = """eccentric diagnose examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
 eccentric diagnose my.csv --rig my.toml --effects my_effects.py --out build/mine
 eccentric diagnose my.csv --rig my.toml --with stribeck --without cogging,backlash --out build/mine"""
-_OPTIONS = {"effects and model": "--effects and --model", "including": "--with"} | {
-    name: f"--{name}" for name in ("without", "only")
-}
-"""Argument -> its option."""
+_OTHERS = {"effects and model": "--effects and --model", "including": "--with"}
+"""Argument -> its option, where that is another name."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -53,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
     own_folder(args.out)
     if arm_of(args.rig, {"--model": args.model, "--with": args.including, "--open": args.open}):
         return _of_an_arm(args)
-    with options(_OPTIONS):
+    with options("without", "only", **_OTHERS):
         found = eccentric.diagnose(
             args.logs,
             args.rig,
@@ -78,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _of_an_arm(args: argparse.Namespace) -> int:
     """The same for every joint of an arm."""
-    with options(_OPTIONS):
+    with options("without", "only", **_OTHERS):
         found = eccentric.diagnose_arm(
             args.logs,
             args.rig,

@@ -18,18 +18,11 @@ eccentric emit c2_parallel --parameters build/fit/fit.json --prefix arm --out bu
 eccentric emit c2_parallel --parameters build/fit/fit.json --adapt --out build/firmware
 eccentric emit c2_parallel --parameters build/fit/fit.json --compensation --out build/firmware"""
 
-_OPTIONS = {
-    "prefix": "--prefix",
-    "backend": "--backend",
-    "functions": "--functions",
-    "accept_misfit": "--accept-misfit",
-    "adapt": "--adapt",
-    "compensation": "--compensation",
-    "forgetting": "--forgetting",
-    "false_alarms": "--false-alarms",
-    "settle": "--settle",
-}
-"""Argument -> its option."""
+_NAMED = (
+    "prefix", "backend", "functions", "accept_misfit",
+    "adapt", "compensation", "forgetting", "false_alarms", "settle",
+)  # fmt: skip
+"""Arguments that errors call by their option."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -94,10 +87,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="add a friction compensation for a loop, which cannot chatter",
     )
     parser.add_argument(
-        "--forgetting",
-        type=float,
-        metavar="L",
-        help="with --adapt: forgetting factor a row; default: 0.999",
+        "--forgetting", type=float, metavar="L", help="with --adapt: forgetting factor a row; default: 0.999"
     )
     parser.add_argument(
         "--false-alarms",
@@ -112,24 +102,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the files and print their names."""
-    with options(_OPTIONS):
-        written = eccentric.emit(
-            arguments.model,
-            arguments.out,
-            parameters=arguments.parameters,
-            prefix=arguments.prefix,
-            backend=arguments.backend,
-            single_file=arguments.single_file,
-            functions=arguments.functions,
-            arrays=arguments.arrays,
-            fixed=arguments.fixed,
-            accept_misfit=arguments.accept_misfit,
-            adapt=arguments.adapt,
-            compensation=arguments.compensation,
-            forgetting=arguments.forgetting,
-            false_alarms=arguments.false_alarms,
-            settle=arguments.settle,
-        )
+    given = {name: value for name, value in vars(arguments).items() if name != "run"}
+    with options(*_NAMED):
+        written = eccentric.emit(**given)
     names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written)
     print(f"{arguments.out}: {names}")
     if arguments.adapt and arguments.parameters is None:

@@ -14,14 +14,6 @@ eccentric export build/bench --to budget --out build/pendulum
 eccentric export build/fit --to fmu --out build/fmu
 eccentric export my_derivation.py --parameters build/fit/fit.json --to mjcf --out build/mujoco"""
 
-_OPTIONS = {
-    "to": "--to",
-    "speeds": "--speeds",
-    "prefix": "--prefix",
-    "accept_misfit": "--accept-misfit",
-}
-"""Argument -> its option."""
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
@@ -57,7 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the files, print how close the friction in them is, and their names."""
-    with options(_OPTIONS):
+    with options("to", "speeds", "prefix", "accept_misfit"):
         written = eccentric.export(
             arguments.source,
             arguments.to,

@@ -18,7 +18,6 @@ eccentric fleet /data/fleet --rigs rigs.csv --out report --scheduler tcp://10.0.
 PROBLEMS = 1
 """Exit status of a run that has done all that could be done, and names the rest in problems.csv."""
 _STATUS = f"exit status: 0; {PROBLEMS} if some logs failed (listed in problems.csv); 2 on bad input"
-_OPTIONS = {"pattern": "--pattern", "rate": "--rate", "workers": "--workers"}
 _WRITTEN = ["report.html", "fleet.json", "coefficients/", "changes.csv", "problems.csv", "joints/", "sums/"]
 _SHOWN = 8
 """Problems printed; all are in problems.csv."""
@@ -67,7 +66,7 @@ def _interrupted() -> Iterator[None]:
 def run(args: argparse.Namespace) -> int:
     """Run the fleet, print what changed; return 1 if there are problems."""
     own_folder(args.out)
-    with options(_OPTIONS), _interrupted():
+    with options("pattern", "rate", "workers"), _interrupted():
         found = eccentric.diagnose_fleet(
             args.logs,
             args.rigs,

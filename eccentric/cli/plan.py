@@ -3,7 +3,7 @@
 import argparse
 
 import eccentric
-from eccentric.cli.arguments import add_folder, add_logs, arm_of, bar, print_warnings, progress
+from eccentric.cli.arguments import add_folder, add_logs, arm_of, bar, progress, write_and_print
 from eccentric.core import InputError, own_folder
 
 NAME = "plan"
@@ -57,19 +57,9 @@ def run(args: argparse.Namespace) -> int:
     if not args.logs:
         raise InputError("plan", problem="expected a log, or --for, got neither")
     found = eccentric.plan(
-        args.logs,
-        args.rig,
-        args.limits,
-        args.model,
-        progress(),
-        bar(),
-        args.diagnosis,
-        args.added,
+        args.logs, args.rig, args.limits, args.model, progress(), bar(), args.diagnosis, args.added
     )
-    names = [path.name for path in found.write(args.out)]
-    print_warnings(found.warnings)
-    print(found.summary())
-    print(f"{args.out}: {', '.join(names)}")
+    write_and_print(found, args.out)
     return 0
 
 
@@ -79,8 +69,5 @@ def _for(args: argparse.Namespace) -> int:
         raise InputError("--for", "no log", args.logs[0], why="with it")
     sought = args.sought.split(",")
     found = eccentric.plan_detection(args.rig, args.limits, sought, args.model, args.noise)
-    names = [path.name for path in found.write(args.out)]
-    print_warnings(found.warnings)
-    print(found.summary())
-    print(f"{args.out}: {', '.join(names)}")
+    write_and_print(found, args.out)
     return 0

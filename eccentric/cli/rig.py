@@ -25,12 +25,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="check this rig file against the logs instead; status 1 if there are problems",
     )
     add("--arm", metavar="ARM", help="the arm whose joints the log has, .toml or .urdf: columns by pattern")
-    add(
-        "--rate",
-        metavar="HZ",
-        type=float,
-        help="rows per second of a log without a time column",
-    )
+    add("--rate", metavar="HZ", type=float, help="rows per second of a log without a time column")
     add("--name", help="name of the rig (that of the log)")
 
 

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import bar, log_suffixes, print_warnings, progress, take_after_options
+from eccentric.cli.arguments import bar, log_suffixes, progress, take_after_options, write_and_print
 from eccentric.core import own_folder
 
 NAME = "simulate"
@@ -37,9 +37,5 @@ def run(args: argparse.Namespace) -> int:
     if args.out is not None:
         own_folder(args.out)
     found = eccentric.simulate(args.log, args.rig, args.models, args.effects, progress(), reading=bar())
-    names = [] if args.out is None else [path.name for path in found.write(args.out)]
-    print_warnings(found.warnings)
-    print(found.to_json() if args.json else found.summary(), end="" if args.json else "\n")
-    if names and not args.json:
-        print(f"{args.out}: {', '.join(names)}")
+    write_and_print(found, args.out, as_json=args.json)
     return 0

@@ -69,7 +69,7 @@ def require_free(folder: Path, name: str, listed: dict[str, str], command: str) 
         owner = f"`eccentric {wrote}` wrote" if wrote else "eccentric did not write"
         what = "a folder" if is_folder(taken) else f"a file that {owner}"
         hint = "choose another folder for the output, or remove what is there"
-        raise InputError(folder, f"a free name {place.as_posix()}", what, hint=hint)
+        raise InputError(folder, f"the name {place.as_posix()} to be free", what, hint=hint)
 
 
 def mark(folder: Path, written: dict[str, str]) -> None:

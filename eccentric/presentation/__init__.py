@@ -4,11 +4,11 @@
     diagnosis_text, diagnosis_json    a Diagnosis
     contest_text                      a Contest: models on the same rows
     html                              a Diagnosis as one HTML page
-    arm_text, arm_json                the fit and the diagnosis of an arm
+    arm                               the fit and the diagnosis of an arm: lines, documents
     measurement_text                  a NextMeasurement
     plan_text                         a MeasurementPlan
     adaptation                        a Replay
-    fleet_html, fleet_files           what changed in a fleet
+    fleet_html                        what changed in a fleet: page, files
 
 In: results.  Out: text, documents, figures.  A file is imported when one of its names is first used;
 `__init__.pyi` lists them.

@@ -8,7 +8,9 @@ import numpy as np
 
 from eccentric.core import few
 from eccentric.diagnosis import BASELINE, Contest, Entry
-from eccentric.presentation.simulation_text import aligned, horizons_document
+from eccentric.presentation.fit_json import gain_entry
+from eccentric.presentation.fit_text import aligned
+from eccentric.presentation.simulation_text import horizons_document
 from eccentric.simulation import SimulatedErrors
 
 
@@ -36,7 +38,7 @@ def contest_document(found: Contest, simulated: SimulatedErrors | None = None) -
                 f"rmse_holdout_electrical_{unit}": e.circuit,
                 "r_squared_holdout": e.r_squared,
                 "parameters": e.parameters,
-                "improvement": {"percent": e.percent, "interval_95": list(e.interval)},
+                "improvement": gain_entry(e.percent, e.interval),
             }
             for e in found.entries
         ],
@@ -58,8 +60,8 @@ def contest_lines(found: Contest, simulated: SimulatedErrors | None = None, unit
     shown = {head: column for head, column in optional.items() if any(x is not None for x in column)}
     rows = [["model", f"held-out RMSE [{found.unit}]", *shown, "R^2", "parameters", f"gain over {BASELINE}"]]
     for k, e in enumerate(found.entries):
-        own = ["-" if column[k] is None else f"{column[k]:.4g}" for column in shown.values()]
-        rows.append([_called(e), f"{e.rmse:.4g}", *own, f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e)])
+        cells = ["-" if column[k] is None else f"{column[k]:.4g}" for column in shown.values()]
+        rows.append([_called(e), f"{e.rmse:.4g}", *cells, f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e)])
     head = f"{few(found.logs)}: {found.rows} held-out rows ({found.holdout})"
     above = [head, *([found.excerpt] if found.excerpt else [])]
     noise = f"sensor noise: {found.noise_floor:.3g} {found.unit}"

@@ -12,14 +12,15 @@ from eccentric.effects import Effect
 from eccentric.identification import Estimate, in_drive_unit
 from eccentric.model import TURNING, AxisKind
 from eccentric.presentation.diagnosis_text import causes_of, diagnosis_sentence, tied_families
-from eccentric.presentation.fit_json import estimate_entry
+from eccentric.presentation.fit_json import estimate_entry, gain_entry
 from eccentric.presentation.measurement_text import measurement_sentence
 from eccentric.presentation.ranges_text import range_document
+from eccentric.signals import Channels
 
 
 def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
     """The content of diagnosis.json, format eccentric-diagnosis/1 (keys as in the manual)."""
-    a, axis = found.attribution, found.rig.axis
+    a, axis, below = found.attribution, found.rig.axis, found.score.below
     document = {
         "format": "eccentric-diagnosis/1",
         **({} if axis is TURNING else {"kind": axis.name}),
@@ -62,10 +63,9 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         **_errors(found),
         "improvement": {
             "balance": found.score.balance,
-            "percent": found.score.percent,
-            "interval_95": list(found.score.interval),
+            **gain_entry(found.score.percent, found.score.interval),
         },
-        "improvement_below_low_pass": _below(found),
+        "improvement_below_low_pass": below and gain_entry(below.percent, below.interval),
         "closest_effect": _closest(found),
         "better_model": _sibling(found),
         f"noise_floor_{_suffix(found)}": found.noise_floor,
@@ -89,10 +89,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
             for o in found.orders
         ],
         "rig_identified": _identified(found),
-        "holdout": {
-            "rule": found.channels.selection.holdout.rule,
-            "intervals_s": [list(map(float, pair)) for pair in found.channels.selection.holdout.intervals_s],
-        },
+        "holdout": holdout_entry(found.channels),
         "rows": found.channels.counts,
         **({"excerpt": found.channels.excerpt} if found.channels.excerpt else {}),
         **({"added_kg": found.rig.added_kg} if found.rig.added else {}),
@@ -100,6 +97,12 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "warnings": list(found.warnings),
     }
     return axis.keyed(document)
+
+
+def holdout_entry(channels: Channels) -> dict[str, Any]:
+    """The rule of the held-out part and its intervals of time."""
+    holdout = channels.selection.holdout
+    return {"rule": holdout.rule, "intervals_s": [list(map(float, pair)) for pair in holdout.intervals_s]}
 
 
 def _ruled_out(found: Diagnosis) -> list[dict[str, Any]]:
@@ -115,20 +118,10 @@ def _ruled_out(found: Diagnosis) -> list[dict[str, Any]]:
     ]
 
 
-def _below(found: Diagnosis) -> dict[str, Any] | None:
-    below = found.score.below
-    return below and {"percent": below.percent, "interval_95": list(below.interval)}
-
-
 def _unconfirmed(found: Diagnosis) -> dict[str, Any]:
     """Effects that fitted the training part and that the held-out part did not confirm, with its figures."""
-    if found.refused is None:
-        return {"effects": list(found.attribution.unconfirmed)}
-    percent, interval = found.refused.percent, list(found.refused.interval)
-    return {
-        "effects": list(found.attribution.unconfirmed),
-        "improvement": {"percent": percent, "interval_95": interval},
-    }
+    effects, refused = {"effects": list(found.attribution.unconfirmed)}, found.refused
+    return effects | ({"improvement": gain_entry(refused.percent, refused.interval)} if refused else {})
 
 
 def _closest(found: Diagnosis) -> dict[str, Any] | None:
@@ -140,7 +133,7 @@ def _closest(found: Diagnosis) -> dict[str, Any] | None:
         "family": best.effect.family,
         "balance": best.balance,
         f"rmse_holdout_{_suffix(found)}": {"paper": best.before, "extended": best.after},
-        "improvement": {"percent": best.percent, "interval_95": list(best.interval)},
+        "improvement": gain_entry(best.percent, best.interval),
     }
 
 
@@ -162,7 +155,7 @@ def _empirical(found: Diagnosis) -> dict[str, Any] | None:
             for curve in own.curves
         ],
         "coefficients": own.coefficients,
-        "gain": {"percent": own.percent, "interval_95": list(own.interval)},
+        "gain": gain_entry(own.percent, own.interval),
     }
 
 
@@ -173,7 +166,7 @@ def _sibling(found: Diagnosis) -> dict[str, Any] | None:
     return {
         "model": better.name,
         f"rmse_holdout_{_suffix(found)}": better.rmse,
-        "improvement": {"percent": better.percent, "interval_95": list(better.interval)},
+        "improvement": gain_entry(better.percent, better.interval),
     }
 
 
@@ -198,10 +191,10 @@ def _errors(found: Diagnosis) -> dict[str, Any]:
             "runs": over.runs,
             f"rmse_{_suffix(found)}": dict(over.rmse),
             "gains": {
-                name: {"percent": percent, "interval_95": list(interval), "better_runs": better}
+                name: gain_entry(percent, interval) | {"better_runs": better}
                 for name, (percent, interval, better) in over.gains.items()
             },
-            "below_low_pass": over.below and {"percent": over.below[0], "interval_95": list(over.below[1])},
+            "below_low_pass": over.below and gain_entry(*over.below),
         }
     return said
 

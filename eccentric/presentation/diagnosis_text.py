@@ -11,21 +11,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from eccentric.core import few
-from eccentric.diagnosis import (
-    PROVABLE,
-    ROUNDING,
-    Diagnosis,
-    OverRuns,
-    SearchRequest,
-    only_below,
-)
-from eccentric.effects import Correction, Effect, Words
+from eccentric.diagnosis import PROVABLE, ROUNDING, Diagnosis, OverRuns, SearchRequest, only_below
+from eccentric.effects import Correction, Effect
 from eccentric.identification import in_drive_unit
 from eccentric.model import spoken_quantity
 from eccentric.presentation.calls_text import calls, share_words
 from eccentric.presentation.fit_text import band_line, inertia_words
 from eccentric.presentation.measurement_text import measurement_sentence
-from eccentric.presentation.ranges_text import outside_sentences, range_line, ruled_out_sentence
+from eccentric.presentation.ranges_text import effect_name, outside_sentences, range_line, ruled_out_sentence
 
 VERDICTS = {
     "named": "effect named",
@@ -69,7 +62,7 @@ def _verdict(found: Diagnosis) -> str:
     depends = _listed([axis.term(variable.replace("_", " ")) for variable in a.depends_on])
     if a.unconfirmed:
         words = {c.id: c.words for c in a.candidates}
-        names = _listed([_headline(words[name], name) for name in a.unconfirmed])
+        names = _listed([effect_name(words[name].headline, name) for name in a.unconfirmed])
         fit = "fits the training part but does" if len(a.unconfirmed) == 1 else "fit the training part but do"
         where = _of_balance(found, found.refused.balance) if found.refused else ""
         return (
@@ -113,11 +106,17 @@ def tied_families(found: Diagnosis) -> tuple[str, ...]:
     return a.tied or tuple(dict.fromkeys(c.family for c in a.candidates))[:2]
 
 
-def closest_sentence(found: Diagnosis) -> str:
+def further_sentences(found: Diagnosis) -> list[str]:
+    """What else predicts the log: a cause ruled out, the best candidate, another model, a smooth term."""
+    sentences = ruled_out_sentence(found), _closest(found), _better_model(found), empirical_sentence(found)
+    return [sentence for sentence in sentences if sentence]
+
+
+def _closest(found: Diagnosis) -> str:
     """What the best effect takes out of the held-out error, where none is adopted; "" without one."""
     if (best := found.closest) is None:
         return ""
-    what = _headline(best.effect.words, best.effect.id)
+    what = effect_name(best.effect.words.headline, best.effect.id)
     rest = "it is not the whole story" if found.attribution.verdict == "unexplained" else "this is not proved"
     percent, (low, high), where = best.percent, best.interval, ""
     if best.below is not None and only_below(best.interval, best.below):
@@ -136,7 +135,7 @@ def _of_balance(found: Diagnosis, balance: str) -> str:
     return f" of the {balance} balance" if len(found.models.paper.residuals) > 1 else ""
 
 
-def sibling_sentence(found: Diagnosis) -> str:
+def _better_model(found: Diagnosis) -> str:
     """Which shipped model predicts better as it stands; "" for none."""
     if (better := found.sibling) is None:
         return ""
@@ -172,11 +171,6 @@ def empirical_sentence(found: Diagnosis) -> str:
         f"The emitted model has a term without a cause, {own.effect.id}, smooth in {over} with {count}"
         f" coefficients; it {lowers} the held-out error {change}."
     )
-
-
-def _headline(words: Words, effect_id: str) -> str:
-    """The description of an effect, its id second."""
-    return f"{words.headline} ({effect_id})" if words.headline else effect_id
 
 
 def _listed(names: Sequence[str], last: str = "and") -> str:
@@ -232,7 +226,7 @@ def _or_else(found: Diagnosis, effect: Effect) -> str:
     """What explains the log as well as a wrong declared value does."""
     own, best = found.attribution.adopted_as(effect.id), {c.family: c for c in found.attribution.candidates}
     others = [best[f] for f in own.alike if f in best and f != effect.family] if own else []
-    return "".join(f" or {_headline(c.words, c.id)}" for c in others)
+    return "".join(f" or {effect_name(c.words.headline, c.id)}" for c in others)
 
 
 def _values(found: Diagnosis, effect: Effect, correction: Correction) -> tuple[float, float] | None:
@@ -249,7 +243,7 @@ def _values(found: Diagnosis, effect: Effect, correction: Correction) -> tuple[f
 def _tied(found: Diagnosis, last: str) -> str:
     """The families that explain the log equally well, each by its best member."""
     best = {c.family: c for c in reversed(found.attribution.candidates)}
-    names = [_headline(best[family].words, best[family].id) for family in tied_families(found)]
+    names = [effect_name(best[family].words.headline, best[family].id) for family in tied_families(found)]
     return _listed(names, last)
 
 
@@ -267,7 +261,7 @@ def causes_of(found: Diagnosis, effect: Effect) -> tuple[str, ...]:
     own = found.attribution.adopted_as(effect.id)
     best = {c.family: c for c in reversed(found.attribution.candidates)}
     covered = [best[family] for family in own.covers if family in best] if own else []
-    return (*effect.words.causes, *(_headline(c.words, c.id) for c in covered))
+    return (*effect.words.causes, *(effect_name(c.words.headline, c.id) for c in covered))
 
 
 def _causes(found: Diagnosis) -> str:
@@ -314,22 +308,14 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         out.append(aliased)
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, _unit(found), axis.term("angle"))
-    out += filter(
-        None,
-        [
-            ruled_out_sentence(found),
-            closest_sentence(found),
-            sibling_sentence(found),
-            empirical_sentence(found),
-        ],
-    )
+    out += further_sentences(found)
     if a.verdict == "unexplained" and found.models.fits_the_rig:
         out.append("closest candidates, none sufficient:")
-        out += [f"  {_headline(c.words, c.id)}" for c in a.candidates[:4]]
+        out += [f"  {effect_name(c.words.headline, c.id)}" for c in a.candidates[:4]]
     elif a.verdict in {"named", "not_identifiable"}:
         several = len(a.adopted) > 1
         out.append(f"candidates, {'each with its own' if several else 'with their'} probability:")
-        out += [f"  {c.probability:.2f} {_headline(c.words, c.id)}" for c in a.candidates[:4]]
+        out += [f"  {c.probability:.2f} {effect_name(c.words.headline, c.id)}" for c in a.candidates[:4]]
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
         out.append(

@@ -37,7 +37,8 @@ the interval:
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -52,10 +53,6 @@ from eccentric.identification import (
 )
 from eccentric.model import TURNING, AxisKind
 from eccentric.rigs import ALIGNMENT, COASTING, alignment_of, knowns_of
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
 
 FORMAT = "eccentric-fit/1"
 
@@ -107,7 +104,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "ranges": ranges(fit),
         f"rmse_holdout_{axis.unit(problem.unit).replace(' ', '')}": dict(fit.rmse),
         "error_band": None if fit.band is None else vars(fit.band),
-        "improvement": {"percent": fit.percent, "interval_95": list(fit.percent_interval)},
+        "improvement": gain_entry(fit.percent, fit.percent_interval),
         "r_squared_holdout": dict(fit.r_squared),
         "fits_the_rig": fit.fits_the_rig,
         "rows": channels.counts,
@@ -134,7 +131,7 @@ def _undetected(fit: Fit) -> dict[str, Any]:
     """Upper bounds of friction by F_N that the log does not show."""
     return {
         name: {
-            "upper_95": one.upper if math.isfinite(one.upper) else None,
+            "upper_95": finite(one.upper),
             "unit": one.unit,
             "reference": one.reference,
             "z": one.z,
@@ -149,7 +146,7 @@ def _correlation(fit: Fit) -> dict[str, Any]:
     matrix = correlation(fit.spread.matrix)
     return {
         "names": [fit.problem.rig.axis.named(name) for name in (*fit.coefficients, *fit.searched)],
-        "matrix": [[float(x) if math.isfinite(x) else None for x in row] for row in matrix],
+        "matrix": [[finite(float(x)) for x in row] for row in matrix],
     }
 
 
@@ -158,7 +155,7 @@ def estimate_entry(e: Estimate, axis: AxisKind, unit: str | None = None) -> dict
 
     Its standard error takes a value at a bound as that bound; it is null only where the covariance has none.
     """
-    error, *ends = (float(x) if math.isfinite(x) else None for x in (e.std_error, *e.interval))
+    error, *ends = (finite(float(x)) for x in (e.std_error, *e.interval))
     return {
         "value": e.value,
         "std_error": error,
@@ -168,6 +165,16 @@ def estimate_entry(e: Estimate, axis: AxisKind, unit: str | None = None) -> dict
         "at_bound": e.bound_active is not None,
         "widened_by_bound": e.widened,
     }
+
+
+def gain_entry(percent: float, interval: Sequence[float]) -> dict[str, Any]:
+    """A reduction of an error in percent, as every document has it."""
+    return {"percent": percent, "interval_95": list(interval)}
+
+
+def finite(x: float | None) -> float | None:
+    """A number, None for one that JSON does not have."""
+    return x if x is not None and math.isfinite(x) else None
 
 
 def estimate_entries(estimates: Mapping[str, Estimate], axis: AxisKind) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -149,12 +149,17 @@ def estimate_table(shown: Mapping[str, Estimate]) -> list[str]:
     table += [
         (name, f"{e.value:.4g}", _error(e), _interval(e), e.unit + _bound(e)) for name, e in shown.items()
     ]
-    widths = [max(len(row[k]) for row in table) for k in range(4)]
-    out = []
-    for name, *middle, unit in table:
-        cells = [name.ljust(widths[0]), *(x.rjust(w) for x, w in zip(middle, widths[1:], strict=True))]
-        out.append("  ".join(["", *cells, unit]).rstrip())
-    return out
+    return [f"  {line}" for line in aligned(table, left=(0, 4))]
+
+
+def aligned(rows: Sequence[Sequence[str]], left: Collection[int] = (0,)) -> list[str]:
+    """Return the rows of a table, its columns aligned: those in `left` to the left, others to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    cells = (
+        [x.ljust(w) if k in left else x.rjust(w) for k, (x, w) in enumerate(zip(row, widths, strict=True))]
+        for row in rows
+    )
+    return ["  ".join(row).rstrip() for row in cells]
 
 
 def _scale_line(fit: Fit, axis: AxisKind) -> list[str]:

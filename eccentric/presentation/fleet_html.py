@@ -1,17 +1,35 @@
-"""The page of a fleet: what changed and what to look at first, each joint over its periods, all of them."""
+"""What changed in a fleet: the page, coefficients by period, tests, and all as one document.
+
+The page shows what to look at first, each joint over its periods, and all joints in one figure.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import csv
+import io
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import counted, few
-from eccentric.fleet import FRICTION, RESIDUAL, Drifting, FleetFound, in_order
+from eccentric.fleet import (
+    FRICTION,
+    RESIDUAL,
+    Drifting,
+    FleetChange,
+    FleetFound,
+    History,
+    Period,
+    arrow_of,
+    in_order,
+)
 from eccentric.model import AxisKind
+from eccentric.presentation.fit_json import finite
 from eccentric.presentation.html import number, rendered
 
 Array = NDArray[np.float64]
@@ -79,40 +97,24 @@ def _view(found: FleetFound) -> dict[str, Any]:
     }
 
 
-@dataclass(frozen=True)
-class _Row:
+def _row(rank: int, one: Drifting) -> dict[str, Any]:
     """A joint of the table: texts, and the numbers that it is sorted by."""
-
-    rank: int
-    joint: str
-    href: str
-    what: str
-    since: str
-    part: str
-    part_value: float
-    p: str
-    p_value: float
-    before: str
-    after: str
-    before_value: float
-    after_value: float
-    unit: str
-
-
-def _row(rank: int, one: Drifting) -> _Row:
-    relative = one.size.replace("-", "−")
-    return _Row(
-        *(rank, one.joint, one.report, one.what, one.since, relative, abs(one.part)),
-        *(
-            number(one.p, 2),
-            one.p,
-            number(one.before, 3),
-            number(one.after, 3),
-            one.before,
-            one.after,
-            one.unit,
-        ),
-    )
+    return {
+        "rank": rank,
+        "joint": one.joint,
+        "href": one.report,
+        "what": one.what,
+        "since": one.since,
+        "part": one.size.replace("-", "−"),
+        "part_value": abs(one.part),
+        "p": number(one.p, 2),
+        "p_value": one.p,
+        "before": number(one.before, 3),
+        "after": number(one.after, 3),
+        "before_value": one.before,
+        "after_value": one.after,
+        "unit": one.unit,
+    }
 
 
 def _panel(one: Drifting, axis: AxisKind) -> dict[str, Any]:
@@ -218,3 +220,119 @@ def _rounded(x: Array, y: Array) -> list[tuple[str, str]]:
 
 def _path(x: Array, y: Array) -> str:
     return " ".join(f"{a},{b}" for a, b in _rounded(x, y))
+
+
+# Files beside the page.
+
+
+def write_coefficients(found: FleetFound, folder: Path) -> None:
+    """Write coefficients/period=P.parquet below a folder, for each period: a row for each coefficient.
+
+    Columns: joint, axis (turning, linear), name, unit, kind, value, std_error, lower, upper (95 %), and what
+    the period covers: seconds in motion, speeds [rad/s], temperatures [deg C], friction and residual [N m];
+    of a linear axis m/s and N.
+    """
+    arrow, parquet = arrow_of()
+    rows: dict[str, list[dict[str, Any]]] = {}
+    for history in found.histories:
+        for period in history.periods:
+            rows.setdefault(period.period, []).extend(_coefficient_rows(history, period))
+    for name in in_order(rows):
+        place = folder / "coefficients" / f"period={quote(name, safe=' ')}.parquet"
+        place.parent.mkdir(exist_ok=True)
+        parquet.write_table(arrow.Table.from_pylist(rows[name]), place)
+
+
+def _coefficient_rows(history: History, period: Period) -> list[dict[str, Any]]:
+    c = period.coverage
+    covered = {
+        "seconds": c.seconds,
+        "speed_low": c.low,
+        "speed_high": c.high,
+        "temperature": c.temperature,
+        "coldest": c.coldest,
+        "warmest": c.warmest,
+        "friction": period.friction[0],
+        "residual": period.residual[0],
+    }
+    return [
+        {
+            "joint": history.joint,
+            "axis": history.axis.name,
+            "name": heading.name,
+            "unit": heading.unit,
+            "kind": heading.kind,
+            "value": float(value),
+            "std_error": float(error),
+            "lower": float(value - period.reach * error),
+            "upper": float(value + period.reach * error),
+        }
+        | covered
+        for heading, value, error in zip(history.headings, period.values, period.errors, strict=True)
+    ]
+
+
+_CHANGES = [
+    "joint",
+    "quantity",
+    "unit",
+    "shape",
+    "since",
+    "before",
+    "after",
+    "part_of_friction",
+    "p",
+    "counts",
+    "joint_changed",
+]
+
+
+def changes_csv(changes: Sequence[FleetChange], called: Collection[str]) -> str:
+    """The content of changes.csv: every test, the most significant first.
+
+    `called` are the joints that are said to have changed: coefficients that are alike may trade with each
+    other, which counts, and moves no torque.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(_CHANGES)
+    for change in sorted(changes, key=lambda c: (c.p, c.series.joint, c.series.name)):
+        s = change.series
+        numbers = (f"{x:.6g}" for x in (change.before, change.after, change.part, change.p))
+        what = (s.joint, s.name, s.unit, change.shape, change.since)
+        writer.writerow([*what, *numbers, int(change.counts), int(s.joint in called)])
+    return text.getvalue()
+
+
+def fleet_document(found: FleetFound) -> dict[str, Any]:
+    """The content of fleet.json."""
+    return {
+        "format": "eccentric-fleet/1",
+        "joints": found.joints,
+        "joints_tested": len(found.tested),
+        "joints_without_log": list(found.without_log),
+        "joints_behind": found.behind,
+        "periods": in_order({p.period for h in found.histories for p in h.periods}),
+        "false_discovery_rate": found.rate,
+        "tests": len(found.changes),
+        "drifting": [_entry(one) for one in found.drifting],
+        "problems": [asdict(problem) for problem in found.problems],
+    }
+
+
+def _entry(one: Drifting) -> dict[str, Any]:
+    return {
+        "joint": one.joint,
+        "what": one.what,
+        "names": list(one.names),
+        "sensor_or_load": one.sensor,
+        "since": one.since,
+        "part_of_friction": finite(one.part_of_friction),
+        "residual_factor": finite(one.residual_factor),
+        "p": one.p,
+        "rmse_before": one.before,
+        "rmse_after": one.after,
+        "unit": one.unit,
+        "report": one.report,
+        "quantities": [c.series.name for c in one.changes],
+    }

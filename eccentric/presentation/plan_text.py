@@ -13,6 +13,7 @@ from eccentric.planning import (
     RATE_HZ,
     SHOWN_AT_Z,
     WORTH_A_RUN,
+    Bounds,
     DetectionPlan,
     MeasurementPlan,
 )
@@ -127,14 +128,7 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
         "parts": list(plan.parts),
         "seconds": moved.seconds,
         "rate_Hz": RATE_HZ,
-        "limits": {
-            "speed_rad_s": bounds.speed,
-            "acceleration_rad_s2": bounds.acceleration,
-            current: bounds.current,
-            "time_s": bounds.time,
-            "angle_rad": None if bounds.angle is None else list(bounds.angle),
-            "speed_loop_Hz": bounds.loop_hz,
-        },
+        "limits": _limits(bounds, current) | {"speed_loop_Hz": bounds.loop_hz},
         "largest": {
             "speed_rad_s": float(np.max(np.abs(moved.omega))),
             "acceleration_rad_s2": float(np.max(np.abs(moved.alpha))),
@@ -143,6 +137,17 @@ def plan_document(plan: MeasurementPlan) -> dict[str, Any]:
         },
     }
     return plan.axis.keyed(document)
+
+
+def _limits(bounds: Bounds, current: str) -> dict[str, Any]:
+    """The limits of a motion; `current` is the key of that of the drive."""
+    return {
+        "speed_rad_s": bounds.speed,
+        "acceleration_rad_s2": bounds.acceleration,
+        current: bounds.current,
+        "time_s": bounds.time,
+        "angle_rad": None if bounds.angle is None else list(bounds.angle),
+    }
 
 
 def detection_lines(plan: DetectionPlan) -> list[str]:
@@ -176,13 +181,7 @@ def detection_document(plan: DetectionPlan) -> dict[str, Any]:
         "required_z": SHOWN_AT_Z,
         "noise_Nm": plan.noise,
         "noise_assumed": plan.assumed,
-        "limits": {
-            "speed_rad_s": plan.bounds.speed,
-            "acceleration_rad_s2": plan.bounds.acceleration,
-            "current_A": plan.bounds.current,
-            "time_s": plan.bounds.time,
-            "angle_rad": None if plan.bounds.angle is None else list(plan.bounds.angle),
-        },
+        "limits": _limits(plan.bounds, "current_A"),
         "M_kg": plan.mass,
         "enough": {"time_s": plan.time_s, "speed_rad_s": plan.speed_rad_s, "M_kg": plan.mass_kg},
         "motion": plan.motion,

@@ -9,6 +9,11 @@ from eccentric.effects import Effect
 from eccentric.model import ANGLE, Parts
 
 
+def effect_name(headline: str, effect_id: str) -> str:
+    """The description of an effect, then its id; the id alone if there is no description."""
+    return f"{headline} ({effect_id})" if headline else effect_id
+
+
 def range_document(check: RangeCheck) -> dict[str, Any]:
     """A figure beside its range, as diagnosis.json has it."""
     known = check.known
@@ -59,7 +64,7 @@ def ruled_out_sentence(found: Diagnosis) -> str:
     best = next((effects[c.id] for c in found.attribution.ruled_out if c.id in effects), None)
     if best is None:
         return ""
-    name = f"{best.words.headline} ({best.id})" if best.words.headline else best.id
+    name = effect_name(best.words.headline, best.id)
     return f"{name[0].upper()}{name[1:]} explains more of it, but {_needs(best, found.rig.parts)}."
 
 

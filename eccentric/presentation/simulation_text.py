@@ -21,6 +21,8 @@ import numpy as np
 from eccentric.core import few
 from eccentric.emission import InertialLoss, inertial_loss
 from eccentric.model import AxisKind, Model, with_values
+from eccentric.presentation.fit_json import finite
+from eccentric.presentation.fit_text import aligned
 from eccentric.rigs import Rig
 from eccentric.simulation import ModelErrors, Refined, SimulatedErrors, WholeRunErrors
 
@@ -48,7 +50,7 @@ def simulation_document(
             }
             for m in found.models
         ],
-        "ratios": [_finite(x) for x in _ratios(found)],
+        "ratios": [finite(x) for x in _ratios(found)],
     }
 
 
@@ -58,7 +60,7 @@ def horizons_document(found: SimulatedErrors) -> list[dict[str, Any]]:
         {
             "horizon_s": horizon,
             "windows": found.windows[k],
-            "errors": {m.name: _finite(m.horizons[k]) for m in found.models},
+            "errors": {m.name: finite(m.horizons[k]) for m in found.models},
         }
         for k, horizon in enumerate(found.horizons_s)
     ]
@@ -81,17 +83,6 @@ def simulation_lines(found: SimulatedErrors, logs: Sequence[str], axis: AxisKind
         rows.append([f"{one} / {other}", *map(_shown, _ratios(found)), *([""] * (len(rows[0]) - 4))])
     what = f"mean absolute error of the {axis.term('motor angle')} [{unit}]"
     return [head, what, *aligned(rows)]
-
-
-def simulated_line(found: SimulatedErrors, axis: AxisKind) -> str:
-    """The errors in one line, "" where the held-out part has no window."""
-    parts = [
-        f"over {horizon:g} s " + ", ".join(f"{m.name} {_shown(m.horizons[k])}" for m in found.models)
-        for k, horizon in enumerate(found.horizons_s)
-        if found.windows[k]
-    ]
-    what = f"simulated {axis.term('motor angle')}, mean absolute held-out error [{axis.unit('rad')}]"
-    return f"{what}: {'; '.join(parts)}" if parts else ""
 
 
 def refined_document(found: Refined) -> dict[str, Any]:
@@ -118,17 +109,6 @@ def refined_lines(found: Refined | None, axis: AxisKind) -> list[str]:
     what = f"mean absolute error of the simulated {axis.term('motor angle')} [{axis.unit('rad')}]"
     return [
         f"refined on {found.spans} {over}: {what} from {_shown(found.before)} to {_shown(found.after)}{held}"
-    ]
-
-
-def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Rows of a table with aligned columns, the first to the left."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(
-            [row[0].ljust(widths[0]), *(x.rjust(w) for x, w in zip(row[1:], widths[1:], strict=True))]
-        ).rstrip()
-        for row in rows
     ]
 
 
@@ -191,15 +171,11 @@ def _runs_document(runs: WholeRunErrors | None) -> dict[str, Any] | None:
     if runs is None:
         return None
     return {
-        "mean": _finite(runs.mean),
-        "mean_held_out": _finite(runs.mean_held_out),
-        "by_run": {name: _finite(error) for name, error in runs.by_run.items()},
+        "mean": finite(runs.mean),
+        "mean_held_out": finite(runs.mean_held_out),
+        "by_run": {name: finite(error) for name, error in runs.by_run.items()},
         "held_out": list(runs.held_out),
     }
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None
 
 
 def _shown(value: float | None) -> str:

@@ -11,7 +11,6 @@
     text      -> its sentences and tables
     arm_page  the page of an arm, which leads to those of its joints
     view      -> the strings that the templates see (`templates/report/`)
-    limits    every threshold, with its reason
 
 All text from logs and rigs is escaped; only what is made here is inserted verbatim: formulas, BokehJS, the
 JSON of the figures. The page's own content policy forbids it to fetch anything.

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from eccentric.joints import ArmDiagnosis, arm_name, why_not_emitted
-from eccentric.presentation.arm_text import arm_diagnosis_sentence
+from eccentric.presentation.arm import arm_diagnosis_sentence
 from eccentric.presentation.diagnosis_text import VERDICTS
 from eccentric.presentation.html.text import number, range_of
 
@@ -26,49 +25,20 @@ def _emitted(found: ArmDiagnosis) -> str:
     )
 
 
-@dataclass(frozen=True)
-class _Row:
-    """A joint in the table, all in words."""
-
-    href: str
-    name: str
-    verdict: str
-    effects: str
-    linear: str
-    paper: str
-    extended: str
-    noise: str
-    unit: str
-
-
-@dataclass(frozen=True)
-class _Sum:
-    """A base parameter in the table, all in words."""
-
-    words: str
-    value: str
-    interval: str
-    unit: str
-
-
 def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
     """The variables of the template."""
-    joints = []
-    for joint in found.joints:
-        rmse = joint.found.score.rmse["mechanical"]
-        joints.append(
-            _Row(
-                f"joint_{joint.number}/report.html",
-                f"{joint.number} {joint.name}",
-                VERDICTS[joint.verdict] if joint.fits_the_rig else "does not fit the rig",
-                ", ".join(effect.id for effect, _ in joint.found.effects) or "-",
-                number(rmse["linear"]),
-                number(rmse["paper"]),
-                number(rmse["extended"]),
-                number(joint.found.noise_floor),
-                joint.found.unit,
-            )
-        )
+    joints = [
+        {
+            "href": f"joint_{joint.number}/report.html",
+            "name": f"{joint.number} {joint.name}",
+            "verdict": VERDICTS[joint.verdict] if joint.fits_the_rig else "does not fit the rig",
+            "effects": ", ".join(effect.id for effect, _ in joint.found.effects) or "-",
+            **{model: number(error) for model, error in joint.found.score.rmse["mechanical"].items()},
+            "noise": number(joint.found.noise_floor),
+            "unit": joint.found.unit,
+        }
+        for joint in found.joints
+    ]
     sums, bodies = [], ""
     if (identified := found.bodies) is not None:
         bodies = (
@@ -77,7 +47,7 @@ def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
             else "Identified from all joints at once; no real bodies have these values."
         )
         sums = [
-            _Sum(words, number(e.value), range_of(e.interval), e.unit)
+            {"words": words, "value": number(e.value), "interval": range_of(e.interval), "unit": e.unit}
             for words, e in zip(identified.sums, identified.estimates.values(), strict=True)
         ]
     return {

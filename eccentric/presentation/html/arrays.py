@@ -10,8 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eccentric.presentation.html.limits import BLOCK_S, LEAST_BLOCKS, LEAST_DIFFERENCE, SIGMAS
-
 Array = np.ndarray
 
 
@@ -212,6 +210,15 @@ def binned(rows: ResidualRows, channel: Channel, curves: Mapping[str, Array]) ->
 # Run by run: the error before and after, and whether the friction of the runs is one.
 
 
+BLOCK_S = 1.0
+"""Residuals this far apart count as independent, as in the intervals of the scores."""
+LEAST_BLOCKS = 5
+"""Fewest of them for a standard error: of fewer, it is left to chance, and of one it is zero."""
+SIGMAS, LEAST_DIFFERENCE = 5.0, 0.05
+"""A run's friction is another one beyond this many standard errors and by this part: that of a greased gear
+differs by some per cent from day to day."""
+
+
 @dataclass(frozen=True)
 class PartErrors:
     """Rows of a run: how many, and the RMS of the residual before and after; `after` is None without one."""
@@ -262,10 +269,10 @@ def _part(balance: BalanceResiduals, own: Array) -> PartErrors | None:
 
 def runs_apart(runs: list[RunErrors]) -> tuple[RunErrors, RunErrors] | None:
     """The runs of least and most friction, if they differ clearly; None if one model suits them all."""
-    told = sorted((run for run in runs if run.level is not None), key=lambda run: run.level or (0.0, 0.0))
-    if len(told) < 2:
+    levels = sorted((run for run in runs if run.level is not None), key=lambda run: run.level or (0.0, 0.0))
+    if len(levels) < 2:
         return None
-    least, most = told[0], told[-1]
+    least, most = levels[0], levels[-1]
     (low, low_error), (high, high_error) = least.level or (0.0, 0.0), most.level or (0.0, 0.0)
     clear = high - low > SIGMAS * float(np.hypot(low_error, high_error))
     return (least, most) if clear and high - low > LEAST_DIFFERENCE else None

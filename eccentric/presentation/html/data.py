@@ -14,12 +14,8 @@ from numpy.typing import NDArray
 
 from eccentric.model import TURNING, AxisKind
 from eccentric.presentation.html.arrays import BalanceResiduals
+from eccentric.presentation.ranges_text import effect_name
 from eccentric.signals import Finding
-
-
-def called(headline: str, effect_id: str) -> str:
-    """The headline of an effect, then its id; the id alone if there is no headline."""
-    return f"{headline} ({effect_id})" if headline else effect_id
 
 
 @dataclass(frozen=True)
@@ -84,7 +80,7 @@ class CandidateRow:
     @property
     def called(self) -> str:
         """What it is, its id second."""
-        return called(self.headline, self.id)
+        return effect_name(self.headline, self.id)
 
 
 @dataclass(frozen=True)
@@ -106,11 +102,6 @@ class AddedEffect:
     headline: str = ""
     stability: str = ""
     ranges: tuple[str, ...] = ()
-
-    @property
-    def called(self) -> str:
-        """What it is, its id second."""
-        return called(self.headline, self.id)
 
 
 @dataclass(frozen=True)

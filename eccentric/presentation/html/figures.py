@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.model import TURNING, AxisKind
-from eccentric.presentation.html.arrays import BalanceResiduals, Channel, MeanAndSpread
+from eccentric.presentation.html.arrays import BalanceResiduals, MeanAndSpread
 from eccentric.presentation.html.data import ReportData
 from eccentric.presentation.html.panels import Panel, Trace, friction_panel, residual_panel
 from eccentric.presentation.html.text import curve_name
@@ -122,7 +122,7 @@ class Figures:
 def _columns(curves: Mapping[str, MeanAndSpread], with_bars: set[str]) -> dict[str, Any]:
     """A column for each curve, and those of the ends of its bars."""
     columns = {name: curve.middle for name, curve in curves.items()}
-    for name in with_bars & set(curves):
+    for name in (name for name in curves if name in with_bars):
         columns |= {f"{name}_low": curves[name].low, f"{name}_high": curves[name].high}
     return columns
 
@@ -166,19 +166,15 @@ def plot_report(data: ReportData, left: Any, right: Any = None) -> None:
     if right is None:
         return
     velocity = balance.rows.channel("velocity")
-    friction = None if velocity is None else friction_panel(balance, velocity)
+    friction = velocity and friction_panel(balance, velocity)
     if friction is not None:
         _draw(right, friction, balance, balance.quantity, axis)
     else:
-        _draw(right, _residual(balance, velocity), balance, "residual", axis)
+        _draw(right, velocity and residual_panel(balance, velocity), balance, "residual", axis)
     added = ", ".join(effect.id for effect in data.extended.effects) or data.conclusion.verdict.replace(
         "_", " "
     )
     left.figure.suptitle(f"{', '.join(data.source.logs)}: {added}", fontsize=9.0)
-
-
-def _residual(balance: BalanceResiduals, channel: Channel | None) -> Panel | None:
-    return None if channel is None else residual_panel(balance, channel)
 
 
 def _draw(axes: Any, panel: Panel | None, balance: BalanceResiduals, quantity: str, axis: AxisKind) -> None:

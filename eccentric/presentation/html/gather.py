@@ -20,11 +20,10 @@ from eccentric.identification import DRIVE_UNITS, Refit, in_drive_unit
 from eccentric.model import AxisKind, spoken
 from eccentric.presentation.calls_text import calls, share_words
 from eccentric.presentation.diagnosis_text import (
-    closest_sentence,
     diagnosis_sentence,
     empirical_sentence,
+    further_sentences,
     request_words,
-    sibling_sentence,
     stability_words,
 )
 from eccentric.presentation.html.arrays import BalanceResiduals, Channel, DriveSignal, ResidualRows
@@ -47,7 +46,7 @@ from eccentric.presentation.html.data import (
 from eccentric.presentation.html.equation import friction_equations, typesetter_of
 from eccentric.presentation.html.text import number, range_of
 from eccentric.presentation.measurement_text import measurement_sentence
-from eccentric.presentation.ranges_text import range_line, ruled_out_sentence
+from eccentric.presentation.ranges_text import range_line
 from eccentric.rigs import KNOWNS
 from eccentric.signals import Rows
 from eccentric.simulation import SimulatedErrors
@@ -223,9 +222,6 @@ _ORIGINS = ("effect", "friction", "bench", "part", "rig", "model", "unseen")
 # The records of a report.
 
 
-_CLOSEST = (ruled_out_sentence, closest_sentence, sibling_sentence, empirical_sentence)
-
-
 def report_data(
     found: Diagnosis, simulated: SimulatedErrors | None = None, files: Sequence[tuple[str, str]] = ()
 ) -> ReportData:
@@ -255,7 +251,7 @@ def report_data(
             verdict=attribution.verdict,
             sentence=diagnosis_sentence(found),
             depends_on=tuple(map(axis.named, attribution.depends_on)),
-            closest=" ".join(filter(None, [sentence(found) for sentence in _CLOSEST])),
+            closest=" ".join(further_sentences(found)),
             next_measurement=measurement_sentence(attribution.next_measurement, axis),
             fits_the_rig=found.models.fits_the_rig,
             confirmed=not attribution.unconfirmed,

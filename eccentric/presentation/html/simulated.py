@@ -11,12 +11,15 @@ import numpy as np
 
 from eccentric.model import TURNING, AxisKind
 from eccentric.presentation.html.arrays import BalanceResiduals
-from eccentric.presentation.html.limits import GAP_STEPS, STRETCH_S
 from eccentric.presentation.html.text import curve_name, number, run_name
 
 Array = np.ndarray
 _LEFT, _RIGHT, _GAP = 66.0, 954.0, 30.0
 _HEIGHTS = (190.0, 90.0)
+STRETCH_S = 6.0
+"""Longest stretch of the measured and simulated drive: more, and lines of a page's width hide each other."""
+GAP_STEPS = 3.0
+"""A step of time this many usual ones long ends a line: rows at standstill are left out in between."""
 _POINTS = 900
 """Most points of a line: one for each unit of its width."""
 
@@ -85,7 +88,7 @@ def simulated(balance: BalanceResiduals, axis: AxisKind = TURNING) -> Simulated 
         (f"{_LEFT + (_RIGHT - _LEFT) * (tick - start) / span:.1f}", number(tick, 5))
         for tick in _ticks(start, start + span)
     ]
-    told = " and ".join(
+    errors_text = " and ".join(
         f"{number(float(np.sqrt(np.mean(error**2))), 3)} {drive.unit} ({curve_name(kind, axis)})"
         for kind, error in errors.items()
     )
@@ -94,11 +97,13 @@ def simulated(balance: BalanceResiduals, axis: AxisKind = TURNING) -> Simulated 
     most = "it varies most" if balance.extended is None else "the models differ most"
     caption = (
         f"Measured {drive.label}, and the {drive.label} that each model needs for the measured motion, in the"
-        f" held-out section where {most} ({where}). Below: the difference, {told} RMS."
+        f" held-out section where {most} ({where}). Below: the difference, {errors_text} RMS."
         " Rows at standstill are left out."
     )
     legend = [("measured", "measured"), *((kind, curve_name(kind, axis)) for kind in errors)]
-    alternative = f"{drive.label}, measured and by the models, {where}; the differences are {told} RMS."
+    alternative = (
+        f"{drive.label}, measured and by the models, {where}; the differences are {errors_text} RMS."
+    )
     return Simulated(lines, grid, times, names, legend, round(top - 8.0), caption, alternative)
 
 

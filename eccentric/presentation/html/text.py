@@ -13,7 +13,6 @@ from eccentric.model import AxisKind
 from eccentric.presentation.html.arrays import BalanceResiduals, RunErrors, runs_apart
 from eccentric.presentation.html.data import CandidateRow, Correlations, ReportData
 from eccentric.presentation.html.formulas import short_formula
-from eccentric.presentation.html.limits import CLOSE, MOST_NAMED
 from eccentric.presentation.html.panels import Panel, Trace
 
 _MODELS = {"linear": "Coulomb + viscous", "paper": "paper's model", "extended": "extended model"}
@@ -32,6 +31,11 @@ _WINDOWS = (
     "These errors are of smoothed windows, each predicted by a fit to the others; held-out errors are of"
     " single rows."
 )
+MOST_NAMED = 3
+"""Tied effects in a headline: more are a list, which follows below it."""
+CLOSE = 0.9
+"""Correlation from which two estimates are named: their own errors are then more than twice those of their
+combination."""
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 

@@ -11,8 +11,7 @@ from eccentric.presentation.html.arrays import BalanceResiduals, PartErrors, Run
 from eccentric.presentation.html.data import CandidateRow, Errors, Parameter, ReportData
 from eccentric.presentation.html.figures import Figures
 from eccentric.presentation.html.formulas import short_formula
-from eccentric.presentation.html.limits import SHOWN_RUNS
-from eccentric.presentation.html.panels import friction_panel, residual_panel, trace
+from eccentric.presentation.html.panels import Panel, friction_panel, residual_panel, trace
 from eccentric.presentation.html.simulated import simulated
 from eccentric.presentation.html.text import (
     correlation_words,
@@ -40,6 +39,8 @@ _ORIGINS = {
 }
 _LEADING = 5
 """Candidates shown at first: those that lead the list, and all that are adopted or tied."""
+SHOWN_RUNS = 12
+"""Runs of the table that are not folded."""
 _MARKS = {"named": "✓", "not_identifiable": "≈", "unexplained": "?", "nothing_missing": "○"}
 
 
@@ -84,6 +85,13 @@ def _figure(ids: list[str], caption: tuple[str, str]) -> dict[str, Any]:
     return {"ids": ids, "caption": caption[0], "alternative": caption[1]}
 
 
+def _panel(
+    figures: Figures, panel: Panel, quantity: str, balance: BalanceResiduals, axis: AxisKind
+) -> dict[str, Any]:
+    ids = figures.panel(panel, quantity, balance.unit)
+    return _figure(ids, figure_words(panel, balance.unit, axis))
+
+
 def _residuals(figures: Figures, balance: BalanceResiduals, data: ReportData) -> list[dict[str, Any]]:
     """One figure per channel; those that the residual depends on come first."""
     order = {key: k for k, key in enumerate(data.conclusion.depends_on)}
@@ -91,11 +99,8 @@ def _residuals(figures: Figures, balance: BalanceResiduals, data: ReportData) ->
     for channel in sorted(balance.rows.channels, key=lambda c: order.get(c.key, len(order))):
         panel = residual_panel(balance, channel)
         if panel is not None:
-            ids = figures.panel(panel, "residual", balance.unit)
-            found.append(
-                _figure(ids, figure_words(panel, balance.unit, data.source.axis))
-                | {"depends": channel.key in order}
-            )
+            drawn = _panel(figures, panel, "residual", balance, data.source.axis)
+            found.append(drawn | {"depends": channel.key in order})
     return found
 
 
@@ -106,10 +111,7 @@ def _empirical(figures: Figures, data: ReportData, library: str) -> dict[str, An
     sentence, key, balance = data.extended.empirical
     channel = balance.rows.channel(key)
     panel = residual_panel(balance, channel) if library and channel is not None else None
-    drawn = []
-    if panel is not None:
-        ids = figures.panel(panel, "residual", balance.unit)
-        drawn = [_figure(ids, figure_words(panel, balance.unit, data.source.axis))]
+    drawn = [_panel(figures, panel, "residual", balance, data.source.axis)] if panel is not None else []
     return {"sentence": sentence, "figures": drawn}
 
 
@@ -119,8 +121,7 @@ def _friction(figures: Figures, balance: BalanceResiduals, axis: AxisKind) -> li
         channel = balance.rows.channel(key)
         panel = channel and friction_panel(balance, channel)
         if panel:
-            ids = figures.panel(panel, balance.quantity, balance.unit)
-            found.append(_figure(ids, figure_words(panel, balance.unit, axis)))
+            found.append(_panel(figures, panel, balance.quantity, balance, axis))
     return found
 
 
