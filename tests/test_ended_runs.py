@@ -212,7 +212,9 @@ def test_without_locks_a_run_does_not_meddle_with_one_that_may_live(
     plan = {"names": ["fit.json"], "leaving": ["fit.json"], "made": [], "fresh": False}
     (other / "journal").write_text(json.dumps(plan))
 
-    with pytest.raises(InputError, match=r"expected no other run is writing; .* again in an hour$"):
+    with pytest.raises(
+        InputError, match=r"expected a folder that no other run is writing; .* again in an hour$"
+    ):
         fill(out)
     for path in (other, *other.rglob("*")):
         past = path.stat().st_mtime - 3601.0

@@ -59,7 +59,7 @@ BAD = {
     "bytes.csv": (b"t,\x01\xe4\n1,2\n", "bytes.csv: expected UTF-8 text, but byte 3 is not"),
     "cut.csv.gz": (CUT_OFF, "cut.csv.gz: the compressed file is damaged or cut off"),
     "plain.csv.gz": (TEXT.encode(), "plain.csv.gz: the compressed file is damaged or cut off"),
-    "log.odt": (b"PK", "log.odt: a log of .csv, .txt, .dat, .tsv, .log, .asc, .csv.gz,"),
+    "log.odt": (b"PK", "log.odt: expected a log of .csv, .txt, .dat, .tsv, .log, .asc, .csv.gz,"),
     "noise.mat": (b"x" * 200, "noise.mat: not a valid MAT file"),
     "noise.parquet": (b"x" * 200, "noise.parquet: not a valid Parquet file"),
     "noise.json": (b"x" * 200, "noise.json: not a valid JSON file"),

@@ -81,8 +81,8 @@ def test_a_log_that_memory_does_not_hold_is_one_line(
     with pytest.raises(InputError) as refused:
         read_log(tmp_path / name)
     said = str(refused.value).removeprefix(f"{tmp_path / name}: ")
-    most = int(said.removeprefix("at most ").split()[0].replace(",", ""))
-    assert "expected rows of this kind, for which the 3e-05 GB of free memory suffice, got 1,0" in said
+    most = int(said.removeprefix("expected at most ").split()[0].replace(",", ""))
+    assert "rows of this kind, for which the 3e-05 GB of free memory suffice, got 1,0" in said
     assert 10 < most < ROWS / 5
 
 

@@ -100,7 +100,7 @@ def test_columns_of_another_arm_are_refused_before_anything_is_read(
     """As those of a short log are: one line."""
     log = {name: values for name, values in arm[0].items() if not name.endswith("2")}
 
-    with pytest.raises(InputError, match="is required for joint 2 of planar"):
+    with pytest.raises(InputError, match="expected column 'q_rad_2' for joint 2 of planar"):
         eccentric.fit_arm(log, arm[1])
 
 

@@ -77,10 +77,10 @@ def test_a_list_of_rows_and_a_list_for_each_column_are_logs(tmp_path: Path, cont
 BAD_JSON = {
     "rig": (
         '{"known": {"case": "C1"}, "columns": {}}',
-        "expected a list of entries, got keys 'known', 'columns'",
+        "expected a JSON log with a list of entries, got keys 'known', 'columns'",
     ),
-    "empty": ('{"entries": []}', "expected a list of entries, got keys 'entries'"),
-    "number": ("3", "expected a list of entries, got 3"),
+    "empty": ('{"entries": []}', "expected a JSON log with a list of entries, got keys 'entries'"),
+    "number": ("3", "expected a JSON object with a list of entries, got 3"),
     "cut": ('{"entries": [{"t": 1', "not a valid JSON file (Expecting"),
     "deep": ("[" * 100_000, "not a valid JSON file ("),
     "digits": ('{"entries": [{"t": ' + "1" * 5000 + "}]}", "not a valid JSON file (Exceeds the limit"),

@@ -88,7 +88,7 @@ def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float
     if not len(middle):
         raise InputError("windows", f"a stretch of {window_s:g} s without a gap", "none")
     if sizes.min() < LEAST_WINDOW_ROWS:
-        raise InputError("windows", f"{LEAST_WINDOW_ROWS} rows in {window_s:g} s", sizes.min())
+        raise InputError("windows", f"at least {LEAST_WINDOW_ROWS} rows in {window_s:g} s", sizes.min())
     pointer = np.concatenate([[0], np.cumsum(sizes)])
     columns = np.empty(pointer[-1], dtype=np.int64)
     values = np.empty((2, pointer[-1]))
@@ -183,7 +183,7 @@ def hann_windows(time: Array, valid: Mask, segment: Integers, run: Integers, len
     return _means(f"windows of {length_s:.3g} s", operator, time[centre], run[centre], block)
 
 
-LONGER = "no shorter window gives enough; expected a longer log"
+LONGER = "no shorter window gives enough: record longer"
 
 
 def fit_rows(channels: Channels, rig: Rig) -> Rows:
