@@ -12,14 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.logs.limits import (
-    FALLING,
-    FAR_AWAY,
-    FEWEST_AFTER,
-    FEWEST_IN_PACKETS,
-    LONGEST_BREAK,
-    MOST_OUT_OF_ORDER,
-)
+from eccentric.logs import limits
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -45,7 +38,7 @@ def falls(t: Array) -> bool:
     """Whether a clock (n,) runs backwards: nearly every step of it that is one is downwards."""
     steps = np.diff(t[np.isfinite(t)])
     steps = steps[steps != 0.0]
-    return len(steps) > 2 and bool(np.count_nonzero(steps < 0.0) > FALLING * len(steps))
+    return len(steps) > 2 and bool(np.count_nonzero(steps < 0.0) > limits.FALLING * len(steps))
 
 
 def mended(t: Array) -> Mended:
@@ -72,7 +65,7 @@ def mended(t: Array) -> Mended:
     part = np.cumsum(part)
     rows = np.flatnonzero(kept)
     again = np.flatnonzero((np.diff(t[rows]) <= 0.0) & (np.diff(part[rows]) == 0)) + 1
-    if len(again) < FEWEST_IN_PACKETS * len(rows):
+    if len(again) < limits.FEWEST_IN_PACKETS * len(rows):
         # A stamp that two rows share by mistake: the second would have to be guessed.
         kept[rows[again]] = False
         return Mended(t, kept, part)
@@ -87,12 +80,12 @@ def mended(t: Array) -> Mended:
 
 def _is_stale(t: Array) -> bool:
     """Whether the first time is one of another recording: many times as far away as all others last."""
-    return len(t) >= FEWEST_AFTER and t[1] - t[0] > FAR_AWAY * float(t[-1] - t[1]) > 0.0
+    return len(t) >= limits.FEWEST_AFTER and t[1] - t[0] > limits.FAR_AWAY * float(t[-1] - t[1]) > 0.0
 
 
 def _out_of_order(t: Array, k: int) -> slice | None:
     """The rows at the fall after row k that do not belong between those beside them; None if many."""
-    for m in range(1, MOST_OUT_OF_ORDER + 1):
+    for m in range(1, limits.MOST_OUT_OF_ORDER + 1):
         if k - m < 0 or t[k + 1] > t[k - m]:
             return slice(max(0, k - m + 1), k + 1)
         if k + 1 + m < len(t) and t[k + 1 + m] > t[k]:
@@ -113,7 +106,7 @@ def _spread(t: Array) -> tuple[Array, tuple[int, float]]:
     row = float(np.median(lasts / size[:-1]))
     # A gap before the next stamp is none of the packet's.
     lasts = np.append(lasts, row * size[-1])
-    each = np.where(lasts > LONGEST_BREAK * row * size, row, lasts / size)
+    each = np.where(lasts > limits.LONGEST_BREAK * row * size, row, lasts / size)
     place = np.arange(len(t)) - np.repeat(first, size)
     usual = int(np.median(size))
     fine = t + place * np.repeat(each, size)

@@ -18,17 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError
+from eccentric.logs import limits
 from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, overlaps
 from eccentric.logs.cells import EXACT, POINT, cells_to_column, is_number, plain_column, units_row
 from eccentric.logs.foreign import require_room_for_text
 from eccentric.logs.layout import Layout, layout_of, rows_of
-from eccentric.logs.limits import (
-    BATCH_ROWS,
-    LAYOUT_LINES,
-    MOST_BROKEN,
-    MOST_CHARACTERS,
-    SAMPLE_ROWS,
-)
 from eccentric.logs.topics import of_clocks, of_topics
 
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
@@ -71,9 +65,9 @@ def _csv_errors(path: Path) -> Iterator[None]:
 def text_of(path: Path, encoding: str = "utf-8-sig") -> str:
     """Return the text of a file, unpacked if its name ends in .gz; InputError above a gigabyte."""
     with _opened(path, encoding) as file:
-        text = file.read(MOST_CHARACTERS + 1)
-    if len(text) > MOST_CHARACTERS:
-        raise InputError(path, f"at most {MOST_CHARACTERS:,} characters", "more")
+        text = file.read(limits.MOST_CHARACTERS + 1)
+    if len(text) > limits.MOST_CHARACTERS:
+        raise InputError(path, f"at most {limits.MOST_CHARACTERS:,} characters", "more")
     return text
 
 
@@ -85,7 +79,7 @@ def csv_source(path: Path) -> InParts | None:
     """
     try:
         with _csv_errors(path):
-            layout = _start(path, _first_lines(path, LAYOUT_LINES))
+            layout = _start(path, _first_lines(path, limits.LAYOUT_LINES))
             if layout.clocks or layout.units or not _plain(path, layout):
                 return None
         lines = _lines(path)
@@ -99,7 +93,7 @@ def csv_source(path: Path) -> InParts | None:
             for _ in range(before):
                 next(file)
             rows = ((before + line, row) for line, row in rows_of(file, layout.delimiter))
-            while at < spans[-1][1] and (block := list(itertools.islice(rows, BATCH_ROWS))):
+            while at < spans[-1][1] and (block := list(itertools.islice(rows, limits.BATCH_ROWS))):
                 for first, end in overlaps(at, at + len(block), spans):
                     found = _rectangular(block[first - at : end - at], layout, path)
                     values = list(zip(*(row for _, row in found), strict=True))
@@ -128,7 +122,7 @@ def _start(path: Path, text: Sequence[str]) -> Layout:
         raise InputError(path, "a header row with column names", "an empty file")
     names, delimiter, is_row = _names(text[skipped - 1] if skipped else "", text[skipped])
     before = skipped + (not is_row)
-    sample = text[: before + LAYOUT_LINES]
+    sample = text[: before + limits.LAYOUT_LINES]
     if not is_row and not _is_table(names, delimiter, sample[before:]):
         found = layout_of(sample, path)
         if found is not None:
@@ -193,7 +187,7 @@ def _names(comment: str, line: str) -> tuple[list[str], str, bool]:
 
 def _plain(path: Path, layout: Layout) -> bool:
     """Whether the first rows are nothing but numbers and names, one row for each moment."""
-    read = _of_rows(path, _first_lines(path, layout.before + SAMPLE_ROWS), layout)
+    read = _of_rows(path, _first_lines(path, layout.before + limits.SAMPLE_ROWS), layout)
     return not read.notes and not read.units and of_topics(read, path) is read
 
 
@@ -255,7 +249,7 @@ def _rectangular(
     if layout.clocks:  # a group that has ended leaves its places out
         found = [(line, [*row, *[""] * (width - len(row))]) for line, row in found]
     other = [k for k, (_, row) in enumerate(found) if len(row) != width]
-    if other and (len(other) > MOST_BROKEN * len(found) or len(found) < 1 / MOST_BROKEN):
+    if other and (len(other) > limits.MOST_BROKEN * len(found) or len(found) < 1 / limits.MOST_BROKEN):
         rows = [row[:width] if not any(map(str.strip, row[width:])) else row for _, row in found]
         if all(len(row) == width for row in rows):  # a delimiter at the end of every row
             return [(line, row) for (line, _), row in zip(found, rows, strict=True)]

@@ -21,13 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.core import InputError
-from eccentric.logs.limits import (
-    BYTES_PER_CHARACTER,
-    BYTES_PER_NUMBER,
-    BYTES_PER_ROW,
-    BYTES_PER_VALUE,
-    MEMORY_IF_UNKNOWN,
-)
+from eccentric.logs import limits
 
 
 def library(name: str, extra: str, path: Path) -> Any:
@@ -100,16 +94,16 @@ def require_room_for_text(path: Path, text: str, rows: int, values: int, *, part
     `parts` is the number of lists and objects that it is read into, if that is not one for each row.
     """
     need = (
-        BYTES_PER_ROW * (rows if parts is None else parts)
-        + BYTES_PER_VALUE * values
-        + BYTES_PER_CHARACTER * len(text)
+        limits.BYTES_PER_ROW * (rows if parts is None else parts)
+        + limits.BYTES_PER_VALUE * values
+        + limits.BYTES_PER_CHARACTER * len(text)
     )
     _require(path, need, rows, values)
 
 
 def require_room_for_numbers(path: Path, rows: int, values: int) -> None:
     """Raise InputError if so many values of a binary file take more memory than there is."""
-    _require(path, BYTES_PER_NUMBER * values, rows, values)
+    _require(path, limits.BYTES_PER_NUMBER * values, rows, values)
 
 
 def _require(path: Path, need: int, rows: int, values: int) -> None:
@@ -140,7 +134,7 @@ def _of_machine(root: Path) -> Iterator[int]:
     try:
         yield os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, OSError, ValueError):
-        yield MEMORY_IF_UNKNOWN
+        yield limits.MEMORY_IF_UNKNOWN
 
 
 def _of_group(root: Path) -> Iterator[int]:

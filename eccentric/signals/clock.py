@@ -10,17 +10,8 @@ from numpy.typing import NDArray
 
 from eccentric.core import InputError, counted, so_more
 from eccentric.logs import Log, mended
+from eccentric.signals import limits
 from eccentric.signals.finding import Finding
-from eccentric.signals.limits import (
-    AT_ONCE,
-    CHANGING,
-    FEWEST_OF_A_RECORDING,
-    FROZEN_ROWS,
-    FROZEN_TIMES,
-    GAP_STEPS,
-    MOST_NEW,
-    MOST_REJECTED,
-)
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -54,7 +45,10 @@ def clock_of(log: Log, labels: Integers, t: Array, kept: Mask) -> ClockOfLog:
         found = mended(t[own])
         fine[own], part[own] = found.t, found.part
         # A recording of one or two rows has no motion: its rows are damaged ones.
-        alone = np.bincount(found.part[found.kept], minlength=int(found.part[-1]) + 1) < FEWEST_OF_A_RECORDING
+        alone = (
+            np.bincount(found.part[found.kept], minlength=int(found.part[-1]) + 1)
+            < limits.FEWEST_OF_A_RECORDING
+        )
         of_one = alone[found.part] & bool(found.part[-1])
         good[own] = found.kept & ~of_one
         lost += own[~good[own]].tolist()
@@ -62,7 +56,7 @@ def clock_of(log: Log, labels: Integers, t: Array, kept: Mask) -> ClockOfLog:
         if found.packet[0]:
             packets.append((*found.packet, len(own)))
     said: list[Finding] = []
-    if len(lost) > MOST_REJECTED * np.count_nonzero(kept):
+    if len(lost) > limits.MOST_REJECTED * np.count_nonzero(kept):
         raise InputError(
             f"{log.path}: {log.place(lost[0])}",
             "time stamps that increase",
@@ -114,12 +108,12 @@ def frozen_tails(log: Log, labels: Integers, channels: Sequence[Array], kept: Ma
     for own in _stretches(labels, kept):
         same = np.logical_and.reduce([x[own][1:] == x[own][:-1] for x in channels])
         changes = np.flatnonzero(~same)
-        if len(changes) < FROZEN_ROWS:
+        if len(changes) < limits.FROZEN_ROWS:
             continue
         tail = len(same) - 1 - int(changes[-1])
         usual = len(changes) / (changes[-1] + 1.0)
         longest = int(np.max(np.diff(changes), initial=1))
-        if tail >= max(FROZEN_ROWS, FROZEN_TIMES * longest) and usual >= CHANGING:
+        if tail >= max(limits.FROZEN_ROWS, limits.FROZEN_TIMES * longest) and usual >= limits.CHANGING:
             rows[own[len(own) - tail :]] = True
     count = int(np.count_nonzero(rows))
     if not count:
@@ -147,7 +141,7 @@ def polled(log: Log, labels: Integers, channels: Sequence[Array], kept: Mask) ->
         often += each.sum(axis=1)
         count += len(own) - 1
     new = int(np.count_nonzero(changed[kept]))
-    if not count or new > MOST_NEW * count or new > AT_ONCE * float(np.max(often)):
+    if not count or new > limits.MOST_NEW * count or new > limits.AT_ONCE * float(np.max(often)):
         return Stale(rows, ())
     for own in _stretches(labels, kept):
         news = np.flatnonzero(changed[own])
@@ -155,7 +149,7 @@ def polled(log: Log, labels: Integers, channels: Sequence[Array], kept: Mask) ->
         latest = np.searchsorted(news, np.arange(len(own)), side="right") - 1
         since, lasts = np.arange(len(own)) - news[latest], np.diff(news, append=len(own))[latest]
         # What lasts longer than a gap in time is rest: without any row it would be one.
-        rows[own] = (since > 0) & ((lasts <= GAP_STEPS * every) | (since % every != 0))
+        rows[own] = (since > 0) & ((lasts <= limits.GAP_STEPS * every) | (since % every != 0))
     dropped = int(np.count_nonzero(rows))
     text = (
         f"{log.path}: {dropped} of {counted(count, 'row')} repeat the one before in every channel: the log is"

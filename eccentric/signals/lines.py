@@ -12,20 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.ndimage import median_filter
 
-from eccentric.signals.limits import (
-    AROUND_A_LINE,
-    BINS_PER_CYCLE,
-    HIGHEST_LINE,
-    IN_PHASE,
-    LEAST_LINE_SHARE,
-    LEAST_TURNS,
-    LOW_ORDERS,
-    LOW_ORDERS_OF_THE_LINK,
-    MOST_LINES,
-    PARTS_OF_A_LOG,
-    PER_TURN,
-    STANDS_OUT,
-)
+from eccentric.signals import limits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,27 +33,29 @@ def standing_lines(
         step_s: time between rows [s]; orders up to 0.4 of the rows of a turn at the median speed are seen.
         mu: speed of the link over that of the motor, None where it is unknown.
     """
-    if not len(theta) or np.ptp(theta) < LEAST_TURNS * TURN:
+    if not len(theta) or np.ptp(theta) < limits.LEAST_TURNS * TURN:
         return ()
-    highest = min(HIGHEST_LINE, int(PER_TURN * TURN / (float(np.median(np.abs(omega))) * step_s)))
-    if highest <= LOW_ORDERS:
+    highest = min(
+        limits.HIGHEST_LINE, int(limits.PER_TURN * TURN / (float(np.median(np.abs(omega))) * step_s))
+    )
+    if highest <= limits.LOW_ORDERS:
         return ()
-    link = [n * mu for n in range(1, LOW_ORDERS_OF_THE_LINK + 1)] if mu not in (None, 1.0) else []
-    orders = [*range(1, LOW_ORDERS + 1), *link]
+    link = [n * mu for n in range(1, limits.LOW_ORDERS_OF_THE_LINK + 1)] if mu not in (None, 1.0) else []
+    orders = [*range(1, limits.LOW_ORDERS + 1), *link]
     phases = np.outer(theta, orders)
     way = np.sign(omega)
     rise = np.gradient(omega)
     known = np.column_stack([np.ones_like(way), way, omega, rise, np.cos(phases), np.sin(phases)])
     rest = drive - known @ np.linalg.lstsq(known, drive, rcond=None)[0]
-    count = BINS_PER_CYCLE * HIGHEST_LINE
+    count = limits.BINS_PER_CYCLE * limits.HIGHEST_LINE
     bins = np.bincount((theta / TURN % 1.0 * count).astype(int) % count, rest, count)
     # Of white noise, the power has the mean 1.
     power = np.abs(np.fft.rfft(bins)[: highest + 1]) ** 2 / max(float(rest @ rest), 1e-300)
-    floor = np.maximum(median_filter(power, AROUND_A_LINE, mode="nearest") / np.log(2.0), 1.0)
+    floor = np.maximum(median_filter(power, limits.AROUND_A_LINE, mode="nearest") / np.log(2.0), 1.0)
     share = 2.0 * power / len(rest)
-    found = np.flatnonzero((power > STANDS_OUT * floor) & (share > LEAST_LINE_SHARE))
-    found = found[found > LOW_ORDERS]
-    strongest = found[np.argsort(-power[found], kind="stable")][:MOST_LINES]
+    found = np.flatnonzero((power > limits.STANDS_OUT * floor) & (share > limits.LEAST_LINE_SHARE))
+    found = found[found > limits.LOW_ORDERS]
+    strongest = found[np.argsort(-power[found], kind="stable")][: limits.MOST_LINES]
     return tuple(int(n) for n in strongest if _keeps_phase(theta, rest, int(n)))
 
 
@@ -77,6 +66,6 @@ def _keeps_phase(theta: Array, rest: Array, order: int) -> bool:
     the square of their sum is an eighth of eight times the sum of their squares.
     """
     waves = rest * np.exp(-1j * order * theta)
-    parts = np.array([np.sum(part) for part in np.array_split(waves, PARTS_OF_A_LOG)])
+    parts = np.array([np.sum(part) for part in np.array_split(waves, limits.PARTS_OF_A_LOG)])
     together = float(abs(np.sum(parts)) ** 2)
-    return together > IN_PHASE * PARTS_OF_A_LOG * float(np.sum(np.abs(parts) ** 2))
+    return together > limits.IN_PHASE * limits.PARTS_OF_A_LOG * float(np.sum(np.abs(parts) ** 2))

@@ -20,13 +20,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 from eccentric.core import InputError, counted
+from eccentric.signals import limits
 from eccentric.signals.finding import Finding
-from eccentric.signals.limits import (
-    CHANGED_TURN,
-    FEWEST_TURNS,
-    SAME_TURN,
-    TURNS_SMOOTHER,
-)
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -58,7 +53,7 @@ def turns_of(t: Array, count: Array | None) -> Turns:
     if len(changes) == len(t) - 1:
         return _mended(t, np.arange(len(t)), np.concatenate([[0.0], np.cumsum(steps)]), late=False)
     total = np.cumsum(steps)
-    late = _roughness(t[changes]) < TURNS_SMOOTHER * _roughness(t[changes + 1])
+    late = _roughness(t[changes]) < limits.TURNS_SMOOTHER * _roughness(t[changes + 1])
     return _mended(t, changes if late else changes + 1, total, late=late)
 
 
@@ -88,7 +83,7 @@ def _mended(t: Array, rows: Integers, count: Array, late: bool) -> Turns:
 
 
 def _same(one: Array, other: Array) -> NDArray[np.bool_]:
-    return np.abs(one - other) < SAME_TURN * other
+    return np.abs(one - other) < limits.SAME_TURN * other
 
 
 @dataclasses.dataclass(frozen=True)
@@ -131,16 +126,16 @@ def even_turns(t: Array, count: Array | None, run: Integers, names: Sequence[str
         at, rows = t[own][found.rows], own[found.rows]
         pieces = _steady(at)
         longest = max(map(len, pieces))
-        if longest < FEWEST_TURNS:
+        if longest < limits.FEWEST_TURNS:
             raise InputError(
                 f"{path}: run {names[int(run[own[0]])]!r}",
-                f"at least {FEWEST_TURNS} turns without a jump of the speed",
+                f"at least {limits.FEWEST_TURNS} turns without a jump of the speed",
                 f"{longest}",
                 why=f"with {'events'} = {'revolution'!r}",
             )
         every.append(found)
         step = float(np.median(np.diff(at) / np.diff(found.count)))
-        for piece in [piece for piece in pieces if len(piece) >= FEWEST_TURNS]:
+        for piece in [piece for piece in pieces if len(piece) >= limits.FEWEST_TURNS]:
             start, before = float(at[piece[0]]), at[piece]
             grid = np.arange(start, before[-1], step)
             spline = make_interp_spline(before - start, TURN * found.count[piece], k=5)
@@ -153,5 +148,5 @@ def even_turns(t: Array, count: Array | None, run: Integers, names: Sequence[str
 def _steady(t: Array) -> list[Integers]:
     """The events (n,) in pieces between which a turn takes more than twice as long as the one beside it."""
     lasts = np.diff(t)
-    jumps = np.flatnonzero(np.abs(np.log(lasts[1:] / lasts[:-1])) > np.log(CHANGED_TURN)) + 1
+    jumps = np.flatnonzero(np.abs(np.log(lasts[1:] / lasts[:-1])) > np.log(limits.CHANGED_TURN)) + 1
     return np.split(np.arange(len(t)), jumps)

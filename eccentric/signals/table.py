@@ -13,16 +13,10 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few
 from eccentric.logs import Log, LogSource, falls, log_stems, read_log
 from eccentric.rigs import Rig
+from eccentric.signals import limits
 from eccentric.signals.clock import ClockOfLog, Stale, clock_of, frozen_tails, polled, reversed_time
 from eccentric.signals.converted import CONTROLLER, converted, named_apart, run_numbers
 from eccentric.signals.finding import Finding
-from eccentric.signals.limits import (
-    FEWEST_RUNS_HELD_OUT,
-    HELD_OUT_BLOCKS,
-    HELD_OUT_PART,
-    MOST_REJECTED,
-    MUCH_LOST,
-)
 from eccentric.signals.revolutions import TURN, even_turns
 
 # The held-out part of a log: named by the rig, or by a rule that is recorded.
@@ -63,14 +57,15 @@ def hold_out(
         rows, rule = _named(t, run, run_names, rig)
         if not rig.holdout.runs and len(run_names) == 1:
             return Holdout(rows, rule, rig.holdout.intervals_s)
-    elif len(run_names) >= FEWEST_RUNS_HELD_OUT:
+    elif len(run_names) >= limits.FEWEST_RUNS_HELD_OUT:
         first, rows = _every_fifth(run, len(run_names), off, carriers(run, run_names, rig.added))
         names = ", ".join(run_names[k] for k in np.unique(run[rows]))
         rule = f"whole runs, every fifth from the {_ORDINALS[first]} on: {names}"
     else:
-        position = (np.arange(len(t)) / len(t) * HELD_OUT_BLOCKS) % 1.0
-        rows = np.abs(position - 0.5) < HELD_OUT_PART / 2.0
-        rule = f"{HELD_OUT_BLOCKS} contiguous blocks, {HELD_OUT_PART:.0%} of the rows, evenly spread"
+        position = (np.arange(len(t)) / len(t) * limits.HELD_OUT_BLOCKS) % 1.0
+        rows = np.abs(position - 0.5) < limits.HELD_OUT_PART / 2.0
+        part = f"{limits.HELD_OUT_PART:.0%} of the rows"
+        rule = f"{limits.HELD_OUT_BLOCKS} contiguous blocks, {part}, evenly spread"
     return Holdout(rows, rule, _intervals(t, run, rows))
 
 
@@ -93,7 +88,7 @@ def _every_fifth(run: NDArray[np.int64], count: int, off: Mask, carrying: Mask) 
         return swings and bool(loads or (np.any(carrying & ~rows) and np.any(~carrying & ~rows)))
 
     every = {
-        first: np.isin(run, range(first, count, round(1.0 / HELD_OUT_PART)))
+        first: np.isin(run, range(first, count, round(1.0 / limits.HELD_OUT_PART)))
         for first in (2, 3, 4, 0, 1)
         if first < count
     }
@@ -275,9 +270,9 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         row, most = int(np.flatnonzero(~kept)[0]), found.sources[worst].text
         first = log.place(row) + log.spoilt(most, row)
         what = f"no number in {rejected} of {log.rows} rows (first: {first}; most: {most!r})"
-        if rejected > MOST_REJECTED * log.rows:
-            raise InputError(log.path, problem=f"{what}; at most {MOST_REJECTED:.0%} may be missing")
-        severity = "warning" if rejected > MUCH_LOST * log.rows else "note"
+        if rejected > limits.MOST_REJECTED * log.rows:
+            raise InputError(log.path, problem=f"{what}; at most {limits.MOST_REJECTED:.0%} may be missing")
+        severity = "warning" if rejected > limits.MUCH_LOST * log.rows else "note"
         findings.append(
             Finding("missing", worst, f"{log.path}: {what}: such rows are dropped", rejected, severity)
         )

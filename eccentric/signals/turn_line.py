@@ -13,13 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError
-from eccentric.signals.limits import (
-    LINE_ORDERS,
-    LINE_POWER,
-    LINE_REACH,
-    LINE_TRACK,
-    LINE_TURNS,
-)
+from eccentric.signals import limits
 
 Array = NDArray[np.float64]
 
@@ -56,25 +50,27 @@ def turn_line(t: Array, signal: Array, speed: Array, where: str = "log") -> Turn
     """
     turns = abs(float(np.median(speed))) / TURN
     seconds = float(t[-1] - t[0])
-    if turns * seconds < LINE_TURNS:
-        raise InputError(where, f"at least {LINE_TURNS} turns for a line", f"{turns * seconds:.3g}")
+    if turns * seconds < limits.LINE_TURNS:
+        raise InputError(where, f"at least {limits.LINE_TURNS} turns for a line", f"{turns * seconds:.3g}")
     rest = signal - np.mean(signal)
     window = np.hanning(len(t))
     found = np.abs(np.fft.rfft(rest * window, 4 * len(t)))
     hertz = np.fft.rfftfreq(4 * len(t), seconds / (len(t) - 1))
-    for order in range(1, LINE_ORDERS + 1):
+    for order in range(1, limits.LINE_ORDERS + 1):
         near = np.abs(hertz / (order * turns) - 1.0)
-        band, around = near < LINE_REACH, near < 3.0 * LINE_REACH
+        band, around = near < limits.LINE_REACH, near < 3.0 * limits.LINE_REACH
         peak = int(np.argmax(np.where(band, found, 0.0)))
-        if found[peak] ** 2 > LINE_POWER * float(np.median(found[around] ** 2)):
+        if found[peak] ** 2 > limits.LINE_POWER * float(np.median(found[around] ** 2)):
             return _tracked(t, rest, order, float(hertz[peak]), math.copysign(1.0, float(np.median(speed))))
-    raise InputError(where, f"a line at 1 to {LINE_ORDERS} times the speed in the drive signal", "none")
+    raise InputError(
+        where, f"a line at 1 to {limits.LINE_ORDERS} times the speed in the drive signal", "none"
+    )
 
 
 def _tracked(t: Array, rest: Array, order: int, hertz: float, way: float) -> TurnLine:
     """The line near a frequency: its phase over time, and the straight line through that."""
     turned = rest * np.exp(-1j * TURN * hertz * (t - t[0]))
-    length = max(3, round(LINE_TRACK / hertz * (len(t) - 1) / float(t[-1] - t[0])))
+    length = max(3, round(limits.LINE_TRACK / hertz * (len(t) - 1) / float(t[-1] - t[0])))
     smooth = np.convolve(turned, np.hanning(length + 2)[1:-1], "same")
     phase = np.unwrap(np.angle(smooth))
     slope = float(np.polyfit(t - t[0], phase, 1, w=np.hanning(len(t) + 2)[1:-1])[0])
