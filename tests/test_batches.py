@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from eccentric.core import InputError
-from eccentric.logs import LogStream, batches, csv_file, mat_file, read_log, stream_log
+from eccentric.logs import LogStream, limits, read_log, stream_log
 from eccentric.logs.formats import FORMATS as KNOWN
 
 ROWS = 1000
@@ -88,10 +88,7 @@ FORMATS = {
 @pytest.fixture(autouse=True)
 def small_batches(monkeypatch: pytest.MonkeyPatch) -> None:
     """Batches of 128 rows, so that a thousand rows are several."""
-    from eccentric.logs import parquet_file
-
-    for module in (csv_file, mat_file, parquet_file, batches):
-        monkeypatch.setattr(module, "BATCH_ROWS", 128)
+    monkeypatch.setattr(limits, "BATCH_ROWS", 128)
 
 
 @pytest.fixture(params=FORMATS)

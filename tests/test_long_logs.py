@@ -110,7 +110,7 @@ def test_windows_are_every_row_once(monkeypatch: pytest.MonkeyPatch) -> None:
     log["run"] = np.where(log["time_s"] < 33.0, "a", "b")
     expected = [("a", 0), ("a", 2000), ("a", 4000), ("b", 6600), ("b", 8600), ("b", 10600), ("b", 12800)]
     for size in (131_072, 1777):
-        monkeypatch.setattr("eccentric.logs.batches.BATCH_ROWS", size)
+        monkeypatch.setattr("eccentric.logs.limits.BATCH_ROWS", size)
         windows = surveyed(log).windows
         edges = [(w.run, w.first) for w in windows] + [(windows[-1].run, windows[-1].end)]
 
@@ -265,7 +265,7 @@ def test_a_run_at_another_rate_counts_like_the_first(rates: tuple[float, float])
 
 def test_windows_that_cannot_be_assessed_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
     """In the last run rows come in pairs with gaps between them: there is no cell, and a warning says so."""
-    monkeypatch.setattr("eccentric.signals.long.reading.LONG_ROWS", 10_000)
+    monkeypatch.setattr("eccentric.signals.long.limits.LONG_ROWS", 10_000)
     log: Columns = columns(200.0, 200.0)
     t = log["time_s"]
     paired = np.arange(len(t)) % 20 < 2

@@ -16,7 +16,7 @@ from eccentric.core import InputError
 from eccentric.logs import stream_log
 from eccentric.rigs import read_arm_rig
 from eccentric.signals import Channels, read_joints, read_long_joints
-from eccentric.signals.long import choice, reading
+from eccentric.signals.long import choice, limits
 from tests.arm_logs import RATE_HZ, arm_log_of, arm_rig_of, planar_arm
 from tests.arm_logs import shoulder_by_load as by_load
 from tests.long_logs import RIG, columns, parquet, stribeck
@@ -49,7 +49,7 @@ def test_an_arm_is_fitted_on_windows(
     """The same rows for every joint, and the whole log's coefficients, within four standard errors."""
     log, rig = arm
     found = eccentric.fit_arm(log, rig)
-    monkeypatch.setattr(reading, "LONG_ROWS", len(log["t_s"]))
+    monkeypatch.setattr(limits, "LONG_ROWS", len(log["t_s"]))
     whole = eccentric.fit_arm(log, rig)
     times = [channels.time.t for channels in found.fit.log.channels]
 

@@ -14,8 +14,7 @@ import numpy as np
 import pytest
 
 from eccentric.core import InputError
-from eccentric.logs import Log, read_log
-from eccentric.logs import csv_file as log_csv
+from eccentric.logs import Log, limits, read_log
 
 ENTRIES = [
     {"timestamp": 0.0, "position": -0.5, "load": 0, "torque_enable": True, "note": "ok"},
@@ -171,7 +170,7 @@ def test_a_log_above_the_limit_is_refused_without_unpacking_all_of_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A gzip file that unfolds to more than the limit is one line."""
-    monkeypatch.setattr(log_csv, "MOST_CHARACTERS", 1000)
+    monkeypatch.setattr(limits, "MOST_CHARACTERS", 1000)
     path = tmp_path / "log.csv.gz"
     path.write_bytes(gzip.compress(b"a,b\n" + b"1,2\n" * 1000))
     with pytest.raises(InputError, match="expected at most 1,000 characters, got more"):

@@ -1,10 +1,14 @@
-"""Tables as text, plain and gzipped: CSV, values between semicolons, tabs or blanks, exports of scopes."""
+"""Tables as text, plain and gzipped: CSV, values between semicolons, tabs or blanks, exports of scopes.
+
+A workbook is read as the text of its cells.
+"""
 
 from __future__ import annotations
 
 import codecs
 import csv
 import dataclasses
+import datetime as dt
 import gzip
 import io
 import itertools
@@ -12,18 +16,18 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.core import InputError
+from eccentric.core import InputError, few
 from eccentric.logs import limits
 from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, overlaps
 from eccentric.logs.cells import EXACT, POINT, cells_to_column, is_number, plain_column, units_row
-from eccentric.logs.foreign import require_room_for_text
+from eccentric.logs.clocks import of_clocks, of_topics
+from eccentric.logs.foreign import library, reading, require_room_for_numbers, require_room_for_text
 from eccentric.logs.layout import Layout, layout_of, rows_of
-from eccentric.logs.topics import of_clocks, of_topics
 
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
 
@@ -282,3 +286,38 @@ def _header(cells: Sequence[str], path: Path) -> tuple[str, ...]:
     if twice is not None:
         raise InputError(path, "unique column names", f"{twice!r} {names.count(twice)}x")
     return tuple(names)
+
+
+def read_xlsx(path: Path) -> Read:
+    """Read the sheet with the most rows; formulas are not evaluated, their stored results are read."""
+    openpyxl = library("openpyxl", "xlsx", path)
+    with reading(path, "workbook"):
+        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+        try:
+            sheets = [sheet for sheet in book.worksheets if (sheet.max_row or 0) > 1]
+            if not sheets:
+                raise InputError(path, "a sheet with rows", "none")
+            chosen = max(sheets, key=lambda sheet: sheet.max_row)
+            require_room_for_numbers(path, chosen.max_row, chosen.max_row * (chosen.max_column or 1))
+            text = io.StringIO()
+            writer = csv.writer(text, delimiter=";", lineterminator="\n")
+            for row in chosen.iter_rows(values_only=True):
+                writer.writerow([_cell(value) for value in row])
+        finally:
+            book.close()
+        others = [sheet.title for sheet in sheets if sheet is not chosen]
+        notes = [f"sheet {chosen.title!r} is read"] if others else []
+        if others:
+            notes.append(f"left out, other sheets: {few(others, 5)}")
+        read = read_text(text.getvalue(), path)
+    return dataclasses.replace(read, notes=(*notes, *read.notes))
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, dt.datetime | dt.time):
+        return value.isoformat(*([" "] if isinstance(value, dt.datetime) else []))
+    return str(value)

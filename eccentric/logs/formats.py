@@ -13,7 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from eccentric.core import InputError, readable
-from eccentric.logs.limits import FIRST_BYTES
+from eccentric.logs import limits
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -79,20 +79,19 @@ TEXT = Format(
     parts="csv_file.csv_source",
     gzipped=True,
 )
-JSON = Format(
-    (".json",), "JSON, as Rhoban BAM and pandas write it", "json_file.read_json", (b"{", b"[{"), gzipped=True
-)
+_JSON = "JSON, as Rhoban BAM and pandas write it"
+JSON = Format((".json",), _JSON, "named_arrays.read_json", (b"{", b"[{"), gzipped=True)
 _ZIP, _H5 = b"PK", b"\x89HDF\r\n\x1a\n"
 FORMATS: tuple[Format, ...] = (
     TEXT,
-    Format((), "trace of CODESYS", "codesys_file.read_codesys", (b"[key]; [value]",)),
+    Format((), "trace of CODESYS", "recorders.read_codesys", (b"[key]; [value]",)),
     JSON,
-    Format((".npz",), "NumPy archive", "npz_file.read_npz", (_ZIP,), (b".npy",)),
-    Format((".npy",), "NumPy array", "npz_file.read_npy", (b"\x93NUMPY",)),
+    Format((".npz",), "NumPy archive", "named_arrays.read_npz", (_ZIP,), (b".npy",)),
+    Format((".npy",), "NumPy array", "named_arrays.read_npy", (b"\x93NUMPY",)),
     Format(
         (".xlsx",),
         "workbook; its longest sheet",
-        "xlsx_file.read_xlsx",
+        "csv_file.read_xlsx",
         (_ZIP,),
         (b"[Content_Types].xml", b"xl/"),
         extra="xlsx",
@@ -111,17 +110,17 @@ FORMATS: tuple[Format, ...] = (
     Format(
         (".parquet",),
         "Parquet",
-        "parquet_file.read_parquet",
+        "tables.read_parquet",
         (b"PAR1",),
-        parts="parquet_file.parquet_source",
+        parts="tables.parquet_source",
         extra="parquet",
         packages=("pyarrow",),
     ),
-    Format((".h5", ".hdf5"), "HDF5", "hdf5_file.read_hdf5", (_H5,), extra="hdf5", packages=("h5py",)),
+    Format((".h5", ".hdf5"), "HDF5", "named_arrays.read_hdf5", (_H5,), extra="hdf5", packages=("h5py",)),
     Format(
         (".mf4", ".mdf"),
         "MDF 3 or 4",
-        "mdf_file.read_mdf",
+        "recorders.read_mdf",
         (b"MDF ", b"UnFi"),
         extra="mdf",
         packages=("asammdf",),
@@ -143,12 +142,12 @@ FORMATS: tuple[Format, ...] = (
         packages=("mcap", "rosbags"),
     ),
     Format(
-        (".bag",), "ROS 1 bag", "ros1_file.read_bag1", (b"#ROSBAG",), extra="rosbag", packages=("rosbags",)
+        (".bag",), "ROS 1 bag", "ros_file.read_bag1", (b"#ROSBAG",), extra="rosbag", packages=("rosbags",)
     ),
-    Format((".ulg",), "ULog of PX4", "ulog_file.read_ulog", (b"ULog",), extra="ulog", packages=("pyulog",)),
-    Format((".wpilog",), "data log of WPILib", "wpilog_file.read_wpilog", (b"WPILOG",)),
+    Format((".ulg",), "ULog of PX4", "recorders.read_ulog", (b"ULog",), extra="ulog", packages=("pyulog",)),
+    Format((".wpilog",), "data log of WPILib", "recorders.read_wpilog", (b"WPILOG",)),
     Format(
-        (".tdms",), "TDMS of LabVIEW", "tdms_file.read_tdms", (b"TDSm",), extra="tdms", packages=("nptdms",)
+        (".tdms",), "TDMS of LabVIEW", "recorders.read_tdms", (b"TDSm",), extra="tdms", packages=("nptdms",)
     ),
 )
 
@@ -181,17 +180,19 @@ def _is_table(start: bytes) -> bool:
     from eccentric.logs.layout import has_rows
 
     try:
-        text = start.decode("utf-8-sig", "ignore" if len(start) == FIRST_BYTES else "strict")
+        text = start.decode("utf-8-sig", "ignore" if len(start) == limits.FIRST_BYTES else "strict")
     except UnicodeDecodeError:
         return False
-    return "\0" not in text and has_rows(text.splitlines()[: -1 if len(start) == FIRST_BYTES else None])
+    return "\0" not in text and has_rows(
+        text.splitlines()[: -1 if len(start) == limits.FIRST_BYTES else None]
+    )
 
 
 def _start(path: Path) -> bytes:
     """The first bytes of a file, unpacked where it is compressed."""
     with path.open("rb") as file:
-        start = file.read(FIRST_BYTES)
+        start = file.read(limits.FIRST_BYTES)
     if start[:2] == b"\x1f\x8b":
         with suppress(OSError, EOFError, zlib.error), gzip.open(path) as unpacked:
-            return unpacked.read(FIRST_BYTES)
+            return unpacked.read(limits.FIRST_BYTES)
     return start

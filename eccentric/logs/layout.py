@@ -16,9 +16,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from eccentric.core import InputError
+from eccentric.logs import limits
 from eccentric.logs.assemble import number_of
 from eccentric.logs.cells import is_number
-from eccentric.logs.limits import FEWEST_LINES, PREAMBLE_LINES, SAMPLE_LINES
 from eccentric.logs.units import parse_unit
 
 BLANKS = ""
@@ -158,7 +158,7 @@ def _body(lines: Sequence[str]) -> tuple[str, int, list[list[str]]] | None:
             size = len(places) + len(clocks)
             if first is not None and (best is None or size > best[0]):
                 found = [row for row in split[first:] if len(row) == width]
-                best = size, delimiter, first, found[:SAMPLE_LINES]
+                best = size, delimiter, first, found[: limits.SAMPLE_LINES]
     return None if best is None else best[1:]
 
 
@@ -169,10 +169,12 @@ def _by_width(split: Sequence[list[str]]) -> dict[int, list[list[str]]]:
     """
     rows = [row for row in split if row]
     counts = Counter(map(len, rows))
-    usual = [width for width, count in counts.most_common(4) if count >= min(FEWEST_LINES, len(rows) // 4)]
+    usual = [
+        width for width, count in counts.most_common(4) if count >= min(limits.FEWEST_LINES, len(rows) // 4)
+    ]
     last = [len(rows[-1])] if rows else []
     return {
-        width: [row for row in rows if len(row) == width][-min(SAMPLE_LINES, counts[width] // 2 + 1) :]
+        width: [row for row in rows if len(row) == width][-min(limits.SAMPLE_LINES, counts[width] // 2 + 1) :]
         for width in dict.fromkeys((*usual, *last))
     }
 
@@ -230,7 +232,7 @@ def _header(
     width = len(rows[0])
     empty = [not any(row[k].strip() for row in rows) for k in range(width)]
     block: list[tuple[int, list[str]]] = []
-    for k, cells in reversed(above[-PREAMBLE_LINES:]):
+    for k, cells in reversed(above[-limits.PREAMBLE_LINES :]):
         full = _full(cells, width, empty, delimiter)
         if full is None or any(map(is_number, full)) or not any(full):
             break

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import InputError
+from eccentric.logs import limits
 from eccentric.logs.assemble import Column, InParts, LeftOut, Part, Read, assemble
 from eccentric.logs.foreign import require_room_for_numbers
-from eccentric.logs.hdf5_file import entries, own
-from eccentric.logs.limits import BATCH_ROWS, DEEPEST_REFERENCE, DEEPEST_VARIABLE, MOST_BYTES
+from eccentric.logs.named_arrays import entries, own
 
 # Check that the elements of a MAT file of version 5 or 7 are consistent, before SciPy reads it.
 #
@@ -94,9 +94,9 @@ def check(data: bytes) -> list[tuple[int, ...]]:
         kind, content = rest.element(padded=False)
         if kind == COMPRESSED:
             unpacker = zlib.decompressobj()
-            content = memoryview(unpacker.decompress(content, MOST_BYTES))
+            content = memoryview(unpacker.decompress(content, limits.MOST_BYTES))
             if unpacker.unconsumed_tail:
-                raise DamagedError(f"a variable has more than {MOST_BYTES:,} bytes")
+                raise DamagedError(f"a variable has more than {limits.MOST_BYTES:,} bytes")
             if not unpacker.eof:
                 raise DamagedError("it breaks off")
             kind, content = _Bytes(content, order).element()
@@ -108,8 +108,8 @@ def check(data: bytes) -> list[tuple[int, ...]]:
 
 def _matrix(rest: _Bytes, depth: int, shapes: list[tuple[int, ...]]) -> None:
     """Check the content of a matrix element, and note its shape; it may be empty below the top."""
-    if depth > DEEPEST_VARIABLE:
-        raise DamagedError(f"it is nested deeper than {DEEPEST_VARIABLE}")
+    if depth > limits.DEEPEST_VARIABLE:
+        raise DamagedError(f"it is nested deeper than {limits.DEEPEST_VARIABLE}")
     if not len(rest.data) and depth:
         return
     flags = rest.numbers()
@@ -123,7 +123,7 @@ def _matrix(rest: _Bytes, depth: int, shapes: list[tuple[int, ...]]) -> None:
         return
     shape = rest.numbers()
     count = prod(shape)
-    if not 2 <= len(shape) <= 32 or min(shape) < 0 or count > MOST_BYTES:
+    if not 2 <= len(shape) <= 32 or min(shape) < 0 or count > limits.MOST_BYTES:
         raise DamagedError("an array has an impossible size")
     _word(rest)
     if kind in NUMBERS or kind == CHAR:
@@ -137,7 +137,7 @@ def _matrix(rest: _Bytes, depth: int, shapes: list[tuple[int, ...]]) -> None:
         code, content = rest.require(LETTERS)
         if len(content) % LETTERS[code] or not (len(content) >= count * LETTERS[code] or not len(content)):
             raise DamagedError("a text does not have its declared length")
-        if len(content) == 0 and count > 8 * DEEPEST_VARIABLE:
+        if len(content) == 0 and count > 8 * limits.DEEPEST_VARIABLE:
             raise DamagedError("a long text is empty")
     elif kind == CELL:
         _inner(rest, depth, shapes, count)
@@ -247,7 +247,7 @@ def mat_source(path: Path) -> InParts | None:
     def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
         with _opened_7_3(path) as (file, _):
             for first, end in (
-                (k, min(k + BATCH_ROWS, b)) for a, b in spans for k in range(a, b, BATCH_ROWS)
+                (k, min(k + limits.BATCH_ROWS, b)) for a, b in spans for k in range(a, b, limits.BATCH_ROWS)
             ):
                 columns: dict[str, Column] = {}
                 for name in names:
@@ -324,7 +324,7 @@ def _value(item: Any, h5py: Any, depth: int, numbers: Callable[[Any], Any]) -> A
     kind = item.attrs.get("MATLAB_class", b"")
     kind = kind.decode() if isinstance(kind, bytes) else str(kind)
     if (
-        depth > DEEPEST_REFERENCE
+        depth > limits.DEEPEST_REFERENCE
         or "MATLAB_object_decode" in item.attrs
         or kind in ("table", "timetable", "string")
     ):

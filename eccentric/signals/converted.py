@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, counted, few, meant
 from eccentric.logs import Log, LogStream, evaluate
 from eccentric.rigs import COASTING, ArmRig, ColumnSource, Rig, channels_of
-from eccentric.signals.limits import LARGEST, MOST_TOO_LARGE, SMALLEST
+from eccentric.signals import limits
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -230,8 +230,8 @@ def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
     with np.errstate(over="ignore"):
         values = raw if source.unit is None else source.unit.to_si(raw)
     size = np.abs(np.where(np.isfinite(raw), values, 0.0))
-    damaged = size > LARGEST
-    if np.any(damaged) and np.count_nonzero(damaged) <= MOST_TOO_LARGE * log.rows:
+    damaged = size > limits.LARGEST
+    if np.any(damaged) and np.count_nonzero(damaged) <= limits.MOST_TOO_LARGE * log.rows:
         values, size = np.where(damaged, np.nan, values), np.where(damaged, 0.0, size)
     _require_size(log, rig, channel, source, values, size)
     return values
@@ -241,16 +241,16 @@ def _require_size(log: Log, rig: Rig, channel: str, source: ColumnSource, values
     largest = int(np.argmax(size))
     where = f"column {source.text!r} ({rig.axis.named(channel)})"
     unit = channels_of(rig.axis)[channel][1]
-    if size[largest] > LARGEST:
+    if size[largest] > limits.LARGEST:
         raise InputError(
             f"{log.path}: {log.place(largest)}, {where}",
-            f"at most {LARGEST:g} {unit}",
+            f"at most {limits.LARGEST:g} {unit}",
             f"{values[largest]:.6g} {unit}: are its units right?",
         )
-    if channel in _DRIVES and 0.0 < size[largest] < SMALLEST:
+    if channel in _DRIVES and 0.0 < size[largest] < limits.SMALLEST:
         raise InputError(
             f"{log.path}: {where}",
-            f"a value of at least {SMALLEST:g} {unit}",
+            f"a value of at least {limits.SMALLEST:g} {unit}",
             f"at most {size[largest]:.6g} {unit}: are its units right?",
         )
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, vstack
 
 from eccentric.core import InputError
-from eccentric.signals.limits import BLOCK_S, FILTERED, PER_COEFFICIENT, PER_COEFFICIENT_OF_RUNS
+from eccentric.signals import limits
 from eccentric.signals.measured import Channels
 
 Array = NDArray[np.float64]
@@ -83,7 +83,7 @@ class Rows:
     @property
     def per_coefficient(self) -> int:
         """Least number of rows per coefficient of a fit."""
-        return PER_COEFFICIENT_OF_RUNS if self.independent else PER_COEFFICIENT
+        return limits.PER_COEFFICIENT_OF_RUNS if self.independent else limits.PER_COEFFICIENT
 
     def mean(self, x: Array) -> Array:
         """Samples (n,) or (n, k) converted to rows (m,) or (m, k), in the unit of x."""
@@ -210,7 +210,7 @@ def blocks_of(t: Array, label: Integers, samples: Array) -> Integers:
     `samples` (n,) are the times of the log [s]: blocks are counted from the first.
     """
     begin, end = float(np.min(samples)), float(np.max(samples))
-    key = label * (int((end - begin) / BLOCK_S) + 2) + ((t - begin) / BLOCK_S).astype(int)
+    key = label * (int((end - begin) / limits.BLOCK_S) + 2) + ((t - begin) / limits.BLOCK_S).astype(int)
     return np.cumsum(np.diff(key, prepend=key[:1]) != 0)
 
 
@@ -241,7 +241,7 @@ class Band:
     @property
     def filtered(self) -> bool:
         """Whether most of the error lies above the low pass, and is not noise."""
-        return self.above > max(self.below, FILTERED * self.noise)
+        return self.above > max(self.below, limits.FILTERED * self.noise)
 
     @property
     def warning(self) -> str:
