@@ -47,7 +47,7 @@ BAD = {
     "header.csv": (b"time_s,current_A\n", "header.csv: expected a log with rows, got none"),
     "numbers.csv": (
         b"0.0,1.0\n0.1,1.0\n",
-        "numbers.csv: expected a header row with column names, got numbers",
+        "numbers.csv: expected a header row with column names, got '0.0,1.0' in line 1, which may be names",
     ),
     "ragged.csv": (b"a,b\n1,2\n3\n", "ragged.csv: line 3: expected 2 values, got 1"),
     "commas.csv": (

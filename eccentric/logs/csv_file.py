@@ -27,7 +27,7 @@ from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, over
 from eccentric.logs.cells import EXACT, POINT, cells_to_column, is_number, plain_column, units_row
 from eccentric.logs.clocks import of_clocks, of_topics
 from eccentric.logs.foreign import library, reading, require_room_for_numbers, require_room_for_text
-from eccentric.logs.layout import Layout, layout_of, rows_of
+from eccentric.logs.layout import Layout, is_content, layout_of, rows_of
 
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
 
@@ -121,7 +121,7 @@ def _start(path: Path, text: Sequence[str]) -> Layout:
 
     Raises InputError for a text without a header.
     """
-    skipped = next((k for k, line in enumerate(text) if _is_content(line)), len(text))
+    skipped = next((k for k, line in enumerate(text) if is_content(line)), len(text))
     if skipped == len(text):
         raise InputError(path, "a header row with column names", "an empty file")
     names, delimiter, is_row = _names(text[skipped - 1] if skipped else "", text[skipped])
@@ -263,10 +263,6 @@ def _rectangular(
     for k in other:
         found[k] = (found[k][0], [""] * width)
     return found
-
-
-def _is_content(line: str) -> bool:
-    return bool(line.strip()) and not line.startswith("#")
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
