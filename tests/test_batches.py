@@ -146,7 +146,9 @@ def test_columns_that_are_not_asked_for_are_not_read(tmp_path: Path) -> None:
     path.write_bytes(bytes(data))
 
     np.testing.assert_array_equal(NUMBERS[:, 1], stream_log(path).read(["current_A"]).columns["current_A"])
-    with pytest.raises(InputError, match=r"log\.parquet: not a valid Parquet file"):
+    with pytest.raises(
+        InputError, match=r"log\.parquet: expected a valid Parquet file, got one that is damaged"
+    ):
         stream_log(path).read()
 
 
@@ -161,7 +163,7 @@ def test_a_file_that_is_cut_off_is_one_error(kind: str, tmp_path: Path) -> None:
     path = FORMATS[kind](tmp_path)
     cut_off(path)
 
-    with pytest.raises(InputError, match=rf"{path.name}: (the compressed file is|not a valid)"):
+    with pytest.raises(InputError, match=rf"{path.name}: (the compressed file is|expected a valid)"):
         stream_log(path).read()
 
 

@@ -60,12 +60,18 @@ BAD = {
     "cut.csv.gz": (CUT_OFF, "cut.csv.gz: the compressed file is damaged or cut off"),
     "plain.csv.gz": (TEXT.encode(), "plain.csv.gz: the compressed file is damaged or cut off"),
     "log.odt": (b"PK", "log.odt: expected a log of .csv, .txt, .dat, .tsv, .log, .asc, .csv.gz,"),
-    "noise.mat": (b"x" * 200, "noise.mat: not a valid MAT file"),
-    "noise.parquet": (b"x" * 200, "noise.parquet: not a valid Parquet file"),
-    "noise.json": (b"x" * 200, "noise.json: not a valid JSON file"),
+    "noise.mat": (b"x" * 200, "noise.mat: expected a valid MAT file, got "),
+    "noise.parquet": (
+        b"x" * 200,
+        "noise.parquet: expected a valid Parquet file, got one that is damaged, cut off",
+    ),
+    "noise.json": (
+        b"x" * 200,
+        "noise.json: line 1, column 1: expected valid JSON, got 'xxxxxxxxxxxxxxxxxxxx'",
+    ),
     "field.csv": (
         b"a,b\n1," + b"2" * 200_000 + b"\n",
-        "field.csv: not a valid CSV file (field larger than field limit",
+        "field.csv: expected values of at most 131,072 characters, got a longer one",
     ),
 }
 

@@ -80,9 +80,12 @@ BAD_JSON = {
     ),
     "empty": ('{"entries": []}', "expected a JSON log with a list of entries, got keys 'entries'"),
     "number": ("3", "expected a JSON object with a list of entries, got 3"),
-    "cut": ('{"entries": [{"t": 1', "not a valid JSON file (Expecting"),
-    "deep": ("[" * 100_000, "not a valid JSON file ("),
-    "digits": ('{"entries": [{"t": ' + "1" * 5000 + "}]}", "not a valid JSON file (Exceeds the limit"),
+    "cut": ('{"entries": [{"t": 1', "line 1, column 21: expected valid JSON, got the end of the file"),
+    "deep": ("[" * 100_000, "with a list of entries, got lists nested too deep"),
+    "digits": (
+        '{"entries": [{"t": ' + "1" * 5000 + "}]}",
+        "expected numbers of at most 4,300 digits, got a longer one",
+    ),
 }
 
 

@@ -199,7 +199,10 @@ EITHER = {
         "0.5 1.5\n0.75 2.5\n",
         "'0.5 1.5' in line 1, which may be names or values: write a line of 2",
     ),
-    "a decimal comma": ("1,25\n1,50\n1,75\n", "'1,25' in line 1, which may be two numbers or one with a dec"),
+    "a decimal comma": (
+        "1,25\n1,50\n1,75\n",
+        "'1,25' in line 1, which may be one number with a decimal comma: write",
+    ),
     "a name in the first row": ("run,0.5,1.5\nrun,0.75,2.5\nrun,1.5,3.5\n", "'run,0.5,1.5' in line 1"),
 }
 

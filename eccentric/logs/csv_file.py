@@ -16,7 +16,7 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,14 @@ from eccentric.logs import limits
 from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, overlaps
 from eccentric.logs.cells import EXACT, POINT, cells_to_column, is_number, plain_column, units_row
 from eccentric.logs.clocks import of_clocks, of_topics
-from eccentric.logs.foreign import library, reading, require_room_for_numbers, require_room_for_text
+from eccentric.logs.foreign import (
+    library,
+    opened_text,
+    reading,
+    require_room_for_numbers,
+    require_room_for_text,
+    text_of,
+)
 from eccentric.logs.layout import Layout, is_content, layout_of, rows_of
 
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
@@ -62,17 +69,12 @@ def read_text(whole: str, path: Path) -> Read:
 def _csv_errors(path: Path) -> Iterator[None]:
     try:
         yield
-    except csv.Error as error:
-        raise InputError(f"{path}: not a valid CSV file ({error})") from None
-
-
-def text_of(path: Path, encoding: str = "utf-8-sig") -> str:
-    """Return the text of a file, unpacked if its name ends in .gz; InputError above a gigabyte."""
-    with _opened(path, encoding) as file:
-        text = file.read(limits.MOST_CHARACTERS + 1)
-    if len(text) > limits.MOST_CHARACTERS:
-        raise InputError(path, f"at most {limits.MOST_CHARACTERS:,} characters", "more")
-    return text
+    except csv.Error:  # of lines that are whole there is no other
+        raise InputError(
+            path,
+            f"values of at most {csv.field_size_limit():,} characters",
+            "a longer one: is a quotation mark left open?",
+        ) from None
 
 
 def csv_source(path: Path) -> InParts | None:
@@ -93,7 +95,7 @@ def csv_source(path: Path) -> InParts | None:
 
     def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
         chosen, at = [header.index(name) for name in names], 0
-        with _opened(path) as file, _csv_errors(path):
+        with opened_text(path) as file, _csv_errors(path):
             for _ in range(before):
                 next(file)
             rows = ((before + line, row) for line, row in rows_of(file, layout.delimiter))
@@ -112,7 +114,7 @@ def csv_source(path: Path) -> InParts | None:
 
 
 def _first_lines(path: Path, most: int) -> list[str]:
-    with _opened(path) as file:
+    with opened_text(path) as file:
         return list(itertools.islice(file, most))
 
 
@@ -168,11 +170,6 @@ def _lines(path: Path) -> int:
             decoder.decode(chunk)
         decoder.decode(b"", final=True)
     return count
-
-
-def _opened(path: Path, encoding: str = "utf-8-sig") -> IO[str]:
-    opened = gzip.open if path.name.lower().endswith(".gz") else open
-    return opened(path, "rt", encoding=encoding, newline="")
 
 
 def _names(comment: str, line: str) -> tuple[list[str], str, bool]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import gzip
 import importlib
 import io
 import logging
@@ -18,21 +19,50 @@ import warnings
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from eccentric.core import InputError
 from eccentric.logs import limits
 
 
-def library(name: str, extra: str, path: Path) -> Any:
+class DamagedError(ValueError):
+    """The content of a file contradicts itself; its text says where."""
+
+
+def library(name: str, extra: str, path: Path, kind: str = "", instead: str = "") -> Any:
     """Import the library of a format; InputError, which names the extra, if it is not installed."""
     try:
         return importlib.import_module(name)
     except ImportError:
-        raise InputError(
-            f"{path}: {name.partition('.')[0]} is required for {path.suffix}:"
-            f' pip install "eccentric[{extra}]"'
-        ) from None
+        package, kind = name.partition(".")[0], kind or path.suffix
+        install = f'pip install "eccentric[{extra}]"{instead}'
+        raise InputError(f"{path}: {package} is required for {kind}: {install}") from None
+
+
+@contextlib.contextmanager
+def errors_of(path: Path, what: str, *, collect: bool = False) -> Iterator[None]:
+    """Make one line of whatever a library raises on a damaged file; collect what it had half built."""
+    try:
+        yield
+    except (InputError, PermissionError):
+        raise
+    except Exception as error:  # noqa: BLE001
+        refused = _refused(path, f"a valid {what}", error)
+        if collect:
+            _cleared(error)
+        raise refused from None
+
+
+def _refused(path: Path, valid: str, error: Exception) -> InputError:
+    """What is wrong with a file that a library could not read."""
+    if not path.stat().st_size:
+        return InputError(path, valid, "an empty file")
+    if isinstance(error, DamagedError):
+        return InputError(path, valid, f"a damaged one: {error}")
+    if isinstance(error, MemoryError):
+        return InputError(path, valid, "one that claims more values than fit in memory")
+    kind = type(error).__name__
+    return InputError(path, valid, f"one that is damaged, cut off or of an unsupported kind ({kind})")
 
 
 def _cleared(error: BaseException) -> None:
@@ -47,7 +77,7 @@ def _cleared(error: BaseException) -> None:
 
 @contextlib.contextmanager
 def reading(path: Path, what: str) -> Iterator[None]:
-    """Silence a library, and make one line of whatever it raises: "not a valid `what`"."""
+    """Silence a library, and make one line of whatever it raises."""
     before = logging.root.manager.disable
     # What was there before is not looked at when the remains of a failure are collected.
     frozen = gc.get_freeze_count() == 0
@@ -56,24 +86,32 @@ def reading(path: Path, what: str) -> Iterator[None]:
     try:
         logging.disable(logging.CRITICAL)
         with (
+            errors_of(path, what, collect=True),
             warnings.catch_warnings(),
             contextlib.redirect_stdout(io.StringIO()),
             contextlib.redirect_stderr(io.StringIO()),
         ):
             warnings.simplefilter("ignore")
             yield
-    except (InputError, PermissionError):
-        raise
-    except MemoryError:
-        raise InputError(f"{path}: not a valid {what} (it claims more values than fit in memory)") from None
-    except Exception as error:  # noqa: BLE001 - libraries raise whatever a damaged file leads them into
-        said = " ".join(str(error).split())[:200] or type(error).__name__
-        _cleared(error)
-        raise InputError(f"{path}: not a valid {what} ({said})") from None
     finally:
         logging.disable(before)
         if frozen:
             gc.unfreeze()
+
+
+def opened_text(path: Path, encoding: str = "utf-8-sig") -> IO[str]:
+    """Open a text file, unpacked if its name ends in .gz; its line ends are kept."""
+    opened = gzip.open if path.name.lower().endswith(".gz") else open
+    return opened(path, "rt", encoding=encoding, newline="")
+
+
+def text_of(path: Path, encoding: str = "utf-8-sig") -> str:
+    """Return the text of a file, unpacked if its name ends in .gz; InputError above a gigabyte."""
+    with opened_text(path, encoding) as file:
+        text = file.read(limits.MOST_CHARACTERS + 1)
+    if len(text) > limits.MOST_CHARACTERS:
+        raise InputError(path, f"at most {limits.MOST_CHARACTERS:,} characters", "more")
+    return text
 
 
 # Whether what a file holds fits into memory: known from its size, before it is read value by value.

@@ -89,9 +89,8 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
         # Lines of other numbers are rows that the logger did not write whole.
         return _numbered(path, lines, first, min((first, *others)), delimiter, rows)
     line, names, units, clocks = found
-    notes = (f"the header is line {line}",) if (line > 1 and clocks) or line > 2 else ()
-    if line > 1 and not notes and not lines[0].startswith("#") and lines[0].strip():
-        notes = (f"the header is line {line}",)
+    below = line > 2 or (line > 1 and (clocks or is_content(lines[0])))
+    notes = (f"the header is line {line}",) if below else ()
     return Layout(tuple(names), delimiter, first, units, clocks, notes)
 
 
@@ -122,17 +121,18 @@ def _numbered(
     path: object, lines: Sequence[str], first: int, before: int, delimiter: str, rows: Sequence[Sequence[str]]
 ) -> Layout:
     """A table without a header, its first row in line `first`; InputError where that may be anything else."""
-    shown, wanted = " ".join(lines[first].split())[:60], "a header row with column names"
+    shown = f"{' '.join(lines[first].split())[:60]!r} in line {first + 1}"
     if not all(_may_be_number(cell) or _CLOCK.fullmatch(cell) for cell in rows[0]):
-        wanted += ", and values between commas below it"
-        raise InputError(path, wanted, f"{shown!r} in line {first + 1}")
+        raise InputError(path, "a header row with column names, and values between commas below it", shown)
     width = max(k for row in rows for k, cell in enumerate(row, start=1) if cell.strip())
-    either = "names or values" if len(rows) < limits.ROWS_OF_A_TABLE or _may_be_names(rows) else ""
-    if delimiter == "," and width == 2 and all(map(_COMMA.fullmatch, map(",".join, rows))):
-        either = "two numbers or one with a decimal comma"
-    if either:
-        got = f"{shown!r} in line {first + 1}, which may be {either}: write a line of {width} names above it"
-        raise InputError(path, wanted, got)
+    comma = delimiter == "," and width == 2 and all(map(_COMMA.fullmatch, map(",".join, rows)))
+    if comma or len(rows) < limits.ROWS_OF_A_TABLE or _may_be_names(rows):
+        raise InputError(
+            path,
+            "a header row with column names",
+            f"{shown}, which may be {'one number with a decimal comma' if comma else 'names or values'}:"
+            f" write a line of {width} names above it",
+        )
     note = "no header: columns are numbered from 1; name them in the file or map column_1 ... in [columns]"
     return Layout(tuple(f"column_{k + 1}" for k in range(width)), delimiter, before, notes=(note,))
 

@@ -215,8 +215,8 @@ def reader_errors(path: Path) -> Iterator[None]:
         yield
     except UnicodeDecodeError as error:
         raise InputError(path, problem=f"expected UTF-8 text, but byte {error.start} is not") from None
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise InputError(path, problem=f"the compressed file is damaged or cut off ({error})") from None
+    except (EOFError, zlib.error, gzip.BadGzipFile):
+        raise InputError(path, problem="the compressed file is damaged or cut off") from None
     except OSError as error:
         raise InputError(path, problem=f"cannot be read ({error.strerror or error})") from None
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import io
 import struct
 import warnings
@@ -16,10 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.core import InputError
 from eccentric.logs import limits
 from eccentric.logs.assemble import Column, InParts, LeftOut, Part, Read, assemble
-from eccentric.logs.foreign import require_room_for_numbers
+from eccentric.logs.foreign import DamagedError, errors_of, library, require_room_for_numbers
 from eccentric.logs.named_arrays import entries, own
 
 # Check that the elements of a MAT file of version 5 or 7 are consistent, before SciPy reads it.
@@ -36,10 +34,6 @@ LETTERS = {1: 1, 2: 1, 4: 2, 16: 1, 17: 2, 18: 4}
 CELL, STRUCTURE, OBJECT, CHAR, SPARSE = 1, 2, 3, 4, 5
 NUMBERS = range(6, 16)
 FUNCTION, OPAQUE = 16, 17
-
-
-class DamagedError(ValueError):
-    """The content of the file contradicts itself."""
 
 
 @dataclass
@@ -195,20 +189,15 @@ def read_mat(path: Path) -> Read:
     from scipy.io import loadmat
 
     data = path.read_bytes()
-
-    try:
+    with errors_of(path, "MAT file"), warnings.catch_warnings(record=True) as said:
         _require_room(path, check(data))
         # SciPy warns of a repeated variable; here it becomes a note.
-        with warnings.catch_warnings(record=True) as said:
-            warnings.simplefilter("always")
-            content = loadmat(io.BytesIO(data), simplify_cells=True)
-    except InputError:
-        raise
-    except Exception as error:  # noqa: BLE001 - SciPy raises whatever a damaged file leads it into
-        raise InputError(f"{path}: not a valid MAT file ({_line(error)})") from None
+        warnings.simplefilter("always")
+        content = loadmat(io.BytesIO(data), simplify_cells=True)
     kept = dict(_plain(name, value) for name, value in content.items() if not name.startswith("__"))
     read = _contiguous(assemble(kept))
-    return Read(read.columns, notes=(*read.notes, *dict.fromkeys(_line(one.message) for one in said)))
+    notes = dict.fromkeys(" ".join(str(one.message).split())[:200] for one in said)
+    return Read(read.columns, notes=(*read.notes, *notes))
 
 
 def _plain(name: str, value: Any) -> tuple[str, Any]:
@@ -288,19 +277,9 @@ def _is_7_3(path: Path) -> bool:
 @contextmanager
 def _opened_7_3(path: Path) -> Iterator[tuple[Any, Any]]:
     """The file, and h5py; InputError without it, or for what is not a valid file, wherever that shows."""
-    try:
-        h5py = importlib.import_module("h5py")
-    except ImportError:
-        raise InputError(
-            f'{path}: h5py is required for MAT 7.3: pip install "eccentric[mat73]", or save with -v7'
-        ) from None
-    try:
-        with h5py.File(path) as file:
-            yield file, h5py
-    except InputError:
-        raise
-    except Exception as error:  # noqa: BLE001 - HDF5 raises whatever a damaged file leads it into
-        raise InputError(f"{path}: not a valid MAT file of version 7.3 ({_line(error)})") from None
+    h5py = library("h5py", "mat73", path, "MAT 7.3", ", or save with -v7")
+    with errors_of(path, "MAT 7.3 file"), h5py.File(path) as file:
+        yield file, h5py
 
 
 def _variables(file: Any, h5py: Any) -> list[tuple[str, Any]]:
@@ -361,7 +340,3 @@ def _require_room(path: Path, shapes: Iterable[tuple[int, ...]]) -> None:
     if held:
         longest, counts = zip(*held, strict=True)
         require_room_for_numbers(path, max(longest), sum(counts))
-
-
-def _line(error: object) -> str:
-    return " ".join(str(error).split())[:200] or type(error).__name__

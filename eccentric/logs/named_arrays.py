@@ -6,6 +6,7 @@ The columns are the variables of the commonest length, see `assemble`.
 from __future__ import annotations
 
 import json
+import sys
 import zipfile
 from collections.abc import Iterator
 from itertools import islice
@@ -17,8 +18,7 @@ import numpy as np
 from eccentric.core import InputError, few
 from eccentric.logs import limits
 from eccentric.logs.assemble import LeftOut, Read, assemble
-from eccentric.logs.csv_file import text_of
-from eccentric.logs.foreign import library, reading, require_room_for_numbers, require_room_for_text
+from eccentric.logs.foreign import library, reading, require_room_for_numbers, require_room_for_text, text_of
 
 
 def read_json(path: Path) -> Read:
@@ -33,8 +33,18 @@ def read_json(path: Path) -> Read:
     )
     try:
         content = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: not a valid JSON file ({error})") from None
+    except json.JSONDecodeError as error:
+        rest = text[error.pos :].split(maxsplit=1)
+        raise InputError(
+            f"{path}: line {error.lineno}, column {error.colno}",
+            "valid JSON",
+            repr(rest[0][:20]) if rest else "the end of the file",
+        ) from None
+    except ValueError:
+        digits = sys.get_int_max_str_digits()
+        raise InputError(path, f"numbers of at most {digits:,} digits", "a longer one") from None
+    except RecursionError:
+        raise InputError(path, "a JSON log with a list of entries", "lists nested too deep") from None
     if isinstance(content, list):
         content = {"": content}
     if not isinstance(content, dict):

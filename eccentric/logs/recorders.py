@@ -20,8 +20,14 @@ from eccentric.core import InputError, few
 from eccentric.logs import limits
 from eccentric.logs.assemble import Column, Read, assemble, column_of
 from eccentric.logs.clocks import Recorded, on_one_clock
-from eccentric.logs.csv_file import text_of
-from eccentric.logs.foreign import library, reading, require_room_for_numbers, require_room_for_text
+from eccentric.logs.foreign import (
+    DamagedError,
+    library,
+    reading,
+    require_room_for_numbers,
+    require_room_for_text,
+    text_of,
+)
 
 _FORMULA = {3: (10,), 4: (3,)}
 """Types of conversion that are a formula as text, by the version of the format."""
@@ -183,7 +189,7 @@ def read_wpilog(path: Path) -> Read:
     with reading(path, "WPILib data log"):
         data = path.read_bytes()
         require_room_for_numbers(path, len(data) // 12, len(data) // 12)
-        entries, notes = _entries(memoryview(data), path)
+        entries, notes = _entries(memoryview(data))
         channels: list[Recorded] = []
         left_out: list[str] = []
         for entry in entries:
@@ -196,10 +202,10 @@ def read_wpilog(path: Path) -> Read:
         return on_one_clock(channels, path, notes)
 
 
-def _entries(data: memoryview, path: Path) -> tuple[list[_Entry], list[str]]:
+def _entries(data: memoryview) -> tuple[list[_Entry], list[str]]:
     """The entries with their records, and what is damaged."""
     if bytes(data[:6]) != b"WPILOG" or len(data) < 12:
-        raise InputError(f"{path}: not a valid WPILib data log (it does not begin with WPILOG)")
+        raise DamagedError("it does not begin with WPILOG")
     at = 12 + int.from_bytes(data[8:12], "little")
     known: dict[int, _Entry] = {}
     found: list[_Entry] = []

@@ -19,7 +19,7 @@ import numpy as np
 from eccentric.core import InputError, few
 from eccentric.logs import limits
 from eccentric.logs.assemble import Column, InParts, Part, Read, column_of, overlaps
-from eccentric.logs.foreign import require_room_for_numbers
+from eccentric.logs.foreign import errors_of, library, require_room_for_numbers
 
 # Arrow tables, from a Parquet file or from memory, as columns of numbers and text.
 
@@ -141,22 +141,11 @@ def parquet_source(path: Path) -> InParts | None:
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     """The file; InputError without pyarrow, or for what is not a valid file, wherever that shows."""
-    try:
-        parquet = importlib.import_module("pyarrow.parquet")
-        arrow = importlib.import_module("pyarrow")
-    except ImportError:
-        raise InputError(
-            f'{path}: pyarrow is required for .parquet: pip install "eccentric[parquet]"'
-        ) from None
-    try:
-        # Not `read_table`, which makes columns of parent folders with names like run=3. No
-        # pre-buffer: it keeps what it has read, so that a file read in batches ends up in memory whole.
-        with parquet.ParquetFile(path, pre_buffer=False) as file:
-            yield file
-    except (arrow.ArrowException, OSError) as error:
-        if isinstance(error, PermissionError):
-            raise
-        raise InputError(f"{path}: not a valid Parquet file ({str(error).splitlines()[0]})") from None
+    parquet = library("pyarrow.parquet", "parquet", path, ".parquet")
+    # Not `read_table`, which makes columns of parent folders with names like run=3. No
+    # pre-buffer: it keeps what it has read, so that a file read in batches ends up in memory whole.
+    with errors_of(path, "Parquet file"), parquet.ParquetFile(path, pre_buffer=False) as file:
+        yield file
 
 
 @runtime_checkable
@@ -258,9 +247,9 @@ def _values(values: object, column: object, name: str) -> Column | None:
     where = f"{name}: column {column!r}"
     try:
         array = np.ma.asarray(values) if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
-    except (ValueError, TypeError, RuntimeError) as error:
-        said = str(error).split(". ")[0]
-        raise InputError(f"{where}: expected an array of numbers (n,) ({said})") from None
+    except (ValueError, TypeError, RuntimeError):
+        kind = type(values).__name__
+        raise InputError(where, "numbers (n,)", f"a {kind} that NumPy makes no array of") from None
     if array.ndim > 1:
         raise InputError(where, "one dimension", f"shape {array.shape}")
     kind = array.dtype.kind
