@@ -14,9 +14,9 @@ from eccentric.core import InputError
 from eccentric.logs import read_log, stream_log
 from eccentric.rigs import Rig, read_rig
 from eccentric.signals import read_long
-from eccentric.signals.long.choice import choose, solved
-from eccentric.signals.long.limits import COLUMNS
-from eccentric.signals.long.survey import Cells, LogSurvey, Window, state_name, states_of, survey
+from eccentric.signals.limits import COLUMNS
+from eccentric.signals.long_choice import choose, solved
+from eccentric.signals.long_survey import Cells, LogSurvey, Window, state_name, states_of, survey
 from eccentric.signals.table import read_table
 from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain
 
@@ -265,7 +265,7 @@ def test_a_run_at_another_rate_counts_like_the_first(rates: tuple[float, float])
 
 def test_windows_that_cannot_be_assessed_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
     """In the last run rows come in pairs with gaps between them: there is no cell, and a warning says so."""
-    monkeypatch.setattr("eccentric.signals.long.limits.LONG_ROWS", 10_000)
+    monkeypatch.setattr("eccentric.signals.limits.LONG_ROWS", 10_000)
     log: Columns = columns(200.0, 200.0)
     t = log["time_s"]
     paired = np.arange(len(t)) % 20 < 2
@@ -287,7 +287,7 @@ def test_what_the_windows_miss_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
 
     log = columns(1000.0, 200.0, all_differ)
     log["run"] = np.floor(log["time_s"] / 20.0)
-    monkeypatch.setattr("eccentric.signals.long.limits.LONG_ROWS", 10_000)
+    monkeypatch.setattr("eccentric.signals.limits.LONG_ROWS", 10_000)
     (read,) = read_long([log], rig_of(), points=2000)
     assert read.excerpt is not None
 

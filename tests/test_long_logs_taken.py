@@ -15,8 +15,8 @@ import eccentric
 from eccentric.core import InputError
 from eccentric.logs import stream_log
 from eccentric.rigs import read_arm_rig
-from eccentric.signals import Channels, read_joints, read_long_joints
-from eccentric.signals.long import choice, limits
+from eccentric.signals import Channels, limits, read_joints, read_long_joints
+from eccentric.signals import long_choice as choice
 from tests.arm_logs import RATE_HZ, arm_log_of, arm_rig_of, planar_arm
 from tests.arm_logs import shoulder_by_load as by_load
 from tests.long_logs import RIG, columns, parquet, stribeck

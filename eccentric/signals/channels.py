@@ -22,7 +22,6 @@ from eccentric.signals import limits
 from eccentric.signals.converted import CONTROLLER
 from eccentric.signals.filters import joined, motion_of, rows_of_each, span_velocity, stretches, suited
 from eccentric.signals.kinds import at_times, evidence, refined
-from eccentric.signals.lines import standing_lines
 from eccentric.signals.measured import (
     Channels,
     Controlled,
@@ -44,6 +43,7 @@ from eccentric.signals.motion import (
 from eccentric.signals.quality import assess
 from eccentric.signals.sampling import windows_by_parts
 from eccentric.signals.table import Holdout, Table, hold_out, read_table
+from eccentric.signals.turn_line import standing_lines
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from eccentric.core import InputError
 from eccentric.rigs import AddedMass, Alignment, Rig
 from eccentric.signals import limits
+from eccentric.signals.clock import Finding
 from eccentric.signals.filters import LowPass, joined, low_pass_of, motion_of
-from eccentric.signals.finding import Finding
 from eccentric.signals.table import Holdout, carriers
 
 Array = NDArray[np.float64]

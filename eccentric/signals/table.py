@@ -14,10 +14,18 @@ from eccentric.core import InputError, few
 from eccentric.logs import Log, LogSource, falls, log_stems, read_log
 from eccentric.rigs import Rig
 from eccentric.signals import limits
-from eccentric.signals.clock import ClockOfLog, Stale, clock_of, frozen_tails, polled, reversed_time
+from eccentric.signals.clock import (
+    TURN,
+    ClockOfLog,
+    Finding,
+    Stale,
+    clock_of,
+    even_turns,
+    frozen_tails,
+    polled,
+    reversed_time,
+)
 from eccentric.signals.converted import CONTROLLER, converted, named_apart, run_numbers
-from eccentric.signals.finding import Finding
-from eccentric.signals.revolutions import TURN, even_turns
 
 # The held-out part of a log: named by the rig, or by a rule that is recorded.
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.model import AxisKind
-from eccentric.signals.finding import Finding
+from eccentric.signals.clock import Finding
 from eccentric.signals.quality import limits
 from eccentric.signals.quality.causes import (
     Logged,

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.model import AxisKind
+from eccentric.signals.clock import Finding
 from eccentric.signals.filters import stretches
-from eccentric.signals.finding import Finding
 from eccentric.signals.limits import LEAST_CORRELATION, MUCH_LOST
 from eccentric.signals.motion import speed_doubt, speed_factor, unwrapped
 from eccentric.signals.quality import limits

@@ -12,10 +12,10 @@ from eccentric.core import few
 from eccentric.logs import Excerpt, Log, LogSource, LogStream, log_stems, stream_log
 from eccentric.model import AxisKind
 from eccentric.rigs import ArmRig, Rig
+from eccentric.signals import limits
 from eccentric.signals.converted import named_apart, require_columns, run_column
-from eccentric.signals.long import limits
-from eccentric.signals.long.choice import ChosenWindows, choose
-from eccentric.signals.long.survey import LogSurvey, Window, survey
+from eccentric.signals.long_choice import ChosenWindows, choose
+from eccentric.signals.long_survey import LogSurvey, Window, survey
 
 
 def read_long(

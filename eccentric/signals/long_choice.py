@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.rigs import Rig
-from eccentric.signals.long import limits
-from eccentric.signals.long.survey import Window, state_name
+from eccentric.signals import limits
+from eccentric.signals.long_survey import Window, state_name
 
 Array = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
     must = _must(windows, candidates, rig, most)
     chosen, worse = set(must), np.inf
     for part in limits.ROUNDS:
-        budget = min(len(candidates), max(limits.LEAST_WINDOWS, round(part * most)))
+        budget = min(len(candidates), max(limits.LEAST_LONG_WINDOWS, round(part * most)))
         odd_places = max(1, round(limits.ODD_PART * budget))
         chosen = must | _held(windows, candidates, rig, budget)
         chosen |= _even(candidates, budget - odd_places - len(chosen))

@@ -20,10 +20,9 @@ from numpy.typing import NDArray
 from eccentric.core import InputError
 from eccentric.logs import Log, LogStream
 from eccentric.rigs import Rig
+from eccentric.signals import limits
 from eccentric.signals.clock import clock_of
 from eccentric.signals.converted import Converted, converted, stream_columns
-from eccentric.signals.limits import MOST_REJECTED
-from eccentric.signals.long import limits
 
 # Signals of a log on cells of 20 ms: the base of every friction model, and the states of the drive.
 
@@ -312,9 +311,9 @@ class _Reader:
     def finish(self) -> None:
         """Join short ends of runs to the window before; InputError for too many rows that are not numbers."""
         found, path = self._found, self._found.stream.path
-        if found.rejected > MOST_REJECTED * found.rows:
+        if found.rejected > limits.MOST_REJECTED * found.rows:
             what = f"no number in {found.rejected} of {found.rows} rows (first: {self._first_bad})"
-            raise InputError(path, problem=f"{what}; at most {MOST_REJECTED:.0%} may be missing")
+            raise InputError(path, problem=f"{what}; at most {limits.MOST_REJECTED:.0%} may be missing")
         whole: list[Window] = []
         for window in found.windows:
             short = window.finish - window.begin < limits.WINDOW_S / 2.0
