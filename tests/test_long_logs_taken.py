@@ -22,9 +22,10 @@ from tests.arm_logs import shoulder_by_load as by_load
 from tests.long_logs import RIG, columns, parquet, stribeck
 
 
-def test_models_are_compared_on_windows(tmp_path: Path) -> None:
+def test_models_are_compared_on_windows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Not on all of a long log; the table and the document say so, and who reads is told how far it is."""
-    log = parquet(tmp_path / "long.parquet", columns(360.0, friction=stribeck))
+    monkeypatch.setattr(limits, "LONG_ROWS", 10_000)
+    log = parquet(tmp_path / "long.parquet", columns(360.0, 100.0, stribeck))
     parts: list[float] = []
 
     found = eccentric.compare(log, RIG, ["c2_parallel", "c2_parallel+stribeck"], reading=parts.append)

@@ -150,18 +150,18 @@ def test_a_bar_tells_stages_apart(
     assert "50%, 10 s left" in capsys.readouterr().err.split("\r")[-1]
 
 
-def test_a_diagnosis_of_windows_names_what_was_planted(tmp_path: Path) -> None:
-    """Stribeck friction in 120,000 rows."""
-    found = eccentric.diagnose(
-        parquet(tmp_path / "log.parquet", columns(120.0, 1000.0, stribeck)),
-        RIG,
-        only=["stribeck", "time_drift"],
-    )
+def test_a_diagnosis_of_windows_names_what_was_planted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stribeck friction in 24,000 rows."""
+    monkeypatch.setattr("eccentric.signals.limits.LONG_ROWS", 10_000)
+    log = parquet(tmp_path / "log.parquet", columns(240.0, 100.0, stribeck))
+    found = eccentric.diagnose(log, RIG, only=["stribeck", "time_drift"])
 
     assert "named" == found.verdict
     assert found.effects[0].startswith("stribeck")
     assert found.document["excerpt"] in found.summary()
-    assert 120_000 == found.document["rows"]["read"]
+    assert 24_000 == found.document["rows"]["read"]
 
 
 # Not `getrusage`, whose peak begins with that of the process that has started this one: the tests' own.

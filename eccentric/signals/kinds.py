@@ -114,16 +114,8 @@ def refined(table: Table, kinds: Mapping[str, str]) -> Table:
             elif name != "time":
                 part[name] = np.interp(fine, t[rows], x[rows])
         parts.append(part)
-    rows = np.concatenate(source)
-    return dataclasses.replace(
-        table,
-        channels={name: np.concatenate([part[name] for part in parts]) for name in table.channels},
-        run=table.run[rows],
-        use=table.use[rows],
-        motor_off=table.motor_off[rows],
-        after_dropped=table.after_dropped[rows],
-        after_skipped=table.after_skipped[rows],
-    )
+    joined = {name: np.concatenate([part[name] for part in parts]) for name in table.channels}
+    return table.at(np.concatenate(source), joined)
 
 
 # Whether a log shows that its drive is held.

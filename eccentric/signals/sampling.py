@@ -13,8 +13,9 @@ A fit minimises over `fit_rows`; models are compared on `rows_of`; effects are s
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -185,34 +186,37 @@ def fit_rows(channels: Channels, rig: Rig) -> Rows:
         found = _by_parts(channels)
         if np.count_nonzero(found.train) >= limits.LEAST_WINDOWS:
             return found
-        return dataclasses.replace(found, remedy=_shorter(channels, rig))
+        return dataclasses.replace(found, remedy=_fewer_steps(channels, rig))
     weights = _durations(channels.time.t, channels.time.segment, channels.time.logged_step_s)
     return dataclasses.replace(_samples(channels, rig), weights=weights, description="rows")
 
 
-def _shorter(channels: Channels, rig: Rig) -> str:
-    """An average of fewer steps than the default's windows, of which the log has enough."""
+def _shorter(channels: Channels, rig: Rig, lengths: Iterable[float]) -> tuple[str, int]:
+    """The first of some averages [s] that are enough, as a key of a rig, and their number; "" for none."""
     held = channels.selection.held_out
-    for steps in range(limits.STEPS - 1, limits.LEAST_STEPS - 1, -1):
-        over = steps * channels.time.logged_step_s
+    for over in lengths:
         tried = dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, average_over=over))
         fitted, scored = (len(_averages(channels, tried, part)) for part in (~held, held))
         if fitted >= limits.LEAST_WINDOWS and scored >= limits.LEAST_HELD_OUT:
-            shorter = f'average_over = "{over:.2g} s"'
-            return f"a window is {limits.STEPS} steps by default, {shorter} in {rig.path} gives {fitted}"
-    return LONGER
+            return f'average_over = "{over:.2g} s"', fitted
+    return "", 0
+
+
+def _fewer_steps(channels: Channels, rig: Rig) -> str:
+    """What helps a coarse log with too few windows of the default's length."""
+    step = channels.time.logged_step_s
+    steps = range(limits.STEPS - 1, limits.LEAST_STEPS - 1, -1)
+    key, count = _shorter(channels, rig, (k * step for k in steps))
+    default = f"a window is {limits.STEPS} steps by default"
+    return f"{default}, {key} in {rig.path} gives {count}" if key else LONGER
 
 
 def _half_as_long(channels: Channels, rig: Rig) -> str:
-    """An average that is shorter by halves, of which the log has enough; that it has too few, for none."""
-    over, held = 0.5 * _length(channels, rig), channels.selection.held_out
-    while over >= limits.LEAST_STEPS * channels.time.logged_step_s:
-        tried = dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, average_over=over))
-        fitted, scored = (len(_averages(channels, tried, part)) for part in (~held, held))
-        if fitted >= limits.LEAST_WINDOWS and scored >= limits.LEAST_HELD_OUT:
-            return f'in {rig.path}, average_over = "{over:.2g} s" gives {fitted}'
-        over *= 0.5
-    return LONGER
+    """What helps a log with too few averages of the rig's length: shorter ones by halves."""
+    least, over = limits.LEAST_STEPS * channels.time.logged_step_s, _length(channels, rig)
+    halves = itertools.takewhile(lambda x: x >= least, (over * 0.5**k for k in itertools.count(1)))
+    key, count = _shorter(channels, rig, halves)
+    return f"in {rig.path}, {key} gives {count}" if key else LONGER
 
 
 def rows_of(channels: Channels, rig: Rig) -> Rows:

@@ -6,6 +6,7 @@ import fnmatch
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from textwrap import shorten
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -172,6 +173,13 @@ class Table:
     findings: tuple[Finding, ...]
     is_excerpt: bool
 
+    def at(self, rows: NDArray[np.int64], channels: Mapping[str, Array], **more: Any) -> Table:
+        """Return a table of other channels (m,), whose entries belong to these rows (m,) of this one."""
+        masks = ("run", "use", "motor_off", "after_dropped", "after_skipped")
+        return replace(
+            self, **{"channels": channels, **{name: getattr(self, name)[rows] for name in masks}, **more}
+        )
+
 
 def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
     """Read and join logs, each a path, a table in memory or a Log.
@@ -214,16 +222,14 @@ def _require_carriers(run_names: Sequence[str], rig: Rig) -> None:
 def _joined(tables: Sequence[Table]) -> Table:
     """Tables of the same channels as one, their runs numbered on."""
     offsets = np.cumsum([0, *(len(table.run_names) for table in tables)])
+    masks = ("use", "motor_off", "after_dropped", "after_skipped")
     return Table(
         channels={
             name: np.concatenate([table.channels[name] for table in tables]) for name in tables[0].channels
         },
         run=np.concatenate([table.run + offset for table, offset in zip(tables, offsets, strict=False)]),
         run_names=tuple(name for table in tables for name in table.run_names),
-        use=np.concatenate([table.use for table in tables]),
-        motor_off=np.concatenate([table.motor_off for table in tables]),
-        after_dropped=np.concatenate([table.after_dropped for table in tables]),
-        after_skipped=np.concatenate([table.after_skipped for table in tables]),
+        **{name: np.concatenate([getattr(table, name) for table in tables]) for name in masks},
         rows_read=sum(table.rows_read for table in tables),
         rows_rejected=sum(table.rows_rejected for table in tables),
         findings=tuple(finding for table in tables for finding in table.findings),
@@ -327,12 +333,9 @@ def _of_turns(table: Table, path: str) -> Table:
     found = even_turns(t, None if count is None else count / TURN, table.run, table.run_names, path)
     nothing = np.zeros(len(found.row), bool)
     rest = {c: np.interp(found.t, t, x) for c, x in table.channels.items() if c not in motion}
-    return replace(
-        table,
-        channels={**rest, "time": found.t, name: found.theta},
-        run=table.run[found.row],
-        use=table.use[found.row],
-        motor_off=table.motor_off[found.row],
+    return table.at(
+        found.row,
+        {**rest, "time": found.t, name: found.theta},
         after_dropped=nothing,
         after_skipped=nothing,
         findings=(*table.findings, found.finding(path)),
