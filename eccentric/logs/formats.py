@@ -77,7 +77,8 @@ def _function(place: str) -> Any:
 
 _PACKAGES = {
     "xlsx": ("openpyxl",), "mat73": ("h5py",), "parquet": ("pyarrow",), "hdf5": ("h5py",),
-    "mdf": ("asammdf",), "rosbag": ("rosbags",), "mcap": ("mcap", "rosbags"), "ulog": ("pyulog",), "tdms": ("nptdms",),
+    "mdf": ("asammdf",), "rosbag": ("rosbags",), "mcap": ("mcap", "rosbags"), "ulog": ("pyulog",),
+    "tdms": ("nptdms",),
 }  # fmt: skip
 """Extra of `pyproject.toml` -> the packages that it brings."""
 TEXT = Format(
