@@ -13,6 +13,7 @@ import importlib
 import io
 import logging
 import os
+import re
 import sys
 import traceback
 import warnings
@@ -23,6 +24,9 @@ from typing import IO, Any
 
 from eccentric.core import InputError
 from eccentric.logs import limits
+
+
+_NO_TEXT = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
 
 class DamagedError(ValueError):
@@ -55,8 +59,12 @@ def errors_of(path: Path, what: str, *, collect: bool = False) -> Iterator[None]
 
 def _refused(path: Path, valid: str, error: Exception) -> InputError:
     """What is wrong with a file that a library could not read."""
-    if not path.stat().st_size:
+    with path.open("rb") as file:
+        start = file.read(limits.FIRST_BYTES)
+    if not start:
         return InputError(path, valid, "an empty file")
+    if start.isascii() and not _NO_TEXT.search(start):
+        return InputError(path, valid, f"a text that begins with {start[:20].decode()!r}")
     if isinstance(error, DamagedError):
         return InputError(path, valid, f"a damaged one: {error}")
     if isinstance(error, MemoryError):
