@@ -25,7 +25,6 @@ from typing import IO, Any
 from eccentric.core import InputError
 from eccentric.logs import limits
 
-
 _NO_TEXT = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
 
