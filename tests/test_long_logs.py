@@ -12,21 +12,15 @@ import pytest
 import eccentric
 from eccentric.core import InputError
 from eccentric.logs import read_log, stream_log
-from eccentric.rigs import Rig, read_rig
+from eccentric.rigs import Rig
 from eccentric.signals import read_long
 from eccentric.signals.limits import COLUMNS
 from eccentric.signals.long_choice import choose, solved
 from eccentric.signals.long_survey import Cells, LogSurvey, Window, state_name, states_of, survey
 from eccentric.signals.table import read_table
-from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain
+from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain, rig_of
 
 Columns = dict[str, Any]
-WINDOW_S = 10.0
-
-
-def rig_of(**more: Any) -> Rig:
-    """The rig of the planted logs, with further keys."""
-    return read_rig(RIG | more)
 
 
 def surveyed(log: Columns, rig: Rig | None = None) -> LogSurvey:

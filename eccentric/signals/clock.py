@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,6 +134,21 @@ def clock_of(log: Log, labels: Integers, t: Array, kept: Mask) -> ClockOfLog:
         )
         said.append(Finding("packets", "time", text, sum(rows for *_, rows in packets), "warning"))
     return ClockOfLog(fine, good, part, tuple(said))
+
+
+def require_increasing(log: Log, rows: Integers, t: Array, begins: Any, last: float = -np.inf) -> None:
+    """InputError for the first of the rows (m,) of a log whose time t [s] (m,) is not after the one before.
+
+    Rows that begin a run, a mask (m,) or their places, follow nothing; `last` is the time before the first.
+    """
+    before = np.concatenate([[last], t[:-1]])
+    before[begins] = -np.inf
+    if len(stuck := np.flatnonzero(t <= before)):
+        k = int(stuck[0])
+        raise InputError(
+            f"{log.path}: {log.place(int(rows[k]))}",
+            problem=f"time stamps must increase, got {t[k]:.9g} s after {before[k]:.9g} s",
+        )
 
 
 def reversed_time(log: Log) -> Finding:

@@ -220,13 +220,10 @@ def _of_controller(rig: Rig) -> dict[str, ColumnSource]:
 def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
     if channel.startswith(CONTROLLER):
         return log.numbers(source.text)
-    if source.text in log.columns:
-        raw = log.numbers(source.text)
-    else:
-        where = f"{rig.path}: [columns] {rig.axis.named(channel)}"
-        raw = evaluate(source.text, log.numbers, where)
-        if raw.dtype == bool:
-            raise InputError(where, "a number", f"{source.text!r}")
+    where = f"{rig.path}: [columns] {rig.axis.named(channel)}"
+    raw = numbers_of(log, source.text, where)
+    if raw.dtype == bool:
+        raise InputError(where, "a number", f"{source.text!r}")
     with np.errstate(over="ignore"):
         values = raw if source.unit is None else source.unit.to_si(raw)
     size = np.abs(np.where(np.isfinite(raw), values, 0.0))
@@ -261,10 +258,13 @@ def _condition(
     """A column of 0 and 1, or a condition on columns; one number for all rows if neither is mapped."""
     if channel not in sources:
         return np.full(log.rows, otherwise)
-    text = sources[channel].text
-    if text in log.columns:
-        return log.numbers(text)
-    return evaluate(text, log.numbers, f"{rig.path}: [columns] {rig.axis.named(channel)}").astype(float)
+    where = f"{rig.path}: [columns] {rig.axis.named(channel)}"
+    return numbers_of(log, sources[channel].text, where).astype(float)
+
+
+def numbers_of(log: Log, text: str, where: str) -> NDArray[Any]:
+    """The numbers (rows,) of a column, or of arithmetic on columns; InputError that begins with `where`."""
+    return log.numbers(text) if text in log.columns else evaluate(text, log.numbers, where)
 
 
 def _text(value: Any) -> str:

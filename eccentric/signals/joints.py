@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError
-from eccentric.logs import Log, LogSource, evaluate, read_log
+from eccentric.logs import Log, LogSource, read_log
 from eccentric.signals import limits
 from eccentric.signals.channels import read_channels
-from eccentric.signals.converted import require_columns
+from eccentric.signals.converted import numbers_of, require_columns
 from eccentric.signals.measured import Channels
 from eccentric.signals.table import of_runs
 
@@ -96,8 +96,7 @@ def _complete(log: Log, rig: ArmRig) -> Log:
 
 
 def _finite(log: Log, text: str, where: str) -> NDArray[np.bool_]:
-    values = log.numbers(text) if text in log.columns else evaluate(text, log.numbers, where)
-    sizes = np.abs(np.asarray(values, float)) * np.ones(log.rows)
+    sizes = np.abs(np.asarray(numbers_of(log, text, where), float)) * np.ones(log.rows)
     good = np.isfinite(sizes)
     damaged = good & (sizes > limits.LARGEST)
     # Many of them are a wrong unit, which the joint that they are of is told.

@@ -21,7 +21,7 @@ from eccentric.core import InputError
 from eccentric.logs import Log, LogStream
 from eccentric.rigs import Rig
 from eccentric.signals import limits
-from eccentric.signals.clock import clock_of
+from eccentric.signals.clock import clock_of, require_increasing
 from eccentric.signals.converted import Converted, converted, stream_columns
 
 # Signals of a log on cells of 20 ms: the base of every friction model, and the states of the drive.
@@ -282,20 +282,10 @@ class _Reader:
         """Raise InputError for a run in two pieces, or time stamps that do not increase."""
         for k, label in zip(begins.tolist(), labels[goes_on:], strict=True):
             if label in self._runs:
-                raise InputError(
-                    f"{batch.path}: {batch.place(int(rows[k]))}",
-                    "contiguous runs",
-                    f"{label!r} again",
-                )
+                place = batch.place(int(rows[k]))
+                raise InputError(f"{batch.path}: {place}", "contiguous runs", f"{label!r} again")
             self._runs.add(label)
-        before = np.concatenate([[self._last], t[:-1]])
-        before[begins] = -math.inf
-        if len(stuck := np.flatnonzero(t <= before)):
-            k = int(stuck[0])
-            raise InputError(
-                f"{batch.path}: {batch.place(int(rows[k]))}",
-                problem=f"time stamps must increase, got {t[k]:.9g} s after {before[k]:.9g} s",
-            )
+        require_increasing(batch, rows, t, begins, self._last)
 
     def _window(
         self, run: str, number: int, rows: tuple[int, int], begin: float, finish: float, offset: int

@@ -24,6 +24,7 @@ from eccentric.signals.clock import (
     even_turns,
     frozen_tails,
     polled,
+    require_increasing,
     reversed_time,
 )
 from eccentric.signals.converted import CONTROLLER, converted, named_apart, run_numbers
@@ -383,12 +384,5 @@ def _runs(
         place = log.place(int(rows[starts[again]]))
         name = names[int(labels[starts[again]])]
         raise InputError(f"{log.path}: {place}", "contiguous runs", f"{name!r} again")
-    t = clock.t[rows]
-    stuck = np.flatnonzero((np.diff(t) <= 0.0) & ~begins[1:])
-    if len(stuck):
-        k = int(stuck[0])
-        raise InputError(
-            f"{log.path}: {log.place(int(rows[k + 1]))}",
-            problem=f"time stamps must increase, got {t[k + 1]:.9g} s after {t[k]:.9g} s",
-        )
+    require_increasing(log, rows, clock.t[rows], begins)
     return np.cumsum(begins) - 1, tuple(called)
