@@ -11,6 +11,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from eccentric.rigs import Rig, read_rig
+
 Array = NDArray[np.float64]
 Course = Callable[[Array, Array], Array]
 """Friction torque at the motor (n,) [N m], from time [s] and speed [rad/s] (n,)."""
@@ -27,6 +29,11 @@ RIG: dict[str, Any] = {
     },
 }  # fmt: skip
 _SINES = ((9.0, 0.31, 0.3), (5.0, 0.83, 1.0), (2.0, 1.9, 2.0), (0.8, 3.7, 0.5), (25.0, 0.047, 1.5))
+
+
+def rig_of(**more: Any) -> Rig:
+    """The rig of the planted logs, with further keys."""
+    return read_rig(RIG | more)
 
 
 def plain(_: Array, omega: Array) -> Array:

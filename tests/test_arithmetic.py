@@ -70,7 +70,7 @@ BAD = {
     "a; b": "neither a column of the log nor arithmetic",
     "a = b": "neither a column of the log nor arithmetic",
     "": "neither a column of the log nor arithmetic",
-    "c + a": "expected column 'c', the log has a, b",
+    "c + a": "expected column 'c', but the log has a, b",
     "a + (b > 0)": "expected a number, got the condition 'b > 0'",
     "a and b > 0": "expected a condition, got the number 'a'",
     "a + 1e999": "expected a finite number",

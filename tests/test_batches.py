@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from eccentric.core import InputError
-from eccentric.logs import LogStream, batches, csv_file, mat_file, read_log, stream_log
+from eccentric.logs import LogStream, limits, read_log, stream_log
 from eccentric.logs.formats import FORMATS as KNOWN
 
 ROWS = 1000
@@ -88,10 +88,7 @@ FORMATS = {
 @pytest.fixture(autouse=True)
 def small_batches(monkeypatch: pytest.MonkeyPatch) -> None:
     """Batches of 128 rows, so that a thousand rows are several."""
-    from eccentric.logs import parquet_file
-
-    for module in (csv_file, mat_file, parquet_file, batches):
-        monkeypatch.setattr(module, "BATCH_ROWS", 128)
+    monkeypatch.setattr(limits, "BATCH_ROWS", 128)
 
 
 @pytest.fixture(params=FORMATS)
@@ -149,7 +146,9 @@ def test_columns_that_are_not_asked_for_are_not_read(tmp_path: Path) -> None:
     path.write_bytes(bytes(data))
 
     np.testing.assert_array_equal(NUMBERS[:, 1], stream_log(path).read(["current_A"]).columns["current_A"])
-    with pytest.raises(InputError, match=r"log\.parquet: not a valid Parquet file"):
+    with pytest.raises(
+        InputError, match=r"log\.parquet: expected a valid Parquet file, got one that is damaged"
+    ):
         stream_log(path).read()
 
 
@@ -164,7 +163,7 @@ def test_a_file_that_is_cut_off_is_one_error(kind: str, tmp_path: Path) -> None:
     path = FORMATS[kind](tmp_path)
     cut_off(path)
 
-    with pytest.raises(InputError, match=rf"{path.name}: (the compressed file is|not a valid)"):
+    with pytest.raises(InputError, match=rf"{path.name}: (the compressed file is|expected a valid)"):
         stream_log(path).read()
 
 

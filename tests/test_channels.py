@@ -1,4 +1,4 @@
-"""Logs and a rig become signals in SI on the motor side, with masks by the reference definition."""
+"""Logs and a rig become signals in SI on the motor side: masks, coarse logs, errors that were published."""
 
 from __future__ import annotations
 
@@ -10,17 +10,20 @@ import numpy as np
 import pytest
 
 from eccentric.rigs import Alignment, read_rig
-from eccentric.signals import read_channels
+from eccentric.signals import Channels, read_channels
 from tests.logged import (
     MAPPED,
     PHASE,
     RATE,
     RIG,
+    RIGS,
+    SHARED,
     STANDARD,
     SWING,
     T,
     channels_of,
     log_file,
+    needs_shared,
     rig_file,
 )
 
@@ -198,3 +201,106 @@ def test_delay_zero_angle_and_offset(tmp_path: Path) -> None:
     assert back.motor.voltage is not None
     np.testing.assert_array_equal(back.motor.voltage, STANDARD["voltage_V"])
     np.testing.assert_allclose(back.motion.theta_m, plain.motion.theta_m, atol=1e-12)
+
+
+SLOW_T = np.arange(0.0, 20.0, 0.025)
+
+
+def slow(tmp_path: Path, rig: str = RIG) -> Channels:
+    """Channels of a slow sine at 40 rows per second, under a voltage that rises in steps."""
+    log = {"time_s": SLOW_T, "theta_m_rad": 8.0 * np.sin(SWING * SLOW_T), "voltage_V": 3.0 * SLOW_T}
+    return channels_of(tmp_path, log, rig)
+
+
+def test_slow_sampling_is_refined_by_a_spline_and_said(tmp_path: Path) -> None:
+    """At 40 Hz there is no 25 Hz low pass: four points a row, on the sine and its derivatives; it is said."""
+    c = slow(tmp_path)
+    assert (c.time.points_per_row, c.time.logged_step_s) == (4, pytest.approx(0.025))
+    np.testing.assert_allclose(c.time.t, np.arange(4 * len(SLOW_T) - 3) * 0.00625, atol=1e-12)
+    middle = (c.time.t > 0.5) & (c.time.t < 19.0)
+    sine, cosine = 8.0 * np.sin(SWING * c.time.t[middle]), 8.0 * np.cos(SWING * c.time.t[middle])
+    np.testing.assert_allclose(c.motion.theta_m[middle], sine, atol=1e-7)
+    np.testing.assert_allclose(c.motion.omega_m[middle], SWING * cosine, atol=1e-5)
+    np.testing.assert_allclose(c.motion.alpha_m[middle], -(SWING**2) * sine, atol=1e-3)
+    assert any("too coarse for the low pass" in warning for warning in c.intake.warnings)
+
+
+def test_slow_voltage_is_held_if_the_rig_says_so(tmp_path: Path) -> None:
+    """Between two rows a command is that of the first, and at a row it goes halfway to the next."""
+    c = slow(tmp_path, RIG.replace("[known]", '[kinds]\nvoltage = "held"\n[known]'))
+    assert c.motor.voltage is not None
+    np.testing.assert_allclose(c.motor.voltage[10:-10:4], 3.0 * SLOW_T[2:-3])
+    np.testing.assert_allclose(c.motor.voltage[8:-8:4], 3.0 * (SLOW_T[2:-2] - 0.0125))
+
+
+def test_slow_samples_are_joined_by_lines_and_rows_are_counted_as_logged(tmp_path: Path) -> None:
+    """A ramp of the voltage stays one; counts are of the log, not of its points."""
+    c = slow(tmp_path, "holdout_intervals_s = [[4.0, 8.0]]\n" + RIG)
+    assert c.motor.voltage is not None
+    np.testing.assert_allclose(c.motor.voltage, 3.0 * c.time.t, atol=1e-12)
+    assert c.counts["read"] == len(SLOW_T)
+    # 19 s are clear of the ends; of each second with its reversal, 60 ms and some rows are lost either side.
+    assert 19 * 40 * (1.0 - 2.0 * 0.1) < c.counts["used"] < 19 * 40 * (1.0 - 2.0 * 0.05)
+    assert c.counts["held_out"] == pytest.approx(4.0 / 19.0 * c.counts["used"], abs=4)
+
+
+def test_slow_sampling_under_a_slower_low_pass_or_average_is_left_alone(tmp_path: Path) -> None:
+    """A low pass that 40 Hz allows, or averages that the rig requires, need no points between the rows."""
+    for wish in ("low_pass_hz = 8\n", 'average_over = "0.3 s"\n'):
+        c = slow(tmp_path, wish + RIG)
+        assert (c.time.points_per_row, len(c.time.t)) == (1, len(SLOW_T))
+
+
+@needs_shared
+def test_real_rig_is_read_as_its_readme_says() -> None:
+    """The unbalanced disc: 24500 rows, pi/1000 rad per count, speeds up to 19 rad/s, voltage only."""
+    rig = read_rig(RIGS / "tue_unbalanced_disc.toml")
+    path = SHARED / "measured" / "tue_unbalanced_disc" / "data.csv.gz"
+    counts = np.loadtxt(path, delimiter=",", skiprows=1, usecols=3)
+    c = read_channels([path], rig)
+    assert c.counts["read"] == 24500
+    assert (c.time.points_per_row, c.time.logged_step_s) == (4, pytest.approx(0.025))
+    assert c.time.run_names == ("2024",)
+    assert c.motion.quantum_rad == pytest.approx(math.pi / 1000.0)
+    assert c.motor.measured_by == "voltage"
+    assert float(np.max(np.abs(c.motion.omega_m))) == pytest.approx(19.0, abs=0.5)
+    # Every fourth point is a row of the log.
+    np.testing.assert_allclose(c.motion.theta_logged[::4], counts * math.pi / 1000.0, atol=1e-9)
+    assert rig.estimate == {"input_delay_s", "theta_zero_rad", "voltage_offset_V"}
+
+
+PUBLISHED = {1: (0.00720, 0.00165), 2: (0.01768, 0.00598), 3: (0.00198, 0.00198), 4: (0.06651, 0.01152)}
+
+
+@needs_shared
+@pytest.mark.parametrize("number", PUBLISHED)
+def test_published_held_out_errors_are_reproduced(number: int) -> None:
+    """Least squares on these channels gives the RMSE in the README of the shared examples, to 0.3 %.
+
+    The paper's model is written out here explicitly, once alone and once with the effects of truth.json.
+    """
+    rig = read_rig(SHARED / "examples" / f"example{number}.json")
+    c = read_channels([SHARED / "examples" / f"example{number}.csv.gz"], rig)
+    k = rig.known
+    mu, w, link = k["mu"], c.motion.omega_m, k["mu"] * c.motion.theta_m
+    sign, weight = np.sign(w), k["g"] * (k["M"] + k["M_l"])
+    load = k["M"] * k["g"] * k["L"] * np.sin(link) if rig.case == "C2" else np.zeros_like(w)
+    pull = k["M"] * k["L"] * (mu * w) ** 2
+    normal = np.sqrt(pull**2 + 2.0 * weight * pull * np.cos(link) + weight**2)
+    paper = {"C1": [w**3, w * np.abs(w), w, sign], "C2": [normal * w, normal * sign, w, sign]}[rig.case or ""]
+    effects = {
+        1: [np.exp(-((w / 18.0) ** 2)) * sign],
+        2: [np.abs(load) * sign * np.where(load * sign > 0.0, 1.0, 0.35)],
+        3: [],
+        4: [np.cos(3.0 * link) * sign, np.sin(3.0 * link) * sign, w / (1.0 + (w / 4.0) ** 2)],
+    }[number]
+    assert c.motor.current is not None
+    torque = k["k_i"] * c.motor.current - (k["J_m"] + mu**2 * k["J_l"]) * c.motion.alpha_m - mu * load
+    actual = []
+    for columns in (paper, paper + effects):
+        bases = np.stack(columns, axis=1)
+        solution = np.linalg.lstsq(bases[c.selection.fit_rows], torque[c.selection.fit_rows], rcond=None)[0]
+        residual = (torque - bases @ solution)[c.selection.score_rows]
+        actual.append(float(np.sqrt(np.mean(residual**2))))
+    # They were published for central differences, which take a little from the acceleration.
+    assert actual == pytest.approx(PUBLISHED[number], rel=0.005)

@@ -38,7 +38,9 @@ def test_drive_is_what_is_logged_or_what_the_rig_says(tmp_path: Path) -> None:
     """Current goes before torque and voltage, unless the rig says otherwise."""
     assert channels_of(tmp_path, STANDARD).motor.measured_by == "current"
     assert channels_of(tmp_path, STANDARD, 'drive = "voltage"\n' + RIG).motor.measured_by == "voltage"
-    with pytest.raises(InputError, match=r"drive: a channel with .* \(current, voltage\), got 'torque'"):
+    with pytest.raises(
+        InputError, match=r"drive: expected a channel with .* \(current, voltage\), got 'torque'"
+    ):
         channels_of(tmp_path, STANDARD, 'drive = "torque"\n' + RIG)
 
 
@@ -93,7 +95,7 @@ BAD = {
     "at the end": (
         changed(),
         "holdout_intervals_s = [[0.0, 0.1]]\n" + RIG,
-        "required to fit and to hold out",
+        "to fit and to hold out",
     ),
     "link": (
         changed(theta_m_rad=None, theta_l_rad=T),

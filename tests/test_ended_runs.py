@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -212,7 +213,9 @@ def test_without_locks_a_run_does_not_meddle_with_one_that_may_live(
     plan = {"names": ["fit.json"], "leaving": ["fit.json"], "made": [], "fresh": False}
     (other / "journal").write_text(json.dumps(plan))
 
-    with pytest.raises(InputError, match=r"expected no other run is writing; .* again in an hour$"):
+    with pytest.raises(
+        InputError, match=r"expected a folder that no other run is writing; .* again in an hour$"
+    ):
         fill(out)
     for path in (other, *other.rglob("*")):
         past = path.stat().st_mtime - 3601.0
@@ -239,26 +242,21 @@ bench = SimpleNamespace(columns={"time_s": np.zeros(3)}, rig={}, truth={})
 
 @pytest.mark.parametrize("act", ["kill", "interrupt"])
 def test_an_ended_bench_leaves_no_log_without_its_rig(act: str, tmp_path: Path) -> None:
-    """Log, rig and truth are there, or none, after the next run that writes there; nothing else is left."""
-    (tmp_path / "out").mkdir()
+    """Log, rig and truth are there, or none, after the next run that writes there; nothing else is left.
 
-    for copy in at_each_step(act, "write(bench, into / 'log.csv.gz')", tmp_path / "out", "", imports=IMPORTS):
-        with whole_file(copy / "next") as file:
-            file.touch()
-
-        found = {path.name for path in copy.iterdir()} - {"next"}
-        assert found in (set(), {"log.csv.gz", "log.json", "log.truth.json"})
-
-
-def test_a_killed_bench_can_be_run_again(tmp_path: Path) -> None:
-    """The same name is free unless all three files are there: a part of them is not in the way."""
+    The same name is free unless all three files are there: a part of them is not in the way.
+    """
     (tmp_path / "out").mkdir()
     names = {"log.csv.gz", "log.json", "log.truth.json"}
     run: Any = SimpleNamespace(columns={"time_s": np.zeros(3)}, rig={}, truth={})
 
-    for copy in at_each_step(
-        "kill", "write(bench, into / 'log.csv.gz')", tmp_path / "out", "", imports=IMPORTS
-    ):
-        if not names <= {path.name for path in copy.iterdir()}:
-            write(run, copy / "log.csv.gz")
-        assert names <= {path.name for path in copy.iterdir()}
+    for copy in at_each_step(act, "write(bench, into / 'log.csv.gz')", tmp_path / "out", "", imports=IMPORTS):
+        again = Path(shutil.copytree(copy, tmp_path / "again", symlinks=True))
+        if not names <= {path.name for path in again.iterdir()}:
+            write(run, again / "log.csv.gz")
+        assert names <= {path.name for path in again.iterdir()}
+        shutil.rmtree(again)
+
+        with whole_file(copy / "next") as file:
+            file.touch()
+        assert {path.name for path in copy.iterdir()} - {"next"} in (set(), names)

@@ -12,21 +12,15 @@ import pytest
 import eccentric
 from eccentric.core import InputError
 from eccentric.logs import read_log, stream_log
-from eccentric.rigs import Rig, read_rig
+from eccentric.rigs import Rig
 from eccentric.signals import read_long
-from eccentric.signals.long.choice import choose, solved
-from eccentric.signals.long.limits import COLUMNS
-from eccentric.signals.long.survey import Cells, LogSurvey, Window, state_name, states_of, survey
+from eccentric.signals.limits import COLUMNS
+from eccentric.signals.long_choice import choose, solved
+from eccentric.signals.long_survey import Cells, LogSurvey, Window, state_name, states_of, survey
 from eccentric.signals.table import read_table
-from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain
+from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain, rig_of
 
 Columns = dict[str, Any]
-WINDOW_S = 10.0
-
-
-def rig_of(**more: Any) -> Rig:
-    """The rig of the planted logs, with further keys."""
-    return read_rig(RIG | more)
 
 
 def surveyed(log: Columns, rig: Rig | None = None) -> LogSurvey:
@@ -44,13 +38,18 @@ def chosen_times(log: Columns, rig: Rig, most: int) -> list[tuple[float, float]]
 
 @pytest.fixture(scope="module")
 def long_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Six minutes at 1 kHz, 360,000 rows."""
-    return parquet(tmp_path_factory.mktemp("long") / "long.parquet", columns(360.0))
+    """Ten minutes at 200 Hz, 120,000 rows."""
+    return parquet(tmp_path_factory.mktemp("long") / "long.parquet", columns(600.0, 200.0))
 
 
-def test_a_fit_of_windows_finds_what_was_planted(long_log: Path) -> None:
-    """Coulomb and viscous friction are in their intervals; all rows are read, some used, and it says why."""
-    found = eccentric.fit(long_log, RIG)
+def test_a_fit_of_windows_finds_what_was_planted(long_log: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Coulomb and viscous friction are in their intervals; all rows are read, some used, and it says why.
+
+    Who reads is told how far it is, in parts that grow to one.
+    """
+    monkeypatch.setattr("eccentric.logs.limits.BATCH_ROWS", 20_000)
+    parts: list[float] = []
+    found = eccentric.fit(long_log, RIG, reading=parts.append)
     rows = found.document["rows"]
 
     truth = {"C_m": COULOMB, "B_m": VISCOUS}
@@ -58,15 +57,18 @@ def test_a_fit_of_windows_finds_what_was_planted(long_log: Path) -> None:
         low, high = found.estimates[name].interval
         assert low <= value <= high
         assert value == pytest.approx(found.estimates[name].value, rel=0.05)
-    assert (360_000, 0) == (rows["read"], rows["rejected"])
-    assert 0 < rows["held_out"] < rows["used"] < 360_000
+    assert (120_000, 0) == (rows["read"], rows["rejected"])
+    assert 0 < rows["held_out"] < rows["used"] < 120_000
     assert "would add nothing" in found.document["excerpt"]
     assert found.document["excerpt"] in found.summary()
+    assert sorted(parts) == parts
+    assert parts[-1] == 1.0
+    assert len(parts) > 3
 
 
 def test_runs_that_restart_their_time_are_counted_one_by_one() -> None:
     """Forty runs of 12 s, each from 0 s: a window of each, and as many seconds as were logged."""
-    one = columns(12.0)
+    one = columns(12.0, 250.0)
     log = {name: np.tile(x, 40) for name, x in one.items()}
     log["run"] = np.repeat([f"run {k}" for k in range(40)], len(one["time_s"]))
     named = {name: name for name in ("time_s", "theta_m_rad", "torque_Nm")}
@@ -77,20 +79,20 @@ def test_runs_that_restart_their_time_are_counted_one_by_one() -> None:
     assert read.excerpt is not None
     used, left = divmod(read.rows, len(one["time_s"]))
     assert 0 == left
-    size = f"{used} of 40 windows of 10 s are used ({used * 11.999:.4g} of {40 * 11.999:.5g} s)"
+    size = f"{used} of 40 windows of 10 s are used ({used * 11.996:.4g} of {40 * 11.996:.5g} s)"
     assert read.excerpt.note.startswith(size)
 
 
 def test_held_out_intervals_shorter_than_a_window_are_in_the_windows() -> None:
     """Three seconds of each minute: their rows are read, so that there is an error to report."""
-    log = columns(600.0)
+    log = columns(600.0, 200.0)
     intervals = [(60.0 * k + 33.0, 60.0 * k + 36.0) for k in range(10)]
     (read,) = read_long([log], rig_of(holdout_intervals_s=intervals))
     t = read.columns["time_s"]
 
     held = [np.count_nonzero((t >= a) & (t <= b)) for a, b in intervals]
-    assert sum(3000 <= rows <= 3001 for rows in held) >= 5
-    assert eccentric.fit(log, RIG | {"holdout_intervals_s": intervals}).document["rows"]["held_out"] > 1000
+    assert sum(600 <= rows <= 601 for rows in held) >= 5
+    assert eccentric.fit(log, RIG | {"holdout_intervals_s": intervals}).document["rows"]["held_out"] > 500
 
 
 def test_a_log_of_fifty_thousand_rows_is_read_whole() -> None:
@@ -101,7 +103,7 @@ def test_a_log_of_fifty_thousand_rows_is_read_whole() -> None:
     assert read.excerpt is None
     for name, values in read_log(log).columns.items():
         np.testing.assert_array_equal(values, read.columns[name], name)
-    assert "excerpt" not in eccentric.fit(log, RIG).document
+    assert "excerpt" not in eccentric.fit(columns(50.0, 100.0), RIG).document
 
 
 def test_windows_are_every_row_once(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -110,7 +112,7 @@ def test_windows_are_every_row_once(monkeypatch: pytest.MonkeyPatch) -> None:
     log["run"] = np.where(log["time_s"] < 33.0, "a", "b")
     expected = [("a", 0), ("a", 2000), ("a", 4000), ("b", 6600), ("b", 8600), ("b", 10600), ("b", 12800)]
     for size in (131_072, 1777):
-        monkeypatch.setattr("eccentric.logs.batches.BATCH_ROWS", size)
+        monkeypatch.setattr("eccentric.logs.limits.BATCH_ROWS", size)
         windows = surveyed(log).windows
         edges = [(w.run, w.first) for w in windows] + [(windows[-1].run, windows[-1].end)]
 
@@ -243,7 +245,7 @@ def test_no_more_windows_are_chosen_than_may_be(most: int) -> None:
         assert {0, 599} <= set(chosen)
 
 
-@pytest.mark.parametrize("rates", [(1000.0, 400.0), (200.0, 5000.0)])
+@pytest.mark.parametrize("rates", [(1000.0, 400.0), (200.0, 2000.0)])
 def test_a_run_at_another_rate_counts_like_the_first(rates: tuple[float, float]) -> None:
     """Its sums give the friction planted in it, and a minute of it has as many cells as one of the first."""
 
@@ -265,7 +267,7 @@ def test_a_run_at_another_rate_counts_like_the_first(rates: tuple[float, float])
 
 def test_windows_that_cannot_be_assessed_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
     """In the last run rows come in pairs with gaps between them: there is no cell, and a warning says so."""
-    monkeypatch.setattr("eccentric.signals.long.reading.LONG_ROWS", 10_000)
+    monkeypatch.setattr("eccentric.signals.limits.LONG_ROWS", 10_000)
     log: Columns = columns(200.0, 200.0)
     t = log["time_s"]
     paired = np.arange(len(t)) % 20 < 2
@@ -287,7 +289,7 @@ def test_what_the_windows_miss_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
 
     log = columns(1000.0, 200.0, all_differ)
     log["run"] = np.floor(log["time_s"] / 20.0)
-    monkeypatch.setattr("eccentric.signals.long.limits.LONG_ROWS", 10_000)
+    monkeypatch.setattr("eccentric.signals.limits.LONG_ROWS", 10_000)
     (read,) = read_long([log], rig_of(), points=2000)
     assert read.excerpt is not None
 
@@ -328,44 +330,35 @@ def test_a_bad_row_deep_in_a_long_log_is_named(change: str, said: str) -> None:
         read_long([bad(change)], rig_of())
 
 
-def test_damaged_rows_of_a_long_log_are_dropped_and_counted() -> None:
-    """A time that falls back and a torque beyond any sensor's, each in one row."""
+def spoilt(kind: str) -> Columns:
+    """A log of 120,000 rows of which some do not count."""
     log = columns(120.0)
-    log["time_s"][50_000] -= 0.5
-    log["torque_Nm"][70_000] = 1e30
-    (read,) = read_long([log], rig_of())
-
-    assert (120_000, 2) == (read.excerpt and read.excerpt.rows, read.excerpt and read.excerpt.rejected)
-
-
-def test_a_text_in_a_long_log_costs_its_row() -> None:
-    """As in a log that is read whole."""
-    log = columns(120.0)
-    log["torque_Nm"] = log["torque_Nm"].astype(str)
-    log["torque_Nm"][100_000] = "off"
-    (read,) = read_long([log], rig_of())
-
-    assert (120_000, 1) == (read.excerpt and read.excerpt.rows, read.excerpt and read.excerpt.rejected)
+    torque = log["torque_Nm"]
+    if kind == "a clock that falls back and a torque beyond any sensor's":
+        log["time_s"][50_000] -= 0.5
+        torque[70_000] = 1e30
+    elif kind == "a text":
+        log["torque_Nm"] = torque.astype(str)
+        log["torque_Nm"][100_000] = "off"
+    else:
+        torque[50_000:50_100] = np.nan
+        log = {name: np.insert(x, 70_000, x[69_999]) for name, x in log.items()}
+    return log
 
 
-def test_rows_that_are_no_numbers_are_counted_in_the_whole_log() -> None:
-    """A hundred rows without torque, and a row written twice: rejected, wherever the windows are."""
-    log = columns(120.0)
-    log["torque_Nm"][50_000:50_100] = np.nan
-    log = {name: np.insert(x, 70_000, x[69_999]) for name, x in log.items()}
-    (read,) = read_long([log], rig_of())
+@pytest.mark.parametrize(
+    ("kind", "rows", "rejected"),
+    [
+        ("a clock that falls back and a torque beyond any sensor's", 120_000, 2),
+        ("a text", 120_000, 1),
+        ("a hundred rows without torque, and one written twice", 120_001, 101),
+    ],
+)
+def test_rows_that_do_not_count_are_counted_in_the_whole_log(kind: str, rows: int, rejected: int) -> None:
+    """As in a log that is read whole, wherever the windows are."""
+    (read,) = read_long([spoilt(kind)], rig_of())
 
-    assert (120_001, 101) == (read.excerpt and read.excerpt.rows, read.excerpt and read.excerpt.rejected)
-
-
-def test_progress_is_told_while_a_long_log_is_read(long_log: Path) -> None:
-    """Parts that grow to one."""
-    told: list[float] = []
-    eccentric.fit(long_log, RIG, reading=told.append)
-
-    assert sorted(told) == told
-    assert 1.0 == told[-1]
-    assert len(told) > 3
+    assert (rows, rejected) == (read.excerpt and read.excerpt.rows, read.excerpt and read.excerpt.rejected)
 
 
 def test_cells_have_states_where_they_move() -> None:

@@ -210,7 +210,7 @@ def test_a_log_is_its_own_log() -> None:
         ({"t": np.zeros((4, 2))}, f"{COLUMN}: expected one dimension, got shape (4, 2)"),
         (
             {"t": [[1], [1, 2]]},
-            f"{COLUMN}: expected an array of numbers (n,) (setting an array element with a sequence)",
+            f"{COLUMN}: expected numbers (n,), got a list that NumPy makes no array of",
         ),
         ({0: [1.0]}, "table: expected column names of type str, got 0"),
         (

@@ -9,7 +9,7 @@ import pytest
 
 from eccentric.core import InputError
 from eccentric.logs import read_log
-from eccentric.logs.assemble import Recorded, on_one_clock
+from eccentric.logs.clocks import Recorded, on_one_clock
 
 T = np.arange(6000) / 100.0
 

@@ -17,10 +17,8 @@ from eccentric.api import fit
 from eccentric.core import InputError
 from eccentric.rigs import read_rig
 from eccentric.signals import Finding, read_channels
-from eccentric.signals.quality import assess
 from eccentric.signals.quality.findings import Record, _steady
 from eccentric.signals.quality.limits import FROZEN_ROWS
-from eccentric.signals.table import read_table
 from eccentric.virtual_bench import BenchRun, random_scenario, simulate
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -47,9 +45,8 @@ def written(folder: Path, columns: Columns, rig: dict[str, Any]) -> tuple[Path, 
 
 
 def findings(log: Path, sidecar: Path) -> tuple[Finding, ...]:
-    """Assess a log under a rig."""
-    rig = read_rig(sidecar)
-    found = assess(read_table([log], rig), read_channels([log], rig), rig)
+    """What is said of a log under a rig."""
+    found = read_channels([log], read_rig(sidecar)).intake.findings
     assert all("\n" not in finding.text for finding in found)
     return found
 
@@ -273,27 +270,15 @@ def test_a_row_that_repeats_is_dropped_and_counted(tmp_path: Path) -> None:
     assert found.text in channels.intake.warnings
 
 
-TIMES = {
-    "in ms": (
-        lambda t: 1e3 * t,
-        r"goes from 0 to 24996 s, got .*: is time in s, and the log complete\?$",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", TIMES)
-def test_bad_time_stamps_are_refused(name: str, tmp_path: Path) -> None:
-    """Time stamps in another unit end the run with the file."""
-    change, expected = TIMES[name]
+def test_time_in_ms_is_refused_or_told(tmp_path: Path) -> None:
+    """By held-out intervals in s; without them all rows move, and k_e and J give the unit of time away."""
     run = bench(*C2)
-    log, sidecar = written(tmp_path, run.columns | {"time_s": change(run.columns["time_s"])}, run.rig)
-    with pytest.raises(InputError, match=expected):
+    log, sidecar = written(tmp_path, scaled("time_s", 1e3)(run.columns), run.rig)
+    with pytest.raises(
+        InputError, match=r"goes from 0 to 24996 s, got .*: is time in s, and the log complete\?$"
+    ):
         findings(log, sidecar)
 
-
-def test_time_in_ms_is_told_where_it_is_not_refused(tmp_path: Path) -> None:
-    """Without a threshold of the rig all rows move, and k_e and J give the unit of time away."""
-    run = bench(*C2)
     rig = {k: v for k, v in run.rig.items() if k not in ("holdout_intervals_s", "sample_rate_hz")}
     columns = scaled("time_s", 1e3)(NO_SPEED(run.columns))
     found = findings(*written(tmp_path, columns, rig | {"moving_threshold_rad_s": 0.0}))

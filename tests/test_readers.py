@@ -14,8 +14,7 @@ import numpy as np
 import pytest
 
 from eccentric.core import InputError
-from eccentric.logs import Log, read_log
-from eccentric.logs import csv_file as log_csv
+from eccentric.logs import Log, limits, read_log
 
 ENTRIES = [
     {"timestamp": 0.0, "position": -0.5, "load": 0, "torque_enable": True, "note": "ok"},
@@ -77,13 +76,16 @@ def test_a_list_of_rows_and_a_list_for_each_column_are_logs(tmp_path: Path, cont
 BAD_JSON = {
     "rig": (
         '{"known": {"case": "C1"}, "columns": {}}',
-        "expected a list of entries, got keys 'known', 'columns'",
+        "expected a JSON log with a list of entries, got keys 'known', 'columns'",
     ),
-    "empty": ('{"entries": []}', "expected a list of entries, got keys 'entries'"),
-    "number": ("3", "expected a list of entries, got 3"),
-    "cut": ('{"entries": [{"t": 1', "not a valid JSON file (Expecting"),
-    "deep": ("[" * 100_000, "not a valid JSON file ("),
-    "digits": ('{"entries": [{"t": ' + "1" * 5000 + "}]}", "not a valid JSON file (Exceeds the limit"),
+    "empty": ('{"entries": []}', "expected a JSON log with a list of entries, got keys 'entries'"),
+    "number": ("3", "expected a JSON object with a list of entries, got 3"),
+    "cut": ('{"entries": [{"t": 1', "line 1, column 21: expected valid JSON, got the end of the file"),
+    "deep": ("[" * 100_000, "with a list of entries, got lists nested too deep"),
+    "digits": (
+        '{"entries": [{"t": ' + "1" * 5000 + "}]}",
+        "expected numbers of at most 4,300 digits, got a longer one",
+    ),
 }
 
 
@@ -171,7 +173,7 @@ def test_a_log_above_the_limit_is_refused_without_unpacking_all_of_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A gzip file that unfolds to more than the limit is one line."""
-    monkeypatch.setattr(log_csv, "MOST_CHARACTERS", 1000)
+    monkeypatch.setattr(limits, "MOST_CHARACTERS", 1000)
     path = tmp_path / "log.csv.gz"
     path.write_bytes(gzip.compress(b"a,b\n" + b"1,2\n" * 1000))
     with pytest.raises(InputError, match="expected at most 1,000 characters, got more"):

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from eccentric.logs import Log, read_log
+from eccentric.cli import main
+from eccentric.core import InputError
+from eccentric.logs import Log, read_log, stream_log
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
+from tests.logged import RIG, STANDARD, channels_of, rig_file
 from tests.virtual import log_of
 
 
@@ -149,3 +153,84 @@ def test_runs_of_two_logs_keep_names_that_differ(tmp_path: Path) -> None:
     alike = [logs[0], part("a", slice(half, None), "two/data.csv")]
     channels = read_channels(alike, read_rig({**rig, "holdout_runs": ["two/data/*"]}))
     assert ("one/data/a", "two/data/a") == channels.time.run_names
+
+
+NUMBERED = "no header: columns are numbered from 1; name them in the file or map column_1 ... in [columns]"
+COLUMNS = {"column_1": [0.5, 0.75, 1.0], "column_2": [-1.0, 2.0, 3.5], "column_3": [7.0, 7.0, 8.0]}
+HEADLESS = {
+    "commas": "0.5,-1,7\n0.75,2,7\n1.0,3.5,8\n",
+    "blanks": "0.5  -1 7\n 0.75 2 7\n1.0 3.5 8\n",
+    "decimal commas": "0,5;-1;7\n0,75;2;7\n1,0;3,5;8\n",
+    "below settings": "Device: X\nRate: 100 Hz\n0.5\t-1\t7\n0.75\t2\t7\n1.0\t3.5\t8\n",
+    "below a comment": "# by hand\n0.5,-1,7\n0.75,2,7\n1.0,3.5,8\n",
+    "with a delimiter at the end": "0.5,-1,7,\n0.75,2,7,\n1.0,3.5,8,\n",
+}
+
+
+@pytest.mark.parametrize("name", HEADLESS)
+def test_a_table_without_a_header_has_numbered_columns(name: str, read: Callable[[str], Log]) -> None:
+    """All of its rows are values, and one note says how the columns are called; so in batches."""
+    log = read(HEADLESS[name])
+
+    assert COLUMNS == {column: log.numbers(column).tolist() for column in log.columns}
+    assert (NUMBERED,) == log.read_as
+    assert list(COLUMNS) == list(stream_log(log.path).read().columns)
+
+
+def test_a_row_that_begins_late_in_a_table_without_a_header_is_missing(read: Callable[[str], Log]) -> None:
+    """A logger that starts in the middle of a line loses one row."""
+    log = read("75\n" + "".join(f"{k}.5,{k}.25\n" for k in range(200)))
+
+    assert (201, "line 1") == (log.rows, log.place(0))
+    assert [0] == np.flatnonzero(np.isnan(log.numbers("column_1"))).tolist()
+
+
+EITHER = {
+    "numbers that count": (
+        "0,1,2\n0.5,1,7\n0.75,2,7\n1,3,8\n",
+        "'0,1,2' in line 1, which may be names or values",
+    ),
+    "an index without a name": (
+        ",1,2\n1,1,7\n2,2,7\n3,3,8\n",
+        "',1,2' in line 1, which may be names or values",
+    ),
+    "speeds above decimals": ("10,20\n0.5,1.5\n0.6,1.75\n0.7,2.5\n", "'10,20' in line 1, which may be names"),
+    "two rows": (
+        "0.5 1.5\n0.75 2.5\n",
+        "'0.5 1.5' in line 1, which may be names or values: write a line of 2",
+    ),
+    "a decimal comma": (
+        "1,25\n1,50\n1,75\n",
+        "'1,25' in line 1, which may be one number with a decimal comma: write",
+    ),
+    "a name in the first row": ("run,0.5,1.5\nrun,0.75,2.5\nrun,1.5,3.5\n", "'run,0.5,1.5' in line 1"),
+}
+
+
+@pytest.mark.parametrize("name", EITHER)
+def test_a_first_row_that_may_be_names_is_not_taken_for_values(name: str, read: Callable[[str], Log]) -> None:
+    """Such a file is refused, with the line and what to write above it."""
+    content, got = EITHER[name]
+
+    with pytest.raises(InputError, match=f"expected a header row with column names.* got {re.escape(got)}"):
+        read(content)
+
+
+def test_numbered_columns_are_described_and_mapped(
+    read: Callable[[str], Log], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`doctor FILE` shows them; a rig that maps them gives the channels of the log with a header."""
+    lines = [",".join(map(str, row)) for row in zip(*STANDARD.values(), strict=True)]
+    numbered = read("\n".join(lines))
+    names = {"time": "time_s", "theta_m": "theta_m_rad", "current": "current_A"}
+    mapped = {c: f"column_{list(STANDARD).index(name) + 1}" for c, name in names.items()}
+    table = "\n[columns]\n" + "".join(f'{c} = "{name}"\n' for c, name in mapped.items())
+
+    assert 0 == main(["doctor", numbered.path])
+    shown = capsys.readouterr().out
+    assert NUMBERED in shown
+    assert "  column_3: " in shown
+    channels = read_channels([numbered], rig_file(tmp_path, RIG + table))
+    expected = channels_of(tmp_path, {name: STANDARD[name] for name in names.values()})
+    np.testing.assert_array_equal(channels.motion.alpha_m, expected.motion.alpha_m)
+    np.testing.assert_array_equal(channels.motor.measured, expected.motor.measured)

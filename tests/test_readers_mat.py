@@ -186,7 +186,7 @@ def test_a_mat_file_that_cannot_be_a_log_is_refused(tmp_path: Path, name: str) -
     """One line says why, before any memory is allocated."""
     write, expected = BAD_MAT[name]
     write(tmp_path / "log.mat")
-    with pytest.raises(InputError, match=rf"log\.mat: not a valid MAT file \(.*{expected}"):
+    with pytest.raises(InputError, match=rf"log\.mat: expected a valid MAT file, got .*{expected}"):
         read_log(tmp_path / "log.mat")
 
 
@@ -291,5 +291,5 @@ def test_damaged_mat_7_3_is_refused(hdf5: Any) -> None:
     matlab(hdf5, "t", T)
     path = finished(hdf5)
     path.write_bytes(path.read_bytes()[:700])
-    with pytest.raises(InputError, match=r"not a valid MAT file of version 7\.3 \("):
+    with pytest.raises(InputError, match=r"expected a valid MAT 7\.3 file, got one that is damaged"):
         read_log(path)

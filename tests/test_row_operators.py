@@ -101,11 +101,11 @@ def test_inside_means_every_row() -> None:
 
 def test_too_short_windows_and_logs_are_refused() -> None:
     """Too few rows in a window, no room for one, and a length of zero are one line each."""
-    with pytest.raises(InputError, match=r"expected 7 rows in 0\.1 s, got 5"):
+    with pytest.raises(InputError, match=r"expected at least 7 rows in 0\.1 s, got 5"):
         windows(COARSE, 0.1)
     with pytest.raises(InputError, match="expected a stretch of 60 s without a gap"):
         windows(EVEN, 60.0)
-    with pytest.raises(InputError, match="expected above 0 s"):
+    with pytest.raises(InputError, match="expected a length above 0 s"):
         windows(EVEN, 0.0)
 
 

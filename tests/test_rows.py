@@ -149,7 +149,7 @@ def test_an_average_longer_than_what_moves_is_refused_in_one_line(tmp_path: Path
     channels, rig = planted(tmp_path, 'average_over = "20 s"')
     with pytest.raises(InputError) as refused:
         rows_of(channels, rig)
-    assert "expected 20 s" in str(refused.value)
+    assert "expected at least one of the averages over 20 s to fit, got none" in str(refused.value)
     (over, gives) = re.findall(r'average_over = "(.*) s" gives (\d+)$', str(refused.value))[0]
     shorter = dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, average_over=float(over)))
     rows = rows_of(channels, shorter)
@@ -159,7 +159,7 @@ def test_an_average_longer_than_what_moves_is_refused_in_one_line(tmp_path: Path
 
 
 @pytest.mark.parametrize(
-    ("over", "remedy"), [("0.5 s", "a shorter time as average_over gives more"), ("0.03 s", "a longer log")]
+    ("over", "remedy"), [("0.5 s", "a shorter time as average_over gives more"), ("0.03 s", "record longer")]
 )
 def test_shorter_averages_are_advised_down_to_eight_rows(tmp_path: Path, over: str, remedy: str) -> None:
     """At 250 rows per second those are 32 ms; with less, only a longer log has more to average."""
@@ -191,7 +191,9 @@ def test_a_short_log_is_refused_with_what_helps(tmp_path: Path, left_out: str, k
         channels = read_channels([read_log(tmp_path / "log.csv")], read_rig(tmp_path / "rig.toml"))
         return search_rows(channels, channels.rig, moving=bool(left_out))
 
-    with pytest.raises(InputError, match=rf"expected windows .*, got \d+: .*; {key} gives more$"):
+    with pytest.raises(
+        InputError, match=rf"expected at least \d+ windows .*, got \d+: .*; {key} gives more$"
+    ):
         search()
     assert len(search(remedy)) > 20
 
@@ -206,7 +208,7 @@ def test_a_log_too_short_for_any_window_has_to_be_longer(tmp_path: Path, left_ou
     (tmp_path / "rig.toml").write_text("\n".join(kept), encoding="utf-8")
     channels = read_channels([read_log(tmp_path / "log.csv")], read_rig(tmp_path / "rig.toml"))
 
-    with pytest.raises(InputError, match=r"got \d+: expected no shorter window .* a longer log$"):
+    with pytest.raises(InputError, match=r"got \d+: no shorter window gives enough: record longer$"):
         search_rows(channels, channels.rig, moving=bool(left_out))
 
 

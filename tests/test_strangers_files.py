@@ -187,11 +187,6 @@ def test_a_few_broken_rows_are_missing(read: Callable[..., Log]) -> None:
 
 
 REFUSED = {
-    "blanks without a header": (
-        rows(" ", -X, V, -X),
-        "line 1 has 3 numbers between blanks .* 3 names above it; no column rises .* sample_rate_hz",
-    ),
-    "commas without a header": (rows(",", T, X), "line 1 has 2 numbers between commas .* 2 names above it$"),
     "words before every value": (
         "".join(f"Time: {k} Position: {5 * k}\n" for k in range(30)),
         "expected a header row with column names, and values between commas below it, got 'Time: 0",
@@ -199,10 +194,6 @@ REFUSED = {
     "words and equal signs before every value": (
         "run 1\n" + "".join(f"t={k}, q={5 * k}\n" for k in range(30)),
         "got 't=0, q=0' in line 2: write the names once, above the values",
-    ),
-    "settings without a header": (
-        "Device: X\nRate: 100 Hz\n" + rows(",", T, X),
-        "line 3 has 2 numbers between commas .* 2 names above it$",
     ),
     "names that repeat": ("a,b,b\n1,2,3\n4,5,6\n", "expected unique column names, got 'b' 2x"),
 }

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError
-from eccentric.logs.limits import DEEPEST_ARITHMETIC, LONGEST_ARITHMETIC
+from eccentric.logs import limits
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -67,8 +67,8 @@ def evaluate(
     tree, quoted = _parse(text, where)
 
     def value(node: ast.AST, depth: int) -> Value:
-        if depth > DEEPEST_ARITHMETIC:
-            raise InputError(where, problem=f"{text!r} is nested deeper than {DEEPEST_ARITHMETIC}")
+        if depth > limits.DEEPEST_ARITHMETIC:
+            raise InputError(where, problem=f"{text!r} is nested deeper than {limits.DEEPEST_ARITHMETIC}")
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
                 return _finite(number, text, where)
@@ -115,8 +115,8 @@ def evaluate(
 @functools.lru_cache(maxsize=64)
 def _parse(text: str, where: str) -> tuple[ast.AST, dict[str, str]]:
     """Return the syntax tree, and for each placeholder the column name that was in backticks."""
-    if len(text) > LONGEST_ARITHMETIC:
-        raise InputError(where, f"arithmetic of at most {LONGEST_ARITHMETIC} characters", len(text))
+    if len(text) > limits.LONGEST_ARITHMETIC:
+        raise InputError(where, f"arithmetic of at most {limits.LONGEST_ARITHMETIC} characters", len(text))
     quoted: dict[str, str] = {}
 
     def placeholder(match: re.Match[str]) -> str:

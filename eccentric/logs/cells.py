@@ -10,8 +10,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 
+from eccentric.logs import limits
 from eccentric.logs.assemble import MISSING, Column, column_of, number_of
-from eccentric.logs.limits import DAY_S
 
 POINT = "; expected a decimal point, as in 1.5"
 _COMMA = re.compile(r"\s*[-+]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][-+]?\d+)?\s*")
@@ -103,7 +103,7 @@ def _times_of_day(name: str, cells: Sequence[str]) -> tuple[Column, str, str]:
     dates = [cells[k][: one.start("hour")].strip() for k in rows.tolist() if (one := found[k])]
     later = np.array([now != before for before, now in itertools.pairwise(dates)], bool)
     # Half a day back is a day on; less is a clock that was set.
-    seconds[rows[1:]] += DAY_S * np.cumsum(np.where(later, 1.0, np.round(-steps / DAY_S)))
+    seconds[rows[1:]] += limits.DAY_S * np.cumsum(np.where(later, 1.0, np.round(-steps / limits.DAY_S)))
     first = cells[int(rows[0])].strip()
     return seconds - seconds[rows[0]], "s", f"{name}: times of day, as seconds from {first}"
 

@@ -1,10 +1,14 @@
-"""Tables as text, plain and gzipped: CSV, values between semicolons, tabs or blanks, exports of scopes."""
+"""Tables as text, plain and gzipped: CSV, values between semicolons, tabs or blanks, exports of scopes.
+
+A workbook is read as the text of its cells.
+"""
 
 from __future__ import annotations
 
 import codecs
 import csv
 import dataclasses
+import datetime as dt
 import gzip
 import io
 import itertools
@@ -12,24 +16,25 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.core import InputError
+from eccentric.core import InputError, few
+from eccentric.logs import limits
 from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, overlaps
 from eccentric.logs.cells import EXACT, POINT, cells_to_column, is_number, plain_column, units_row
-from eccentric.logs.foreign import require_room_for_text
-from eccentric.logs.layout import Layout, layout_of, rows_of
-from eccentric.logs.limits import (
-    BATCH_ROWS,
-    LAYOUT_LINES,
-    MOST_BROKEN,
-    MOST_CHARACTERS,
-    SAMPLE_ROWS,
+from eccentric.logs.clocks import of_clocks, of_topics
+from eccentric.logs.foreign import (
+    library,
+    opened_text,
+    reading,
+    require_room_for_numbers,
+    require_room_for_text,
+    text_of,
 )
-from eccentric.logs.topics import of_clocks, of_topics
+from eccentric.logs.layout import Layout, is_content, layout_of, rows_of
 
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
 
@@ -64,17 +69,12 @@ def read_text(whole: str, path: Path) -> Read:
 def _csv_errors(path: Path) -> Iterator[None]:
     try:
         yield
-    except csv.Error as error:
-        raise InputError(f"{path}: not a valid CSV file ({error})") from None
-
-
-def text_of(path: Path, encoding: str = "utf-8-sig") -> str:
-    """Return the text of a file, unpacked if its name ends in .gz; InputError above a gigabyte."""
-    with _opened(path, encoding) as file:
-        text = file.read(MOST_CHARACTERS + 1)
-    if len(text) > MOST_CHARACTERS:
-        raise InputError(path, f"at most {MOST_CHARACTERS:,} characters", "more")
-    return text
+    except csv.Error:  # of lines that are whole there is no other
+        raise InputError(
+            path,
+            f"values of at most {csv.field_size_limit():,} characters",
+            "a longer one: is a quotation mark left open?",
+        ) from None
 
 
 def csv_source(path: Path) -> InParts | None:
@@ -85,7 +85,7 @@ def csv_source(path: Path) -> InParts | None:
     """
     try:
         with _csv_errors(path):
-            layout = _start(path, _first_lines(path, LAYOUT_LINES))
+            layout = _start(path, _first_lines(path, limits.LAYOUT_LINES))
             if layout.clocks or layout.units or not _plain(path, layout):
                 return None
         lines = _lines(path)
@@ -95,11 +95,11 @@ def csv_source(path: Path) -> InParts | None:
 
     def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
         chosen, at = [header.index(name) for name in names], 0
-        with _opened(path) as file, _csv_errors(path):
+        with opened_text(path) as file, _csv_errors(path):
             for _ in range(before):
                 next(file)
             rows = ((before + line, row) for line, row in rows_of(file, layout.delimiter))
-            while at < spans[-1][1] and (block := list(itertools.islice(rows, BATCH_ROWS))):
+            while at < spans[-1][1] and (block := list(itertools.islice(rows, limits.BATCH_ROWS))):
                 for first, end in overlaps(at, at + len(block), spans):
                     found = _rectangular(block[first - at : end - at], layout, path)
                     values = list(zip(*(row for _, row in found), strict=True))
@@ -114,7 +114,7 @@ def csv_source(path: Path) -> InParts | None:
 
 
 def _first_lines(path: Path, most: int) -> list[str]:
-    with _opened(path) as file:
+    with opened_text(path) as file:
         return list(itertools.islice(file, most))
 
 
@@ -123,12 +123,12 @@ def _start(path: Path, text: Sequence[str]) -> Layout:
 
     Raises InputError for a text without a header.
     """
-    skipped = next((k for k, line in enumerate(text) if _is_content(line)), len(text))
+    skipped = next((k for k, line in enumerate(text) if is_content(line)), len(text))
     if skipped == len(text):
         raise InputError(path, "a header row with column names", "an empty file")
     names, delimiter, is_row = _names(text[skipped - 1] if skipped else "", text[skipped])
     before = skipped + (not is_row)
-    sample = text[: before + LAYOUT_LINES]
+    sample = text[: before + limits.LAYOUT_LINES]
     if not is_row and not _is_table(names, delimiter, sample[before:]):
         found = layout_of(sample, path)
         if found is not None:
@@ -172,11 +172,6 @@ def _lines(path: Path) -> int:
     return count
 
 
-def _opened(path: Path, encoding: str = "utf-8-sig") -> IO[str]:
-    opened = gzip.open if path.name.lower().endswith(".gz") else open
-    return opened(path, "rt", encoding=encoding, newline="")
-
-
 def _names(comment: str, line: str) -> tuple[list[str], str, bool]:
     """Column names from the first line with content, or from the comment before it; if it is a row."""
     comment = comment.lstrip("# \t")
@@ -193,7 +188,7 @@ def _names(comment: str, line: str) -> tuple[list[str], str, bool]:
 
 def _plain(path: Path, layout: Layout) -> bool:
     """Whether the first rows are nothing but numbers and names, one row for each moment."""
-    read = _of_rows(path, _first_lines(path, layout.before + SAMPLE_ROWS), layout)
+    read = _of_rows(path, _first_lines(path, layout.before + limits.SAMPLE_ROWS), layout)
     return not read.notes and not read.units and of_topics(read, path) is read
 
 
@@ -255,7 +250,7 @@ def _rectangular(
     if layout.clocks:  # a group that has ended leaves its places out
         found = [(line, [*row, *[""] * (width - len(row))]) for line, row in found]
     other = [k for k, (_, row) in enumerate(found) if len(row) != width]
-    if other and (len(other) > MOST_BROKEN * len(found) or len(found) < 1 / MOST_BROKEN):
+    if other and (len(other) > limits.MOST_BROKEN * len(found) or len(found) < 1 / limits.MOST_BROKEN):
         rows = [row[:width] if not any(map(str.strip, row[width:])) else row for _, row in found]
         if all(len(row) == width for row in rows):  # a delimiter at the end of every row
             return [(line, row) for (line, _), row in zip(found, rows, strict=True)]
@@ -265,10 +260,6 @@ def _rectangular(
     for k in other:
         found[k] = (found[k][0], [""] * width)
     return found
-
-
-def _is_content(line: str) -> bool:
-    return bool(line.strip()) and not line.startswith("#")
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
@@ -288,3 +279,38 @@ def _header(cells: Sequence[str], path: Path) -> tuple[str, ...]:
     if twice is not None:
         raise InputError(path, "unique column names", f"{twice!r} {names.count(twice)}x")
     return tuple(names)
+
+
+def read_xlsx(path: Path) -> Read:
+    """Read the sheet with the most rows; formulas are not evaluated, their stored results are read."""
+    openpyxl = library("openpyxl", "xlsx", path)
+    with reading(path, "workbook"):
+        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+        try:
+            sheets = [sheet for sheet in book.worksheets if (sheet.max_row or 0) > 1]
+            if not sheets:
+                raise InputError(path, "a sheet with rows", "none")
+            chosen = max(sheets, key=lambda sheet: sheet.max_row)
+            require_room_for_numbers(path, chosen.max_row, chosen.max_row * (chosen.max_column or 1))
+            text = io.StringIO()
+            writer = csv.writer(text, delimiter=";", lineterminator="\n")
+            for row in chosen.iter_rows(values_only=True):
+                writer.writerow([_cell(value) for value in row])
+        finally:
+            book.close()
+        others = [sheet.title for sheet in sheets if sheet is not chosen]
+        notes = [f"sheet {chosen.title!r} is read"] if others else []
+        if others:
+            notes.append(f"left out, other sheets: {few(others, 5)}")
+        read = read_text(text.getvalue(), path)
+    return dataclasses.replace(read, notes=(*notes, *read.notes))
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, dt.datetime | dt.time):
+        return value.isoformat(*([" "] if isinstance(value, dt.datetime) else []))
+    return str(value)

@@ -8,37 +8,68 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import gzip
 import importlib
 import io
 import logging
 import os
+import re
 import sys
 import traceback
 import warnings
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from eccentric.core import InputError
-from eccentric.logs.limits import (
-    BYTES_PER_CHARACTER,
-    BYTES_PER_NUMBER,
-    BYTES_PER_ROW,
-    BYTES_PER_VALUE,
-    MEMORY_IF_UNKNOWN,
-)
+from eccentric.logs import limits
+
+_NO_TEXT = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
 
-def library(name: str, extra: str, path: Path) -> Any:
+class DamagedError(ValueError):
+    """The content of a file contradicts itself; its text says where."""
+
+
+def library(name: str, extra: str, path: Path, kind: str = "", instead: str = "") -> Any:
     """Import the library of a format; InputError, which names the extra, if it is not installed."""
     try:
         return importlib.import_module(name)
     except ImportError:
-        raise InputError(
-            f"{path}: {name.partition('.')[0]} is required for {path.suffix}:"
-            f' pip install "eccentric[{extra}]"'
-        ) from None
+        package, kind = name.partition(".")[0], kind or path.suffix
+        install = f'pip install "eccentric[{extra}]"{instead}'
+        raise InputError(f"{path}: {package} is required for {kind}: {install}") from None
+
+
+@contextlib.contextmanager
+def errors_of(path: Path, what: str, *, collect: bool = False) -> Iterator[None]:
+    """Make one line of whatever a library raises on a damaged file; collect what it had half built."""
+    try:
+        yield
+    except (InputError, PermissionError):
+        raise
+    except Exception as error:  # noqa: BLE001
+        refused = _refused(path, f"a valid {what}", error)
+        if collect:
+            _cleared(error)
+        raise refused from None
+
+
+def _refused(path: Path, valid: str, error: Exception) -> InputError:
+    """What is wrong with a file that a library could not read."""
+    with path.open("rb") as file:
+        start = file.read(limits.FIRST_BYTES)
+    if not start:
+        return InputError(path, valid, "an empty file")
+    if start.isascii() and not _NO_TEXT.search(start):
+        return InputError(path, valid, f"a text that begins with {start[:20].decode()!r}")
+    if isinstance(error, DamagedError):
+        return InputError(path, valid, f"a damaged one: {error}")
+    if isinstance(error, MemoryError):
+        return InputError(path, valid, "one that claims more values than fit in memory")
+    kind = type(error).__name__
+    return InputError(path, valid, f"one that is damaged, cut off or of an unsupported kind ({kind})")
 
 
 def _cleared(error: BaseException) -> None:
@@ -53,7 +84,7 @@ def _cleared(error: BaseException) -> None:
 
 @contextlib.contextmanager
 def reading(path: Path, what: str) -> Iterator[None]:
-    """Silence a library, and make one line of whatever it raises: "not a valid `what`"."""
+    """Silence a library, and make one line of whatever it raises."""
     before = logging.root.manager.disable
     # What was there before is not looked at when the remains of a failure are collected.
     frozen = gc.get_freeze_count() == 0
@@ -62,24 +93,32 @@ def reading(path: Path, what: str) -> Iterator[None]:
     try:
         logging.disable(logging.CRITICAL)
         with (
+            errors_of(path, what, collect=True),
             warnings.catch_warnings(),
             contextlib.redirect_stdout(io.StringIO()),
             contextlib.redirect_stderr(io.StringIO()),
         ):
             warnings.simplefilter("ignore")
             yield
-    except (InputError, PermissionError):
-        raise
-    except MemoryError:
-        raise InputError(f"{path}: not a valid {what} (it claims more values than fit in memory)") from None
-    except Exception as error:  # noqa: BLE001 - libraries raise whatever a damaged file leads them into
-        said = " ".join(str(error).split())[:200] or type(error).__name__
-        _cleared(error)
-        raise InputError(f"{path}: not a valid {what} ({said})") from None
     finally:
         logging.disable(before)
         if frozen:
             gc.unfreeze()
+
+
+def opened_text(path: Path, encoding: str = "utf-8-sig") -> IO[str]:
+    """Open a text file, unpacked if its name ends in .gz; its line ends are kept."""
+    opened = gzip.open if path.name.lower().endswith(".gz") else open
+    return opened(path, "rt", encoding=encoding, newline="")
+
+
+def text_of(path: Path, encoding: str = "utf-8-sig") -> str:
+    """Return the text of a file, unpacked if its name ends in .gz; InputError above a gigabyte."""
+    with opened_text(path, encoding) as file:
+        text = file.read(limits.MOST_CHARACTERS + 1)
+    if len(text) > limits.MOST_CHARACTERS:
+        raise InputError(path, f"at most {limits.MOST_CHARACTERS:,} characters", "more")
+    return text
 
 
 # Whether what a file holds fits into memory: known from its size, before it is read value by value.
@@ -100,16 +139,16 @@ def require_room_for_text(path: Path, text: str, rows: int, values: int, *, part
     `parts` is the number of lists and objects that it is read into, if that is not one for each row.
     """
     need = (
-        BYTES_PER_ROW * (rows if parts is None else parts)
-        + BYTES_PER_VALUE * values
-        + BYTES_PER_CHARACTER * len(text)
+        limits.BYTES_PER_ROW * (rows if parts is None else parts)
+        + limits.BYTES_PER_VALUE * values
+        + limits.BYTES_PER_CHARACTER * len(text)
     )
     _require(path, need, rows, values)
 
 
 def require_room_for_numbers(path: Path, rows: int, values: int) -> None:
     """Raise InputError if so many values of a binary file take more memory than there is."""
-    _require(path, BYTES_PER_NUMBER * values, rows, values)
+    _require(path, limits.BYTES_PER_NUMBER * values, rows, values)
 
 
 def _require(path: Path, need: int, rows: int, values: int) -> None:
@@ -140,7 +179,7 @@ def _of_machine(root: Path) -> Iterator[int]:
     try:
         yield os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, OSError, ValueError):
-        yield MEMORY_IF_UNKNOWN
+        yield limits.MEMORY_IF_UNKNOWN
 
 
 def _of_group(root: Path) -> Iterator[int]:

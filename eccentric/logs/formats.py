@@ -13,7 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from eccentric.core import InputError, readable
-from eccentric.logs.limits import FIRST_BYTES
+from eccentric.logs import limits
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -33,8 +33,7 @@ class Format:
         begins: the first bytes, one of these; white space before them does not count.
         holds: what the first 4 kB have somewhere, one of these, if any.
         gzipped: whether its files may be compressed as well.
-        extra, packages: of `pyproject.toml`, and what it brings; for `extra_for` alone, if not every file
-            needs them.
+        extra: of `pyproject.toml`, with its `packages`; for `extra_for` alone, if not every file needs it.
     """
 
     suffixes: tuple[str, ...]
@@ -45,8 +44,12 @@ class Format:
     parts: str = ""
     gzipped: bool = False
     extra: str = ""
-    packages: tuple[str, ...] = ()
     extra_for: str = ""
+
+    @property
+    def packages(self) -> tuple[str, ...]:
+        """The packages that its extra brings."""
+        return _PACKAGES.get(self.extra, ())
 
     @property
     def endings(self) -> tuple[str, ...]:
@@ -72,6 +75,12 @@ def _function(place: str) -> Any:
     return getattr(import_module(f"eccentric.logs.{file}"), name)
 
 
+_PACKAGES = {
+    "xlsx": ("openpyxl",), "mat73": ("h5py",), "parquet": ("pyarrow",), "hdf5": ("h5py",),
+    "mdf": ("asammdf",), "rosbag": ("rosbags",), "mcap": ("mcap", "rosbags"), "ulog": ("pyulog",),
+    "tdms": ("nptdms",),
+}  # fmt: skip
+"""Extra of `pyproject.toml` -> the packages that it brings."""
 TEXT = Format(
     (".csv", ".txt", ".dat", ".tsv", ".log", ".asc"),
     "table as text, values between commas, semicolons, tabs or blanks",
@@ -79,77 +88,45 @@ TEXT = Format(
     parts="csv_file.csv_source",
     gzipped=True,
 )
-JSON = Format(
-    (".json",), "JSON, as Rhoban BAM and pandas write it", "json_file.read_json", (b"{", b"[{"), gzipped=True
+_JSON = "JSON, as Rhoban BAM and pandas write it"
+JSON = Format((".json",), _JSON, "named_arrays.read_json", (b"{", b"[{"), gzipped=True)
+_MAT = Format(
+    (".mat",),
+    "MATLAB",
+    "mat_file.read_mat",
+    (b"MATLAB",),
+    parts="mat_file.mat_source",
+    extra="mat73",
+    extra_for="version 7.3",
+)
+_PARQUET = Format(
+    (".parquet",),
+    "Parquet",
+    "tables.read_parquet",
+    (b"PAR1",),
+    parts="tables.parquet_source",
+    extra="parquet",
 )
 _ZIP, _H5 = b"PK", b"\x89HDF\r\n\x1a\n"
+_SHEETS = b"[Content_Types].xml", b"xl/"
+_MCAP = "MCAP with messages of ROS 2 or in JSON"
 FORMATS: tuple[Format, ...] = (
     TEXT,
-    Format((), "trace of CODESYS", "codesys_file.read_codesys", (b"[key]; [value]",)),
+    Format((), "trace of CODESYS", "recorders.read_codesys", (b"[key]; [value]",)),
     JSON,
-    Format((".npz",), "NumPy archive", "npz_file.read_npz", (_ZIP,), (b".npy",)),
-    Format((".npy",), "NumPy array", "npz_file.read_npy", (b"\x93NUMPY",)),
-    Format(
-        (".xlsx",),
-        "workbook; its longest sheet",
-        "xlsx_file.read_xlsx",
-        (_ZIP,),
-        (b"[Content_Types].xml", b"xl/"),
-        extra="xlsx",
-        packages=("openpyxl",),
-    ),
-    Format(
-        (".mat",),
-        "MATLAB",
-        "mat_file.read_mat",
-        (b"MATLAB",),
-        parts="mat_file.mat_source",
-        extra="mat73",
-        packages=("h5py",),
-        extra_for="version 7.3",
-    ),
-    Format(
-        (".parquet",),
-        "Parquet",
-        "parquet_file.read_parquet",
-        (b"PAR1",),
-        parts="parquet_file.parquet_source",
-        extra="parquet",
-        packages=("pyarrow",),
-    ),
-    Format((".h5", ".hdf5"), "HDF5", "hdf5_file.read_hdf5", (_H5,), extra="hdf5", packages=("h5py",)),
-    Format(
-        (".mf4", ".mdf"),
-        "MDF 3 or 4",
-        "mdf_file.read_mdf",
-        (b"MDF ", b"UnFi"),
-        extra="mdf",
-        packages=("asammdf",),
-    ),
-    Format(
-        (".db3",),
-        "ROS 2 bag",
-        "ros_file.read_bag",
-        (b"SQLite format 3",),
-        extra="rosbag",
-        packages=("rosbags",),
-    ),
-    Format(
-        (".mcap",),
-        "MCAP with messages of ROS 2 or in JSON",
-        "ros_file.read_mcap",
-        (b"\x89MCAP",),
-        extra="mcap",
-        packages=("mcap", "rosbags"),
-    ),
-    Format(
-        (".bag",), "ROS 1 bag", "ros1_file.read_bag1", (b"#ROSBAG",), extra="rosbag", packages=("rosbags",)
-    ),
-    Format((".ulg",), "ULog of PX4", "ulog_file.read_ulog", (b"ULog",), extra="ulog", packages=("pyulog",)),
-    Format((".wpilog",), "data log of WPILib", "wpilog_file.read_wpilog", (b"WPILOG",)),
-    Format(
-        (".tdms",), "TDMS of LabVIEW", "tdms_file.read_tdms", (b"TDSm",), extra="tdms", packages=("nptdms",)
-    ),
+    Format((".npz",), "NumPy archive", "named_arrays.read_npz", (_ZIP,), (b".npy",)),
+    Format((".npy",), "NumPy array", "named_arrays.read_npy", (b"\x93NUMPY",)),
+    Format((".xlsx",), "workbook; its longest sheet", "csv_file.read_xlsx", (_ZIP,), _SHEETS, extra="xlsx"),
+    _MAT,
+    _PARQUET,
+    Format((".h5", ".hdf5"), "HDF5", "named_arrays.read_hdf5", (_H5,), extra="hdf5"),
+    Format((".mf4", ".mdf"), "MDF 3 or 4", "recorders.read_mdf", (b"MDF ", b"UnFi"), extra="mdf"),
+    Format((".db3",), "ROS 2 bag", "ros_file.read_bag", (b"SQLite format 3",), extra="rosbag"),
+    Format((".mcap",), _MCAP, "ros_file.read_mcap", (b"\x89MCAP",), extra="mcap"),
+    Format((".bag",), "ROS 1 bag", "ros_file.read_bag1", (b"#ROSBAG",), extra="rosbag"),
+    Format((".ulg",), "ULog of PX4", "recorders.read_ulog", (b"ULog",), extra="ulog"),
+    Format((".wpilog",), "data log of WPILib", "recorders.read_wpilog", (b"WPILOG",)),
+    Format((".tdms",), "TDMS of LabVIEW", "recorders.read_tdms", (b"TDSm",), extra="tdms"),
 )
 
 
@@ -181,17 +158,19 @@ def _is_table(start: bytes) -> bool:
     from eccentric.logs.layout import has_rows
 
     try:
-        text = start.decode("utf-8-sig", "ignore" if len(start) == FIRST_BYTES else "strict")
+        text = start.decode("utf-8-sig", "ignore" if len(start) == limits.FIRST_BYTES else "strict")
     except UnicodeDecodeError:
         return False
-    return "\0" not in text and has_rows(text.splitlines()[: -1 if len(start) == FIRST_BYTES else None])
+    return "\0" not in text and has_rows(
+        text.splitlines()[: -1 if len(start) == limits.FIRST_BYTES else None]
+    )
 
 
 def _start(path: Path) -> bytes:
     """The first bytes of a file, unpacked where it is compressed."""
     with path.open("rb") as file:
-        start = file.read(FIRST_BYTES)
+        start = file.read(limits.FIRST_BYTES)
     if start[:2] == b"\x1f\x8b":
         with suppress(OSError, EOFError, zlib.error), gzip.open(path) as unpacked:
-            return unpacked.read(FIRST_BYTES)
+            return unpacked.read(limits.FIRST_BYTES)
     return start

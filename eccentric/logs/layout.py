@@ -16,9 +16,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from eccentric.core import InputError
+from eccentric.logs import limits
 from eccentric.logs.assemble import number_of
 from eccentric.logs.cells import is_number
-from eccentric.logs.limits import FEWEST_LINES, PREAMBLE_LINES, SAMPLE_LINES
 from eccentric.logs.units import parse_unit
 
 BLANKS = ""
@@ -30,8 +30,8 @@ _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]")
 _CLOCK = re.compile(r".*\d:\d\d(:\d\d)?([.,]\d+)?\s*([AaPp][Mm])?\s*Z?|\s*\d{4}-\d\d-\d\d.*")
 _SETTING = re.compile(r"\s*[^\d\s,;=:][^,;=:]*[:=]\s*\S")
 """A line of settings, such as "Device: X"."""
+_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
 _NAMED = re.compile(r"[^\W\d]\w*\s*[:=]\s*[-+]?[\d.]")
-_WORDS = {"\t": "tabs", ";": "semicolons", ",": "commas", BLANKS: "blanks"}
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     """Return where the table of a text is, by its first lines; None where they show none.
 
     Raises:
-        InputError: there are rows of numbers without a header; the message says what to write above them.
+        InputError: a first row that may be names or values; the message says what to write above it.
     """
     require_bare_values(lines, path)
     body = _body(lines)
@@ -83,14 +83,14 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     ]
     found = _labelled(above, width) or _header(above, rows, delimiter)
     if found is None:
-        settings = all(_SETTING.match(line) for line in lines[:first] if line.strip())
-        if not settings and any(not is_number(cell) for _, cells in above for cell in cells):
+        others = [k for k, line in enumerate(lines[:first]) if is_content(line) and not _SETTING.match(line)]
+        if others and any(not is_number(cell) for _, cells in above for cell in cells):
             return None
-        raise headless(path, lines[first], first + 1, width, delimiter, rows)
+        # Lines of other numbers are rows that the logger did not write whole.
+        return _numbered(path, lines, first, min((first, *others)), delimiter, rows)
     line, names, units, clocks = found
-    notes = (f"the header is line {line}",) if (line > 1 and clocks) or line > 2 else ()
-    if line > 1 and not notes and not lines[0].startswith("#") and lines[0].strip():
-        notes = (f"the header is line {line}",)
+    below = line > 2 or (line > 1 and (clocks or is_content(lines[0])))
+    notes = (f"the header is line {line}",) if below else ()
     return Layout(tuple(names), delimiter, first, units, clocks, notes)
 
 
@@ -106,31 +106,45 @@ def require_bare_values(lines: Sequence[str], path: object) -> None:
         )
 
 
+def is_content(line: str) -> bool:
+    """Whether a line is neither empty nor a comment."""
+    return bool(line.strip()) and not line.startswith("#")
+
+
 def has_rows(lines: Sequence[str]) -> bool:
     """Whether some lines are rows of a table: three or more, of two or more numbers each."""
     body = _body(lines)
-    return body is not None and len(body[2]) > 2 and len(body[2][0]) > 1
+    return body is not None and len(body[2]) >= limits.ROWS_OF_A_TABLE and len(body[2][0]) > 1
 
 
-def headless(
-    path: object, line: str, number: int, width: int, delimiter: str, rows: Sequence[Sequence[str]]
-) -> InputError:
-    """The error for rows of numbers without a header: what they are, and what to write above them."""
-    shown = " ".join(line.split())[:60]
-    if any(not is_number(cell) for cell in rows[0] if cell.strip()):
-        return InputError(
+def _numbered(
+    path: object, lines: Sequence[str], first: int, before: int, delimiter: str, rows: Sequence[Sequence[str]]
+) -> Layout:
+    """A table without a header, its first row in line `first`; InputError where that may be anything else."""
+    shown = f"{' '.join(lines[first].split())[:60]!r} in line {first + 1}"
+    if not all(_may_be_number(cell) or _CLOCK.fullmatch(cell) for cell in rows[0]):
+        raise InputError(path, "a header row with column names, and values between commas below it", shown)
+    width = max(k for row in rows for k, cell in enumerate(row, start=1) if cell.strip())
+    comma = delimiter == "," and width == 2 and all(map(_COMMA.fullmatch, map(",".join, rows)))
+    if comma or len(rows) < limits.ROWS_OF_A_TABLE or _may_be_names(rows):
+        raise InputError(
             path,
-            "a header row with column names, and values between commas below it",
-            f"{shown!r} in line {number}",
+            "a header row with column names",
+            f"{shown}, which may be {'one number with a decimal comma' if comma else 'names or values'}:"
+            f" write a line of {width} names above it",
         )
-    rises = any(_rises(column) for column in zip(*rows, strict=True))
-    rate = "" if rises else "; no column rises as a time does: sample_rate_hz in the rig file gives the rate"
-    what = f"{width} numbers between {_WORDS[delimiter]}" if width > 1 else "one number"
-    return InputError(
-        path,
-        "a header row with column names",
-        f"numbers: line {number} has {what} ({shown}); write a line of {width} names above it{rate}",
-    )
+    note = "no header: columns are numbered from 1; name them in the file or map column_1 ... in [columns]"
+    return Layout(tuple(f"column_{k + 1}" for k in range(width)), delimiter, before, notes=(note,))
+
+
+def _may_be_names(rows: Sequence[Sequence[str]]) -> bool:
+    """Whether the first row may be names: different whole numbers that count up, or stand above decimals."""
+    names = [cell.strip() for cell in rows[0] if cell.strip()]
+    if not all(name.isdecimal() for name in names) or len(set(names)) < len(names):
+        return False
+    counts = [int(name) for name in names]
+    below = [any(re.search(r"[.,eE]", row[k]) for row in rows[1:]) for k in range(len(rows[0]))]
+    return counts in (list(range(len(names))), list(range(1, len(names) + 1))) or all(below)
 
 
 def _rises(cells: Sequence[str]) -> bool:
@@ -158,7 +172,7 @@ def _body(lines: Sequence[str]) -> tuple[str, int, list[list[str]]] | None:
             size = len(places) + len(clocks)
             if first is not None and (best is None or size > best[0]):
                 found = [row for row in split[first:] if len(row) == width]
-                best = size, delimiter, first, found[:SAMPLE_LINES]
+                best = size, delimiter, first, found[: limits.SAMPLE_LINES]
     return None if best is None else best[1:]
 
 
@@ -169,10 +183,12 @@ def _by_width(split: Sequence[list[str]]) -> dict[int, list[list[str]]]:
     """
     rows = [row for row in split if row]
     counts = Counter(map(len, rows))
-    usual = [width for width, count in counts.most_common(4) if count >= min(FEWEST_LINES, len(rows) // 4)]
+    usual = [
+        width for width, count in counts.most_common(4) if count >= min(limits.FEWEST_LINES, len(rows) // 4)
+    ]
     last = [len(rows[-1])] if rows else []
     return {
-        width: [row for row in rows if len(row) == width][-min(SAMPLE_LINES, counts[width] // 2 + 1) :]
+        width: [row for row in rows if len(row) == width][-min(limits.SAMPLE_LINES, counts[width] // 2 + 1) :]
         for width in dict.fromkeys((*usual, *last))
     }
 
@@ -192,7 +208,7 @@ def _first(
 
     there = [(k, is_row(row)) for k, row in enumerate(split) if row]
     for at, (k, _) in enumerate(there):
-        if all(row for _, row in there[at : at + 3]):
+        if all(row for _, row in there[at : at + limits.ROWS_OF_A_TABLE]):
             return k
     return None
 
@@ -230,7 +246,7 @@ def _header(
     width = len(rows[0])
     empty = [not any(row[k].strip() for row in rows) for k in range(width)]
     block: list[tuple[int, list[str]]] = []
-    for k, cells in reversed(above[-PREAMBLE_LINES:]):
+    for k, cells in reversed(above[-limits.PREAMBLE_LINES :]):
         full = _full(cells, width, empty, delimiter)
         if full is None or any(map(is_number, full)) or not any(full):
             break

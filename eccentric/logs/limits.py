@@ -20,6 +20,8 @@ SAMPLE_LINES = 20
 """Lines that show of which width the rows of a table are, and which of its columns are numbers."""
 FEWEST_LINES = 5
 """Lines of one width that may be rows of the table: a short group of a scope ends after a few."""
+ROWS_OF_A_TABLE = 3
+"""Rows in a row that make a table: of two, the first may be a header."""
 LAYOUT_LINES = 400
 """Lines that are looked at for the first row: the settings that a scope writes above it are tens."""
 PREAMBLE_LINES = 10

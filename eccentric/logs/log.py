@@ -1,6 +1,14 @@
 """A measured log as it was recorded: named columns, nothing converted, nothing dropped.
 
-`read_log` knows the formats of `formats`. Tables in memory are logs too.
+`read_log` reads it whole; `stream_log` its rows in batches, or those of some spans, and only the columns that
+are asked for:
+
+    Parquet        row groups         memory of one batch
+    CSV, CSV.gz    blocks of lines    memory of one block
+    MAT 7.3        slices             memory of one slice
+    others, and tables in memory      read whole
+
+A batch is a `Log` whose rows know their place in the file, so that a message names the row there.
 """
 
 from __future__ import annotations
@@ -8,8 +16,10 @@ from __future__ import annotations
 import gzip
 import os
 import zlib
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
@@ -17,11 +27,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError, few, given_path, meant, shown
-from eccentric.logs.assemble import Column, Read, number_of
+from eccentric.logs import limits
+from eccentric.logs.assemble import Column, Part, Read, number_of, overlaps
 from eccentric.logs.cells import POINT
 from eccentric.logs.formats import format_of
-from eccentric.logs.limits import MOST_TEXT
-from eccentric.logs.memory import TableLike, read_memory
+from eccentric.logs.tables import TableLike, read_memory
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -109,7 +119,7 @@ class Log:
         for row in texts:
             entry = values[row]
             hint = POINT if number_of(entry.replace(",", ".")) is not None else ""
-            if hint or len(texts) > MOST_TEXT * len(values):
+            if hint or len(texts) > limits.MOST_TEXT * len(values):
                 raise InputError(
                     f"{self.path}: {self.place(row)}, column {name!r}",
                     "a number",
@@ -205,7 +215,110 @@ def reader_errors(path: Path) -> Iterator[None]:
         yield
     except UnicodeDecodeError as error:
         raise InputError(path, problem=f"expected UTF-8 text, but byte {error.start} is not") from None
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise InputError(path, problem=f"the compressed file is damaged or cut off ({error})") from None
+    except (EOFError, zlib.error, gzip.BadGzipFile):
+        raise InputError(path, problem="the compressed file is damaged or cut off") from None
     except OSError as error:
         raise InputError(path, problem=f"cannot be read ({error.strerror or error})") from None
+
+
+@dataclass(frozen=True)
+class LogStream:
+    """A log that has not been read yet.
+
+    `path` is that of its file, or the name of a table in memory; `names` are its columns; `rows` how many it
+    has, for a text file its lines, of which some may be empty. `notes` say what was left out, and why.
+    `whole` reads all of it.
+    """
+
+    path: str
+    names: tuple[str, ...]
+    rows: int
+    notes: tuple[str, ...]
+    whole: Callable[[], Log]
+    _parts: Callable[[Sequence[str], Sequence[tuple[int, int]]], Iterator[Part]]
+
+    def batches(
+        self, names: Sequence[str] | None = None, spans: Sequence[tuple[int, int]] | None = None
+    ) -> Iterator[Log]:
+        """Yield the rows in order, at most 131,072 at a time; each batch is of rows that follow each other.
+
+        Args:
+            names: the columns to read; all, if None.
+            spans: [first, end) of the rows to read, counted from 0, sorted and disjoint; all, if None.
+
+        Raises:
+            InputError: the log has no such column, or is damaged; one line with file and place.
+        """
+        chosen = list(self.names if names is None else dict.fromkeys(names))
+        if missing := [name for name in chosen if name not in self.names]:
+            Log(self.path, dict.fromkeys(self.names, np.empty(0)), 0).text(missing[0])
+        wanted = [(0, self.rows)] if spans is None else [span for span in spans if span[0] < span[1]]
+        if not wanted or not chosen:
+            return
+        with reader_errors(Path(self.path)):
+            for part in self._parts(chosen, wanted):
+                rows = len(part.columns[chosen[0]])
+                numbered = np.arange(part.first + 1, part.first + rows + 1)
+                yield Log(self.path, part.columns, rows, part.lines, self.notes, numbered)
+
+    def read(self, names: Sequence[str] | None = None, spans: Sequence[tuple[int, int]] | None = None) -> Log:
+        """Return the rows of these spans as one log; arguments and errors as in `batches`.
+
+        Raises:
+            InputError: there is no row.
+        """
+        found = list(self.batches(names, spans))
+        if not found:
+            raise InputError("; ".join((f"{self.path}: expected a log with rows, got none", *self.notes)))
+        columns: dict[str, Column] = {}
+        for name in found[0].columns:
+            parts = [batch.columns[name] for batch in found]
+            # A column that has a text somewhere is text everywhere.
+            if len({part.dtype.kind for part in parts}) > 1:
+                parts = [part.astype(str) if part.dtype.kind == "U" else _as_text(part) for part in parts]
+            columns[name] = np.concatenate(parts)
+        lines = [batch.lines for batch in found if batch.lines is not None]
+        numbered = [batch.numbered for batch in found if batch.numbered is not None]
+        return Log(
+            self.path,
+            columns,
+            sum(batch.rows for batch in found),
+            np.concatenate(lines) if lines else None,
+            self.notes,
+            np.concatenate(numbered) if numbered else None,
+        )
+
+
+def stream_log(source: LogSource, name: str = "table") -> LogStream:
+    """Open a log as a stream; arguments as those of `read_log`.
+
+    Raises:
+        InputError: it cannot be read, or has no rows.
+    """
+    if isinstance(source, str | os.PathLike):
+        path = given_path(source, "log")
+        with reader_errors(path):
+            found = format_of(path).in_parts(path)
+            if found is not None and (found.rows == 0 or not found.names):
+                said = (f"{shown(path)}: expected a log with rows, got none", *found.notes)
+                raise InputError("; ".join(said))
+        if found is not None:
+            whole = partial(read_log, path)
+            return LogStream(shown(path), found.names, found.rows, found.notes, whole, found.parts)
+    return _in_memory(read_log(source, name))
+
+
+def _in_memory(log: Log) -> LogStream:
+    """A log that is in memory already, in slices."""
+
+    def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
+        for at in range(0, log.rows, limits.BATCH_ROWS):
+            for first, end in overlaps(at, min(at + limits.BATCH_ROWS, log.rows), spans):
+                lines = None if log.lines is None else log.lines[first:end]
+                yield Part(first, {name: log.columns[name][first:end] for name in names}, lines)
+
+    return LogStream(log.path, tuple(log.columns), log.rows, log.notes, lambda: log, parts)
+
+
+def _as_text(values: Column) -> Column:
+    return np.array(["" if np.isnan(value) else f"{value:.12g}" for value in values], dtype=str)

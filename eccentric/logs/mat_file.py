@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import io
 import struct
 import warnings
@@ -16,11 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.core import InputError
+from eccentric.logs import limits
 from eccentric.logs.assemble import Column, InParts, LeftOut, Part, Read, assemble
-from eccentric.logs.foreign import require_room_for_numbers
-from eccentric.logs.hdf5_file import entries, own
-from eccentric.logs.limits import BATCH_ROWS, DEEPEST_REFERENCE, DEEPEST_VARIABLE, MOST_BYTES
+from eccentric.logs.foreign import DamagedError, errors_of, library, require_room_for_numbers
+from eccentric.logs.named_arrays import entries, own
 
 # Check that the elements of a MAT file of version 5 or 7 are consistent, before SciPy reads it.
 #
@@ -36,10 +34,6 @@ LETTERS = {1: 1, 2: 1, 4: 2, 16: 1, 17: 2, 18: 4}
 CELL, STRUCTURE, OBJECT, CHAR, SPARSE = 1, 2, 3, 4, 5
 NUMBERS = range(6, 16)
 FUNCTION, OPAQUE = 16, 17
-
-
-class DamagedError(ValueError):
-    """The content of the file contradicts itself."""
 
 
 @dataclass
@@ -94,9 +88,9 @@ def check(data: bytes) -> list[tuple[int, ...]]:
         kind, content = rest.element(padded=False)
         if kind == COMPRESSED:
             unpacker = zlib.decompressobj()
-            content = memoryview(unpacker.decompress(content, MOST_BYTES))
+            content = memoryview(unpacker.decompress(content, limits.MOST_BYTES))
             if unpacker.unconsumed_tail:
-                raise DamagedError(f"a variable has more than {MOST_BYTES:,} bytes")
+                raise DamagedError(f"a variable has more than {limits.MOST_BYTES:,} bytes")
             if not unpacker.eof:
                 raise DamagedError("it breaks off")
             kind, content = _Bytes(content, order).element()
@@ -108,8 +102,8 @@ def check(data: bytes) -> list[tuple[int, ...]]:
 
 def _matrix(rest: _Bytes, depth: int, shapes: list[tuple[int, ...]]) -> None:
     """Check the content of a matrix element, and note its shape; it may be empty below the top."""
-    if depth > DEEPEST_VARIABLE:
-        raise DamagedError(f"it is nested deeper than {DEEPEST_VARIABLE}")
+    if depth > limits.DEEPEST_VARIABLE:
+        raise DamagedError(f"it is nested deeper than {limits.DEEPEST_VARIABLE}")
     if not len(rest.data) and depth:
         return
     flags = rest.numbers()
@@ -123,7 +117,7 @@ def _matrix(rest: _Bytes, depth: int, shapes: list[tuple[int, ...]]) -> None:
         return
     shape = rest.numbers()
     count = prod(shape)
-    if not 2 <= len(shape) <= 32 or min(shape) < 0 or count > MOST_BYTES:
+    if not 2 <= len(shape) <= 32 or min(shape) < 0 or count > limits.MOST_BYTES:
         raise DamagedError("an array has an impossible size")
     _word(rest)
     if kind in NUMBERS or kind == CHAR:
@@ -137,7 +131,7 @@ def _matrix(rest: _Bytes, depth: int, shapes: list[tuple[int, ...]]) -> None:
         code, content = rest.require(LETTERS)
         if len(content) % LETTERS[code] or not (len(content) >= count * LETTERS[code] or not len(content)):
             raise DamagedError("a text does not have its declared length")
-        if len(content) == 0 and count > 8 * DEEPEST_VARIABLE:
+        if len(content) == 0 and count > 8 * limits.DEEPEST_VARIABLE:
             raise DamagedError("a long text is empty")
     elif kind == CELL:
         _inner(rest, depth, shapes, count)
@@ -195,20 +189,15 @@ def read_mat(path: Path) -> Read:
     from scipy.io import loadmat
 
     data = path.read_bytes()
-
-    try:
+    with errors_of(path, "MAT file"), warnings.catch_warnings(record=True) as said:
         _require_room(path, check(data))
         # SciPy warns of a repeated variable; here it becomes a note.
-        with warnings.catch_warnings(record=True) as said:
-            warnings.simplefilter("always")
-            content = loadmat(io.BytesIO(data), simplify_cells=True)
-    except InputError:
-        raise
-    except Exception as error:  # noqa: BLE001 - SciPy raises whatever a damaged file leads it into
-        raise InputError(f"{path}: not a valid MAT file ({_line(error)})") from None
+        warnings.simplefilter("always")
+        content = loadmat(io.BytesIO(data), simplify_cells=True)
     kept = dict(_plain(name, value) for name, value in content.items() if not name.startswith("__"))
     read = _contiguous(assemble(kept))
-    return Read(read.columns, notes=(*read.notes, *dict.fromkeys(_line(one.message) for one in said)))
+    notes = dict.fromkeys(" ".join(str(one.message).split())[:200] for one in said)
+    return Read(read.columns, notes=(*read.notes, *notes))
 
 
 def _plain(name: str, value: Any) -> tuple[str, Any]:
@@ -247,7 +236,7 @@ def mat_source(path: Path) -> InParts | None:
     def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
         with _opened_7_3(path) as (file, _):
             for first, end in (
-                (k, min(k + BATCH_ROWS, b)) for a, b in spans for k in range(a, b, BATCH_ROWS)
+                (k, min(k + limits.BATCH_ROWS, b)) for a, b in spans for k in range(a, b, limits.BATCH_ROWS)
             ):
                 columns: dict[str, Column] = {}
                 for name in names:
@@ -288,19 +277,9 @@ def _is_7_3(path: Path) -> bool:
 @contextmanager
 def _opened_7_3(path: Path) -> Iterator[tuple[Any, Any]]:
     """The file, and h5py; InputError without it, or for what is not a valid file, wherever that shows."""
-    try:
-        h5py = importlib.import_module("h5py")
-    except ImportError:
-        raise InputError(
-            f'{path}: h5py is required for MAT 7.3: pip install "eccentric[mat73]", or save with -v7'
-        ) from None
-    try:
-        with h5py.File(path) as file:
-            yield file, h5py
-    except InputError:
-        raise
-    except Exception as error:  # noqa: BLE001 - HDF5 raises whatever a damaged file leads it into
-        raise InputError(f"{path}: not a valid MAT file of version 7.3 ({_line(error)})") from None
+    h5py = library("h5py", "mat73", path, "MAT 7.3", ", or save with -v7")
+    with errors_of(path, "MAT 7.3 file"), h5py.File(path) as file:
+        yield file, h5py
 
 
 def _variables(file: Any, h5py: Any) -> list[tuple[str, Any]]:
@@ -324,7 +303,7 @@ def _value(item: Any, h5py: Any, depth: int, numbers: Callable[[Any], Any]) -> A
     kind = item.attrs.get("MATLAB_class", b"")
     kind = kind.decode() if isinstance(kind, bytes) else str(kind)
     if (
-        depth > DEEPEST_REFERENCE
+        depth > limits.DEEPEST_REFERENCE
         or "MATLAB_object_decode" in item.attrs
         or kind in ("table", "timetable", "string")
     ):
@@ -361,7 +340,3 @@ def _require_room(path: Path, shapes: Iterable[tuple[int, ...]]) -> None:
     if held:
         longest, counts = zip(*held, strict=True)
         require_room_for_numbers(path, max(longest), sum(counts))
-
-
-def _line(error: object) -> str:
-    return " ".join(str(error).split())[:200] or type(error).__name__

@@ -1,4 +1,4 @@
-"""Recordings of ROS 2, bags `.db3` and MCAP: the numbers of each message, by topic and field."""
+"""Recordings of ROS 1 and 2, bags and MCAP: the numbers of each message, by topic and field."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import InputError, few
-from eccentric.logs.assemble import Read, Recorded, on_one_clock
+from eccentric.logs import limits
+from eccentric.logs.assemble import Read
+from eccentric.logs.clocks import Recorded, on_one_clock
 from eccentric.logs.foreign import library, reading, require_room_for_numbers
-from eccentric.logs.limits import MOST_PARTS
 
 Message = tuple[str, int, Any]
 """Topic, time of recording [ns], and the content: a mapping, or an object with attributes."""
@@ -80,7 +81,7 @@ def _numbers(value: Any, name: str, depth: int) -> Iterator[tuple[str, float]]:
     elif isinstance(value, str | bytes) or value is None or depth > 6:
         return
     elif isinstance(value, list | tuple | np.ndarray):
-        if len(value) <= MOST_PARTS:
+        if len(value) <= limits.MOST_PARTS:
             for k, one in enumerate(value, start=1):
                 yield from _numbers(one, f"{name}_{k}", depth + 1)
     else:
@@ -225,3 +226,22 @@ def _mcap_messages(recording: Any, path: Path, left_out: dict[str, str]) -> Iter
             yield channel.topic, message.log_time, types.read(message.data, schema.name)
         else:
             left_out[channel.topic] = f"in {channel.message_encoding or 'an unnamed encoding'}"
+
+
+def read_bag1(path: Path) -> Read:
+    """Read the numbers of all messages, put on the clock of the fastest topic."""
+    bags = library("rosbags.rosbag1", "rosbag", path)
+    types = library("rosbags.typesys", "rosbag", path)
+    with reading(path, "ROS 1 bag"), bags.Reader(path) as bag:
+        require_room_for_numbers(path, bag.message_count, 10 * bag.message_count)
+        return of_messages(_messages(bag, types), path)
+
+
+def _messages(bag: Any, types: Any) -> Iterator[Message]:
+    store = types.get_typestore(types.Stores.ROS1_NOETIC)
+    # Every bag brings the definitions of its messages along; they are parsed, not run.
+    for connection in bag.connections:
+        found = types.get_types_from_msg(connection.msgdef.data, connection.msgtype)
+        store.register({name: fields for name, fields in found.items() if name not in store.types})
+    for connection, time, data in bag.messages():
+        yield connection.topic, int(time), store.deserialize_ros1(data, connection.msgtype)

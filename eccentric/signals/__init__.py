@@ -6,12 +6,12 @@ May import: `logs`, `rigs`; `model` for what a rig declares, by the general deri
 """
 
 from eccentric.signals.channels import read_channels
+from eccentric.signals.clock import Finding, with_doubts
 from eccentric.signals.converted import stream_columns
 from eccentric.signals.filters import is_even, low_pass_of, motion_of, rows_of_each, stretches
-from eccentric.signals.finding import Finding, with_doubts
 from eccentric.signals.joints import read_joints
-from eccentric.signals.limits import LEAST_HELD_OUT, MANY_RUNS
-from eccentric.signals.long import FIT_POINTS, read_long, read_long_joints
+from eccentric.signals.limits import FIT_POINTS, LEAST_HELD_OUT, MANY_RUNS
+from eccentric.signals.long_log import read_long, read_long_joints
 from eccentric.signals.measured import Channels
 from eccentric.signals.motion import of_the_motor, white_noise
 from eccentric.signals.quality import Ratio, beside_the_rig, shared_cause

@@ -18,33 +18,10 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, counted, few
 from eccentric.logs import LogSource, read_log
 from eccentric.rigs import COASTING, Alignment, Rig
+from eccentric.signals import limits
 from eccentric.signals.converted import CONTROLLER
 from eccentric.signals.filters import joined, motion_of, rows_of_each, span_velocity, stretches, suited
 from eccentric.signals.kinds import at_times, evidence, refined
-from eccentric.signals.limits import (
-    COARSE,
-    COARSE_ROW_S,
-    COMPARED_S,
-    END_PART,
-    END_S,
-    HALF_SPAN_S,
-    HOLD_WINDOW_S,
-    LEAST_RATE_HZ,
-    LEAST_WINDOWS,
-    LINE_MARGIN,
-    MOVING_PART,
-    NEAR_PEAK,
-    POINTS_PER_ROW,
-    PROVED,
-    QUANTA,
-    RAISED,
-    RATE_HIGH,
-    RATE_LOW,
-    RATE_PER_CUT,
-    ROUNDED_RATE,
-    STEPS,
-)
-from eccentric.signals.lines import standing_lines
 from eccentric.signals.measured import (
     Channels,
     Controlled,
@@ -66,6 +43,7 @@ from eccentric.signals.motion import (
 from eccentric.signals.quality import assess
 from eccentric.signals.sampling import windows_by_parts
 from eccentric.signals.table import Holdout, Table, hold_out, read_table
+from eccentric.signals.turn_line import standing_lines
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -83,17 +61,21 @@ def logged_step(table: Table) -> float:
 
 def is_coarse(table: Table, rig: Rig) -> bool:
     """Whether most of the log is too coarse for the rig's low pass, and the rig does not average."""
-    return rig.sampling.low_pass_hz * logged_step(table) > COARSE and not rig.sampling.average_over
+    return rig.sampling.low_pass_hz * logged_step(table) > limits.COARSE and not rig.sampling.average_over
 
 
 def _kinds(points: _Points, rig: Rig, step: float) -> tuple[Mapping[str, str], list[str]]:
     """What a row's value stands for, by channel: by the rig, or as a coarse log proves; and a warning."""
     kinds, by = rig.log.kinds, _drive(points.table.channels, rig)
     by = "torque_l" if by not in points.table.channels else by
-    if by in kinds or step < COARSE_ROW_S * (1.0 - ROUNDED_RATE) or math.isinf(rig.sampling.average_over):
+    if (
+        by in kinds
+        or step < limits.COARSE_ROW_S * (1.0 - limits.ROUNDED_RATE)
+        or math.isinf(rig.sampling.average_over)
+    ):
         return kinds, []
     more = _evidence_of_hold(points, rig, by, step)
-    if more < PROVED:
+    if more < limits.PROVED:
         return kinds, []
     name = rig.axis.named(by)
     said = (
@@ -106,7 +88,7 @@ def _kinds(points: _Points, rig: Rig, step: float) -> tuple[Mapping[str, str], l
 def _evidence_of_hold(points: _Points, rig: Rig, by: str, step: float) -> float:
     """By how many standard errors a held drive explains the motion better than a sampled one."""
     tables = [refined(points.table, {**rig.log.kinds, by: kind}) for kind in ("held", "sample")]
-    fine = _points(tables[0], rig, points.quantum, POINTS_PER_ROW)
+    fine = _points(tables[0], rig, points.quantum, limits.POINTS_PER_ROW)
     clear = (
         clear_of_ends(fine.t, fine.segment)
         & fine.table.use
@@ -115,13 +97,18 @@ def _evidence_of_hold(points: _Points, rig: Rig, by: str, step: float) -> float:
     allowed = clear & ~fine.holdout.rows & ~fine.table.motor_off
     try:
         windows = windows_by_parts(
-            fine.t, fine.segment, fine.table.run, max(STEPS * step, HOLD_WINDOW_S, rig.sampling.average_over)
+            fine.t,
+            fine.segment,
+            fine.table.run,
+            max(limits.STEPS * step, limits.HOLD_WINDOW_S, rig.sampling.average_over),
         )
     except InputError:
         return 0.0
-    kept = windows.inside(allowed) & (windows.mean((fine.moving & allowed).astype(float)) >= MOVING_PART)
+    kept = windows.inside(allowed) & (
+        windows.mean((fine.moving & allowed).astype(float)) >= limits.MOVING_PART
+    )
     windows = windows.chosen(kept)
-    if len(windows) < LEAST_WINDOWS:
+    if len(windows) < limits.LEAST_WINDOWS:
         return 0.0
     omega = motion_of(fine.t, fine.theta, fine.segment, math.inf)[0][1]
     columns = [np.ones_like(omega), omega, np.sign(omega)]
@@ -144,7 +131,7 @@ def rows_a_point(step_s: float, rig: Rig) -> int:
     """How many rows, `step_s` apart, make a point; 1 where the log is no finer than its low pass needs."""
     if step_s <= 0.0:
         return 1
-    rate = max(RATE_PER_CUT * rig.sampling.low_pass_hz, LEAST_RATE_HZ)
+    rate = max(limits.RATE_PER_CUT * rig.sampling.low_pass_hz, limits.LEAST_RATE_HZ)
     return max(1, int(1.0 / (step_s * rate) + 1e-6))
 
 
@@ -235,7 +222,11 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
         points = _points(thinned(at_times(table, kinds), together), rig, quantum, 1)
     elif is_coarse(logged, rig):
         # The unwrapped angle is interpolated, since the wrapped one jumps; a spline needs no even steps.
-        points, cut, doubts = _points(refined(table, kinds), rig, quantum, POINTS_PER_ROW), math.inf, []
+        points, cut, doubts = (
+            _points(refined(table, kinds), rig, quantum, limits.POINTS_PER_ROW),
+            math.inf,
+            [],
+        )
     elif kinds:
         points = dataclasses.replace(points, table=at_times(table, kinds))
     motion, said = motion_of(points.t, points.theta, points.segment, cut, rig.axis)
@@ -261,10 +252,10 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
 def _require_length(points: _Points, paths: Sequence[str]) -> None:
     """No rows of a stretch shorter than the span of the central difference can move."""
     longest = max(float(np.ptp(points.t[rows])) for rows in rows_of_each(points.segment))
-    if longest <= 2.0 * HALF_SPAN_S:
+    if longest <= 2.0 * limits.HALF_SPAN_S:
         raise InputError(
             few(paths),
-            f"more than {2.0 * HALF_SPAN_S:g} s without a gap in time",
+            f"more than {2.0 * limits.HALF_SPAN_S:g} s without a gap in time",
             f"{longest:.3g} s: is the unit of time right?",
         )
 
@@ -318,7 +309,7 @@ def _with_room_for(
     if rig.sampling.low_pass_hz > low and not rig.sampling.average_over:
         return rig, []
     cut, noisy = (
-        max(given.sampling.low_pass_hz, min(LINE_MARGIN * high, RAISED / step)),
+        max(given.sampling.low_pass_hz, min(limits.LINE_MARGIN * high, limits.RAISED / step)),
         given.axis.term("angle"),
     )
     said = (
@@ -401,7 +392,7 @@ def past_the_peak(omega_m: Array, segment: NDArray[np.int64]) -> NDArray[np.bool
     past = np.zeros(len(omega_m), dtype=bool)
     for rows in rows_of_each(segment):
         speed = np.nan_to_num(np.abs(omega_m[rows]))  # unknown at the ends
-        last = int(np.flatnonzero(speed >= NEAR_PEAK * np.max(speed))[-1])
+        last = int(np.flatnonzero(speed >= limits.NEAR_PEAK * np.max(speed))[-1])
         past[rows[last + 1 :]] = True
     return past
 
@@ -428,7 +419,7 @@ def _drive(channels: Mapping[str, Array], rig: Rig) -> str:
 
 def _rate_doubt(step: float, rig: Rig) -> list[str]:
     declared = rig.log.sample_rate_hz
-    if declared is None or not step or RATE_LOW < 1.0 / step / declared < RATE_HIGH:
+    if declared is None or not step or limits.RATE_LOW < 1.0 / step / declared < limits.RATE_HIGH:
         return []
     return [f"the rig says {declared:g} rows per second, the log has {1.0 / step:.4g}: is time in s?"]
 
@@ -468,21 +459,21 @@ def _cause(channels: Channels, rig: Rig) -> str:
     quantum = f"{channels.motion.quantum_rad:.3g} {axis.unit('rad')}"
     if rig.sampling.moving_threshold_rad_s is None and rows.moving_threshold_rad_s > 0.5 * fastest > 0.0:
         return (
-            f"the threshold is a default, {QUANTA:g} steps of {quantum}"
-            f" in {2e3 * HALF_SPAN_S:g} ms, and the drive turns at {fastest:.3g} {axis.unit('rad/s')}:"
+            f"the threshold is a default, {limits.QUANTA:g} steps of {quantum}"
+            f" in {2e3 * limits.HALF_SPAN_S:g} ms, and the drive turns at {fastest:.3g} {axis.unit('rad/s')}:"
             f" write {key} = {0.25 * fastest:.2g}"
         )
-    if np.any(rows.moving) and max(lasts) < END_S / END_PART:
+    if np.any(rows.moving) and max(lasts) < limits.END_S / limits.END_PART:
         return (
-            f"the longest stretch without a gap lasts {max(lasts):.3g} s, of which {END_PART:.0%} at either"
-            " end is left to the filter, and rows near a reversal do not count: record longer"
+            f"the longest stretch without a gap lasts {max(lasts):.3g} s, of which {limits.END_PART:.0%} at"
+            " either end is left to the filter, and rows near a reversal do not count: record longer"
         )
     return f"are the units of time and {rig.axis.term('angle')} right?"
 
 
 def _speed_over(t: Array, theta: Array) -> Array:
     """The speed [rad/s] over a time in which the steps of an encoder do not matter."""
-    rows = max(1, round(COMPARED_S / max(float(np.median(np.diff(t))), 1e-9))) if len(t) > 1 else 1
+    rows = max(1, round(limits.COMPARED_S / max(float(np.median(np.diff(t))), 1e-9))) if len(t) > 1 else 1
     return (theta[rows:] - theta[:-rows]) / (t[rows:] - t[:-rows]) if len(t) > rows else np.empty(0)
 
 

@@ -1,26 +1,69 @@
-"""The clocks of a log's runs put right, and what is said of it; rows at the end that only repeat."""
+"""The time axis of a log put right, and what is said of it: clocks, rows that only repeat, times of turns.
+
+A Hall sensor and a magnet give one event a turn: the angle is exact at the events, and nothing is known
+between them but that a heavy shaft turns smoothly.  So the angle is a quintic spline through the events, on
+a grid of the usual turn.  A mean speed over a turn, which such loggers write beside it, belongs to the middle
+of the turn and not to the row: it is not used.
+
+Loggers of several shafts write a row for the turn of any, with the counts of all; a row counts for a shaft if
+its count changes there.  Some write the count before the event, so that it changes in the next row; the even
+one of the two readings is taken.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
 
 from eccentric.core import InputError, counted, so_more
 from eccentric.logs import Log, mended
-from eccentric.signals.finding import Finding
-from eccentric.signals.limits import (
-    AT_ONCE,
-    CHANGING,
-    FEWEST_OF_A_RECORDING,
-    FROZEN_ROWS,
-    FROZEN_TIMES,
-    GAP_STEPS,
-    MOST_NEW,
-    MOST_REJECTED,
-)
+from eccentric.signals import limits
+
+Severity = Literal["note", "warning"]
+
+
+_DOUBTFUL = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line about the data: `kind` (a word for tests and tables), the channel or letter, the text.
+
+    `rows` counts the rows concerned. A "warning" makes results wrong unless it is corrected; a "note" has
+    already been handled, or does little harm. `mend` is the line of the rig file that would put it right, ""
+    where the log does not say which.
+    """
+
+    kind: str
+    channel: str
+    text: str
+    rows: int
+    severity: Severity
+    mend: str = ""
+
+    @property
+    def doubts_the_rig(self) -> bool:
+        """Whether log and rig file contradict each other: then no other conclusion is safe."""
+        return self.severity == "warning" and self.kind in _DOUBTFUL
+
+
+@contextmanager
+def with_doubts(findings: Sequence[Finding]) -> Iterator[None]:
+    """Where a log cannot be fitted, say what in it contradicts the rig as well: that may be the reason."""
+    try:
+        yield
+    except InputError as error:
+        doubts = [finding.text for finding in findings if finding.doubts_the_rig]
+        if type(error) is not InputError or not doubts:
+            raise
+        raise error.hinted(doubts[0]) from None
+
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -54,7 +97,10 @@ def clock_of(log: Log, labels: Integers, t: Array, kept: Mask) -> ClockOfLog:
         found = mended(t[own])
         fine[own], part[own] = found.t, found.part
         # A recording of one or two rows has no motion: its rows are damaged ones.
-        alone = np.bincount(found.part[found.kept], minlength=int(found.part[-1]) + 1) < FEWEST_OF_A_RECORDING
+        alone = (
+            np.bincount(found.part[found.kept], minlength=int(found.part[-1]) + 1)
+            < limits.FEWEST_OF_A_RECORDING
+        )
         of_one = alone[found.part] & bool(found.part[-1])
         good[own] = found.kept & ~of_one
         lost += own[~good[own]].tolist()
@@ -62,7 +108,7 @@ def clock_of(log: Log, labels: Integers, t: Array, kept: Mask) -> ClockOfLog:
         if found.packet[0]:
             packets.append((*found.packet, len(own)))
     said: list[Finding] = []
-    if len(lost) > MOST_REJECTED * np.count_nonzero(kept):
+    if len(lost) > limits.MOST_REJECTED * np.count_nonzero(kept):
         raise InputError(
             f"{log.path}: {log.place(lost[0])}",
             "time stamps that increase",
@@ -90,6 +136,21 @@ def clock_of(log: Log, labels: Integers, t: Array, kept: Mask) -> ClockOfLog:
     return ClockOfLog(fine, good, part, tuple(said))
 
 
+def require_increasing(log: Log, rows: Integers, t: Array, begins: Any, last: float = -np.inf) -> None:
+    """InputError for the first of the rows (m,) of a log whose time t [s] (m,) is not after the one before.
+
+    Rows that begin a run, a mask (m,) or their places, follow nothing; `last` is the time before the first.
+    """
+    before = np.concatenate([[last], t[:-1]])
+    before[begins] = -np.inf
+    if len(stuck := np.flatnonzero(t <= before)):
+        k = int(stuck[0])
+        raise InputError(
+            f"{log.path}: {log.place(int(rows[k]))}",
+            problem=f"time stamps must increase, got {t[k]:.9g} s after {before[k]:.9g} s",
+        )
+
+
 def reversed_time(log: Log) -> Finding:
     """What is said of a log that was turned round."""
     text = f"{log.path}: time runs backwards: its last row is taken for the first"
@@ -114,12 +175,12 @@ def frozen_tails(log: Log, labels: Integers, channels: Sequence[Array], kept: Ma
     for own in _stretches(labels, kept):
         same = np.logical_and.reduce([x[own][1:] == x[own][:-1] for x in channels])
         changes = np.flatnonzero(~same)
-        if len(changes) < FROZEN_ROWS:
+        if len(changes) < limits.FROZEN_ROWS:
             continue
         tail = len(same) - 1 - int(changes[-1])
         usual = len(changes) / (changes[-1] + 1.0)
         longest = int(np.max(np.diff(changes), initial=1))
-        if tail >= max(FROZEN_ROWS, FROZEN_TIMES * longest) and usual >= CHANGING:
+        if tail >= max(limits.FROZEN_ROWS, limits.FROZEN_TIMES * longest) and usual >= limits.CHANGING:
             rows[own[len(own) - tail :]] = True
     count = int(np.count_nonzero(rows))
     if not count:
@@ -147,7 +208,7 @@ def polled(log: Log, labels: Integers, channels: Sequence[Array], kept: Mask) ->
         often += each.sum(axis=1)
         count += len(own) - 1
     new = int(np.count_nonzero(changed[kept]))
-    if not count or new > MOST_NEW * count or new > AT_ONCE * float(np.max(often)):
+    if not count or new > limits.MOST_NEW * count or new > limits.AT_ONCE * float(np.max(often)):
         return Stale(rows, ())
     for own in _stretches(labels, kept):
         news = np.flatnonzero(changed[own])
@@ -155,7 +216,7 @@ def polled(log: Log, labels: Integers, channels: Sequence[Array], kept: Mask) ->
         latest = np.searchsorted(news, np.arange(len(own)), side="right") - 1
         since, lasts = np.arange(len(own)) - news[latest], np.diff(news, append=len(own))[latest]
         # What lasts longer than a gap in time is rest: without any row it would be one.
-        rows[own] = (since > 0) & ((lasts <= GAP_STEPS * every) | (since % every != 0))
+        rows[own] = (since > 0) & ((lasts <= limits.GAP_STEPS * every) | (since % every != 0))
     dropped = int(np.count_nonzero(rows))
     text = (
         f"{log.path}: {dropped} of {counted(count, 'row')} repeat the one before in every channel: the log is"
@@ -170,3 +231,129 @@ def _stretches(labels: Integers, kept: Mask) -> list[Integers]:
     if not len(rows):
         return []
     return np.split(rows, np.flatnonzero(np.diff(labels[rows]) != 0) + 1)
+
+
+TURN = 2.0 * np.pi
+
+
+@dataclass(frozen=True)
+class Turns:
+    """The events of one shaft: rows (n,) and turns counted up to each (n,), mended; what was mended.
+
+    `late` says that the count of a row is that before its own event; `missed` and `double` are how many turns
+    had no event, and two.
+    """
+
+    rows: Integers
+    count: Array
+    late: bool = False
+    missed: int = 0
+    double: int = 0
+
+
+def turns_of(t: Array, count: Array | None) -> Turns:
+    """The turns of a shaft by the times of rows t [s] (n,) and their count (n,); None: a row is a turn."""
+    if count is None:
+        return _mended(t, np.arange(len(t)), np.arange(len(t), dtype=float), late=False)
+    changes = np.flatnonzero(np.diff(count) != 0.0)
+    steps = np.abs(np.diff(count)[changes])
+    if len(changes) == len(t) - 1:
+        return _mended(t, np.arange(len(t)), np.concatenate([[0.0], np.cumsum(steps)]), late=False)
+    total = np.cumsum(steps)
+    late = _roughness(t[changes]) < limits.TURNS_SMOOTHER * _roughness(t[changes + 1])
+    return _mended(t, changes if late else changes + 1, total, late=late)
+
+
+def _roughness(t: Array) -> float:
+    """The usual change from one turn to the next, relative to it; by the median, as some are missed."""
+    lasts = np.diff(t)
+    return float(np.median(np.abs(np.diff(lasts)) / lasts[1:])) if len(lasts) > 1 else 0.0
+
+
+def _mended(t: Array, rows: Integers, count: Array, late: bool) -> Turns:
+    """Without the second event of a turn that had two, and with the turns that had none."""
+    lasts = np.diff(t[rows]) / np.maximum(np.diff(count), 1.0)
+    both = lasts[1:-2] + lasts[2:-1]
+    double = np.flatnonzero(_same(both, lasts[:-3]) & _same(both, lasts[3:])) + 2
+    kept = np.delete(np.arange(len(rows)), double)
+    steps = np.diff(count)
+    steps[double - 1] = 0.0
+    count = np.concatenate([[0.0], np.cumsum(steps)])[kept]
+    rows, steps = rows[kept], np.diff(count)
+    lasts = np.diff(t[rows]) / np.maximum(steps, 1.0)
+    beside = 0.5 * (lasts[:-2] + lasts[2:])
+    turns = np.round(lasts[1:-1] / beside)
+    without = (turns > 1.0) & _same(lasts[:-2], lasts[2:]) & _same(lasts[1:-1], turns * beside)
+    missed = np.where(without, turns - 1.0, 0.0)
+    steps[1:-1] += missed
+    return Turns(rows, np.concatenate([[0.0], np.cumsum(steps)]), late, int(missed.sum()), len(double))
+
+
+def _same(one: Array, other: Array) -> NDArray[np.bool_]:
+    return np.abs(one - other) < limits.SAME_TURN * other
+
+
+@dataclass(frozen=True)
+class EvenTurns:
+    """The angle of a shaft on an even grid: times [s], angle [rad], and the row before each (m,)."""
+
+    t: Array
+    theta: Array
+    row: Integers
+    turns: tuple[Turns, ...]
+
+    def finding(self, path: str) -> Finding:
+        """What was mended."""
+        late = any(found.late for found in self.turns)
+        missed, double = (sum(getattr(found, name) for found in self.turns) for name in ("missed", "double"))
+        said = [
+            f"{missed} missed" if missed else "",
+            f"{double} doubled" if double else "",
+            "counts late" if late else "",
+        ]
+        used = sum(len(found.rows) for found in self.turns)
+        text = f"{path}: {', '.join(filter(None, [counted(used, 'turn'), *said]))}"
+        return Finding("turns", "theta", text, missed + double, "warning" if any(said) else "note")
+
+
+def even_turns(t: Array, count: Array | None, run: Integers, names: Sequence[str], path: str) -> EvenTurns:
+    """The angle by the times of turns, between events that take less than twice as long as those beside.
+
+    Args:
+        t: times of the rows [s] (n,).
+        count: turns up to each row (n,); None where each row is a turn.
+        run: number of the run (n,), from 0; `names` are theirs; `path` is the log's, for messages.
+
+    Raises InputError for a run with too few turns.
+    """
+    parts: list[tuple[Array, Array, Integers]] = []
+    every: list[Turns] = []
+    for own in np.split(np.arange(len(t)), np.flatnonzero(np.diff(run)) + 1):
+        found = turns_of(t[own], None if count is None else count[own])
+        at, rows = t[own][found.rows], own[found.rows]
+        pieces = _steady(at)
+        longest = max(map(len, pieces))
+        if longest < limits.FEWEST_TURNS:
+            raise InputError(
+                f"{path}: run {names[int(run[own[0]])]!r}",
+                f"at least {limits.FEWEST_TURNS} turns without a jump of the speed",
+                f"{longest}",
+                why=f"with {'events'} = {'revolution'!r}",
+            )
+        every.append(found)
+        step = float(np.median(np.diff(at) / np.diff(found.count)))
+        for piece in [piece for piece in pieces if len(piece) >= limits.FEWEST_TURNS]:
+            start, before = float(at[piece[0]]), at[piece]
+            grid = np.arange(start, before[-1], step)
+            spline = make_interp_spline(before - start, TURN * found.count[piece], k=5)
+            place = rows[piece][np.searchsorted(before, grid, side="right") - 1]
+            parts.append((grid, np.asarray(spline(grid - start)), place))
+    grid, theta, place = (np.concatenate(some) for some in zip(*parts, strict=True))
+    return EvenTurns(grid, theta, place, tuple(every))
+
+
+def _steady(t: Array) -> list[Integers]:
+    """The events (n,) in pieces between which a turn takes more than twice as long as the one beside it."""
+    lasts = np.diff(t)
+    jumps = np.flatnonzero(np.abs(np.log(lasts[1:] / lasts[:-1])) > np.log(limits.CHANGED_TURN)) + 1
+    return np.split(np.arange(len(t)), jumps)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, counted, few, meant
 from eccentric.logs import Log, LogStream, evaluate
 from eccentric.rigs import COASTING, ArmRig, ColumnSource, Rig, channels_of
-from eccentric.signals.limits import LARGEST, MOST_TOO_LARGE, SMALLEST
+from eccentric.signals import limits
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -220,18 +220,15 @@ def _of_controller(rig: Rig) -> dict[str, ColumnSource]:
 def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
     if channel.startswith(CONTROLLER):
         return log.numbers(source.text)
-    if source.text in log.columns:
-        raw = log.numbers(source.text)
-    else:
-        where = f"{rig.path}: [columns] {rig.axis.named(channel)}"
-        raw = evaluate(source.text, log.numbers, where)
-        if raw.dtype == bool:
-            raise InputError(where, "a number", f"{source.text!r}")
+    where = f"{rig.path}: [columns] {rig.axis.named(channel)}"
+    raw = numbers_of(log, source.text, where)
+    if raw.dtype == bool:
+        raise InputError(where, "a number", f"{source.text!r}")
     with np.errstate(over="ignore"):
         values = raw if source.unit is None else source.unit.to_si(raw)
     size = np.abs(np.where(np.isfinite(raw), values, 0.0))
-    damaged = size > LARGEST
-    if np.any(damaged) and np.count_nonzero(damaged) <= MOST_TOO_LARGE * log.rows:
+    damaged = size > limits.LARGEST
+    if np.any(damaged) and np.count_nonzero(damaged) <= limits.MOST_TOO_LARGE * log.rows:
         values, size = np.where(damaged, np.nan, values), np.where(damaged, 0.0, size)
     _require_size(log, rig, channel, source, values, size)
     return values
@@ -241,16 +238,16 @@ def _require_size(log: Log, rig: Rig, channel: str, source: ColumnSource, values
     largest = int(np.argmax(size))
     where = f"column {source.text!r} ({rig.axis.named(channel)})"
     unit = channels_of(rig.axis)[channel][1]
-    if size[largest] > LARGEST:
+    if size[largest] > limits.LARGEST:
         raise InputError(
             f"{log.path}: {log.place(largest)}, {where}",
-            f"at most {LARGEST:g} {unit}",
+            f"at most {limits.LARGEST:g} {unit}",
             f"{values[largest]:.6g} {unit}: are its units right?",
         )
-    if channel in _DRIVES and 0.0 < size[largest] < SMALLEST:
+    if channel in _DRIVES and 0.0 < size[largest] < limits.SMALLEST:
         raise InputError(
             f"{log.path}: {where}",
-            f"a value of at least {SMALLEST:g} {unit}",
+            f"a value of at least {limits.SMALLEST:g} {unit}",
             f"at most {size[largest]:.6g} {unit}: are its units right?",
         )
 
@@ -261,10 +258,13 @@ def _condition(
     """A column of 0 and 1, or a condition on columns; one number for all rows if neither is mapped."""
     if channel not in sources:
         return np.full(log.rows, otherwise)
-    text = sources[channel].text
-    if text in log.columns:
-        return log.numbers(text)
-    return evaluate(text, log.numbers, f"{rig.path}: [columns] {rig.axis.named(channel)}").astype(float)
+    where = f"{rig.path}: [columns] {rig.axis.named(channel)}"
+    return numbers_of(log, sources[channel].text, where).astype(float)
+
+
+def numbers_of(log: Log, text: str, where: str) -> NDArray[Any]:
+    """The numbers (rows,) of a column, or of arithmetic on columns; InputError that begins with `where`."""
+    return log.numbers(text) if text in log.columns else evaluate(text, log.numbers, where)
 
 
 def _text(value: Any) -> str:

@@ -19,30 +19,7 @@ from scipy.linalg.lapack import dtbtrs
 
 from eccentric.model import TURNING, AxisKind
 from eccentric.rigs import COASTING, Rig
-from eccentric.signals.limits import (
-    COARSE,
-    END_PART,
-    END_S,
-    FAST,
-    GAP_STEPS,
-    HALF_SPAN_S,
-    JITTER,
-    LEAST_DIFFERENCES,
-    LEAST_FILTERED,
-    LEAST_STRETCH,
-    LOWEST_HZ,
-    MAP_PARTS,
-    MAP_RANGE,
-    MAP_RUNS,
-    MAP_STEADY,
-    MOST_STRETCHES,
-    QUIET,
-    RAISED,
-    REVERSAL_S,
-    ROUNDED_RATE,
-    TOO_NOISY,
-    WINDOWS_OF_A_COAST,
-)
+from eccentric.signals import limits
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -62,7 +39,7 @@ def stretches(t: Array, run: Integers) -> Integers:
     for rows in rows_of_each(run):
         steps = np.diff(t[rows])
         if len(steps):
-            begins[rows[1:]] |= steps > GAP_STEPS * np.median(steps)
+            begins[rows[1:]] |= steps > limits.GAP_STEPS * np.median(steps)
     return np.cumsum(begins) - 1
 
 
@@ -88,7 +65,7 @@ def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
     None if the cut-off frequency is above 0.4 of the sampling rate, or the stretch is too short.
     The result is that of SciPy's `sosfiltfilt`; importing `scipy.signal` takes longer than filtering a log.
     """
-    if cut_hz > COARSE * rate_hz or len(x) <= _PADDING:
+    if cut_hz > limits.COARSE * rate_hz or len(x) <= _PADDING:
         return None
     if not np.size(x):  # LAPACK's wrapper writes beyond an array without columns
         return np.array(x, float)
@@ -172,10 +149,10 @@ def low_pass_of(t: Array, segment: NDArray[np.int64], cut_hz: float, *, alike: b
     together: dict[tuple[int, float], list[int]] = {}
     first_rate = 0.0
     for rows in rows_of_each(segment):
-        if len(rows) > LEAST_FILTERED:
+        if len(rows) > limits.LEAST_FILTERED:
             rate = 1.0 / float(np.median(np.diff(t[rows])))
             first_rate = first_rate or rate
-            if alike and abs(rate - first_rate) < ROUNDED_RATE * rate:
+            if alike and abs(rate - first_rate) < limits.ROUNDED_RATE * rate:
                 rate = first_rate
             together.setdefault((len(rows), rate), []).append(int(rows[0]))
     return LowPass(
@@ -186,7 +163,7 @@ def low_pass_of(t: Array, segment: NDArray[np.int64], cut_hz: float, *, alike: b
 def is_even(t: Array) -> bool:
     """Return whether the time stamps t [s] (n,) are on an even grid, up to rounding."""
     grid = np.linspace(t[0], t[-1], len(t))
-    return len(t) < 3 or float(np.max(np.abs(t - grid))) <= JITTER * (t[-1] - t[0]) / (len(t) - 1)
+    return len(t) < 3 or float(np.max(np.abs(t - grid))) <= limits.JITTER * (t[-1] - t[0]) / (len(t) - 1)
 
 
 def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, bool]:
@@ -249,7 +226,7 @@ def span_velocity(t: Array, theta: Array) -> Array:
     """Return the velocity [rad/s] (n,) of the raw angle over +-20 ms, at least +-1 step; NaN at the ends."""
     if len(t) < 3:
         return np.full_like(t, np.nan)
-    half = max(HALF_SPAN_S, float(np.median(np.diff(t))))
+    half = max(limits.HALF_SPAN_S, float(np.median(np.diff(t))))
     # The tolerance keeps rows whose span ends at the first or the last time stamp, up to rounding.
     inside = (t - half >= t[0] - 1e-9) & (t + half <= t[-1] + 1e-9)
     rise = np.interp(t + half, t, theta) - np.interp(t - half, t, theta)
@@ -260,15 +237,15 @@ def moves(t: Array, velocity: Array, threshold: float) -> Mask:
     """Return the rows (n,) faster than the threshold [rad/s] whose velocity keeps its sign within +-60 ms."""
     sign = np.sign(velocity)
     changes = np.concatenate([[0], np.cumsum(sign[1:] != sign[:-1])])
-    first = np.searchsorted(t, t - REVERSAL_S - 1e-9)
-    last = np.searchsorted(t, t + REVERSAL_S + 1e-9) - 1
+    first = np.searchsorted(t, t - limits.REVERSAL_S - 1e-9)
+    last = np.searchsorted(t, t + limits.REVERSAL_S + 1e-9) - 1
     # NaN at the ends differs from itself, so rows near the ends do not count as moving.
     return (np.abs(velocity) > threshold) & (changes[first] == changes[last])
 
 
 def away_from_ends(t: Array) -> Mask:
     """Return the rows (n,) more than 0.5 s, or a quarter, from either end of the stretch t [s]."""
-    end = min(END_S, END_PART * float(t[-1] - t[0]))
+    end = min(limits.END_S, limits.END_PART * float(t[-1] - t[0]))
     return (t > t[0] + end) & (t < t[-1] - end)
 
 
@@ -303,20 +280,20 @@ def suited(
     # Windows of one long run may each have one speed.
     if _is_map(t, theta, [rows for rows, own in zip(stretches, whole, strict=True) if own]):
         steps = [float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > 1]
-        cut = min(rig.sampling.low_pass_hz, COARSE / max(steps))
+        cut = min(rig.sampling.low_pass_hz, limits.COARSE / max(steps))
         said = f"the log is {len(stretches)} runs of constant speed: one mean of each is compared"
         return _averaged(rig, cut, math.inf), said
     if not np.all(whole):
-        places = np.linspace(0, len(stretches) - 1, MOST_STRETCHES).round().astype(int)
+        places = np.linspace(0, len(stretches) - 1, limits.MOST_STRETCHES).round().astype(int)
         stretches = [stretches[k] for k in np.unique(places)]
     low_pass_hz = rig.sampling.low_pass_hz
     noise, size = _over_all(t, theta, moving, stretches, low_pass_hz)
     if not size:
         return rig, ""
-    if noise <= TOO_NOISY * size:
+    if noise <= limits.TOO_NOISY * size:
         return _raised(rig, t, theta, moving, stretches)
-    signal = math.sqrt(max(size**2 - noise**2, (TOO_NOISY * size) ** 2))
-    cut = max(LOWEST_HZ, low_pass_hz * (QUIET * signal / noise) ** (2.0 / 5.0))
+    signal = math.sqrt(max(size**2 - noise**2, (limits.TOO_NOISY * size) ** 2))
+    cut = max(limits.LOWEST_HZ, low_pass_hz * (limits.QUIET * signal / noise) ** (2.0 / 5.0))
     said = (
         f"at {low_pass_hz:g} Hz the steps and stamps of the {rig.axis.term('angle')} make"
         f" {noise / size:.0%} of the"
@@ -333,14 +310,16 @@ def _raised(
     default = chosen = rig.sampling.low_pass_hz
     noise, size = _over_all(t, theta, moving, stretches, default)
     seen = size**2 - noise**2
-    most = RAISED / max(float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > LEAST_STRETCH)
+    most = limits.RAISED / max(
+        float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > limits.LEAST_STRETCH
+    )
     missed, cut = 0.0, 2.0 * default
     # Stamps are rounded: a fifth of the rate is a fifth.
     while cut <= most * (1.0 + 1e-6):
         noise, size = _over_all(t, theta, moving, stretches, cut)
-        if not size or noise > TOO_NOISY * size:
+        if not size or noise > limits.TOO_NOISY * size:
             break
-        if (beyond := size**2 - noise**2 - seen) > FAST * seen:
+        if (beyond := size**2 - noise**2 - seen) > limits.FAST * seen:
             chosen, missed, seen = cut, missed + beyond, seen + beyond
         cut *= 2.0
     if chosen == default:
@@ -355,9 +334,9 @@ def _raised(
 def _coasting(t: Array, theta: Array, stretches: list[NDArray[np.int64]]) -> float:
     """A hundredth of the longest coast-down [s]; 0 where it turns back, as a pendulum does."""
     longest = max(stretches, key=lambda rows: t[rows[-1]] - t[rows[0]])
-    coarse = theta[longest][:: max(1, len(longest) // int(WINDOWS_OF_A_COAST))]
+    coarse = theta[longest][:: max(1, len(longest) // int(limits.WINDOWS_OF_A_COAST))]
     lasts = float(t[longest[-1]] - t[longest[0]])
-    return lasts / WINDOWS_OF_A_COAST if np.ptp(np.sign(np.diff(coarse))) < 2.0 else 0.0
+    return lasts / limits.WINDOWS_OF_A_COAST if np.ptp(np.sign(np.diff(coarse))) < 2.0 else 0.0
 
 
 def _averaged(rig: Rig, cut_hz: float, over: float) -> Rig:
@@ -367,24 +346,28 @@ def _averaged(rig: Rig, cut_hz: float, over: float) -> Rig:
 
 def _is_map(t: Array, theta: Array, stretches: list[NDArray[np.int64]]) -> bool:
     """Whether each stretch has a constant speed, and not all have the same."""
-    if len(stretches) < MAP_RUNS:
+    if len(stretches) < limits.MAP_RUNS:
         return False
     means, spreads = [], []
     for rows in stretches:
-        if len(rows) < MAP_PARTS:
+        if len(rows) < limits.MAP_PARTS:
             return False
-        reach = len(rows) // MAP_PARTS
+        reach = len(rows) // limits.MAP_PARTS
         speed = (theta[rows[reach:]] - theta[rows[:-reach]]) / (t[rows[reach:]] - t[rows[:-reach]])
         means.append(float(np.mean(speed)))
         spreads.append(float(np.std(speed)) / max(abs(means[-1]), 1e-12))
-    return float(np.median(spreads)) < MAP_STEADY and np.ptp(means) > MAP_RANGE * float(np.max(np.abs(means)))
+    return float(np.median(spreads)) < limits.MAP_STEADY and np.ptp(means) > limits.MAP_RANGE * float(
+        np.max(np.abs(means))
+    )
 
 
 def _over_all(
     t: Array, theta: Array, moving: Mask, stretches: list[NDArray[np.int64]], cut_hz: float
 ) -> tuple[float, float]:
     """RMS of the noise in the acceleration of all stretches, and of the whole [rad/s^2]; 0 if unknown."""
-    parts = [_noise_and_size(t[r], theta[r], moving[r], cut_hz) for r in stretches if len(r) > LEAST_STRETCH]
+    parts = [
+        _noise_and_size(t[r], theta[r], moving[r], cut_hz) for r in stretches if len(r) > limits.LEAST_STRETCH
+    ]
     known = np.array([part for part in parts if part is not None]).reshape(-1, 2)
     if not len(known):
         return 0.0, 0.0
@@ -399,7 +382,7 @@ def _noise_and_size(t: Array, theta: Array, moving: Mask, cut_hz: float) -> tupl
     inside = np.interp(grid, t, moving.astype(float)) > 0.5
     difference = np.diff(np.interp(grid, t, theta), 4)[inside[2:-2]] / math.sqrt(70.0)
     _, _, acceleration, smooth = motion(t, theta, cut_hz)
-    if not smooth or len(difference) < LEAST_DIFFERENCES or not np.any(moving):
+    if not smooth or len(difference) < limits.LEAST_DIFFERENCES or not np.any(moving):
         return None
     gain = math.sqrt(2.0 * step * (2.0 * math.pi) ** 4 * cut_hz**5 * math.pi / (8.0 * math.sqrt(2.0)))
     size = float(np.sqrt(np.mean(acceleration[moving] ** 2)))

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError
-from eccentric.logs import Log, LogSource, evaluate, read_log
+from eccentric.logs import Log, LogSource, read_log
+from eccentric.signals import limits
 from eccentric.signals.channels import read_channels
-from eccentric.signals.converted import require_columns
-from eccentric.signals.limits import BELOW_COARSE, COARSE, LARGEST, MOST_REJECTED, MOST_TOO_LARGE
+from eccentric.signals.converted import numbers_of, require_columns
 from eccentric.signals.measured import Channels
 from eccentric.signals.table import of_runs
 
@@ -59,7 +59,7 @@ def _common(found: Sequence[Channels]):  # noqa: ANN202 - Sampling, which no doo
     each = [channels.rig.sampling for channels in found]
     cut = min(sampling.low_pass_hz for sampling in each)
     if any(channels.time.points_per_row > 1 for channels in found):
-        cut = min(cut, BELOW_COARSE * COARSE / found[0].time.logged_step_s)
+        cut = min(cut, limits.BELOW_COARSE * limits.COARSE / found[0].time.logged_step_s)
     over = max(sampling.average_over for sampling in each)
     return dataclasses.replace(each[0], low_pass_hz=cut, low_pass_given=True, average_over=over)
 
@@ -89,16 +89,15 @@ def _complete(log: Log, rig: ArmRig) -> Log:
         return log
     of = "rows" if log.excerpt is None else "rows of the windows that are used"
     what = f"no number for some joint in {lost} of {log.rows} {of}"
-    if lost > MOST_REJECTED * log.rows:
-        raise InputError(log.path, problem=f"{what}; at most {MOST_REJECTED:.0%} may be missing")
+    if lost > limits.MOST_REJECTED * log.rows:
+        raise InputError(log.path, problem=f"{what}; at most {limits.MOST_REJECTED:.0%} may be missing")
     found = log.rows_of(good)
     return dataclasses.replace(found, notes=(*log.notes, f"{what}: such rows are dropped"))
 
 
 def _finite(log: Log, text: str, where: str) -> NDArray[np.bool_]:
-    values = log.numbers(text) if text in log.columns else evaluate(text, log.numbers, where)
-    sizes = np.abs(np.asarray(values, float)) * np.ones(log.rows)
+    sizes = np.abs(np.asarray(numbers_of(log, text, where), float)) * np.ones(log.rows)
     good = np.isfinite(sizes)
-    damaged = good & (sizes > LARGEST)
+    damaged = good & (sizes > limits.LARGEST)
     # Many of them are a wrong unit, which the joint that they are of is told.
-    return good & ~damaged if np.count_nonzero(damaged) <= MOST_TOO_LARGE * log.rows else good
+    return good & ~damaged if np.count_nonzero(damaged) <= limits.MOST_TOO_LARGE * log.rows else good

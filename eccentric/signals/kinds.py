@@ -26,8 +26,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
+from eccentric.signals import limits
 from eccentric.signals.filters import is_even, rows_of_each, stretches
-from eccentric.signals.limits import POINTS_PER_ROW
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -100,7 +100,7 @@ def refined(table: Table, kinds: Mapping[str, str]) -> Table:
     parts: list[dict[str, Array]] = []
     source: list[NDArray[np.int64]] = []
     for rows in rows_of_each(stretches(t, table.run)):
-        where = np.arange((len(rows) - 1) * POINTS_PER_ROW + 1) / POINTS_PER_ROW
+        where = np.arange((len(rows) - 1) * limits.POINTS_PER_ROW + 1) / limits.POINTS_PER_ROW
         fine = np.interp(where, np.arange(len(rows)), t[rows])
         before = rows[np.minimum(where.astype(int), len(rows) - 1)]
         source.append(before)
@@ -114,16 +114,8 @@ def refined(table: Table, kinds: Mapping[str, str]) -> Table:
             elif name != "time":
                 part[name] = np.interp(fine, t[rows], x[rows])
         parts.append(part)
-    rows = np.concatenate(source)
-    return dataclasses.replace(
-        table,
-        channels={name: np.concatenate([part[name] for part in parts]) for name in table.channels},
-        run=table.run[rows],
-        use=table.use[rows],
-        motor_off=table.motor_off[rows],
-        after_dropped=table.after_dropped[rows],
-        after_skipped=table.after_skipped[rows],
-    )
+    joined = {name: np.concatenate([part[name] for part in parts]) for name in table.channels}
+    return table.at(np.concatenate(source), joined)
 
 
 # Whether a log shows that its drive is held.

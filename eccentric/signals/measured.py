@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from eccentric.core import InputError
 from eccentric.rigs import AddedMass, Alignment, Rig
+from eccentric.signals import limits
+from eccentric.signals.clock import Finding
 from eccentric.signals.filters import LowPass, joined, low_pass_of, motion_of
-from eccentric.signals.finding import Finding
-from eccentric.signals.limits import NARROWER
 from eccentric.signals.table import Holdout, carriers
 
 Array = NDArray[np.float64]
@@ -253,7 +253,7 @@ class Channels:
 
         What a fit to them finds otherwise comes from the filter, not from the drive.
         """
-        cut = NARROWER * rig.sampling.low_pass_hz
+        cut = limits.NARROWER * rig.sampling.low_pass_hz
         rig = dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, low_pass_hz=cut))
         time, motion = self.time, self.motion
         (theta_m, omega_m, alpha_m), _ = motion_of(time.t, motion.theta_logged, time.segment, cut)

@@ -12,28 +12,8 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from eccentric.model import TURNING, AxisKind
-from eccentric.signals import filters
+from eccentric.signals import filters, limits
 from eccentric.signals.filters import joined, rows_of_each, stretches
-from eccentric.signals.limits import (
-    CLEARLY_LESS,
-    COMPARED_ROWS,
-    COMPARED_S,
-    HALF_SPAN_S,
-    LARGEST_SPEED_FACTOR,
-    LEAST_CORRELATION,
-    LEAST_OF_MEANS,
-    LEAST_SPEED_FACTOR,
-    MEANS,
-    NEAR_CAUSE,
-    QUANTA,
-    SAME_CLOCK,
-    SLOW,
-    SWITCHING_S,
-    UNEVEN_STEP,
-    WRAP_FULL,
-    WRAP_HOLE,
-    WRAP_SPAN,
-)
 from eccentric.signals.turn_line import turn_line
 
 if TYPE_CHECKING:
@@ -72,7 +52,7 @@ def unwrapped(
     it is continued at the speed before and after; each run starts at its logged angle.
     """
     periods = {"motor": TURN} | ({} if mu in (None, 1.0) else {"link": TURN / mu})
-    if _largest_step(theta, segment) <= WRAP_FULL * min(periods.values()):
+    if _largest_step(theta, segment) <= limits.WRAP_FULL * min(periods.values()):
         return theta, ""
     found = [
         (_largest_step(smooth, segment), turns, smooth, count)
@@ -89,7 +69,7 @@ def unwrapped(
     largest, turns, smooth, count = min(found, key=lambda one: one[0])
     turn = axis.term(f"turn of the {turns}")
     text = f"the {axis.term('angle')} is wrapped at one {turn}, {count} times: it is unwrapped"
-    if largest > WRAP_HOLE * periods[turns]:
+    if largest > limits.WRAP_HOLE * periods[turns]:
         text += f", uncertain at up to {largest / periods[turns]:.2g} turns from row to row"
     if turns == "motor" and "link" in periods:
         text += "; the log does not show in which turn a run starts (theta_zero_rad sets it)"
@@ -101,11 +81,12 @@ def _unwrap(t: Array, theta: Array, segment: Integers, run: Integers, period: fl
     steps = np.diff(theta) / period
     steps[np.diff(segment) != 0] = 0.0
     sizes = np.abs(steps)
-    narrow = all(np.ptp(theta[rows]) <= WRAP_SPAN * period for rows in rows_of_each(run))
+    narrow = all(np.ptp(theta[rows]) <= limits.WRAP_SPAN * period for rows in rows_of_each(run))
     whole = (
-        not np.any((sizes > WRAP_HOLE) & (sizes < WRAP_FULL)) and np.max(sizes, initial=0.0) < 2.0 - WRAP_FULL
+        not np.any((sizes > limits.WRAP_HOLE) & (sizes < limits.WRAP_FULL))
+        and np.max(sizes, initial=0.0) < 2.0 - limits.WRAP_FULL
     )
-    if not np.any(sizes > WRAP_FULL) or not (narrow or whole):
+    if not np.any(sizes > limits.WRAP_FULL) or not (narrow or whole):
         return theta, 0
     turns = np.concatenate([[0.0], np.cumsum(-np.round(steps))])
     starts = np.flatnonzero(np.diff(segment, prepend=-1))
@@ -114,8 +95,8 @@ def _unwrap(t: Array, theta: Array, segment: Integers, run: Integers, period: fl
             turns[first:] -= turns[first]
             continue
         smooth = theta + period * turns
-        ahead = _speed(t, smooth, np.flatnonzero(segment == segment[first])[:COMPARED_ROWS])
-        behind = _speed(t, smooth, np.flatnonzero(segment == segment[last])[-COMPARED_ROWS:])
+        ahead = _speed(t, smooth, np.flatnonzero(segment == segment[first])[: limits.COMPARED_ROWS])
+        behind = _speed(t, smooth, np.flatnonzero(segment == segment[last])[-limits.COMPARED_ROWS :])
         expected = smooth[last] + 0.5 * (ahead + behind) * (t[first] - t[last])
         turns[first:] += np.round((expected - smooth[first]) / period)
     return theta + period * turns, int(np.count_nonzero(np.round(steps)))
@@ -137,8 +118,8 @@ def speed_factor(t: Array, theta: Array, omega: Array, segment: Integers) -> tup
     rise: list[Array] = []
     told: list[Array] = []
     for rows in rows_of_each(segment):
-        if len(rows) > COMPARED_ROWS:
-            span = max(COMPARED_ROWS, round(COMPARED_S / float(np.median(np.diff(t[rows])))))
+        if len(rows) > limits.COMPARED_ROWS:
+            span = max(limits.COMPARED_ROWS, round(limits.COMPARED_S / float(np.median(np.diff(t[rows])))))
             integral = cumulative_trapezoid(omega[rows], t[rows], initial=0.0)
             rise.append(theta[rows][span:] - theta[rows][:-span])
             told.append(integral[span:] - integral[:-span])
@@ -161,10 +142,10 @@ def speed_doubt(
         return "", False
     factor, correlation = found
     angle = axis.term("angle")
-    if abs(correlation) < LEAST_CORRELATION:
+    if abs(correlation) < limits.LEAST_CORRELATION:
         text = f"the logged speed does not follow the slope of the {angle} (correlation {correlation:.2f})"
         return f"{text}: do both belong to one shaft?", True
-    if LEAST_SPEED_FACTOR <= factor <= LARGEST_SPEED_FACTOR:
+    if limits.LEAST_SPEED_FACTOR <= factor <= limits.LARGEST_SPEED_FACTOR:
         return "", False
     cause = _cause(factor, mu, axis)
     text = f"the logged speed is {factor:.4g} times the slope of the {angle}"
@@ -185,7 +166,7 @@ def _cause(factor: float, mu: float | None, axis: AxisKind) -> str:
         terms = {"angle": axis.term("angle"), "rad": axis.unit("rad")}
         said = [word.format(**terms) for word in words if word]
         off = abs(math.log(abs(factor) / (unit * gear)))
-        if off <= NEAR_CAUSE:
+        if off <= limits.NEAR_CAUSE:
             found.append((len(said), off, " and ".join(said)))
     return min(found, default=(0, 0.0, ""))[2]
 
@@ -244,7 +225,7 @@ def _by_line(table: Table, rig: Rig, omega: Array) -> tuple[Array, list[str]]:
         ratios.append(line.frequency * TURN / abs(float(np.median(omega[rows]))))
     ratio = float(np.median(ratios))
     text = f"angle: line {max(orders)}/turn, {ratio:.4g} times speed"
-    if not abs(ratio - 1.0) > SAME_CLOCK:
+    if not abs(ratio - 1.0) > limits.SAME_CLOCK:
         return theta, [text]
     return theta, [f"{text}; sample_rate_hz = {1.0 / float(np.median(np.diff(t))) / ratio:.4g}?"]
 
@@ -269,12 +250,12 @@ def uneven(table: Table, axis: AxisKind) -> list[str]:
         return []
     steps = np.diff(t)[np.diff(piece) == 0]
     usual = float(np.median(steps))
-    odd = int(np.count_nonzero(np.abs(steps / usual - 1.0) > UNEVEN_STEP))
+    odd = int(np.count_nonzero(np.abs(steps / usual - 1.0) > limits.UNEVEN_STEP))
     if not odd:  # a clock that drifts against the grid
         return []
     text = (
-        f"time steps are uneven ({odd} of {len(steps)} differ by more than {UNEVEN_STEP:.0%} from the usual "
-        f"{usual:.4g} s): for filtering, the {axis.term('angle')} is interpolated linearly"
+        f"time steps are uneven ({odd} of {len(steps)} differ by more than {limits.UNEVEN_STEP:.0%} from the"
+        f" usual {usual:.4g} s): for filtering, the {axis.term('angle')} is interpolated linearly"
     )
     return [text]
 
@@ -315,8 +296,8 @@ def moving_rows(
 
 def _default_threshold(velocity: Array, quantum: float) -> float:
     speeds = np.abs(velocity[np.isfinite(velocity)])
-    slow = SLOW * float(np.percentile(speeds, 95.0)) if len(speeds) else 0.0
-    return max(QUANTA * quantum / (2.0 * HALF_SPAN_S), slow)
+    slow = limits.SLOW * float(np.percentile(speeds, 95.0)) if len(speeds) else 0.0
+    return max(limits.QUANTA * quantum / (2.0 * limits.HALF_SPAN_S), slow)
 
 
 def clear_of_ends(t: Array, segment: Integers) -> Mask:
@@ -328,7 +309,7 @@ def near_switching(t: Array, segment: Integers, off: Mask) -> Mask:
     """Rows (n,) near switching the motor, where filters mix driven and free motion."""
     near = np.zeros(len(t), dtype=bool)
     for row in np.flatnonzero(np.diff(off.astype(int)) & (np.diff(segment) == 0)):
-        near |= (np.abs(t - t[row]) < SWITCHING_S) & (segment == segment[row])
+        near |= (np.abs(t - t[row]) < limits.SWITCHING_S) & (segment == segment[row])
     return near
 
 
@@ -345,12 +326,12 @@ def white_noise(signal: Array, segment: NDArray[np.int64] | None = None) -> floa
     """
     parts = np.zeros(len(signal), np.int64) if segment is None else segment
     found = _of(_differences(signal, parts))
-    for length in MEANS:
+    for length in limits.MEANS:
         left = _differences(*_means(signal, parts, length))
-        if len(left) < LEAST_OF_MEANS:
+        if len(left) < limits.LEAST_OF_MEANS:
             break
         size = _of(left) * float(np.sqrt(length))
-        if size < CLEARLY_LESS * found:
+        if size < limits.CLEARLY_LESS * found:
             found = size
     return found
 

@@ -17,12 +17,14 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, vstack
 
 from eccentric.core import InputError
-from eccentric.signals.limits import BLOCK_S, FILTERED, PER_COEFFICIENT, PER_COEFFICIENT_OF_RUNS
+from eccentric.signals import limits
 from eccentric.signals.measured import Channels
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+_OF_EACH = ("t", "run", "block", "train", "score", "weights")
+"""Fields of `Rows` with an entry for each row."""
 
 
 class Filtered(NamedTuple):
@@ -83,7 +85,7 @@ class Rows:
     @property
     def per_coefficient(self) -> int:
         """Least number of rows per coefficient of a fit."""
-        return PER_COEFFICIENT_OF_RUNS if self.independent else PER_COEFFICIENT
+        return limits.PER_COEFFICIENT_OF_RUNS if self.independent else limits.PER_COEFFICIENT
 
     def mean(self, x: Array) -> Array:
         """Samples (n,) or (n, k) converted to rows (m,) or (m, k), in the unit of x."""
@@ -163,17 +165,9 @@ class Rows:
 
     def chosen(self, kept: Integers | Mask) -> Rows:
         """A subset of the rows, in the order of their numbers (or of the mask)."""
-        return dataclasses.replace(
-            self,
-            t=self.t[kept],
-            run=self.run[kept],
-            block=self.block[kept],
-            train=self.train[kept],
-            score=self.score[kept],
-            weights=self.weights[kept],
-            operator=None if self.operator is None else self.operator[kept],
-            rate_operator=None if self.rate_operator is None else self.rate_operator[kept],
-        )
+        own = {name: getattr(self, name)[kept] for name in _OF_EACH}
+        operator, rates = (None if x is None else x[kept] for x in (self.operator, self.rate_operator))
+        return dataclasses.replace(self, **own, operator=operator, rate_operator=rates)
 
     def trained_on(self, rows: Mask) -> Rows:
         """The same rows with others to fit on (m,); all that are not stay as logged, if they are samples."""
@@ -191,17 +185,10 @@ def in_order(parts: Sequence[Rows]) -> Rows:
     """All rows of several sets of means over the same samples, in the order of their first samples."""
     operator = csr_array(vstack([part.operator for part in parts]))
     first_block = np.cumsum([0, *(int(part.block.max(initial=-1)) + 1 for part in parts)])
-    joined = dataclasses.replace(
-        parts[0],
-        t=np.concatenate([part.t for part in parts]),
-        run=np.concatenate([part.run for part in parts]),
-        block=np.concatenate([part.block + k for part, k in zip(parts, first_block, strict=False)]),
-        train=np.concatenate([part.train for part in parts]),
-        score=np.concatenate([part.score for part in parts]),
-        weights=np.concatenate([part.weights for part in parts]),
-        operator=operator,
-    )
-    return joined.chosen(np.argsort(operator.indices[operator.indptr[:-1]], kind="stable"))
+    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _OF_EACH}
+    joined["block"] = np.concatenate([part.block + k for part, k in zip(parts, first_block, strict=False)])
+    every = dataclasses.replace(parts[0], **joined, operator=operator)
+    return every.chosen(np.argsort(operator.indices[operator.indptr[:-1]], kind="stable"))
 
 
 def blocks_of(t: Array, label: Integers, samples: Array) -> Integers:
@@ -210,7 +197,7 @@ def blocks_of(t: Array, label: Integers, samples: Array) -> Integers:
     `samples` (n,) are the times of the log [s]: blocks are counted from the first.
     """
     begin, end = float(np.min(samples)), float(np.max(samples))
-    key = label * (int((end - begin) / BLOCK_S) + 2) + ((t - begin) / BLOCK_S).astype(int)
+    key = label * (int((end - begin) / limits.BLOCK_S) + 2) + ((t - begin) / limits.BLOCK_S).astype(int)
     return np.cumsum(np.diff(key, prepend=key[:1]) != 0)
 
 
@@ -241,7 +228,7 @@ class Band:
     @property
     def filtered(self) -> bool:
         """Whether most of the error lies above the low pass, and is not noise."""
-        return self.above > max(self.below, FILTERED * self.noise)
+        return self.above > max(self.below, limits.FILTERED * self.noise)
 
     @property
     def warning(self) -> str:

@@ -13,8 +13,9 @@ A fit minimises over `fit_rows`; models are compared on `rows_of`; effects are s
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,24 +23,8 @@ from scipy.sparse import csr_array
 
 from eccentric.core import InputError
 from eccentric.rigs import Rig
+from eccentric.signals import limits
 from eccentric.signals.filters import LowPass, rows_of_each
-from eccentric.signals.limits import (
-    LEAST_HELD_OUT,
-    LEAST_RUN_PART,
-    LEAST_STEPS,
-    LEAST_WINDOW_ROWS,
-    LEAST_WINDOWS,
-    LONGER_STEPS,
-    MANY_RUNS,
-    MOST_WINDOWS,
-    MOVING_PART,
-    QUIET_RATE,
-    STEPS,
-    TURNING_PART,
-    UNEVEN_STEP,
-    WINDOW_GAP,
-    WINDOW_PERIODS,
-)
 from eccentric.signals.measured import Channels
 from eccentric.signals.motion import clear_of_ends, white_noise
 from eccentric.signals.rows import Rows, blocks_of, in_order
@@ -87,8 +72,10 @@ def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float
     sizes = stop - first
     if not len(middle):
         raise InputError("windows", f"a stretch of {window_s:g} s without a gap", "none")
-    if sizes.min() < LEAST_WINDOW_ROWS:
-        raise InputError("windows", f"{LEAST_WINDOW_ROWS} rows in {window_s:g} s", sizes.min())
+    if sizes.min() < limits.LEAST_WINDOW_ROWS:
+        raise InputError(
+            "windows", f"at least {limits.LEAST_WINDOW_ROWS} rows in {window_s:g} s", sizes.min()
+        )
     pointer = np.concatenate([[0], np.cumsum(sizes)])
     columns = np.empty(pointer[-1], dtype=np.int64)
     values = np.empty((2, pointer[-1]))
@@ -158,7 +145,7 @@ def hann_windows(time: Array, valid: Mask, segment: Integers, run: Integers, len
     in their sampling. Blocks do not extend across gaps.
     """
     label = np.unique(segment, return_inverse=True)[1]
-    thinning = int(np.ceil(np.count_nonzero(valid) / MOST_WINDOWS))
+    thinning = int(np.ceil(np.count_nonzero(valid) / limits.MOST_WINDOWS))
     data, index, sizes = [np.empty(0)], [np.empty(0, int)], [np.empty(0, int)]
     for rows in rows_of_each(label):
         step = float(np.median(np.diff(time[rows]))) if len(rows) > 1 else length_s
@@ -169,7 +156,7 @@ def hann_windows(time: Array, valid: Mask, segment: Integers, run: Integers, len
         bad = np.r_[0, np.cumsum(~np.asarray(valid[rows], bool))]
         whole = bad[centre + reach + 1] == bad[centre - reach]
         lasts = time[rows[centre + reach]] - time[rows[centre - reach]]
-        whole &= lasts < WINDOW_GAP * 2 * reach * step + step
+        whole &= lasts < limits.WINDOW_GAP * 2 * reach * step + step
         centre = centre[whole]
         index.append((rows[centre, None] + np.arange(-reach, reach + 1)).ravel())
         data.append(np.tile(kernel / kernel.sum(), len(centre)))
@@ -183,7 +170,7 @@ def hann_windows(time: Array, valid: Mask, segment: Integers, run: Integers, len
     return _means(f"windows of {length_s:.3g} s", operator, time[centre], run[centre], block)
 
 
-LONGER = "no shorter window gives enough; expected a longer log"
+LONGER = "no shorter window gives enough: record longer"
 
 
 def fit_rows(channels: Channels, rig: Rig) -> Rows:
@@ -197,36 +184,39 @@ def fit_rows(channels: Channels, rig: Rig) -> Rows:
         return rows_of(channels, rig)
     if channels.time.points_per_row > 1:
         found = _by_parts(channels)
-        if np.count_nonzero(found.train) >= LEAST_WINDOWS:
+        if np.count_nonzero(found.train) >= limits.LEAST_WINDOWS:
             return found
-        return dataclasses.replace(found, remedy=_shorter(channels, rig))
+        return dataclasses.replace(found, remedy=_fewer_steps(channels, rig))
     weights = _durations(channels.time.t, channels.time.segment, channels.time.logged_step_s)
     return dataclasses.replace(_samples(channels, rig), weights=weights, description="rows")
 
 
-def _shorter(channels: Channels, rig: Rig) -> str:
-    """An average of fewer steps than the default's windows, of which the log has enough."""
+def _shorter(channels: Channels, rig: Rig, lengths: Iterable[float]) -> tuple[str, int]:
+    """The first of some averages [s] that are enough, as a key of a rig, and their number; "" for none."""
     held = channels.selection.held_out
-    for steps in range(STEPS - 1, LEAST_STEPS - 1, -1):
-        over = steps * channels.time.logged_step_s
+    for over in lengths:
         tried = dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, average_over=over))
         fitted, scored = (len(_averages(channels, tried, part)) for part in (~held, held))
-        if fitted >= LEAST_WINDOWS and scored >= LEAST_HELD_OUT:
-            shorter = f'average_over = "{over:.2g} s"'
-            return f"a window is {STEPS} steps by default, {shorter} in {rig.path} gives {fitted}"
-    return LONGER
+        if fitted >= limits.LEAST_WINDOWS and scored >= limits.LEAST_HELD_OUT:
+            return f'average_over = "{over:.2g} s"', fitted
+    return "", 0
+
+
+def _fewer_steps(channels: Channels, rig: Rig) -> str:
+    """What helps a coarse log with too few windows of the default's length."""
+    step = channels.time.logged_step_s
+    steps = range(limits.STEPS - 1, limits.LEAST_STEPS - 1, -1)
+    key, count = _shorter(channels, rig, (k * step for k in steps))
+    default = f"a window is {limits.STEPS} steps by default"
+    return f"{default}, {key} in {rig.path} gives {count}" if key else LONGER
 
 
 def _half_as_long(channels: Channels, rig: Rig) -> str:
-    """An average that is shorter by halves, of which the log has enough; that it has too few, for none."""
-    over, held = 0.5 * _length(channels, rig), channels.selection.held_out
-    while over >= LEAST_STEPS * channels.time.logged_step_s:
-        tried = dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, average_over=over))
-        fitted, scored = (len(_averages(channels, tried, part)) for part in (~held, held))
-        if fitted >= LEAST_WINDOWS and scored >= LEAST_HELD_OUT:
-            return f'in {rig.path}, average_over = "{over:.2g} s" gives {fitted}'
-        over *= 0.5
-    return LONGER
+    """What helps a log with too few averages of the rig's length: shorter ones by halves."""
+    least, over = limits.LEAST_STEPS * channels.time.logged_step_s, _length(channels, rig)
+    halves = itertools.takewhile(lambda x: x >= least, (over * 0.5**k for k in itertools.count(1)))
+    key, count = _shorter(channels, rig, halves)
+    return f"in {rig.path}, {key} gives {count}" if key else LONGER
 
 
 def rows_of(channels: Channels, rig: Rig) -> Rows:
@@ -239,8 +229,8 @@ def rows_of(channels: Channels, rig: Rig) -> Rows:
     what = "whole runs" if whole else f"averages over {_length(channels, rig):.3g} s"
     shorter = 'a time, such as "0.1 s"' if whole else "a shorter time"
     remedy = f"in {rig.path}, {shorter} as average_over gives more"
-    few = len(found["train"]) < LEAST_WINDOWS or len(found["score"]) < LEAST_HELD_OUT
-    at_least = _length(channels, rig) <= LEAST_STEPS * channels.time.logged_step_s
+    few = len(found["train"]) < limits.LEAST_WINDOWS or len(found["score"]) < limits.LEAST_HELD_OUT
+    at_least = _length(channels, rig) <= limits.LEAST_STEPS * channels.time.logged_step_s
     if not whole and (few or at_least):
         remedy = _half_as_long(channels, rig)
     for name, words in (("train", "to fit"), ("score", "to hold out")):
@@ -263,7 +253,7 @@ def search_rows(channels: Channels, rig: Rig, moving: bool = True) -> Rows:
         found = _averages(channels, rig, ~channels.selection.held_out)
     else:
         time, clear = channels.time, channels.selection.fit_rows if moving else _clear(channels)
-        length = WINDOW_PERIODS / rig.sampling.low_pass_hz
+        length = limits.WINDOW_PERIODS / rig.sampling.low_pass_hz
         found = hann_windows(time.t, clear, time.segment, time.run, length)
         _require_windows(found, length, channels, rig, moving)
     if found.independent:
@@ -271,25 +261,25 @@ def search_rows(channels: Channels, rig: Rig, moving: bool = True) -> Rows:
     if channels.time.points_per_row == 1:
         found = dataclasses.replace(found, smooth=_low_pass(channels, rig))
     runs = np.unique(found.run, return_inverse=True)[1]
-    return dataclasses.replace(found, block=runs) if runs.max() + 1 >= MANY_RUNS else found
+    return dataclasses.replace(found, block=runs) if runs.max() + 1 >= limits.MANY_RUNS else found
 
 
 def _require_windows(found: Rows, length: float, channels: Channels, rig: Rig, moving: bool) -> None:
-    if len(found) >= LEAST_WINDOWS:
+    if len(found) >= limits.LEAST_WINDOWS:
         return
     time, clear = channels.time, channels.selection.fit_rows if moving else _clear(channels)
-    shortest = hann_windows(time.t, clear, time.segment, time.run, LEAST_STEPS * time.logged_step_s)
+    shortest = hann_windows(time.t, clear, time.segment, time.run, limits.LEAST_STEPS * time.logged_step_s)
     # Averages replace the windows of the mechanical balance, not those of the electrical one.
     both = channels.motor.current is not None and channels.motor.voltage is not None
     key = f"low_pass_hz above {rig.sampling.low_pass_hz:g}" if both else f"average_over below {length:.3g} s"
     remedy = (
         f"the log is short: a longer one is the remedy; {key} gives more"
-        if len(shortest) >= LEAST_WINDOWS
+        if len(shortest) >= limits.LEAST_WINDOWS
         else LONGER
     )
     raise InputError(
         rig.path,
-        f"at least {LEAST_WINDOWS} windows of {length:.3g} s in the training part",
+        f"at least {limits.LEAST_WINDOWS} windows of {length:.3g} s in the training part",
         f"{len(found)}: {remedy}",
     )
 
@@ -312,7 +302,7 @@ def _low_pass(channels: Channels, rig: Rig) -> LowPass:
 
 
 def _length(channels: Channels, rig: Rig) -> float:
-    return rig.sampling.average_over or STEPS * channels.time.logged_step_s
+    return rig.sampling.average_over or limits.STEPS * channels.time.logged_step_s
 
 
 def _samples(channels: Channels, rig: Rig) -> Rows:
@@ -337,7 +327,7 @@ def _durations(t: Array, segment: Integers, step: float) -> Array:
     gaps = np.where(same, np.diff(t), step)
     durations = (np.concatenate([[step], gaps]) + np.concatenate([gaps, [step]])) / (2.0 * step)
     # Rounded stamps are not uneven sampling.
-    even = bool(np.all(np.abs(gaps / step - 1.0) < UNEVEN_STEP))
+    even = bool(np.all(np.abs(gaps / step - 1.0) < limits.UNEVEN_STEP))
     return np.ones_like(t) if even else durations
 
 
@@ -346,9 +336,9 @@ def _by_parts(channels: Channels) -> Rows:
 
     An integral may contain a reversal, a row may not; only at standstill is friction undetermined.
     """
-    found = _windows(channels, STEPS)
-    for steps in LONGER_STEPS:
-        if not _enough(found) or _noise_of_rate(channels, found) <= QUIET_RATE:
+    found = _windows(channels, limits.STEPS)
+    for steps in limits.LONGER_STEPS:
+        if not _enough(found) or _noise_of_rate(channels, found) <= limits.QUIET_RATE:
             break
         try:
             longer = _windows(channels, steps)
@@ -363,20 +353,20 @@ def _by_parts(channels: Channels) -> Rows:
 def _windows(channels: Channels, steps: float) -> Rows:
     time, rows = channels.time, channels.selection
     found = windows_by_parts(time.t, time.segment, time.run, steps * time.logged_step_s)
-    kept = found.mean(rows.usable.astype(float)) >= MOVING_PART
+    kept = found.mean(rows.usable.astype(float)) >= limits.MOVING_PART
     kept &= found.inside(rows.usable | ~rows.moving)
     train, score = (kept & found.inside(part) for part in (~rows.held_out, rows.held_out))
     every = dataclasses.replace(found, train=train, score=score)
     turns = (
         found.mean((np.abs(channels.motion.omega_m) > rows.moving_threshold_rad_s).astype(float))
-        >= TURNING_PART
+        >= limits.TURNING_PART
     )
     turning = dataclasses.replace(found, train=train & turns, score=score & turns)
     return turning if _enough(turning) else every
 
 
 def _enough(found: Rows) -> bool:
-    return int(np.count_nonzero(found.train)) >= LEAST_WINDOWS and bool(np.any(found.score))
+    return int(np.count_nonzero(found.train)) >= limits.LEAST_WINDOWS and bool(np.any(found.score))
 
 
 def _noise_of_rate(channels: Channels, found: Rows) -> float:
@@ -403,14 +393,14 @@ def _averages(channels: Channels, rig: Rig, part: Mask) -> Rows:
     # As in `_by_parts`: an average may contain a reversal.
     allowed = part & (rows.usable | ~rows.moving)
     found = hann_windows(time.t, allowed, time.segment, time.run, _length(channels, rig))
-    return found.chosen(np.flatnonzero(found.mean(usable.astype(float)) >= MOVING_PART))
+    return found.chosen(np.flatnonzero(found.mean(usable.astype(float)) >= limits.MOVING_PART))
 
 
 def _run_means(channels: Channels, usable: Mask) -> Rows:
     """Means of runs; one that is usable only in pieces says little about its speed and is left out."""
     every = np.bincount(channels.time.run)
     used = np.bincount(channels.time.run[usable], minlength=len(every))
-    runs = np.flatnonzero(used > LEAST_RUN_PART * every)
+    runs = np.flatnonzero(used > limits.LEAST_RUN_PART * every)
     columns = [np.flatnonzero(usable & (channels.time.run == run)) for run in runs]
     sizes = np.array([len(c) for c in columns], dtype=int)
     index, pointer = np.concatenate([np.empty(0, int), *columns]), np.concatenate([[0], np.cumsum(sizes)])

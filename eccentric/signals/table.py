@@ -6,6 +6,7 @@ import fnmatch
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from textwrap import shorten
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,17 +14,20 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few
 from eccentric.logs import Log, LogSource, falls, log_stems, read_log
 from eccentric.rigs import Rig
-from eccentric.signals.clock import ClockOfLog, Stale, clock_of, frozen_tails, polled, reversed_time
-from eccentric.signals.converted import CONTROLLER, converted, named_apart, run_numbers
-from eccentric.signals.finding import Finding
-from eccentric.signals.limits import (
-    FEWEST_RUNS_HELD_OUT,
-    HELD_OUT_BLOCKS,
-    HELD_OUT_PART,
-    MOST_REJECTED,
-    MUCH_LOST,
+from eccentric.signals import limits
+from eccentric.signals.clock import (
+    TURN,
+    ClockOfLog,
+    Finding,
+    Stale,
+    clock_of,
+    even_turns,
+    frozen_tails,
+    polled,
+    require_increasing,
+    reversed_time,
 )
-from eccentric.signals.revolutions import TURN, even_turns
+from eccentric.signals.converted import CONTROLLER, converted, named_apart, run_numbers
 
 # The held-out part of a log: named by the rig, or by a rule that is recorded.
 
@@ -63,14 +67,15 @@ def hold_out(
         rows, rule = _named(t, run, run_names, rig)
         if not rig.holdout.runs and len(run_names) == 1:
             return Holdout(rows, rule, rig.holdout.intervals_s)
-    elif len(run_names) >= FEWEST_RUNS_HELD_OUT:
+    elif len(run_names) >= limits.FEWEST_RUNS_HELD_OUT:
         first, rows = _every_fifth(run, len(run_names), off, carriers(run, run_names, rig.added))
         names = ", ".join(run_names[k] for k in np.unique(run[rows]))
         rule = f"whole runs, every fifth from the {_ORDINALS[first]} on: {names}"
     else:
-        position = (np.arange(len(t)) / len(t) * HELD_OUT_BLOCKS) % 1.0
-        rows = np.abs(position - 0.5) < HELD_OUT_PART / 2.0
-        rule = f"{HELD_OUT_BLOCKS} contiguous blocks, {HELD_OUT_PART:.0%} of the rows, evenly spread"
+        position = (np.arange(len(t)) / len(t) * limits.HELD_OUT_BLOCKS) % 1.0
+        rows = np.abs(position - 0.5) < limits.HELD_OUT_PART / 2.0
+        part = f"{limits.HELD_OUT_PART:.0%} of the rows"
+        rule = f"{limits.HELD_OUT_BLOCKS} contiguous blocks, {part}, evenly spread"
     return Holdout(rows, rule, _intervals(t, run, rows))
 
 
@@ -93,7 +98,7 @@ def _every_fifth(run: NDArray[np.int64], count: int, off: Mask, carrying: Mask) 
         return swings and bool(loads or (np.any(carrying & ~rows) and np.any(~carrying & ~rows)))
 
     every = {
-        first: np.isin(run, range(first, count, round(1.0 / HELD_OUT_PART)))
+        first: np.isin(run, range(first, count, round(1.0 / limits.HELD_OUT_PART)))
         for first in (2, 3, 4, 0, 1)
         if first < count
     }
@@ -169,6 +174,13 @@ class Table:
     findings: tuple[Finding, ...]
     is_excerpt: bool
 
+    def at(self, rows: NDArray[np.int64], channels: Mapping[str, Array], **more: Any) -> Table:
+        """Return a table of other channels (m,), whose entries belong to these rows (m,) of this one."""
+        masks = ("run", "use", "motor_off", "after_dropped", "after_skipped")
+        return replace(
+            self, **{"channels": channels, **{name: getattr(self, name)[rows] for name in masks}, **more}
+        )
+
 
 def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
     """Read and join logs, each a path, a table in memory or a Log.
@@ -211,16 +223,14 @@ def _require_carriers(run_names: Sequence[str], rig: Rig) -> None:
 def _joined(tables: Sequence[Table]) -> Table:
     """Tables of the same channels as one, their runs numbered on."""
     offsets = np.cumsum([0, *(len(table.run_names) for table in tables)])
+    masks = ("use", "motor_off", "after_dropped", "after_skipped")
     return Table(
         channels={
             name: np.concatenate([table.channels[name] for table in tables]) for name in tables[0].channels
         },
         run=np.concatenate([table.run + offset for table, offset in zip(tables, offsets, strict=False)]),
         run_names=tuple(name for table in tables for name in table.run_names),
-        use=np.concatenate([table.use for table in tables]),
-        motor_off=np.concatenate([table.motor_off for table in tables]),
-        after_dropped=np.concatenate([table.after_dropped for table in tables]),
-        after_skipped=np.concatenate([table.after_skipped for table in tables]),
+        **{name: np.concatenate([getattr(table, name) for table in tables]) for name in masks},
         rows_read=sum(table.rows_read for table in tables),
         rows_rejected=sum(table.rows_rejected for table in tables),
         findings=tuple(finding for table in tables for finding in table.findings),
@@ -275,9 +285,9 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         row, most = int(np.flatnonzero(~kept)[0]), found.sources[worst].text
         first = log.place(row) + log.spoilt(most, row)
         what = f"no number in {rejected} of {log.rows} rows (first: {first}; most: {most!r})"
-        if rejected > MOST_REJECTED * log.rows:
-            raise InputError(log.path, problem=f"{what}; at most {MOST_REJECTED:.0%} may be missing")
-        severity = "warning" if rejected > MUCH_LOST * log.rows else "note"
+        if rejected > limits.MOST_REJECTED * log.rows:
+            raise InputError(log.path, problem=f"{what}; at most {limits.MOST_REJECTED:.0%} may be missing")
+        severity = "warning" if rejected > limits.MUCH_LOST * log.rows else "note"
         findings.append(
             Finding("missing", worst, f"{log.path}: {what}: such rows are dropped", rejected, severity)
         )
@@ -324,12 +334,9 @@ def _of_turns(table: Table, path: str) -> Table:
     found = even_turns(t, None if count is None else count / TURN, table.run, table.run_names, path)
     nothing = np.zeros(len(found.row), bool)
     rest = {c: np.interp(found.t, t, x) for c, x in table.channels.items() if c not in motion}
-    return replace(
-        table,
-        channels={**rest, "time": found.t, name: found.theta},
-        run=table.run[found.row],
-        use=table.use[found.row],
-        motor_off=table.motor_off[found.row],
+    return table.at(
+        found.row,
+        {**rest, "time": found.t, name: found.theta},
         after_dropped=nothing,
         after_skipped=nothing,
         findings=(*table.findings, found.finding(path)),
@@ -377,12 +384,5 @@ def _runs(
         place = log.place(int(rows[starts[again]]))
         name = names[int(labels[starts[again]])]
         raise InputError(f"{log.path}: {place}", "contiguous runs", f"{name!r} again")
-    t = clock.t[rows]
-    stuck = np.flatnonzero((np.diff(t) <= 0.0) & ~begins[1:])
-    if len(stuck):
-        k = int(stuck[0])
-        raise InputError(
-            f"{log.path}: {log.place(int(rows[k + 1]))}",
-            problem=f"time stamps must increase, got {t[k + 1]:.9g} s after {t[k]:.9g} s",
-        )
+    require_increasing(log, rows, clock.t[rows], begins)
     return np.cumsum(begins) - 1, tuple(called)

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.model import AxisKind
-from eccentric.signals.finding import Finding
+from eccentric.signals.clock import Finding
+from eccentric.signals.quality import limits
 from eccentric.signals.quality.causes import (
     Logged,
     common_cause,
@@ -23,17 +24,6 @@ from eccentric.signals.quality.causes import (
     readings,
     single_cause,
     with_unit,
-)
-from eccentric.signals.quality.limits import (
-    BETTER,
-    EXPLAINED,
-    FACTOR,
-    FACTOR_MOTOR,
-    IDEAL,
-    ONE_SIGN,
-    ONE_WAY,
-    SAME_SIZE,
-    TURNED,
 )
 from eccentric.signals.quality.ratios import (
     Means,
@@ -73,7 +63,7 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
         yield inverted
         return
     bodies = {name: body_of(means, x, means.link) for name, x in means.drives.items()}
-    bodies = {name: body for name, body in bodies.items() if body.explained >= EXPLAINED}
+    bodies = {name: body for name, body in bodies.items() if body.explained >= limits.EXPLAINED}
     against = [name for name, body in bodies.items() if _reversed(body)]
     if against:
         # Where one sign drives it both ways, turning it makes negative friction of positive and no more.
@@ -109,7 +99,7 @@ def beside_the_rig(channels: Channels, rig: Rig) -> list[Ratio]:
     found, drive = list(electrical(means, rig)), channels.motor.measured_by
     if drive in means.drives:
         body = body_of(means, means.drives[drive], means.link)
-        if body.explained >= EXPLAINED:
+        if body.explained >= limits.EXPLAINED:
             found += mechanical(body, drive, rig)
             found += constant_by_torque(body, drive, rig)
     return found
@@ -121,7 +111,7 @@ def shared_cause(ratios: Sequence[Ratio], channels: Channels, rig: Rig) -> tuple
     return with_unit(cause, rig) if cause else None
 
 
-def _unsigned(m: Means, drive: str, rig: Rig, alike: float = SAME_SIZE) -> Finding | None:
+def _unsigned(m: Means, drive: str, rig: Rig, alike: float = limits.SAME_SIZE) -> Finding | None:
     """Blame a drive of one sign in both directions: friction alone makes it turn over.
 
     alike: the smaller size over the larger one, at least; a load accounts for nearly one size.
@@ -130,11 +120,11 @@ def _unsigned(m: Means, drive: str, rig: Rig, alike: float = SAME_SIZE) -> Findi
     if x is None or rig.known.get("T_load") or "T_load" in rig.unknown:
         return None
     ways = [x[m.omega > 0.0], x[m.omega < 0.0]]
-    if min(map(len, ways)) < ONE_WAY * len(x):
+    if min(map(len, ways)) < limits.ONE_WAY * len(x):
         return None
     sizes = [abs(float(np.mean(way))) for way in ways]
     sign = np.sign(float(np.mean(x)))
-    if np.mean(x * sign > 0.0) < ONE_SIGN or min(sizes) < alike * max(sizes):
+    if np.mean(x * sign > 0.0) < limits.ONE_SIGN or min(sizes) < alike * max(sizes):
         return None
     name, side = rig.axis.named(drive), "positive" if sign > 0.0 else "negative"
     text = (
@@ -156,9 +146,9 @@ def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
         return list(mechanical(body, drive, turned))
 
     body, other = body_of(m, x, m.link), body_of(m, x, m.link / mu**2)
-    if 1.0 - other.explained > min(BETTER * (1.0 - body.explained), EXPLAINED):
+    if 1.0 - other.explained > min(limits.BETTER * (1.0 - body.explained), limits.EXPLAINED):
         return None
-    off = [ratio for ratio in ratios(body, mu) if ratio.off(FACTOR)]
+    off = [ratio for ratio in ratios(body, mu) if ratio.off(limits.FACTOR)]
     mended = ratios(other, 1.0 / mu)
     if not off or "M g L" not in {r.name for r in mended} or not all(r.near(1.0) for r in mended):
         return None
@@ -206,7 +196,7 @@ def _angle_unit(m: Means, logged: Logged) -> str:
     bodies = {factor: body_of(m, x, m.link / factor) for factor in words}
     best = max(bodies, key=lambda factor: bodies[factor].explained)
     left, now = 1.0 - bodies[best].explained, 1.0 - bodies[1.0].explained
-    if left > min(BETTER * now, EXPLAINED) or not is_clear(*bodies[best].gravity):
+    if left > min(limits.BETTER * now, limits.EXPLAINED) or not is_clear(*bodies[best].gravity):
         return ""
     return words[best]
 
@@ -219,7 +209,7 @@ def _gravity(body: RigidBody, c: Channels, rig: Rig, m: Means) -> Iterator[Findi
     if rig.case == "C1":
         if scale is None or upright is None:
             return
-        if is_clear(value, error) and scale * value > upright / FACTOR:
+        if is_clear(value, error) and scale * value > upright / limits.FACTOR:
             text = (
                 f"{drive} shows a gravity torque of {scale * value:.3g} N m at the motor, but the rig"
                 f" declares none (C1): is the plane of motion vertical, case C2 ({upright:.3g} N m)?"
@@ -227,7 +217,7 @@ def _gravity(body: RigidBody, c: Channels, rig: Rig, m: Means) -> Iterator[Findi
             yield Finding("contradiction", "case", text, m.rows, "warning")
     elif (
         is_clear(value, error)
-        and abs(body.turned) > TURNED
+        and abs(body.turned) > limits.TURNED
         and "theta_zero_rad" not in rig.estimate
         and c.motion.quantum_rad > 0.0
     ):
@@ -241,8 +231,9 @@ def _gravity(body: RigidBody, c: Channels, rig: Rig, m: Means) -> Iterator[Findi
 
 def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> Iterator[Finding]:
     """Yield one wrong unit that explains all deviations, else each deviation by itself."""
-    limits = {"R": FACTOR_MOTOR, "k_e": FACTOR_MOTOR, "k_i": IDEAL, "k_i by gravity": IDEAL}
-    off = [ratio for ratio in ratios if ratio.off(limits.get(ratio.name, FACTOR))]
+    factors = {"R": limits.FACTOR_MOTOR, "k_e": limits.FACTOR_MOTOR}
+    factors |= dict.fromkeys(("k_i", "k_i by gravity"), limits.IDEAL)
+    off = [ratio for ratio in ratios if ratio.off(factors.get(ratio.name, limits.FACTOR))]
     if not off:
         return
     logged = _logged(c, rig)
@@ -258,7 +249,7 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
             text = f"{ratio.text} ({said}?); correct the one that is wrong"
             yield Finding("contradiction", ratio.letter, text, rows, "warning", mend)
             continue
-        if ratio.found < 0.0 and ratio.name in limits:
+        if ratio.found < 0.0 and ratio.name in factors:
             text = f"{ratio.text}, which cannot be: look for a wrong sign or swapped columns in [columns]"
             yield Finding("contradiction", ratio.letter, text, rows, "warning")
             continue
@@ -268,8 +259,9 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
         todo = "the rig's [columns]" if unit else f"the rig{_or_estimate(ratio, rig)}"
         text = f"{ratio.text}{why}; correct {todo}"
         # Where the rig's k_e is that of the log, the log says nothing against its k_i but that they differ.
-        alone = ratio.name == "k_i" and any(r.name == "k_e" and r.near(1.0) for r in ratios)
-        yield Finding("contradiction", ratio.letter, text, rows, "note" if alone else "warning", mend)
+        doubtful = not (ratio.name == "k_i" and any(r.name == "k_e" and r.near(1.0) for r in ratios))
+        severity = "warning" if doubtful else "note"
+        yield Finding("contradiction", ratio.letter, text, rows, severity, mend)
     if {"J", "M g L"} <= {ratio.name for ratio in off}:
         text = (
             f"neither {rig.axis.term('inertia')} nor gravity of the rig agrees with the"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from eccentric.model import TURNING, AxisKind
 from eccentric.rigs import ForceGain, Rig, channels_of, knowns_of
-from eccentric.signals.quality.limits import DIRECT, LEVEL_PLANE, NEAR, REDUCED
+from eccentric.signals.quality import limits
 
 if TYPE_CHECKING:
     from eccentric.signals.quality.ratios import Ratio
@@ -66,7 +66,7 @@ def misreadings(logged: Logged) -> dict[str, float]:
 def _sides(logged: Logged) -> dict[str, float]:
     """The other side of the gear, unless it is nearly direct."""
     mu = logged.mu
-    if not logged.axis.wraps or mu is None or DIRECT[0] < mu < DIRECT[1]:
+    if not logged.axis.wraps or mu is None or limits.DIRECT[0] < mu < limits.DIRECT[1]:
         return {}
     if logged.of_link:
         return {"is the motor's, mapped as the link's": 1.0 / mu}
@@ -210,9 +210,9 @@ def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[
         causes |= {cause.ratios["k_e"]: cause.text for cause in blamed.values()}
     if ratio.name == "J" and not logged.axis.wraps:
         return "", None
-    if ratio.name == "J" and mu is not None and mu < REDUCED:
+    if ratio.name == "J" and mu is not None and mu < limits.REDUCED:
         causes |= {mu**2: "the rig's J_m is at the link", 1.0 / mu**2: "the rig's J_l is at the motor"}
-    level = ratio.name == "M g L" and ratio.high < LEVEL_PLANE
+    level = ratio.name == "M g L" and ratio.high < limits.LEVEL_PLANE
     if level and ratio.low <= 0.0:
         return " (is the plane of motion horizontal, case C1?)", None
     for factor in (1e3, 1e-3):
@@ -230,7 +230,7 @@ def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[
     if ratio.value > 0.0:
         near |= {abs(math.log(ratio.value / factor)): words for factor, words in causes.items()}
     best = min(near)
-    if best <= NEAR:
+    if best <= limits.NEAR:
         return f" ({near[best]}?)", blamed.get(near[best])
     if ratio.name == "k_e" and logged.of_link and mu is not None and ratio.value > 0.0:
         gear = Cause("contradiction", "mu", f"or is mu {mu / ratio.value:.3g}", {"M g L": 1.0 / ratio.value})
@@ -254,7 +254,7 @@ def _read_as(cause: Cause, rig: Rig) -> tuple[float, str | None]:
     source = (rig.log.columns or {}).get(cause.channel)
     declared = source.unit.factor if source is not None and source.unit is not None else 1.0
     true = declared / cause.factor
-    return true, next((_PREFIXES[p] for p in _PREFIXES if abs(math.log(true / p)) <= NEAR), None)
+    return true, next((_PREFIXES[p] for p in _PREFIXES if abs(math.log(true / p)) <= limits.NEAR), None)
 
 
 def _is_far(cause: Cause, rig: Rig) -> bool:

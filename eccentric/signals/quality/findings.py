@@ -16,29 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.model import AxisKind
+from eccentric.signals.clock import Finding
 from eccentric.signals.filters import stretches
-from eccentric.signals.finding import Finding
 from eccentric.signals.limits import LEAST_CORRELATION, MUCH_LOST
 from eccentric.signals.motion import speed_doubt, speed_factor, unwrapped
+from eccentric.signals.quality import limits
 from eccentric.signals.quality.against_rig import rig_findings
-from eccentric.signals.quality.limits import (
-    BEHIND,
-    CHANCE,
-    CLIPPED,
-    CLIPPED_RUN,
-    FROZEN_ROWS,
-    FROZEN_S,
-    JUMP,
-    LARGEST_STEP,
-    LEAST_EQUAL,
-    MOST_EQUAL,
-    MOSTLY_MOVING,
-    NEARLY_ALL,
-    ONE_SPEED,
-    SHORT_RUN,
-    STEADY,
-    TOP_SPEED,
-)
 from eccentric.signals.table import Table
 
 if TYPE_CHECKING:
@@ -144,9 +127,9 @@ def _clipped(name: str, x: Array, c: Record, axis: AxisKind) -> Iterator[Finding
     inside = (values != np.min(x)) & (values != np.max(x)) & (values != 0.0)
     usual = int(np.max(lengths[inside], initial=1))
     for limit, word in ((np.max(x), "largest"), (np.min(x), "smallest")):
-        at = (values == limit) & (lengths >= max(SHORT_RUN, CLIPPED_RUN * usual))
+        at = (values == limit) & (lengths >= max(limits.SHORT_RUN, limits.CLIPPED_RUN * usual))
         rows = int(np.sum(lengths[at]))
-        if limit != 0.0 and np.count_nonzero(at) > 1 and rows > CLIPPED * len(x):
+        if limit != 0.0 and np.count_nonzero(at) > 1 and rows > limits.CLIPPED * len(x):
             text = (
                 f"{axis.named(name)} stays at its {word} value, {limit:.6g}"
                 f" {axis.unit(UNITS[name])}, in {rows} of {len(x)} rows "
@@ -170,7 +153,7 @@ def _frozen(name: str, x: Array, c: Record, axis: AxisKind) -> Iterator[Finding]
     begins, lengths = _runs(x, c.segment)
     ends = begins + lengths - 1
     inside = (x[begins] != np.max(x)) & (x[begins] != np.min(x)) & (x[begins] != 0.0)
-    long = inside & (lengths >= FROZEN_ROWS) & (c.t[ends] - c.t[begins] >= FROZEN_S)
+    long = inside & (lengths >= limits.FROZEN_ROWS) & (c.t[ends] - c.t[begins] >= limits.FROZEN_S)
     if not np.any(long):
         return
     again = np.concatenate([[False], np.diff(x) == 0.0])
@@ -183,11 +166,11 @@ def _frozen(name: str, x: Array, c: Record, axis: AxisKind) -> Iterator[Finding]
         rest = (c.run == c.run[begins[k]]) & others
         rest[stretch] = False
         equal = max(everywhere, _part(again, rest))
-        if equal > MOST_EQUAL:
+        if equal > limits.MOST_EQUAL:
             return False
         # Equal pairs occur by chance, a fraction `equal`: that many of them in a row, anywhere in the log.
-        needed = 1.0 + np.log(CHANCE / len(x)) / np.log(max(equal, LEAST_EQUAL))
-        return lengths[k] >= needed and float(np.mean(moving[stretch])) > MOSTLY_MOVING
+        needed = 1.0 + np.log(limits.CHANCE / len(x)) / np.log(max(equal, limits.LEAST_EQUAL))
+        return lengths[k] >= needed and float(np.mean(moving[stretch])) > limits.MOSTLY_MOVING
 
     found = np.array([k for k in np.flatnonzero(long) if is_frozen(int(k))], dtype=np.int64)
     if len(found):
@@ -200,9 +183,9 @@ def _part(what: NDArray[np.bool_], rows: NDArray[np.bool_]) -> float:
 
 def _steady(c: Record) -> NDArray[np.bool_]:
     """Rows at a steady speed: a filtered speed and a command without noise repeat themselves there."""
-    ahead = np.minimum(np.arange(len(c.t)) + FROZEN_ROWS, len(c.t) - 1)
+    ahead = np.minimum(np.arange(len(c.t)) + limits.FROZEN_ROWS, len(c.t) - 1)
     change = np.abs(c.speed[ahead] - c.speed)
-    return c.moving & (change < STEADY * np.nanquantile(np.abs(c.speed), TOP_SPEED))
+    return c.moving & (change < limits.STEADY * np.nanquantile(np.abs(c.speed), limits.TOP_SPEED))
 
 
 def _stretch(
@@ -232,13 +215,13 @@ def _frozen_angle(table: Table, c: Record, axis: AxisKind) -> Iterator[Finding]:
     ends = begins + lengths - 1
     steps = np.abs(np.diff(x, append=x[-1]))
     steps[np.flatnonzero(np.diff(c.segment))] = 0.0
-    usual = float(np.quantile(steps, LARGEST_STEP)) if len(steps) else 0.0
-    long = (lengths >= FROZEN_ROWS) & (c.t[ends] - c.t[begins] >= FROZEN_S)
-    jumps = steps[ends] > JUMP * usual
+    usual = float(np.quantile(steps, limits.LARGEST_STEP)) if len(steps) else 0.0
+    long = (lengths >= limits.FROZEN_ROWS) & (c.t[ends] - c.t[begins] >= limits.FROZEN_S)
+    jumps = steps[ends] > limits.JUMP * usual
     goes_on = np.zeros(len(begins), dtype=bool)
     if c.omega_logged is not None:
         moved = np.concatenate([[0.0], np.cumsum(c.omega_logged[1:] * np.diff(c.t))])
-        goes_on = np.abs(moved[ends] - moved[begins]) > BEHIND * usual
+        goes_on = np.abs(moved[ends] - moved[begins]) > limits.BEHIND * usual
     found = long & (jumps | goes_on) & (usual > 0.0)
     if np.any(found):
         yield _stretch(name, x, c, begins[found], lengths[found], "and then jumps or falls behind", axis)
@@ -249,8 +232,8 @@ def _speeds(c: Channels) -> Iterator[Finding]:
     speed = np.abs(c.motion.omega_m[rows])
     if not len(speed):
         return
-    low, high = np.quantile(speed, NEARLY_ALL)
-    if high < ONE_SPEED * low:
+    low, high = np.quantile(speed, limits.NEARLY_ALL)
+    if high < limits.ONE_SPEED * low:
         text = (
             f"nearly all moving rows are at one speed, {low:.4g} to {high:.4g}"
             f" {c.rig.axis.unit('rad/s')} at the motor: Coulomb "

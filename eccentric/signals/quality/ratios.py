@@ -18,22 +18,7 @@ from numpy.typing import NDArray
 
 from eccentric.model import AxisKind, Model, load_model
 from eccentric.model import vocabulary as v
-from eccentric.signals.quality.limits import (
-    AGREES,
-    DEPENDENT,
-    EXPLAINED,
-    IDEAL,
-    LEAST_MEANS,
-    LEAST_OHM,
-    LEVEL,
-    MEAN_ROWS,
-    MEAN_S,
-    NEAR,
-    NOTICED,
-    ROUNDING,
-    SIGMAS,
-    WARM,
-)
+from eccentric.signals.quality import limits
 
 if TYPE_CHECKING:
     from eccentric.rigs import Rig
@@ -95,10 +80,10 @@ def means_of(c: Channels, rig: Rig, *, moving: bool = True) -> Means | None:
     steps = np.diff(c.time.t)[np.diff(c.time.segment) == 0]
     if not len(rows) or not len(steps):
         return None
-    size = max(MEAN_ROWS, math.ceil(MEAN_S / float(np.median(steps))))
+    size = max(limits.MEAN_ROWS, math.ceil(limits.MEAN_S / float(np.median(steps))))
     pieces = np.split(rows, np.flatnonzero((np.diff(rows) != 1) | (np.diff(c.time.segment[rows]) != 0)) + 1)
     blocks = [piece[k : k + size] for piece in pieces for k in range(0, len(piece) - size + 1, size)]
-    if len(blocks) < LEAST_MEANS:
+    if len(blocks) < limits.LEAST_MEANS:
         return None
     index = np.array(blocks)
     found = {"current": motor.current, "torque": motor.torque, "voltage": motor.voltage}
@@ -118,12 +103,12 @@ def regressed(columns: list[Array], x: Array) -> tuple[Array, Array, float]:
     design = np.stack(columns, axis=1)
     scale = np.linalg.norm(design, axis=0)
     scale[scale == 0.0] = 1.0
-    inverse = np.linalg.pinv(design / scale, rcond=ROUNDING)
+    inverse = np.linalg.pinv(design / scale, rcond=limits.ROUNDING)
     solution = inverse @ x
     rest = x - design / scale @ solution
     variance = float(rest @ rest) / max(len(x) - design.shape[1], 1)
     # A column in the span of the others has no coefficient, whatever the pseudoinverse returns.
-    lost = np.linalg.matrix_rank(design / scale, tol=DEPENDENT) < design.shape[1]
+    lost = np.linalg.matrix_rank(design / scale, tol=limits.DEPENDENT) < design.shape[1]
     covariance = variance * (inverse @ inverse.T) + (np.inf if lost else 0.0)
     total = float(np.sum((x - np.mean(x)) ** 2))
     return (
@@ -158,7 +143,7 @@ def body_of(m: Means, x: Array, link: Array | None) -> RigidBody:
 
 def is_clear(value: float, error: float) -> bool:
     """Return whether a coefficient is significantly different from zero."""
-    return abs(value) > SIGMAS * error
+    return abs(value) > limits.SIGMAS * error
 
 
 # What a rig declares of its body and its motor, evaluated by the definitions of the general derivation.
@@ -180,7 +165,7 @@ def gravity_of(rig: Rig) -> float | None:
     if upright is None or "phi" not in rig.known:
         return None
     found = _gravity(rig.known)
-    return 0.0 if found is None or found <= LEVEL * upright else found
+    return 0.0 if found is None or found <= limits.LEVEL * upright else found
 
 
 def upright_gravity_of(rig: Rig) -> float | None:
@@ -237,7 +222,7 @@ class Ratio:
     text: str
     found: float
     unit: str
-    agrees: float = AGREES
+    agrees: float = limits.AGREES
 
     @classmethod
     def of(cls, name: str, found: float, error: float, given: float, axis: AxisKind, text: str = "") -> Ratio:
@@ -263,7 +248,7 @@ class Ratio:
 
     def near(self, factor: float) -> bool:
         """Return whether the factor explains the ratio, or is within its uncertainty."""
-        close = self.value > 0.0 and abs(math.log(self.value / factor)) <= NEAR
+        close = self.value > 0.0 and abs(math.log(self.value / factor)) <= limits.NEAR
         return close or self.low <= factor <= self.high
 
 
@@ -274,8 +259,8 @@ def electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
         return
     (r, r_error), (e, e_error) = found
     if "R" in rig.known:
-        yield replace(Ratio.of("R", r, r_error, rig.known["R"], rig.axis), agrees=WARM)
-    elif 0.0 < r + r_error < LEAST_OHM:
+        yield replace(Ratio.of("R", r, r_error, rig.known["R"], rig.axis), agrees=limits.WARM)
+    elif 0.0 < r + r_error < limits.LEAST_OHM:
         # Against nothing but what windings have: the next larger unit of a current is the only reading.
         text = f"R is {r:.3g} ohm by the log, less than the windings of such drives have"
         yield Ratio.of("R", r, r_error, 1e3 * r, rig.axis, text)
@@ -285,8 +270,8 @@ def electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
         # With an R that the log allows, k_e is also known where current and speed are correlated.
         rest = m.drives["voltage"] - rig.known["R"] * m.drives["current"]
         a, covariance, _ = regressed(friction_of(m), rest)
-        e, e_error = a[0], math.sqrt(covariance[0, 0]) * SIGMAS
-    yield replace(Ratio.of("k_e", e, e_error, rig.known["k_e"], rig.axis), agrees=WARM)
+        e, e_error = a[0], math.sqrt(covariance[0, 0]) * limits.SIGMAS
+    yield replace(Ratio.of("k_e", e, e_error, rig.known["k_e"], rig.axis), agrees=limits.WARM)
 
 
 def mechanical(body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]:
@@ -296,11 +281,11 @@ def mechanical(body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]:
         return
     if inertia := inertia_of(rig):
         value, error = body.inertia
-        if max(abs(value), inertia / scale) * body.alpha >= NOTICED * body.drive:
-            yield Ratio.of("J", scale * value, scale * error * SIGMAS, inertia, rig.axis)
+        if max(abs(value), inertia / scale) * body.alpha >= limits.NOTICED * body.drive:
+            yield Ratio.of("J", scale * value, scale * error * limits.SIGMAS, inertia, rig.axis)
     if gravity := gravity_of(rig):
         value, error = body.gravity
-        yield Ratio.of("M g L", scale * value, scale * error * SIGMAS, gravity, rig.axis)
+        yield Ratio.of("M g L", scale * value, scale * error * limits.SIGMAS, gravity, rig.axis)
 
 
 def motor_constant(m: Means, body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]:
@@ -315,7 +300,7 @@ def motor_constant(m: Means, body: RigidBody, drive: str, rig: Rig) -> Iterator[
         found = Ratio.of("k_i", e, error, given, rig.axis, text)
     elif "k_i" in rig.unknown and drive == "current" and (by_torque := _by_torque(body, rig)):
         k, error, source = by_torque
-        if back_emf is not None and is_clear(back_emf[1][0], back_emf[1][1] / SIGMAS):
+        if back_emf is not None and is_clear(back_emf[1][0], back_emf[1][1] / limits.SIGMAS):
             e = back_emf[1][0]
             text = f"{k_i} is {k:.3g} {unit} by {source} and {e:.3g} by the voltage (in SI it equals k_e)"
             found = Ratio.of("k_i by gravity", k, error, e, rig.axis, text)
@@ -329,7 +314,7 @@ def motor_constant(m: Means, body: RigidBody, drive: str, rig: Rig) -> Iterator[
                 return
     else:
         return
-    if found.off(IDEAL):
+    if found.off(limits.IDEAL):
         yield found
 
 
@@ -348,9 +333,9 @@ def _armature(m: Means) -> tuple[tuple[float, float], tuple[float, float]] | Non
     if not {"voltage", "current"} <= set(m.drives):
         return None
     a, covariance, explained = regressed([m.drives["current"], *friction_of(m)], m.drives["voltage"])
-    if explained < EXPLAINED:
+    if explained < limits.EXPLAINED:
         return None
-    r, e = ((float(a[k]), math.sqrt(covariance[k, k]) * SIGMAS) for k in range(2))
+    r, e = ((float(a[k]), math.sqrt(covariance[k, k]) * limits.SIGMAS) for k in range(2))
     return r, e
 
 
@@ -361,5 +346,5 @@ def _by_torque(body: RigidBody, rig: Rig) -> tuple[float, float, str] | None:
         (inertia_of(rig), body.inertia, rig.axis.term("inertia")),
     ):
         if given and is_clear(value, error) and value > 0.0:
-            return given / value, given / value**2 * error * SIGMAS, source
+            return given / value, given / value**2 * error * limits.SIGMAS, source
     return None

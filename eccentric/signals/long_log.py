@@ -12,16 +12,16 @@ from eccentric.core import few
 from eccentric.logs import Excerpt, Log, LogSource, LogStream, log_stems, stream_log
 from eccentric.model import AxisKind
 from eccentric.rigs import ArmRig, Rig
+from eccentric.signals import limits
 from eccentric.signals.converted import named_apart, require_columns, run_column
-from eccentric.signals.long.choice import ChosenWindows, choose
-from eccentric.signals.long.limits import CELL_S, LONG_ROWS, POINT_RATE_HZ, SEARCH_POINTS, WINDOW_S
-from eccentric.signals.long.survey import LogSurvey, Window, survey
+from eccentric.signals.long_choice import ChosenWindows, choose
+from eccentric.signals.long_survey import LogSurvey, Window, survey
 
 
 def read_long(
     sources: Sequence[LogSource],
     rig: Rig,
-    points: int = SEARCH_POINTS,
+    points: int = limits.SEARCH_POINTS,
     tell: Callable[[float], None] | None = None,
 ) -> list[Log]:
     """Return logs whole if they have 100,000 rows or fewer together, else windows of each.
@@ -41,7 +41,7 @@ def read_long(
 def read_long_joints(
     sources: Sequence[LogSource],
     rig: ArmRig,
-    points: int = SEARCH_POINTS,
+    points: int = limits.SEARCH_POINTS,
     tell: Callable[[float], None] | None = None,
 ) -> list[Log]:
     """Return the logs of an arm whole, or the windows of each that are chosen for any joint.
@@ -68,7 +68,7 @@ def _read_long(
     names = [f"table {k}" for k in range(1, len(sources) + 1)] if len(sources) > 1 else ["table"]
     streams = [stream_log(source, name) for source, name in zip(sources, names, strict=True)]
     total = sum(stream.rows for stream in streams)
-    if total <= LONG_ROWS or any(rig.log.events for rig in rigs):
+    if total <= limits.LONG_ROWS or any(rig.log.events for rig in rigs):
         return [stream.whole() for stream in streams]
     for stream in streams:
         require(_without_rows(stream))
@@ -133,9 +133,11 @@ def _chosen(
         for stream, name in zip(streams, log_stems(streams), strict=True)
     ]
     every = [window for found in surveys for window in found.windows]
-    step = float(np.median([found.step_s for found in surveys if found.step_s] or [1.0 / POINT_RATE_HZ]))
-    seconds = points * max(step, 1.0 / POINT_RATE_HZ)
-    return _Chosen(surveys, choose(every, rig, max(1, int(seconds / WINDOW_S))))
+    step = float(
+        np.median([found.step_s for found in surveys if found.step_s] or [1.0 / limits.POINT_RATE_HZ])
+    )
+    seconds = points * max(step, 1.0 / limits.POINT_RATE_HZ)
+    return _Chosen(surveys, choose(every, rig, max(1, int(seconds / limits.WINDOW_S))))
 
 
 def _together(spans: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
@@ -166,7 +168,8 @@ def _said(chosen: Sequence[_Chosen], axis: AxisKind) -> tuple[str, str]:
         every |= one.at(range(len(one.windows)))
         windows |= one.at(one.choice.places)
     used, whole = sum(windows.values()), sum(every.values())
-    size = f"{len(windows)} of {len(every)} windows of {WINDOW_S:g} s are used ({used:.4g} of {whole:.5g} s)"
+    size = f"{len(windows)} of {len(every)} windows of {limits.WINDOW_S:g} s are used"
+    size += f" ({used:.4g} of {whole:.5g} s)"
     left = f"{max(0.0, *(one.choice.worse for one in chosen)):.1%} in the square of what is left"
     of = "" if len(chosen) == 1 else " of every joint"
     if all(one.choice.enough for one in chosen):
@@ -195,7 +198,9 @@ def _missed(chosen: _Chosen, angle: str) -> str:
     choice, windows = chosen.choice, chosen.windows
     missed = []
     if choice.unseen:
-        kinds = ", ".join(f"{cells * CELL_S:.3g} s of {kind}" for kind, cells in choice.unseen.most_common())
+        kinds = ", ".join(
+            f"{cells * limits.CELL_S:.3g} s of {kind}" for kind, cells in choice.unseen.most_common()
+        )
         missed.append(f"states of the drive that no window contains ({kinds})")
     if choice.unlike:
         missed.append(f"windows unlike the others ({_shown([windows[k] for k in choice.unlike])})")

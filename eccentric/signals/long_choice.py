@@ -19,22 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.rigs import Rig
-from eccentric.signals.long.limits import (
-    AGREES,
-    CELL_S,
-    DEPENDENT,
-    HELD_OUT_PART,
-    LEAST_CELLS,
-    LEAST_WINDOWS,
-    MOST_HELD,
-    ODD,
-    ODD_PART,
-    ROUNDS,
-    RUNS_PART,
-    VISITED_S,
-    WINDOW_S,
-)
-from eccentric.signals.long.survey import Window, state_name
+from eccentric.signals import limits
+from eccentric.signals.long_survey import Window, state_name
 
 Array = NDArray[np.float64]
 
@@ -68,14 +54,14 @@ def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
     total = Counter[int]()
     for k in candidates:
         total.update(windows[k].seen)
-    visited = {state for state, cells in total.items() if cells * CELL_S >= VISITED_S}
+    visited = {state for state, cells in total.items() if cells * limits.CELL_S >= limits.VISITED_S}
     whole = sum((windows[k].sums for k in candidates), np.zeros_like(windows[0].sums))
     best = solved(whole)
     must = _must(windows, candidates, rig, most)
     chosen, worse = set(must), np.inf
-    for part in ROUNDS:
-        budget = min(len(candidates), max(LEAST_WINDOWS, round(part * most)))
-        odd_places = max(1, round(ODD_PART * budget))
+    for part in limits.ROUNDS:
+        budget = min(len(candidates), max(limits.LEAST_LONG_WINDOWS, round(part * most)))
+        odd_places = max(1, round(limits.ODD_PART * budget))
         chosen = must | _held(windows, candidates, rig, budget)
         chosen |= _even(candidates, budget - odd_places - len(chosen))
         chosen |= _for_states(windows, candidates, chosen, visited, budget - odd_places // 2)
@@ -84,7 +70,7 @@ def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
         chosen |= _even([k for k in candidates if k not in chosen], budget - len(chosen))
         worse = _worse(whole, best, solved(sum((windows[k].sums for k in chosen), np.zeros_like(whole))))
         seen = _seen(windows, chosen)
-        if worse <= AGREES and visited <= seen:
+        if worse <= limits.AGREES and visited <= seen:
             break
     seen = _seen(windows, chosen)
     unseen = Counter[str]()
@@ -93,7 +79,7 @@ def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
     return ChosenWindows(
         tuple(sorted(chosen)),
         worse,
-        worse <= AGREES,
+        worse <= limits.AGREES,
         len(visited),
         len(visited - seen),
         unseen,
@@ -113,7 +99,7 @@ def solved(sums: Array) -> Array:
     scale = np.sqrt(np.diag(gram))
     scale[scale == 0.0] = 1.0
     values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))
-    kept = values > DEPENDENT * max(float(values[-1]), 1e-300)
+    kept = values > limits.DEPENDENT * max(float(values[-1]), 1e-300)
     return vectors[:, kept] @ ((vectors[:, kept].T @ (right / scale)) / values[kept]) / scale
 
 
@@ -149,14 +135,18 @@ def _must(windows: Sequence[Window], candidates: Sequence[int], rig: Rig, most: 
         for name in rig.added
     }
     # A pattern may hold out hundreds of runs, all alike.
-    held = held if len(held) <= RUNS_PART * most else set(_spread(sorted(held), round(RUNS_PART * most)))
-    every = set(first_of.values()) if len(first_of) <= RUNS_PART * most else set()
+    held = (
+        held
+        if len(held) <= limits.RUNS_PART * most
+        else set(_spread(sorted(held), round(limits.RUNS_PART * most)))
+    )
+    every = set(first_of.values()) if len(first_of) <= limits.RUNS_PART * most else set()
     return {candidates[0], candidates[-1]} | held | every | carriers
 
 
 def _held(windows: Sequence[Window], candidates: Sequence[int], rig: Rig, budget: int) -> set[int]:
     """Windows in the held-out intervals of the rig; where these are shorter, those with most of them."""
-    wanted = HELD_OUT_PART * budget
+    wanted = limits.HELD_OUT_PART * budget
     shared = {k: _shared(windows[k], rig) for k in candidates}
     inside = [k for k in candidates if shared[k] >= windows[k].finish - windows[k].begin > 0.0]
     if inside:
@@ -164,7 +154,11 @@ def _held(windows: Sequence[Window], candidates: Sequence[int], rig: Rig, budget
     found: set[int] = set()
     seconds = 0.0
     for k in sorted(candidates, key=lambda k: -shared[k]):
-        if not shared[k] or seconds >= wanted * WINDOW_S or (found and len(found) >= MOST_HELD * budget):
+        if (
+            not shared[k]
+            or seconds >= wanted * limits.WINDOW_S
+            or (found and len(found) >= limits.MOST_HELD * budget)
+        ):
             break
         found.add(k)
         seconds += shared[k]
@@ -189,7 +183,7 @@ def _seen(windows: Sequence[Window], chosen: Iterable[int]) -> set[int]:
     total = Counter[int]()
     for k in chosen:
         total.update(windows[k].seen)
-    return {state for state, cells in total.items() if cells * CELL_S >= VISITED_S / 2.0}
+    return {state for state, cells in total.items() if cells * limits.CELL_S >= limits.VISITED_S / 2.0}
 
 
 def _for_states(
@@ -200,7 +194,10 @@ def _for_states(
     missing = visited - _seen(windows, chosen)
     while missing and len(chosen) + len(added) < budget:
         gains = {
-            k: sum(min(windows[k].seen.get(state, 0) * CELL_S, VISITED_S / 2.0) for state in missing)
+            k: sum(
+                min(windows[k].seen.get(state, 0) * limits.CELL_S, limits.VISITED_S / 2.0)
+                for state in missing
+            )
             for k in candidates
             if k not in chosen and k not in added
         }
@@ -217,12 +214,12 @@ def _unlike(windows: Sequence[Window], candidates: Sequence[int], chosen: set[in
 
     Those beside a chosen window that is unlike as well are represented by it.
     """
-    counted = [k for k in candidates if windows[k].cells >= LEAST_CELLS]
+    counted = [k for k in candidates if windows[k].cells >= limits.LEAST_CELLS]
     if not counted or not chosen:
         return []
     own = solved(sum((windows[k].sums for k in sorted(chosen)), np.zeros_like(windows[0].sums)))
     left = {k: _left(windows[k].sums, own) / windows[k].cells for k in counted}
     usual = float(np.median(list(left.values())))
-    odd = {k for k in counted if left[k] > ODD * usual}
+    odd = {k for k in counted if left[k] > limits.ODD * usual}
     shown = {k + step for k in odd & chosen for step in (-1, 0, 1)}
     return sorted(odd - chosen - shown, key=lambda k: -left[k])

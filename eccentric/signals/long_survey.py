@@ -20,23 +20,9 @@ from numpy.typing import NDArray
 from eccentric.core import InputError
 from eccentric.logs import Log, LogStream
 from eccentric.rigs import Rig
-from eccentric.signals.clock import clock_of
+from eccentric.signals import limits
+from eccentric.signals.clock import clock_of, require_increasing
 from eccentric.signals.converted import Converted, converted, stream_columns
-from eccentric.signals.limits import MOST_REJECTED
-from eccentric.signals.long.limits import (
-    ANGLES,
-    CELL_S,
-    COLUMNS,
-    DEGREES_A_BIN,
-    JUMP,
-    LARGEST_BIN,
-    LEAST_BIN,
-    LEAST_CELLS_OF_A_BATCH,
-    OCTAVES,
-    SAME_STEP,
-    SLOW,
-    WINDOW_S,
-)
 
 # Signals of a log on cells of 20 ms: the base of every friction model, and the states of the drive.
 
@@ -56,7 +42,7 @@ def state_name(state: int) -> str:
 def threshold(omega: Array, rig: Rig) -> float:
     """Speed from which a cell counts as moving [rad/s]: that of the rig, or as most of the batch suggests."""
     given = rig.sampling.moving_threshold_rad_s
-    return SLOW * usual(omega) if given is None else given
+    return limits.SLOW * usual(omega) if given is None else given
 
 
 def usual(x: Array) -> float:
@@ -90,7 +76,7 @@ def cells_of(values: Mapping[str, Array], rig: Rig, first: Integers, per: int, c
     else:
         theta = values[name][first]
         steps = np.diff(theta)
-        clear = np.abs(steps) <= JUMP * max(float(np.quantile(np.abs(steps), 0.9)), 1e-12)
+        clear = np.abs(steps) <= limits.JUMP * max(float(np.quantile(np.abs(steps), 0.9)), 1e-12)
         clear = clear[1:] & clear[:-1]
         omega, alpha = (theta[2:] - theta[:-2]) / span, 4.0 * (steps[1:] - steps[:-1]) / span**2
         angle = theta[1:-1] if name == "theta_l" else None if mu is None else mu * theta[1:-1]
@@ -108,7 +94,7 @@ def base_of(cells: Cells, t: Array) -> Array:
     direction = np.sign(cells.omega)
     zero = np.zeros_like(t)
     angle, warm = cells.angle, cells.temperature
-    x = np.empty((len(t), COLUMNS + 1))
+    x = np.empty((len(t), limits.COLUMNS + 1))
     x[:, 0], x[:, 1], x[:, 2], x[:, 3] = direction, cells.omega, cells.alpha, 1.0
     x[:, 4] = zero if angle is None else np.sin(angle)
     x[:, 5] = zero if angle is None else np.cos(angle)
@@ -124,7 +110,7 @@ def states_of(cells: Cells, moving: Mask, free: Mask, scales: tuple[float, ...])
     way = (cells.omega > 0.0).astype(np.int64)
     signals = cells.omega, cells.alpha, cells.drive
     speed, acceleration, drive = (
-        2 * _bin(x, scale, OCTAVES) + (x > 0.0) for x, scale in zip(signals, scales, strict=True)
+        2 * _bin(x, scale, limits.OCTAVES) + (x > 0.0) for x, scale in zip(signals, scales, strict=True)
     )
     coarse = 2 * _bin(cells.drive, scales[2], 1.0) + (cells.drive > 0.0)
     found = [
@@ -134,10 +120,10 @@ def states_of(cells: Cells, moving: Mask, free: Mask, scales: tuple[float, ...])
         (6, 1024 * (2 * _bin(cells.omega, scales[0], 1.0) + way) + coarse),
     ]
     if cells.angle is not None:
-        place = np.floor(cells.angle / (2.0 * math.pi) * ANGLES).astype(np.int64) % ANGLES
+        place = np.floor(cells.angle / (2.0 * math.pi) * limits.ANGLES).astype(np.int64) % limits.ANGLES
         found.append((1, 2 * place + way))
     if cells.temperature is not None:
-        warm = np.clip(np.floor(cells.temperature / DEGREES_A_BIN), -500, 500).astype(np.int64) + 500
+        warm = np.clip(np.floor(cells.temperature / limits.DEGREES_A_BIN), -500, 500).astype(np.int64) + 500
         found.append((4, 2 * warm + way))
     states = [np.where(moving, (kind << 24) + state, -1) for kind, state in found]
     if np.any(free):
@@ -150,8 +136,8 @@ def _bin(x: Array, scale: float, octaves: float) -> Integers:
     with np.errstate(divide="ignore", invalid="ignore"):
         found = np.floor(octaves * np.log2(np.abs(x) / scale)) if scale > 0.0 else np.zeros_like(x)
     # Half as many bins span the same range at one an octave.
-    least = round(LEAST_BIN * octaves / OCTAVES)
-    return np.clip(np.nan_to_num(found), least, LARGEST_BIN).astype(np.int64) - least
+    least = round(limits.LEAST_BIN * octaves / limits.OCTAVES)
+    return np.clip(np.nan_to_num(found), least, limits.LARGEST_BIN).astype(np.int64) - least
 
 
 @dataclass
@@ -170,7 +156,7 @@ class Window:
     begin: float
     finish: float
     cells: int = 0
-    sums: Array = field(default_factory=lambda: np.zeros((COLUMNS + 1, COLUMNS + 1)))
+    sums: Array = field(default_factory=lambda: np.zeros((limits.COLUMNS + 1, limits.COLUMNS + 1)))
     seen: Counter[int] = field(default_factory=Counter)
     wanted: bool = False
     assessed: bool = False
@@ -296,20 +282,10 @@ class _Reader:
         """Raise InputError for a run in two pieces, or time stamps that do not increase."""
         for k, label in zip(begins.tolist(), labels[goes_on:], strict=True):
             if label in self._runs:
-                raise InputError(
-                    f"{batch.path}: {batch.place(int(rows[k]))}",
-                    "contiguous runs",
-                    f"{label!r} again",
-                )
+                place = batch.place(int(rows[k]))
+                raise InputError(f"{batch.path}: {place}", "contiguous runs", f"{label!r} again")
             self._runs.add(label)
-        before = np.concatenate([[self._last], t[:-1]])
-        before[begins] = -math.inf
-        if len(stuck := np.flatnonzero(t <= before)):
-            k = int(stuck[0])
-            raise InputError(
-                f"{batch.path}: {batch.place(int(rows[k]))}",
-                problem=f"time stamps must increase, got {t[k]:.9g} s after {before[k]:.9g} s",
-            )
+        require_increasing(batch, rows, t, begins, self._last)
 
     def _window(
         self, run: str, number: int, rows: tuple[int, int], begin: float, finish: float, offset: int
@@ -325,12 +301,12 @@ class _Reader:
     def finish(self) -> None:
         """Join short ends of runs to the window before; InputError for too many rows that are not numbers."""
         found, path = self._found, self._found.stream.path
-        if found.rejected > MOST_REJECTED * found.rows:
+        if found.rejected > limits.MOST_REJECTED * found.rows:
             what = f"no number in {found.rejected} of {found.rows} rows (first: {self._first_bad})"
-            raise InputError(path, problem=f"{what}; at most {MOST_REJECTED:.0%} may be missing")
+            raise InputError(path, problem=f"{what}; at most {limits.MOST_REJECTED:.0%} may be missing")
         whole: list[Window] = []
         for window in found.windows:
-            short = window.finish - window.begin < WINDOW_S / 2.0
+            short = window.finish - window.begin < limits.WINDOW_S / 2.0
             if short and whole and whole[-1].run == window.run and whole[-1].end == window.first:
                 whole[-1].joined(window)
             else:
@@ -342,8 +318,8 @@ class _Reader:
 
 def _cut(t: Array, start: float) -> Iterator[tuple[int, int, int]]:
     """Rows [first, end) of each window with some, and its number, of a run that has begun at `start` [s]."""
-    numbers = range(int((t[0] - start) / WINDOW_S), int((t[-1] - start) / WINDOW_S) + 1)
-    edges = np.searchsorted(t, start + WINDOW_S * np.array(numbers[1:], float)).tolist()
+    numbers = range(int((t[0] - start) / limits.WINDOW_S), int((t[-1] - start) / limits.WINDOW_S) + 1)
+    edges = np.searchsorted(t, start + limits.WINDOW_S * np.array(numbers[1:], float)).tolist()
     for number, first, end in zip(numbers, [0, *edges], [*edges, len(t)], strict=True):
         if first < end:
             yield first, end, number
@@ -357,7 +333,7 @@ def _stretches(t: Array, firsts: Sequence[int]) -> Iterator[tuple[int, int, floa
     begin, step = 0, 0.0
     for k, (first, end) in enumerate(pairwise([*firsts, len(t)])):
         own = float(np.median(np.diff(t[first:end]))) if end - first > 1 else step
-        if step and not 1.0 / SAME_STEP <= own / step <= SAME_STEP:
+        if step and not 1.0 / limits.SAME_STEP <= own / step <= limits.SAME_STEP:
             yield begin, k, step
             begin, step = k, own
         step = step or own
@@ -377,9 +353,9 @@ def _count(
     """Add sums and states of rows `step` [s] apart to their windows, on cells but the end ones."""
     for window, a, b in zip(windows, firsts, [*firsts[1:], len(wanted)], strict=True):
         window.wanted = window.wanted or bool(np.any(wanted[a:b]))
-    per = max(1, round(CELL_S / step)) if step else 1
+    per = max(1, round(limits.CELL_S / step)) if step else 1
     count = len(wanted) // per
-    if count < LEAST_CELLS_OF_A_BATCH:
+    if count < limits.LEAST_CELLS_OF_A_BATCH:
         return
     first = np.arange(count) * per
     inside = first[1:-1]
