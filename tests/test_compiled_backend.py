@@ -195,7 +195,7 @@ def test_compiler_may_have_options(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     assert expected == eccentric.compile(load_model("c1_perpendicular")).friction_torque(2.0)
 
     monkeypatch.setenv("CC", "cc -no-such-option")
-    with pytest.raises(InputError, match=r"^compile: .*/cc: a C99 compiler .*no-such-option"):
+    with pytest.raises(InputError, match=r"^compile: .*/cc: expected a C99 compiler .*no-such-option"):
         eccentric.compile(load_model("c1_perpendicular"))
 
 
@@ -246,5 +246,5 @@ def test_what_cannot_be_compiled_or_kept_is_one_clear_line(
 
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    with pytest.raises(InputError, match=r"file/eccentric: a place that can be written"):
+    with pytest.raises(InputError, match=r"file/eccentric: expected a place that can be written"):
         eccentric.compile(load_model("c1_perpendicular"))

@@ -130,7 +130,7 @@ def test_a_path_is_told_as_it_was_given(tmp_path: Path) -> None:
             r"parameters\.J: linear_axis has no such parameter; it has R, k_f, k_e, mass, B, C, F_load",
         ),
         ({"mass": 95.0, "J_m": 1.0}, "parameters: expected each only once, got mass and J_m"),
-        ({"mass": -1.0}, r"parameters\.mass: a "),
+        ({"mass": -1.0}, r"parameters\.mass: expected a "),
     ],
 )
 def test_a_wrong_parameter_is_told_as_it_was_written(
