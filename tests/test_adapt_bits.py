@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from eccentric.api.inputs import model_of
-from eccentric.emission.adapt.prior import inputs_of
+from eccentric.emission import inputs_of
 from tests.adapted import Estimator, current, emitted, module, motion, python_bits
 from tests.hosts import lacking
 

@@ -18,7 +18,7 @@ from eccentric.emission.backends import BACKENDS, DEFAULT, Language, printed
 from eccentric.emission.check import joints_of, render_check
 from eccentric.emission.compensate import gain_of, render_compensation, sure_share
 from eccentric.emission.defaults import FittedValues, checked_name, document_of, read_parameters, with_fitted
-from eccentric.emission.hot import executed, executed_beside, load_module
+from eccentric.emission.hot import executed, executed_beside, inputs_of, load_module
 from eccentric.emission.inertial_loss import InertialLoss, inertial_loss, require_solvable
 from eccentric.emission.program import (
     WHOLE,

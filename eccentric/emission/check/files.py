@@ -6,7 +6,6 @@ evaluated.
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -16,7 +15,7 @@ import sympy as sp
 
 from eccentric.emission.check import selftest
 from eccentric.emission.check.selftest import Called
-from eccentric.emission.hot import executed
+from eccentric.emission.hot import executed, inputs_of
 from eccentric.emission.program import SHORTEST
 from eccentric.emission.templates import plain, template
 from eccentric.model import TURNING, AxisKind, Bump, Model, Quantity, interface_of, spoken, spoken_quantity
@@ -227,17 +226,13 @@ def _defaults(model: Model) -> dict[str, float]:
     return {symbol.name: float(sp.Rational(value.xreplace(exact))) for symbol, value in exact.items()}
 
 
-def _taken(function: Any) -> tuple[str, ...]:
-    return tuple(x for x in inspect.signature(function).parameters if x not in {"parameters", "out"})
-
-
 def _inputs(own: Iterable[str], functions: Iterable[Any]) -> list[str]:
     """The inputs of the model, then hidden states and any other inputs of a function."""
-    return list(dict.fromkeys([*own, *(x for function in functions for x in _taken(function))]))
+    return list(dict.fromkeys([*own, *(x for function in functions for x in inputs_of(function))]))
 
 
 def _function(prefix: str, name: str, function: Any, inputs: list[str], many: bool, joints: int) -> Called:
-    taken, length = _taken(function), joints or 1
+    taken, length = inputs_of(function), joints or 1
     # Of the last input, which may need an inertia that is not given, 0 alone is sure to have a value.
     sample = [1.0] * (len(taken) - 1) + [0.0] * bool(taken)
     vectors = [bool(joints) and x not in selftest.NUMBERS for x in taken]

@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 
 from eccentric.core import InputError
-from eccentric.emission.adapt import covariance_of_fit, inputs_of
+from eccentric.emission.adapt import covariance_of_fit, regressor_rows
 from eccentric.emission.hot import load_module
-from eccentric.model import LINEAR, TURNING, Model, regressor, spoken, spoken_quantity
-from eccentric.model import vocabulary as v
+from eccentric.model import LINEAR, TURNING, Model, regressor, spoken
 
 MOST_WITHOUT_REFERENCE = 0.9
 """The most that may follow a measured velocity or a demanded torque."""
 _CONFIDENCE = 0.975
-_DRAWS, _ANGLES, _SPEEDS = 20_000, 48, 24
+_DRAWS, _SPEEDS = 20_000, 24
 _RANGE = {TURNING: (1.0, 40.0), LINEAR: (0.005, 0.2)}
 """Speeds where a fit states none [rad/s, m/s]."""
 _LITTLE = 0.02
@@ -79,17 +78,11 @@ def sure_share(rows: np.ndarray, values: np.ndarray, covariance: np.ndarray) -> 
 
 def _states(model: Model, fit: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """Rows of the regressor by the direction of motion, over a turn and the speeds of the fit; values."""
-    axis, module = model.axis, load_module(model)
-    ranges = fit.get("ranges")
+    axis, ranges = model.axis, fit.get("ranges")
     given = ranges.get(axis.named("speed_m_rad_s")) if isinstance(ranges, Mapping) else None
     slowest, fastest = given if isinstance(given, list | tuple) and len(given) == 2 else _RANGE[axis]
     slowest = max(slowest, 0.01 * fastest)
-    mu = next((float(q.default) for q in model.parameters if q.name == "mu" and q.default is not None), 1.0)
-    angle = np.linspace(0.0, 2 * math.pi / mu, _ANGLES, endpoint=False)
     speed = np.geomspace(slowest, fastest, _SPEEDS)
-    theta_m, omega_m = (x.ravel() for x in np.meshgrid(angle, np.concatenate((-speed, speed))))
-    known = {spoken_quantity(axis, q).name: x for q, x in ((v.theta_m, theta_m), (v.omega_m, omega_m))}
-    known["temperature"] = np.full_like(theta_m, 25.0)
-    inputs = [known.get(name, np.zeros_like(theta_m)) for name in inputs_of(module.regressor)]
-    rows = np.asarray(module.regressor(*inputs)) * np.sign(omega_m)[:, None]
-    return rows, np.asarray(module.friction_coefficients(), float)
+    rows, omega_m = regressor_rows(model, np.concatenate((-speed, speed)))
+    values = np.asarray(load_module(model).friction_coefficients(), float)
+    return rows * np.sign(omega_m)[:, None], values
