@@ -22,8 +22,7 @@ import sympy as sp
 import eccentric
 from eccentric.cli import main
 from eccentric.core import InputError
-from eccentric.emission import executed, executed_beside, gain_of, render, render_compensation
-from eccentric.emission import inputs_of
+from eccentric.emission import executed, executed_beside, gain_of, inputs_of, render, render_compensation
 from eccentric.model import load_model
 from tests import extended
 from tests.carriage import GIVEN

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from typing import Any
 
 import sympy as sp
 
@@ -112,6 +114,41 @@ def render_program(
             banner = backend.banner(common if file in backend.files.values() else own)
             files[file] = (banner + text).replace(_DIGEST, digest)
     return files
+
+
+def digest_of(model: Model, files: Mapping[str, str]) -> str:
+    """The digest of a model's emitted files, as its header spells it: 0x1234abcdUL."""
+    return re.findall(r"_PROGRAM (0x\w+)", files[f"{model.name}.h"])[0]
+
+
+def render_beside(
+    model: Model, part: str, ending: str, view: Mapping[str, Any], meaning: str, command: str
+) -> dict[str, str]:
+    """Files that belong to a model's own: header, source, Python and a driver of the proof, name -> text.
+
+    Args:
+        model: whose files they lie beside.
+        part: the folder of their templates.
+        ending: of their names, behind the model's.
+        view: what the templates are filled with, its digest among it.
+        meaning, command: what they are and what writes them, for the banner.
+    """
+    banner = (
+        f"Generated: do not edit. Written by `{plain(command)}`, beside {model.name}.c",
+        f"(eccentric {__version__}, program {view['digest'][2:].removesuffix('UL')}).",
+        meaning,
+    )
+    name = f"{model.name}_{ending}"
+    listed = (
+        ("header.h", f"{name}.h", "c99"),
+        ("source.c", f"{name}.c", "c99"),
+        ("module.py", f"{name}.py", "numpy"),
+        ("proof.c", f"check/{name}_proof.c", ""),
+    )
+    return {
+        file: (BACKENDS[backend].banner(banner) if backend else "") + template(f"{part}/{kind}").render(view)
+        for kind, file, backend in listed
+    }
 
 
 def _code(program: Program, backend: Backend, *, single_file: bool = False) -> dict[str, str]:

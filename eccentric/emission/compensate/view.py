@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,16 +11,16 @@ import mpmath
 import sympy as sp
 
 from eccentric.core import InputError
-from eccentric.emission.backends import BACKENDS, decimal, with_plain_text, wrapped
+from eccentric.emission.backends import decimal, with_plain_text, wrapped
 from eccentric.emission.check import limits, proof_command
 from eccentric.emission.compensate.gain import MOST_WITHOUT_REFERENCE, CompensationGain
 from eccentric.emission.compensate.slopes import ZERO, SlopeBound, Walk
 from eccentric.emission.hot import executed, executed_beside
 from eccentric.emission.program import build_program
+from eccentric.emission.render import digest_of, render_beside
 from eccentric.emission.templates import plain, template
 from eccentric.model import LINEAR, TURNING, AxisKind, Model, levels, spoken_quantity, steps
 from eccentric.model import vocabulary as v
-from eccentric.version import __version__
 
 # Assignments in the language of C and of Python, of formulas in the parameters.
 
@@ -314,13 +313,7 @@ def render_compensation(
     Raises:
         InputError: the friction of the model has an operation whose slope is not bounded.
     """
-    digest = re.findall(r"_PROGRAM (0x\w+)", files[f"{model.name}.h"])[0]
-    seen = view(model, gain, digest, files[f"{model.name}.c"])
-    banner = (
-        f"Generated: do not edit. Written by `{plain(command)}`, beside {model.name}.c",
-        f"(eccentric {__version__}, program {digest[2:].removesuffix('UL')}).",
-        "Friction compensation.",
-    )
+    seen = view(model, gain, digest_of(model, files), files[f"{model.name}.c"])
     python = template("compensate/module.py").render(seen)
     # The constants of the defaults are those that the module computes.
     found = executed_beside(executed(files, model.name), model.name, python).lipschitz()
@@ -328,14 +321,4 @@ def render_compensation(
         "constants": [f"{x:.4g} {model.axis.unit('N m')} per unit" for x in found.values()],
         "lipschitz": [_decimals(x) for x in found.values()],
     }
-    rendered = {
-        "header.h": (f"{model.name}_compensation.h", "c99"),
-        "source.c": (f"{model.name}_compensation.c", "c99"),
-        "module.py": (f"{model.name}_compensation.py", "numpy"),
-        "proof.c": (f"check/{model.name}_compensation_proof.c", ""),
-    }
-    return {
-        file: (BACKENDS[backend].banner(banner) if backend else "")
-        + template(f"compensate/{kind}").render(seen)
-        for kind, (file, backend) in rendered.items()
-    }
+    return render_beside(model, "compensate", "compensation", seen, "Friction compensation.", command)
