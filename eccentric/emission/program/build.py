@@ -13,9 +13,10 @@ import sympy as sp
 
 from eccentric.core import InputError, meant
 from eccentric.emission.program.accuracy import promises
+from eccentric.emission.program.conditions import conditions
 from eccentric.emission.program.lower import HalfTurns, Lowering, written_out
 from eccentric.emission.program.prepare import Prepare, notes
-from eccentric.emission.program.program import BELOW, Helper, Pick, Program, Routine
+from eccentric.emission.program.program import BELOW, Condition, Helper, Pick, Program, Routine
 from eccentric.emission.program.shorten import shortened, without_copies
 from eccentric.model import (
     TURNING,
@@ -247,6 +248,9 @@ def spoken_program(program: Program, axis: AxisKind) -> Program:
         axis=axis,
         needed_for={axis.letters.get(name, name): of for name, of in program.needed_for.items()},
         inertia=frozenset(axis.letters.get(name, name) for name in program.inertia),
+        conditions=tuple(
+            Condition(local(c.parameter), put(c.loss), put(c.inertia)) for c in program.conditions
+        ),
     )
 
 
@@ -316,6 +320,7 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
         fixed=choice.fixed,
         needed_for={name: output.name for output in interface.outputs for name in output.needs},
         inertia=frozenset(name for output in interface.outputs for name in output.requires),
+        conditions=conditions(model, routines),
     )
     program = spoken_program(program, model.axis)
     require_distinct(program)

@@ -24,6 +24,7 @@ from eccentric.emission.program import (
     LARGEST_ANGLE,
     LARGEST_RATIO,
     ROUNDER,
+    Condition,
     InSingle,
     Program,
     Root,
@@ -118,6 +119,7 @@ def view(program: Program, digest: str) -> dict[str, Any]:
             _parameter(q, values[False][q.name].replace("NAN", NOT_GIVEN)) for q in program.parameters
         ],
         "valid": _valid(program),
+        "checks": _checks(program),
         "promises": program.promises,
         "far": f", |theta_m| to {LARGEST_ANGLE} rad, mu to {LARGEST_RATIO}",
         "bounded": "fastest" in {s.name for s in program.coefficients},
@@ -251,8 +253,29 @@ def _parameter(q: Quantity, value: str) -> dict[str, str]:
         "unit": q.unit,
         "default": value,
         "doc": f"{q.meaning} [{q.unit}]{equation}{note}",
-        "invalid": _invalid(q),
     }
+
+
+def _checks(program: Program) -> list[str]:
+    """The lines that find the first invalid parameter, from the last to the first."""
+    failing: dict[str, list[str]] = {}
+    for one in program.conditions:
+        failing.setdefault(one.parameter.name, []).append(_fails(program, one))
+    lines = []
+    for place, q in reversed(list(enumerate(program.parameters, 1))):
+        tests = [_invalid(q), *failing.get(q.name, [])]
+        text = tests[0] if len(tests) == 1 else " || ".join(f"({test})" for test in tests)
+        lines.append(f"invalid = ({text}) ? {place} : invalid;")
+    return code(lines)
+
+
+def _fails(program: Program, condition: Condition) -> str:
+    """The condition in C that another one fails; while a parameter in it is not given, it holds."""
+    plain = language(program, DOUBLE, "p->{}".format, "{}")
+    used = condition.loss.free_symbols | condition.inertia.free_symbols
+    absent = [q.name for q in program.parameters if q.symbol in used and q.default is None]
+    loss, inertia = (printed(e, plain) for e in (condition.loss, condition.inertia))
+    return " && ".join([*(f"(p->{name} != {NOT_GIVEN})" for name in absent), f"({loss} >= {inertia})"])
 
 
 def _invalid(q: Quantity) -> str:
@@ -273,6 +296,8 @@ def _valid(program: Program) -> str:
     }
     words = {"positive": "positive", "tilt": "from 0 to pi/2", "real": "any finite number"}
     named = [f"{', '.join(names)} {words[kind]}" for kind, names in kinds.items() if names]
+    if limited := ", ".join(one.parameter.name for one in program.conditions):
+        named.append(f"{limited} so that friction takes less of an acceleration than the inertia does")
     return "; ".join([*named, "the others not negative"])
 
 
