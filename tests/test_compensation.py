@@ -226,6 +226,19 @@ def test_of_every_effect_as_well(case: str, effect: str) -> None:
             assert np.max(np.abs(other - found)) <= constants[name] * size * (1 + 1e-9) + 1e-11, (name, size)
 
 
+def test_constants_of_one_value_keep_their_names() -> None:
+    """An effect that takes several numbers from an earlier fit works where they are the same, such as 0."""
+    one = extended.effects("C2")["gear_efficiency[transmitted]"]
+    model = one.extend(load_model("c2_parallel"), {q.name: 0.01 for q in one.coefficients})
+    same = (
+        dataclasses.replace(d, value=sp.Integer(0)) if d.value.is_Number else d for d in model.definitions
+    )
+    model = dataclasses.replace(model, definitions=tuple(same))
+    c = _beside(model, render(model))
+
+    assert np.all(np.isfinite(list(c.lipschitz(parameters=parameters(c)).values())))
+
+
 def test_the_constants_are_above_the_derivatives_of_the_paper() -> None:
     """Case C2: SymPy's derivatives of the paper's friction, written here, at 20,000 states; not far above."""
     theta, w = sp.symbols("theta w", real=True)

@@ -122,7 +122,7 @@ def _outcome(function: Callable[..., Any], call: Call) -> tuple[Any, ...]:
     return found
 
 
-@settings(max_examples=250)
+@settings(max_examples=120)
 @given(a_call())
 def test_any_call_is_answered_as_the_numpy_module_answers_it(call: Call) -> None:
     """Values, type, shape, precision and the words of an error are the same for any call."""

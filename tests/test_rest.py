@@ -287,14 +287,14 @@ def test_bristles_come_to_rest(variant: str) -> None:
     emitted = load_module(
         effect.extend(load_model("c2_parallel"), {q.name: values[q.name] for q in effect.coefficients})
     )
-    p, drives, dt = emitted.Parameters(J_m=J_M, J_l=J_L), 50, 1e-3
+    p, drives, dt = emitted.Parameters(J_m=J_M, J_l=J_L), 50, 4e-3
     breakaway = emitted.breakaway_torque(p)[1]
     reach = p.presliding_x
     constant = breakaway * np.linspace(-0.7, 0.7, drives)
     moved: list[np.ndarray] = []
     for torques_at in (lambda: constant, lambda: breakaway * RANDOM.uniform(-0.7, 0.7, drives)):
         theta_m, omega_m, z = np.zeros((3, drives))
-        for _ in range(20_000):
+        for _ in range(5_000):
             omega_m = emitted.friction_step(theta_m, omega_m, z, torques_at(), dt, p)[:, 0]
             z = emitted.next_state(omega_m, z, dt, p)[:, 0]
             theta_m = theta_m + dt * omega_m

@@ -1,16 +1,18 @@
-"""Render the emitted files of a model: back ends by name, banner and digest in one place, output as text."""
+"""Render the emitted files of a model: back ends by name, banner and digest in one place; write the text."""
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import sympy as sp
 
-from eccentric.core import InputError
+from eccentric.core import InputError, whole_files
 from eccentric.emission.backends import BACKENDS, DEFAULT, Backend, UnprintableError, with_plain_text
 from eccentric.emission.program import WHOLE, Choice, Program, build_program
 from eccentric.emission.templates import plain, template
@@ -157,3 +159,40 @@ def _code(program: Program, backend: Backend, *, single_file: bool = False) -> d
     files = backend.written(program.name, single_file=single_file)
     texts = {file: template(name).render(view) for name, file in files.items()}
     return {file: text for file, text in texts.items() if text}  # a template may have nothing to say
+
+
+# Rendered files on the disk.
+
+
+def write(files: Mapping[str, str], out: Path) -> list[Path]:
+    """Write rendered files, name -> text, as one set; those that are already fresh are not touched.
+
+    Returns:
+        The paths, written or fresh.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    if any(_found(out / name) != text for name, text in files.items()):
+        with whole_files(out) as new:
+            for name, text in files.items():
+                (new / name).parent.mkdir(parents=True, exist_ok=True)
+                (new / name).write_text(text, encoding="utf-8", newline="\n")
+    return [out / name for name in files]
+
+
+def differences(files: Mapping[str, str], out: Path) -> str:
+    """The unified diff from the files in the folder to the rendered ones; "" if they are the same."""
+    diffs = []
+    for name, text in files.items():
+        diffs += difflib.unified_diff(
+            _found(out / name).splitlines(keepends=True),
+            text.splitlines(keepends=True),
+            f"generated/{name}",
+            f"derived/{name}",
+        )
+    return "".join(diffs)
+
+
+def _found(path: Path) -> str:
+    return path.read_text(encoding="utf-8") if path.is_file() else ""

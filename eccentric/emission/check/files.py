@@ -7,16 +7,18 @@ evaluated.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
+from eccentric.emission.backends import DEFAULT
 from eccentric.emission.check import selftest
 from eccentric.emission.check.selftest import Called
 from eccentric.emission.hot import executed, inputs_of
-from eccentric.emission.program import SHORTEST
+from eccentric.emission.program import SHORTEST, WHOLE, Choice
+from eccentric.emission.render import render
 from eccentric.emission.templates import plain, template
 from eccentric.model import TURNING, AxisKind, Bump, Model, Quantity, interface_of, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
@@ -172,6 +174,34 @@ _ELSE_ASSUMED = 0.25
 def joints_of(model: Model) -> int:
     """The number of joints of an arm, whose inputs are vectors with an entry for each; else 0."""
     return max(x.length or 0 for output in interface_of(model).outputs for x in output.inputs)
+
+
+def complete(
+    model: Model,
+    command: str = "make derive",
+    origin: str | None = None,
+    backends: Collection[str] = DEFAULT,
+    *,
+    single_file: bool = False,
+    choice: Choice = WHOLE,
+) -> dict[str, str]:
+    """The emitted files of a model and, in the folder `check`, those that check its C: name -> text.
+
+    With fixed parameters there is nothing to compare bits with: the coefficients come from 50 digits, those
+    that NumPy prepares from double precision. The self-test of the whole model calls the same functions.
+    The checks know inputs with an entry for each joint: an arm with hidden states, or whose friction follows
+    the time, has none.
+
+    Raises:
+        InputError: the model cannot be emitted.
+    """
+    files = render(model, command, origin, backends, single_file=single_file, choice=choice)
+    of_one_number = bool(model.states) or v.t in model.inputs
+    if "c99" not in backends or choice.fixed or (joints_of(model) and of_one_number):
+        return files
+    with_module = "numpy" in backends and not single_file
+    whole = files if with_module else render(model, command, origin, choice=choice)
+    return files | render_check(model, whole, arrays=choice.arrays != "none")
 
 
 def render_check(model: Model, files: Mapping[str, str], *, arrays: bool = True) -> dict[str, str]:

@@ -264,9 +264,11 @@ def _checks(program: Program) -> list[str]:
     lines = []
     for place, q in reversed(list(enumerate(program.parameters, 1))):
         tests = [_invalid(q), *failing.get(q.name, [])]
-        text = tests[0] if len(tests) == 1 else " || ".join(f"({test})" for test in tests)
-        lines.append(f"invalid = ({text}) ? {place} : invalid;")
-    return code(lines)
+        if len(tests) == 1:
+            lines.append(f"invalid = ({tests[0]}) ? {place} : invalid;")
+        else:
+            lines += code([f"invalid = ({' || '.join(f'({test})' for test in tests)}) ? {place} : invalid;"])
+    return lines
 
 
 def _fails(program: Program, condition: Condition) -> str:
