@@ -2,8 +2,9 @@
 
 import dataclasses
 import importlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -70,10 +71,7 @@ def in_both(
 def in_one(calls: Sequence[tuple[str, str]], models: Sequence[str] = MODELS) -> pytest.MarkDecorator:
     """Return the parameters of a test of every call; each function is quick for one of these models."""
     few = some_calls(calls, models)
-    return pytest.mark.parametrize(
-        ("name", "function"),
-        [pytest.param(*call, id=".".join(call), marks=() if call in few else slow) for call in calls],
-    )
+    return pytest.mark.parametrize(("name", "function"), quick(calls, few))
 
 
 every_call_in_both = in_both(CALLS)
@@ -87,6 +85,14 @@ every_model_in_both = pytest.mark.parametrize(
         for precision, dtype in PRECISIONS.items()
     ],
 )
+
+
+def quick(cases: Iterable[Any], few: Collection[Any]) -> list[Any]:
+    """Return the cases as parameters of a test; those that are not among the few are slow."""
+    return [
+        pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=() if case in few else slow)
+        for case in cases
+    ]
 
 
 def module(name: str) -> ModuleType:

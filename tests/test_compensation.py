@@ -28,11 +28,11 @@ from tests import extended
 from tests.carriage import GIVEN
 from tests.compensated import PUSHES, VELOCITIES, Compensation, drawn, emitted, module
 from tests.compiled import FLAGS, run
+from tests.emitted import quick
 from tests.hosts import need
 from tests.test_proof import SPECIFIED, alarms, proved
 
 NAMES = ("c1_perpendicular", "c1_asymmetric", "c2_parallel", "c2_asymmetric", "rotating_link")
-slow = pytest.mark.slow
 KINDS = list(itertools.product(VELOCITIES, PUSHES))
 EVERY = [(NAMES[(k + n) % len(NAMES)], *kind) for k, kind in enumerate(KINDS) for n in (0, 2)]
 """Every kind of settings with two of the models."""
@@ -200,10 +200,7 @@ def families() -> list[Any]:
         for key, one in extended.effects(case).items():
             found.setdefault(one.family, {}).setdefault(case, key)
     chosen = [list(own.items())[k % len(own)] for k, own in enumerate(found.values())]
-    return [
-        pytest.param(case, key, id=f"{case}-{key}", marks=() if k % 7 == 0 else slow)
-        for k, (case, key) in enumerate(chosen)
-    ]
+    return quick(chosen, chosen[::7])
 
 
 @pytest.mark.parametrize(("case", "effect"), families())
@@ -421,18 +418,11 @@ def test_a_fit_gives_the_gain(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "dtype", "compiler"),
-    [
-        pytest.param(
-            name, dtype, compiler, id=f"{name}-{dtype.__name__}-{compiler}",
-            marks=() if (name, dtype, compiler) in {
-                ("c2_asymmetric", np.float32, "gcc"), ("rotating_link", np.float64, "gcc")
-            } else slow,
-        )
-        for name in (*NAMES, "linear_axis")
-        for dtype in (np.float32, np.float64)
-        for compiler in ("gcc", "clang")
-    ],
-)  # fmt: skip
+    quick(
+        itertools.product((*NAMES, "linear_axis"), (np.float32, np.float64), ("gcc", "clang")),
+        {("c2_asymmetric", np.float32, "gcc"), ("rotating_link", np.float64, "gcc")},
+    ),
+)
 def test_same_bits(tmp_path: Path, name: str, dtype: Any, compiler: str) -> None:
     """Every kind of settings over random inputs, NaN and infinities; it compiles without a warning."""
     need(compiler)
@@ -516,10 +506,7 @@ def test_the_default_is_prepared(compiled: Compensation) -> None:
 
 @pytest.mark.parametrize(
     ("name", "real"),
-    [
-        pytest.param(name, real, marks=() if name == "c2_asymmetric" else slow)
-        for name, real in zip((*NAMES, "linear_axis"), 3 * ("double", "float"), strict=True)
-    ],
+    quick(zip((*NAMES, "linear_axis"), 3 * ("double", "float"), strict=True), {("c2_asymmetric", "float")}),
 )
 def test_proved(tmp_path: Path, name: str, real: str) -> None:
     """Eva has no alarm for any valid settings and finite inputs."""

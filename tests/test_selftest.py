@@ -10,7 +10,7 @@ from benchmarks.cortex_m4 import GENERATED, run
 from eccentric.emission import render_check
 from tests import extended
 from tests.compiled import FLAGS
-from tests.emitted import MODELS, every_model
+from tests.emitted import MODELS, every_model, quick
 from tests.hosts import CHECK, HOSTS, REALS, need, on_host
 
 FEW = {
@@ -79,17 +79,20 @@ def exponential(folder: Path, case: str, effect_id: str, *options: str) -> subpr
 
 @pytest.mark.parametrize(
     ("case", "effect_id", "real"),
-    [
-        pytest.param(case, effect_id, real, marks=() if real == few else pytest.mark.slow)
-        for case, effect_id, few in (
-            ("C2", "hidden_thermal_drift", "float"),
-            ("C2", "load_dependent[progressive]", ""),
-            ("C2", "stribeck_load[F_N]", ""),
-            ("C1", "sensor_delay", "double"),
-            ("C1", "magnetic_hysteresis[play]", ""),
-        )
-        for real in REALS
-    ],
+    quick(
+        [
+            (case, effect_id, real)
+            for case, effect_id in (
+                ("C2", "hidden_thermal_drift"),
+                ("C2", "load_dependent[progressive]"),
+                ("C2", "stribeck_load[F_N]"),
+                ("C1", "sensor_delay"),
+                ("C1", "magnetic_hysteresis[play]"),
+            )
+            for real in REALS
+        ],
+        {("C2", "hidden_thermal_drift", "float"), ("C1", "sensor_delay", "double")},
+    ),
 )
 def test_models_with_an_exponential(tmp_path: Path, case: str, effect_id: str, real: str) -> None:
     """Where an exponential is called, for each sample or in `prepare`, all bits but its own are NumPy's."""
