@@ -13,6 +13,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -360,7 +361,8 @@ def test_prepare_refuses_a_loss_beyond_the_inertia(
     folder = emitted_once(tmp_path / "out", replace(model, name="lossy"))
     c = CFunctions("lossy", np.float64, tmp_path / "lossy.so", folder)
     letters = [name for name, _ in c.ffi.typeof("lossy_parameters").fields]
-    p, prepared = c.ffi.new("lossy_parameters *", c["default_parameters"]), c.ffi.new("lossy_coefficients *")
+    p: Any = c.ffi.new("lossy_parameters *", c["default_parameters"])
+    prepared = c.ffi.new("lossy_coefficients *")
     for name in letters[letters.index("J_l") + 1 :]:
         setattr(p, name, values.get(name, 0.0))
     least = (J_M + p.mu**2 * J_L) / (p.mu**2 * J_L) / values.get("gear_eta", 1.0)

@@ -224,25 +224,16 @@ class Adaptation:
     settle: int = 20
 
     def __post_init__(self) -> None:
-        forgetting, asked = self.forgetting, self.false_alarms
-        if not _is_number(forgetting) or not LEAST_FORGETTING <= forgetting <= 1 - 1e-6:
-            raise InputError("forgetting", f"a number from {LEAST_FORGETTING} to 0.999999", f"{forgetting!r}")
-        if not _is_number(asked) or not LEAST_FALSE_ALARMS <= asked <= MOST_FALSE_ALARMS:
-            raise InputError(
-                "false_alarms",
-                f"a number of samples from {LEAST_FALSE_ALARMS:.0f} to {MOST_FALSE_ALARMS:.0e}",
-                f"{asked!r}",
-            )
-        if (
-            isinstance(self.settle, bool)
-            or not isinstance(self.settle, int)
-            or not 0 <= self.settle <= MOST_SETTLE
-        ):
-            raise InputError("settle", f"a number of samples from 0 to {MOST_SETTLE}", f"{self.settle!r}")
-
-
-def _is_number(x: object) -> bool:
-    return isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
+        least, most = LEAST_FALSE_ALARMS, MOST_FALSE_ALARMS
+        ranges = (
+            ("forgetting", LEAST_FORGETTING, 1 - 1e-6, f"a number from {LEAST_FORGETTING} to 0.999999"),
+            ("false_alarms", least, most, f"a number of samples from {least:.0f} to {most:.0e}"),
+            ("settle", 0, MOST_SETTLE, f"a number of samples from 0 to {MOST_SETTLE}"),
+        )
+        for name, low, high, expected in ranges:
+            value, kind = getattr(self, name), int if name == "settle" else int | float
+            if isinstance(value, bool) or not isinstance(value, kind) or not low <= value <= high:
+                raise InputError(name, expected, f"{value!r}")
 
 
 # The alarm: two cumulative sums of the standardised innovation, one for each sign of a change.

@@ -85,12 +85,20 @@ def view(program: Program, digest: str) -> dict[str, Any]:
         lambda name: f"{program.name}_given(p->{name})" if name in given else value_of(name),
         "{}",
     )
+
+    def prepared_lines(*, late: bool) -> list[str]:
+        """Those of both precisions, or those of single precision only."""
+        chosen = (a for a in program.prepare if (a.target in program.single_only) == late)
+        return code(
+            _prepared(program, a, in_pairs if a.target in paired_symbols else in_prepare) for a in chosen
+        )
+
     coefficients = {s.name for s in program.coefficients}
     values = {single: evaluate_prepare(program, single) for single in (True, False)}
     expressions = [a.value for a in program.hot()]
     helpers = [name for name, kinds in _NEEDS.items() if any(e.has(*kinds) for e in expressions)]
     macros = _macros(program)
-    notes, single_only = dict(program.notes), program.single_only
+    notes = dict(program.notes)
     held, shared = program.held(single=True), len(program.held(single=False))
     absent = program.ungiven.intersection(program.coefficients) if program.fixed else program.ungiven
     array_names = [f"{r.name}_n" for r in program.routines if r.inputs]
@@ -141,16 +149,8 @@ def view(program: Program, digest: str) -> dict[str, Any]:
         "series": [_series(name) for name in used_series(program)],
         "leading": splitting(program),
         "pairs": pair_functions(program),
-        "prepare": code(
-            _prepared(program, a, in_pairs if a.target in paired_symbols else in_prepare)
-            for a in program.prepare
-            if a.target not in single_only
-        ),
-        "single_prepare": code(
-            _prepared(program, a, in_pairs if a.target in paired_symbols else in_prepare)
-            for a in program.prepare
-            if a.target in single_only
-        ),
+        "prepare": prepared_lines(late=False),
+        "single_prepare": prepared_lines(late=True),
         "helpers_of_angle": [helper(program, h, coefficients) for h in program.helpers],
         "angle": any(staged(r).angles for r in program.routines),
         "staged": program.arrays != "none" and any(staged(r).angles for r in program.routines),
