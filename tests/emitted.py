@@ -2,6 +2,7 @@
 
 import dataclasses
 import importlib
+import itertools
 from collections.abc import Collection, Iterable, Sequence
 from types import ModuleType
 from typing import Any
@@ -93,6 +94,22 @@ def quick(cases: Iterable[Any], few: Collection[Any]) -> list[Any]:
         pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=() if case in few else slow)
         for case in cases
     ]
+
+
+def by_turns(*axes: Iterable[Any], few: Collection[Any] = (), both: Collection[Any] = ()) -> list[Any]:
+    """Return each combination in one precision, the precisions by turns, and the few, which alone are quick.
+
+    The few end with the name of a precision; what ends with one of `both` is there in both precisions.
+    """
+    found = []
+    for places in itertools.product(*map(enumerate, axes), enumerate(PRECISIONS)):
+        turn, case = sum(k for k, _ in places), tuple(x for _, x in places)
+        if case in few or case[-2] in both or turn % 2 == 0:
+            marks = () if case in few else slow
+            found.append(
+                pytest.param(*case[:-1], PRECISIONS[case[-1]], id="-".join(map(str, case)), marks=marks)
+            )
+    return found
 
 
 def module(name: str) -> ModuleType:

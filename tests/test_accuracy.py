@@ -16,7 +16,7 @@ from eccentric.emission.program import accuracy as stated
 from eccentric.model import load_model, vocabulary, with_values
 from tests import accelerated, accuracy, oracle, random_drives
 from tests.compiled import GENERATED, Library, Real
-from tests.emitted import PRECISIONS, both_precisions, module, quick
+from tests.emitted import PRECISIONS, both_precisions, by_turns, module, quick
 from tests.paper import Parameters
 from tests.promised import DERIVATIVES, NAMES, STEADY, arguments, bounds, errors, given, link_errors
 
@@ -60,34 +60,15 @@ def drive_parameters(name: str, drive: str) -> tuple[Any, Parameters]:
     return given(name, letters(drive)), oracle.exact(letters(drive))
 
 
-def some_of(*few: tuple[Any, str, str]) -> list[Any]:
-    """Return the parameters of a test: every first part and drive, of which these are quick.
-
-    Other precisions than those named take turns.
-    """
-    firsts = list(dict.fromkeys(first for first, *_ in few))
-    return [
-        pytest.param(
-            *(first, drive, dtype),
-            id=f"{first}-{drive}-{precision}",
-            marks=() if (first, drive, precision) in few else pytest.mark.slow,
-        )
-        for j, first in enumerate(firsts)
-        for k, drive in enumerate(DRIVES)
-        for n, (precision, dtype) in enumerate(PRECISIONS.items())
-        if (first, drive, precision) in few or (j + k + n) % 2 == 0
-    ]
-
-
 @pytest.mark.parametrize(
     ("case", "drive", "dtype"),
-    some_of(
-        ("C1", "mu = 1/5", "single"),
-        ("C1", "much unbalance", "double"),
-        ("C2", "mu = 1/5", "double"),
-        ("C2", "mu = 1/30", "single"),
-        ("C2", "mu = 5", "single"),
-        ("C2", "exact velocity", "double"),
+    by_turns(
+        *(("C1", "C2"), DRIVES),
+        few={
+            *(("C1", "mu = 1/5", "single"), ("C1", "much unbalance", "double")),
+            *(("C2", "mu = 1/5", "double"), ("C2", "mu = 1/30", "single")),
+            *(("C2", "mu = 5", "single"), ("C2", "exact velocity", "double")),
+        },
     ),
 )
 def test_steady(case: str, drive: str, dtype: Real) -> None:
@@ -168,12 +149,12 @@ def test_every_part_of_the_constants_is_needed(
 
 @pytest.mark.parametrize(
     ("phi", "drive", "dtype"),
-    some_of(
-        (0.0, "mu = 1/5", "single"),
-        (0.0, "exact velocity", "double"),
-        (0.75, "mu = 1/30", "double"),
-        (1.5, "mu = 5", "single"),
-        (1.5, "much unbalance", "double"),
+    by_turns(
+        *((0.0, 0.75, 1.5), DRIVES),
+        few={
+            *((0.0, "mu = 1/5", "single"), (0.0, "exact velocity", "double"), (0.75, "mu = 1/30", "double")),
+            *((1.5, "mu = 5", "single"), (1.5, "much unbalance", "double")),
+        },
     ),
 )
 def test_accelerated(drive: str, phi: float, dtype: Real) -> None:

@@ -4,9 +4,8 @@ import ast
 import dataclasses
 import subprocess
 import sys
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -24,6 +23,7 @@ from tests.emitted import (
     PRECISIONS,
     SWINGING,
     both_precisions,
+    by_turns,
     example_states,
     module,
     quick,
@@ -56,22 +56,7 @@ def assert_close(expected: np.ndarray, actual: jax.Array, most: float) -> None:
     assert np.all(off <= most * np.finfo(expected.dtype).eps * greatest)
 
 
-def by_turns(quick: Collection[tuple[str, str]]) -> list[Any]:
-    """Every model in the precisions by turns and in those that are named, which alone are quick."""
-    return [
-        pytest.param(
-            name,
-            dtype,
-            id=f"{name}-{precision}",
-            marks=() if (name, precision) in quick else pytest.mark.slow,
-        )
-        for k, name in enumerate(MODELS)
-        for n, (precision, dtype) in enumerate(PRECISIONS.items())
-        if (name, precision) in quick or (k + n) % 2 == 0
-    ]
-
-
-@pytest.mark.parametrize(("name", "dtype"), by_turns(ALL_FUNCTIONS))
+@pytest.mark.parametrize(("name", "dtype"), by_turns(MODELS, few=ALL_FUNCTIONS))
 def test_every_function_is_that_of_numpy(name: str, dtype: Real) -> None:
     """Names, shapes and precisions are those of the NumPy module, values to a few roundings, in one jit."""
     assert set(jaxed(name).__all__) == set(module(name).__all__)
@@ -131,7 +116,7 @@ def test_compiled_in_a_program_with_its_parameters_it_keeps_its_digits(dtype: Re
     assert worst <= stated.NORMAL_FORCE.anywhere
 
 
-@pytest.mark.parametrize(("name", "dtype"), by_turns(MAPPED))
+@pytest.mark.parametrize(("name", "dtype"), by_turns(MODELS, few=MAPPED))
 def test_jit_vmap_and_grad(name: str, dtype: Real) -> None:
     """One sample, differentiated, mapped and compiled, gives the emitted gradient of the NumPy module."""
     given = example_states(name, "friction_torque", 100, dtype)
