@@ -26,7 +26,7 @@ from eccentric.emission import inertial_loss
 from eccentric.emission.hot import load_module
 from eccentric.model import load_model, with_values
 from tests import extended, oracle
-from tests.compiled import CFunctions, emitted_once
+from tests.compiled import CFunctions
 from tests.emitted import MODELS, every_model, module, with_inertia
 from tests.hosts import need
 
@@ -345,31 +345,30 @@ def test_a_loss_of_the_transmitted_torque_has_its_closed_form() -> None:
 
 
 @pytest.mark.parametrize(
-    ("effect", "values", "parameter"),
+    ("effect", "cases"),
     [
-        ("load_dependent[transmitted]", {}, "load_eta"),
-        ("gear_efficiency[transmitted]", {"gear_rho": 0.5}, "gear_eta"),
-        ("gear_efficiency[transmitted]", {"gear_eta": 0.25}, "gear_rho"),
+        ("load_dependent[transmitted]", {"load_eta": {}}),
+        ("gear_efficiency[transmitted]", {"gear_eta": {"gear_rho": 0.5}, "gear_rho": {"gear_eta": 0.25}}),
     ],
 )
 def test_prepare_refuses_a_loss_beyond_the_inertia(
-    effect: str, values: dict[str, float], parameter: str, tmp_path: Path
+    effect: str, cases: dict[str, dict[str, float]], tmp_path: Path
 ) -> None:
     """From where its share of mu^2 J_l is J_m + mu^2 J_l it returns the parameter's number; not without J."""
     need("gcc")
-    model = extended.effects("C2")[effect].extend(load_model("c2_parallel"), {})
-    folder = emitted_once(tmp_path / "out", replace(model, name="lossy"))
-    c = CFunctions("lossy", np.float64, tmp_path / "lossy.so", folder)
+    model = replace(extended.effects("C2")[effect].extend(load_model("c2_parallel"), {}), name="lossy")
+    eccentric.emit(model, tmp_path / "out", functions=["friction_step"], backend="c99")
+    c = CFunctions("lossy", np.float64, tmp_path / "lossy.so", tmp_path / "out")
     letters = [name for name, _ in c.ffi.typeof("lossy_parameters").fields]
-    p: Any = c.ffi.new("lossy_parameters *", c["default_parameters"])
-    prepared = c.ffi.new("lossy_coefficients *")
-    for name in letters[letters.index("J_l") + 1 :]:
-        setattr(p, name, values.get(name, 0.0))
-    least = (J_M + p.mu**2 * J_L) / (p.mu**2 * J_L) / values.get("gear_eta", 1.0)
-
-    for share, expected in ((0.999, 0), (1.001, 1 + letters.index(parameter))):
-        setattr(p, parameter, share * least)
-        p.J_m, p.J_l = J_M, J_L
-        assert c["prepare"](p, prepared) == expected
-        p.J_m = math.nan
-        assert c["prepare"](p, prepared) == 0
+    for parameter, values in cases.items():
+        p: Any = c.ffi.new("lossy_parameters *", c["default_parameters"])
+        prepared = c.ffi.new("lossy_coefficients *")
+        for name in letters[letters.index("J_l") + 1 :]:
+            setattr(p, name, values.get(name, 0.0))
+        least = (J_M + p.mu**2 * J_L) / (p.mu**2 * J_L) / values.get("gear_eta", 1.0)
+        for share, expected in ((0.999, 0), (1.001, 1 + letters.index(parameter))):
+            setattr(p, parameter, share * least)
+            p.J_m, p.J_l = J_M, J_L
+            assert c["prepare"](p, prepared) == expected
+            p.J_m = math.nan
+            assert c["prepare"](p, prepared) == 0
