@@ -43,16 +43,21 @@ class ExportedDrive:
 
     def __post_init__(self) -> None:
         """Raise InputError for what is no single turning drive with friction in N m, or has hidden states."""
-        model = self.model
-        unit, states = model.torque_unit, ", ".join(state.quantity.name for state in model.states)
-        for refused, expected, got in (
-            (joints_of(model), "a model of one drive", "an arm"),
-            (model.axis is not TURNING, "a turning drive", f"a {model.axis.name} axis"),
-            (unit != "N m", "friction in N m", f"one in {unit}: declare k_i in the rig"),
-            (states, "friction without hidden states", states),
-        ):
-            if refused:
-                raise InputError(f"model {model.name}", expected, got, why="to export")
+        model, place = self.model, f"model {self.model.name}"
+        if joints_of(model):
+            raise InputError(place, "a model of one drive", "an arm", why="to export")
+        if model.axis is not TURNING:
+            raise InputError(place, "a turning drive", f"a {model.axis.name} axis", why="to export")
+        if model.torque_unit != "N m":
+            raise InputError(
+                place,
+                "friction in N m",
+                f"one in {model.torque_unit}: declare k_i in the rig",
+                why="to export",
+            )
+        if model.states:
+            names = ", ".join(state.quantity.name for state in model.states)
+            raise InputError(place, "friction without hidden states", names, why="to export")
         if len(self.speeds) != 2 or not 0.0 < self.speeds[0] < self.speeds[1] < math.inf:
             given = " ".join(f"{x:g}" for x in self.speeds)
             raise InputError("speeds", "motor speeds 0 < LOW < HIGH in rad/s", given)
