@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.cortex_m4 import M4F, OPTIMISED, run
-from eccentric.emission.adapt.prior import inputs_of
+from eccentric.emission import inputs_of
 from eccentric.model import load_model
 from tests.adapt_target import SINGLE, counted
 from tests.adapted import DRIVE, current, emitted, module, motion

@@ -1,35 +1,21 @@
 """The emitted estimator of friction as the tests call it: its C, its Python, and motions for both."""
 
-import re
 import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import cffi
 import numpy as np
 
-from eccentric.emission import executed, executed_beside
-from tests.compiled import FLAGS, REAL, emitted_once, run
+from tests.compiled import EmittedBeside, emitted_once, python_beside
 
 # An arm on a strong drive: what Table 1 leaves out is its inertia.
 DRIVE = {"J_m": 2e-4, "J_l": 0.04}
 STATE = (
-    "coefficient",
-    "d",
-    "u",
-    "before",
-    "square",
-    "product",
-    "rho",
-    "sharpness",
-    "limit",
-    "rate",
-    "up",
-    "down",
+    "coefficient", "d", "u", "before", "square", "product", "rho", "sharpness", "limit", "rate", "up", "down",
     "seen",
-)
+)  # fmt: skip
 COUNTS = ("calls", "settled", "forward", "paired", "turn")
 
 
@@ -43,44 +29,21 @@ def emitted(
 
 def module(folder: Path, name: str) -> ModuleType:
     """The emitted Python of the estimator, executed with the model beside it."""
-    files = {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.py")}
-    return executed_beside(executed(files, name), name, files[f"{name}_adapt.py"])
+    return python_beside(folder, name, "adapt")
 
 
-class Estimator:
+class Estimator(EmittedBeside):
     """The C of an estimator, compiled in one precision."""
 
     def __init__(self, folder: Path, name: str, dtype: Any, compiler: str = "gcc") -> None:
-        self.name, self.dtype, self.real = name, dtype, REAL[dtype]
-        library = folder.parent / f"{name}_{self.real}_{compiler}.so"
-        sources = [folder / f"{name}.c", folder / f"{name}_adapt.c"]
-        define = f"-DECCENTRIC_REAL={self.real}"
-        run(compiler, *FLAGS, "-shared", "-fPIC", define, "-o", library, *sources, "-lm")
-        text = "\n".join((folder / f"{name}{end}.h").read_text() for end in ("", "_adapt"))
-        plain = re.sub(r"^#\s*include.*$", "", text, flags=re.MULTILINE)
-        self.ffi = cffi.FFI()
-        declared = run("gcc", "-E", "-P", define, "-", source=plain).replace("extern const", "extern")
-        self.ffi.cdef(declared)
-        self.lib: Any = self.ffi.dlopen(str(library))
+        super().__init__(folder, name, dtype, compiler)
         self.state: Any = self.ffi.new(f"{name}_adapt_state *")
         self["adapt_init"](self.state)
-        # As Python has them: those of the default are rounded from 50 digits, and may differ in the last bit.
-        self.default = self.ffi.new(f"{name}_coefficients *")
-        parameters: Any = self.ffi.new(
-            f"{name}_parameters *", getattr(self.lib, f"{name}_default_parameters_{self.real}")
-        )
-        if hasattr(parameters, "F_T"):  # Python multiplies its default; C has it from 50 digits
-            parameters.F_T = parameters.M_l * parameters.g
-        assert 0 == self["prepare"](parameters, self.default)
-
-    def __getitem__(self, function: str) -> Any:
-        """The C function, without its prefix and precision."""
-        return getattr(self.lib, f"{self.name}_{function}_{self.real}")
 
     def learn(self, inputs: Sequence[np.ndarray]) -> list[int]:
         """Learn from every sample; return the flags."""
         adapt, rows = self["adapt"], zip(*(x.tolist() for x in inputs), strict=True)
-        return [adapt(*row, self.state, self.default) for row in rows]
+        return [adapt(*row, self.state, self.coefficients) for row in rows]
 
     def bits(self) -> list[Any]:
         """Every number of the state, exactly."""

@@ -1,16 +1,13 @@
 """The emitted compensation as the tests call it: its C, its Python, and random inputs for both."""
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import cffi
 import numpy as np
 
-from eccentric.emission import executed, executed_beside
-from tests.compiled import FLAGS, REAL, emitted_once, run
+from tests.compiled import EmittedBeside, emitted_once, python_beside
 
 INERTIA = {"J_m": 2e-4, "J_l": 0.04}
 VELOCITIES, PUSHES = ("none", "reference", "measured"), ("none", "error", "demand")
@@ -24,34 +21,11 @@ def emitted(folder: Path, model: Any = "c2_parallel", given: Mapping[str, Any] |
 
 def module(folder: Path, name: str) -> ModuleType:
     """The emitted Python of the compensation, executed with the model beside it."""
-    files = {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.py")}
-    return executed_beside(executed(files, name), name, files[f"{name}_compensation.py"])
+    return python_beside(folder, name, "compensation")
 
 
-class Compensation:
+class Compensation(EmittedBeside):
     """The C of a compensation, compiled in one precision."""
-
-    def __init__(self, folder: Path, name: str, dtype: Any, compiler: str = "gcc") -> None:
-        self.name, self.dtype, self.real = name, dtype, REAL[dtype]
-        library = folder.parent / f"{name}_{self.real}_{compiler}.so"
-        sources = [folder / f"{name}.c", folder / f"{name}_compensation.c"]
-        define = f"-DECCENTRIC_REAL={self.real}"
-        run(compiler, *FLAGS, "-shared", "-fPIC", define, "-o", library, *sources, "-lm")
-        text = "\n".join((folder / f"{name}{end}.h").read_text() for end in ("", "_compensation"))
-        plain = re.sub(r"^#\s*include.*$", "", text, flags=re.MULTILINE)
-        self.ffi = cffi.FFI()
-        declared = run("gcc", "-E", "-P", define, "-", source=plain).replace("extern const", "extern")
-        self.ffi.cdef(declared)
-        self.lib: Any = self.ffi.dlopen(str(library))
-        self.coefficients = self.ffi.new(f"{name}_coefficients *")
-        self.parameters: Any = self.ffi.new(f"{name}_parameters *", self["default_parameters"])
-        if hasattr(self.parameters, "F_T"):  # Python multiplies its default; C has it from 50 digits
-            self.parameters.F_T = self.parameters.M_l * self.parameters.g
-        assert 0 == self["prepare"](self.parameters, self.coefficients)
-
-    def __getitem__(self, function: str) -> Any:
-        """What C calls so, without its prefix and precision."""
-        return getattr(self.lib, f"{self.name}_{function}_{self.real}")
 
     def settings(self, **chosen: Any) -> tuple[int, Any]:
         """Prepared settings, and what `prepare` returns."""

@@ -4,16 +4,17 @@ import hashlib
 import re
 import shutil
 import subprocess
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import ModuleType
 from typing import Any
 
 import cffi
 import numpy as np
 
 import eccentric
+from eccentric.emission import executed, executed_beside
 from tests.emitted import width
 from tests.paper import Parameters
 
@@ -50,39 +51,62 @@ def emitted_once(folder: Path, model: Any, **asked: Any) -> Path:
     return Path(shutil.copytree(kept, folder))
 
 
-def declarations(name: str, real: str) -> str:
+def declarations(name: str, real: str, folder: Path = GENERATED) -> str:
     """Return the header as cffi reads it: preprocessed, nothing of the system's, constants as variables."""
-    text = re.sub(r"^#\s*include\s*<.*$", "", (GENERATED / f"{name}.h").read_text(), flags=re.MULTILINE)
+    texts = [(folder / f"{name}.h").read_text()]
+    texts += [path.read_text() for path in folder.glob(f"{name}_*.h")]
+    text = re.sub(r"^#\s*include.*$", "", "\n".join(texts), flags=re.MULTILINE)
     plain = run("gcc", "-E", "-P", f"-DECCENTRIC_REAL={real}", "-", source=text)
     return plain.replace("extern const", "extern")
 
 
-class Library:
-    """One model, compiled in one precision; further options of the compiler may define macros."""
+class CFunctions:
+    """The C of a model, and what was emitted beside it, compiled in one precision."""
+
+    def __init__(
+        self, name: str, dtype: Real, library: Path, source: Path, *options: str, compiler: str = "gcc"
+    ) -> None:
+        self.name, self.dtype, self.real = name, dtype, REAL[dtype]
+        files = [source / f"{name}.c", *source.glob(f"{name}_*.c")]
+        define = f"-DECCENTRIC_REAL={self.real}"
+        run(compiler, *FLAGS, *options, "-shared", "-fPIC", define, "-o", library, *files, "-lm")
+        self.ffi = cffi.FFI()
+        self.declarations = declarations(name, self.real, source)
+        self.ffi.cdef(self.declarations)
+        self.lib: Any = self.ffi.dlopen(str(library))
+
+    def __getitem__(self, function: str) -> Any:
+        """Return what C calls so, without the prefix and the precision that its name ends in."""
+        return getattr(self.lib, f"{self.name}_{function}_{self.real}")
+
+
+class EmittedBeside(CFunctions):
+    """A model with what was emitted beside it, an estimator or a compensation, and its default parameters.
+
+    As Python has them: the constants of the C are rounded from 50 digits, and may differ in the last bit.
+    """
+
+    def __init__(self, folder: Path, name: str, dtype: Real, compiler: str = "gcc") -> None:
+        library = folder.parent / f"{name}_{REAL[dtype]}_{compiler}.so"
+        super().__init__(name, dtype, library, folder, compiler=compiler)
+        self.parameters: Any = self.ffi.new(f"{name}_parameters *", self["default_parameters"])
+        if hasattr(self.parameters, "F_T"):  # Python multiplies its default; C has it from 50 digits
+            self.parameters.F_T = self.parameters.M_l * self.parameters.g
+        self.coefficients: Any = self.ffi.new(f"{name}_coefficients *")
+        assert 0 == self["prepare"](self.parameters, self.coefficients)
+
+
+def python_beside(folder: Path, name: str, part: str) -> ModuleType:
+    """The emitted Python of that part, executed with the model beside it."""
+    files = {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.py")}
+    return executed_beside(executed(files, name), name, files[f"{name}_{part}.py"])
+
+
+class Library(CFunctions):
+    """A committed model, compiled in one precision; further options of the compiler may define macros."""
 
     def __init__(self, name: str, dtype: Real, folder: Path, *options: str) -> None:
-        self.name, self.dtype, self.real = name, dtype, REAL[dtype]
-        path = folder / f"{name}_{self.real}.so"
-        run(
-            "gcc",
-            *FLAGS,
-            *options,
-            "-shared",
-            "-fPIC",
-            f"-DECCENTRIC_REAL={self.real}",
-            "-o",
-            path,
-            GENERATED / f"{name}.c",
-            "-lm",
-        )
-        self.ffi = cffi.FFI()
-        self.declarations = declarations(name, self.real)
-        self.ffi.cdef(self.declarations)
-        self.lib: Any = self.ffi.dlopen(str(path))
-
-    def __getitem__(self, function: str) -> Callable[..., Any]:
-        """Return the C function without its prefix, and without the precision that its name ends in."""
-        return getattr(self.lib, f"{self.name}_{function}_{self.real}")
+        super().__init__(name, dtype, folder / f"{name}_{REAL[dtype]}.so", GENERATED, *options)
 
     def names(self) -> set[str]:
         """Return the names of the functions, without prefix and precision."""

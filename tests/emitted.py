@@ -2,8 +2,10 @@
 
 import dataclasses
 import importlib
-from collections.abc import Iterable, Sequence
+import itertools
+from collections.abc import Collection, Iterable, Sequence
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -70,10 +72,7 @@ def in_both(
 def in_one(calls: Sequence[tuple[str, str]], models: Sequence[str] = MODELS) -> pytest.MarkDecorator:
     """Return the parameters of a test of every call; each function is quick for one of these models."""
     few = some_calls(calls, models)
-    return pytest.mark.parametrize(
-        ("name", "function"),
-        [pytest.param(*call, id=".".join(call), marks=() if call in few else slow) for call in calls],
-    )
+    return pytest.mark.parametrize(("name", "function"), quick(calls, few))
 
 
 every_call_in_both = in_both(CALLS)
@@ -87,6 +86,30 @@ every_model_in_both = pytest.mark.parametrize(
         for precision, dtype in PRECISIONS.items()
     ],
 )
+
+
+def quick(cases: Iterable[Any], few: Collection[Any]) -> list[Any]:
+    """Return the cases as parameters of a test; those that are not among the few are slow."""
+    return [
+        pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=() if case in few else slow)
+        for case in cases
+    ]
+
+
+def by_turns(*axes: Iterable[Any], few: Collection[Any] = (), both: Collection[Any] = ()) -> list[Any]:
+    """Return each combination in one precision, the precisions by turns, and the few, which alone are quick.
+
+    The few end with the name of a precision; what ends with one of `both` is there in both precisions.
+    """
+    found = []
+    for places in itertools.product(*map(enumerate, axes), enumerate(PRECISIONS)):
+        turn, case = sum(k for k, _ in places), tuple(x for _, x in places)
+        if case in few or case[-2] in both or turn % 2 == 0:
+            marks = () if case in few else slow
+            found.append(
+                pytest.param(*case[:-1], PRECISIONS[case[-1]], id="-".join(map(str, case)), marks=marks)
+            )
+    return found
 
 
 def module(name: str) -> ModuleType:

@@ -1,27 +1,23 @@
 """Drives that are exported, and what the tests of all targets have in common."""
 
-from collections.abc import Mapping
+import importlib
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
+import pytest
 
 from eccentric.exports import ExportedDrive
 from eccentric.model import load_model, with_values
 
 J = {"J_m": 1e-4, "J_l": 0.04276066}
 BENCH = {
-    **J,
-    "M": 0.489,
-    "M_l": 0.181,
-    "L": 0.279,
-    "mu": 0.2,
-    "k_i": 0.063,
-    "k_e": 0.063,
-    "B_lN": 0.006384,
-    "C_lN": 0.07297,
-    "B_m": 0.0009273,
-    "C_m": 0.0443,
-}
+    **J, "M": 0.489, "M_l": 0.181, "L": 0.279, "mu": 0.2, "k_i": 0.063, "k_e": 0.063, "B_lN": 0.006384,
+    "C_lN": 0.07297, "B_m": 0.0009273, "C_m": 0.0443,
+}  # fmt: skip
 """A fit of the bundled log, rounded."""
 UNEQUAL = {"B_m_pos": 8e-4, "B_m_neg": 1.2e-3, "C_m_pos": 0.03, "C_m_neg": 0.05}
 BENCH_UNEQUAL = {
@@ -59,6 +55,19 @@ def written(files: Mapping[str, str | bytes], folder: Path) -> Path:
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
     return folder
+
+
+@contextmanager
+def imported(folder: Path, name: str, model: str) -> Iterator[ModuleType]:
+    """Import a written module of that name, as a user does, and forget it and the model's own afterwards."""
+    names = {name, model, "eccentric_runtime"}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(folder))
+        for one in names & sys.modules.keys():
+            patch.delitem(sys.modules, one)
+        yield importlib.import_module(name)
+        for one in names & sys.modules.keys():
+            del sys.modules[one]
 
 
 def link_states(count: int = 200, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:

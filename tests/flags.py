@@ -58,11 +58,7 @@ def drives(dtype: Real) -> tuple[Drive, ...]:
     return tuple(found)
 
 
-_DRIVER = """#include <stdio.h>
-#include <string.h>
-#include "c2_parallel.h"
-
-/* By its bits: a compiler may fold what computes it. */
+BITS = """/* By its bits: a compiler may fold what computes it. */
 static ECCENTRIC_REAL not_a_number(void)
 {
     const unsigned char bytes[2][8] = {{0, 0, 0, 0, 0, 0, 0xf8, 0x7f}, {0, 0, 0xc0, 0x7f}};
@@ -80,7 +76,13 @@ static void show(const ECCENTRIC_REAL *x, unsigned n)
         printf(" ");
     }
 }
+"""
+"""C for drivers: a NaN, and the bits of numbers."""
+_DRIVER = """#include <stdio.h>
+#include <string.h>
+#include "c2_parallel.h"
 
+@BITS@
 static void at(ECCENTRIC_REAL theta_m, ECCENTRIC_REAL omega_m, const c2_parallel_coefficients *c)
 {
     ECCENTRIC_REAL out[8];
@@ -115,7 +117,8 @@ def driver(dtype: Real) -> str:
             ]
         for theta_m, omega_m in zip(one.at.theta_m.tolist(), one.at.omega_m.tolist(), strict=True):
             lines.append(f"    at((ECCENTRIC_REAL){theta_m.hex()}, (ECCENTRIC_REAL){omega_m.hex()}, &c);")
-    return _DRIVER.replace("@CALLS@", "\n".join(calls)).replace("@STATES@", "\n".join(lines))
+    text = _DRIVER.replace("@BITS@", BITS).replace("@CALLS@", "\n".join(calls))
+    return text.replace("@STATES@", "\n".join(lines))
 
 
 def outcome(

@@ -16,7 +16,7 @@ import numpy as np
 
 from tests.accuracy import Real
 from tests.adapted import current, emitted, module, motion
-from tests.flags import PRECISIONS
+from tests.flags import BITS, PRECISIONS
 from tests.targets import printed
 
 NAME = "c2_parallel"
@@ -32,26 +32,7 @@ static const ECCENTRIC_REAL rows[][4] = {
 @ROWS@
 };
 
-/* By its bits: a compiler may fold what computes it. */
-static ECCENTRIC_REAL not_a_number(void)
-{
-    const unsigned char bytes[2][8] = {{0, 0, 0, 0, 0, 0, 0xf8, 0x7f}, {0, 0, 0xc0, 0x7f}};
-    ECCENTRIC_REAL x;
-    memcpy(&x, bytes[sizeof x == 4], sizeof x);
-    return x;
-}
-
-static void show(const c2_parallel_adapt_state *learned, unsigned long flags)
-{
-    for (unsigned k = 0; k < C2_PARALLEL_ADAPT_COEFFICIENTS; ++k) {
-        unsigned char bytes[sizeof learned->coefficient[k]];
-        memcpy(bytes, &learned->coefficient[k], sizeof bytes);
-        for (unsigned j = sizeof bytes; j-- > 0;) { printf("%02x", bytes[j]); }
-        printf(" ");
-    }
-    printf("%lx\\n", flags);
-}
-
+@BITS@
 int main(void)
 {
     static c2_parallel_adapt_state learned;
@@ -62,8 +43,11 @@ int main(void)
         updated += c2_parallel_adapt(x[0], x[1], x[2], x[3], &learned, &c2_parallel_default)
                    & C2_PARALLEL_ADAPT_UPDATED;
     }
-    show(&learned, updated);
-    show(&learned, c2_parallel_adapt(not_a_number(), 20, 0, 1, &learned, &c2_parallel_default));
+    show(learned.coefficient, C2_PARALLEL_ADAPT_COEFFICIENTS);
+    printf("%lx\\n", updated);
+    updated = c2_parallel_adapt(not_a_number(), 20, 0, 1, &learned, &c2_parallel_default);
+    show(learned.coefficient, C2_PARALLEL_ADAPT_COEFFICIENTS);
+    printf("%lx\\n", updated);
     return 0;
 }
 """
@@ -112,7 +96,7 @@ def record(dtype: Real) -> Record:
         "    {" + ", ".join(f"(ECCENTRIC_REAL){x.hex()}" for x in row) + "}" for row in rows.tolist()
     )
     return Record(
-        _DRIVER.replace("@ROWS@", text),
+        _DRIVER.replace("@BITS@", BITS).replace("@ROWS@", text),
         np.array(state.coefficient, float),
         np.array(python.deviations(state), float),
         int(np.count_nonzero(flags & python.UPDATED)),

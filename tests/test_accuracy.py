@@ -1,5 +1,6 @@
 """The bounds that emitted headers state, measured against 50 digits; full sets: benchmarks/accuracy.py."""
 
+import itertools
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,7 +16,7 @@ from eccentric.emission.program import accuracy as stated
 from eccentric.model import load_model, vocabulary, with_values
 from tests import accelerated, accuracy, oracle, random_drives
 from tests.compiled import GENERATED, Library, Real
-from tests.emitted import PRECISIONS, both_precisions, module
+from tests.emitted import PRECISIONS, both_precisions, by_turns, module, quick
 from tests.paper import Parameters
 from tests.promised import DERIVATIVES, NAMES, STEADY, arguments, bounds, errors, given, link_errors
 
@@ -39,9 +40,7 @@ DRIVES: dict[str, dict[str, str]] = {
 TABLE_1 = ("mu = 1/5", "mu = 1/30")
 SELDOM = {"mu = 1", "mu = 3", "little unbalance"}
 """Between the others, or easier: slow tests."""
-every_drive = pytest.mark.parametrize(
-    "drive", [pytest.param(drive, marks=pytest.mark.slow if drive in SELDOM else ()) for drive in DRIVES]
-)
+every_drive = pytest.mark.parametrize("drive", quick(DRIVES, DRIVES.keys() - SELDOM))
 
 
 def bound(name: str, function: str, drive: str) -> int:
@@ -61,34 +60,15 @@ def drive_parameters(name: str, drive: str) -> tuple[Any, Parameters]:
     return given(name, letters(drive)), oracle.exact(letters(drive))
 
 
-def some_of(*few: tuple[Any, str, str]) -> list[Any]:
-    """Return the parameters of a test: every first part and drive, of which these are quick.
-
-    Other precisions than those named take turns.
-    """
-    firsts = list(dict.fromkeys(first for first, *_ in few))
-    return [
-        pytest.param(
-            *(first, drive, dtype),
-            id=f"{first}-{drive}-{precision}",
-            marks=() if (first, drive, precision) in few else pytest.mark.slow,
-        )
-        for j, first in enumerate(firsts)
-        for k, drive in enumerate(DRIVES)
-        for n, (precision, dtype) in enumerate(PRECISIONS.items())
-        if (first, drive, precision) in few or (j + k + n) % 2 == 0
-    ]
-
-
 @pytest.mark.parametrize(
     ("case", "drive", "dtype"),
-    some_of(
-        ("C1", "mu = 1/5", "single"),
-        ("C1", "much unbalance", "double"),
-        ("C2", "mu = 1/5", "double"),
-        ("C2", "mu = 1/30", "single"),
-        ("C2", "mu = 5", "single"),
-        ("C2", "exact velocity", "double"),
+    by_turns(
+        *(("C1", "C2"), DRIVES),
+        few={
+            *(("C1", "mu = 1/5", "single"), ("C1", "much unbalance", "double")),
+            *(("C2", "mu = 1/5", "double"), ("C2", "mu = 1/30", "single")),
+            *(("C2", "mu = 5", "single"), ("C2", "exact velocity", "double")),
+        },
     ),
 )
 def test_steady(case: str, drive: str, dtype: Real) -> None:
@@ -124,13 +104,10 @@ def library_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Real]
 
 @pytest.mark.parametrize(
     ("name", "dtype"),
-    [
-        pytest.param(
-            name, dtype, id=f"{name}-{precision}", marks=() if precision == few else pytest.mark.slow
-        )
-        for name, few in (("c1_perpendicular", "double"), ("c2_parallel", "single"))
-        for precision, dtype in PRECISIONS.items()
-    ],
+    quick(
+        itertools.product(("c1_perpendicular", "c2_parallel"), PRECISIONS.values()),
+        {("c1_perpendicular", np.float64), ("c2_parallel", np.float32)},
+    ),
 )
 def test_default_coefficients(name: str, dtype: Real, library_of: Callable[[str, Real], Library]) -> None:
     """The emitted constants are those of Table 1's decimals; at random states 5 units are not passed."""
@@ -148,14 +125,13 @@ LAST = {(np.float32, "omega_star_2"), (np.float32, "period_5"), (np.float64, "pe
 
 @pytest.mark.parametrize(
     ("dtype", "part"),
-    [
-        pytest.param(dtype, part, marks=() if (dtype, part) in LAST else pytest.mark.slow)
-        for dtype, parts in (
-            (np.float32, ("omega_star_2", "period_2", "period_3", "period_4", "period_5")),
-            (np.float64, ("omega_star_2", "period_2", "period_3")),
-        )
-        for part in parts
-    ],
+    quick(
+        [
+            *((np.float32, x) for x in ("omega_star_2", "period_2", "period_3", "period_4", "period_5")),
+            *((np.float64, x) for x in ("omega_star_2", "period_2", "period_3")),
+        ],
+        LAST,
+    ),
 )
 def test_every_part_of_the_constants_is_needed(
     dtype: Real, part: str, library_of: Callable[[str, Real], Library]
@@ -173,12 +149,12 @@ def test_every_part_of_the_constants_is_needed(
 
 @pytest.mark.parametrize(
     ("phi", "drive", "dtype"),
-    some_of(
-        (0.0, "mu = 1/5", "single"),
-        (0.0, "exact velocity", "double"),
-        (0.75, "mu = 1/30", "double"),
-        (1.5, "mu = 5", "single"),
-        (1.5, "much unbalance", "double"),
+    by_turns(
+        *((0.0, 0.75, 1.5), DRIVES),
+        few={
+            *((0.0, "mu = 1/5", "single"), (0.0, "exact velocity", "double"), (0.75, "mu = 1/30", "double")),
+            *((1.5, "mu = 5", "single"), (1.5, "much unbalance", "double")),
+        },
     ),
 )
 def test_accelerated(drive: str, phi: float, dtype: Real) -> None:

@@ -3,9 +3,8 @@
 import dataclasses
 import math
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable
 from functools import cache
-from typing import Any
 
 import mpmath
 import numpy as np
@@ -25,7 +24,7 @@ from eccentric.emission.program.accuracy import (
 from eccentric.model import Model, load_model
 from tests import accuracy, extended
 from tests.compiled import Real
-from tests.emitted import PRECISIONS
+from tests.emitted import PRECISIONS, by_turns
 from tests.paper import Parameters
 from tests.promised import DERIVATIVES, gradient_error
 from tests.test_accuracy import DRIVES, drive_parameters
@@ -35,17 +34,6 @@ pytestmark = pytest.mark.slow
 
 # Every drive in both precisions with the models of the paper: test_accuracy.py. Here precisions take turns.
 BOTH = {"mu = 1/5", "exact velocity"}
-
-
-def by_turns(firsts: Sequence[Any], both: Collection[str] = ()) -> list[Any]:
-    """Return each first part with each drive in one precision, the drives named in both."""
-    return [
-        pytest.param(first, drive, dtype, id=f"{first}-{drive}-{precision}")
-        for j, first in enumerate(firsts)
-        for k, drive in enumerate(DRIVES)
-        for n, (precision, dtype) in enumerate(PRECISIONS.items())
-        if drive in both or (j + k + n) % 2 == 0
-    ]
 
 
 FEW = {np.float64: 80, np.float32: 40}  # states of each set
@@ -191,7 +179,7 @@ def columns(one: extended.Extended, name: str, at: accuracy.Set, p: Parameters) 
     return [*accuracy.jacobian(name, at, p, own), *added]
 
 
-@pytest.mark.parametrize(("case", "drive", "dtype"), by_turns(extended.CASES, BOTH))
+@pytest.mark.parametrize(("case", "drive", "dtype"), by_turns(extended.CASES, DRIVES, both=BOTH))
 def test_friction_keeps_its_bounds(case: str, drive: str, dtype: Real) -> None:
     """Effects that leave friction as it is, or add powers of the speed to it, leave it as exact as it was."""
     name = extended.BASE[case]
@@ -237,7 +225,7 @@ def test_normal_force(case: str, made: Callable[[str], tuple[extended.Extended, 
 
 
 @pytest.mark.parametrize(
-    ("offset", "drive", "dtype"), by_turns([-LARGEST_SHIFT, -0.7, 1e-3, 1.5, LARGEST_SHIFT])
+    ("offset", "drive", "dtype"), by_turns((-LARGEST_SHIFT, -0.7, 1e-3, 1.5, LARGEST_SHIFT), DRIVES)
 )
 def test_shifted_angle(offset: float, drive: str, dtype: Real) -> None:
     """A shifted angle costs F_N nothing, even near the shifted zero of F_N and far from theta_m = 0."""

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from eccentric.api.inputs import model_of
-from eccentric.emission.adapt.prior import inputs_of
+from eccentric.emission import inputs_of
 from tests.adapted import Estimator, current, emitted, module, motion, python_bits
+from tests.emitted import quick
 from tests.hosts import lacking
 
 MODELS = ("c1_perpendicular", "c2_parallel", "c2_asymmetric", "rotating_link")
@@ -90,9 +91,7 @@ def test_every_flag_occurs(folder_of: Callable[[str], Path]) -> None:
     assert [] == [flag for flag in flags if not seen & getattr(python, flag)]
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name == "c2_parallel" else pytest.mark.slow) for name in MODELS]
-)
+@pytest.mark.parametrize("name", quick(MODELS, {"c2_parallel"}))
 def test_the_models_own_files_stay(folder_of: Callable[[str], Path], name: str) -> None:
     """With the estimator, the model's own files are those without, letter by letter."""
     from eccentric.emission import complete, with_fitted

@@ -1,5 +1,6 @@
 """Proved: from any state it can be in, and for any finite inputs, the estimator stays finite and bounded."""
 
+import itertools
 import re
 from pathlib import Path
 
@@ -7,19 +8,15 @@ import pytest
 
 from tests.adapted import emitted
 from tests.carriage import GIVEN
+from tests.emitted import quick
 from tests.test_proof import SPECIFIED, alarms, proved
 
 EVERY = ("c2_parallel", "c1_perpendicular", "rotating_link", "c2_asymmetric", "linear_axis")
-slow = pytest.mark.slow
 
 
 @pytest.mark.parametrize(
     ("name", "real"),
-    [
-        pytest.param(name, real, marks=() if (name, real) == ("c2_parallel", "double") else slow)
-        for name in EVERY
-        for real in ("float", "double")
-    ],
+    quick(itertools.product(EVERY, ("float", "double")), {("c2_parallel", "double")}),
 )
 def test_proved(tmp_path: Path, name: str, real: str) -> None:
     """Eva has no alarm for it, and what holds of a state before a sample holds of it afterwards."""
@@ -37,15 +34,15 @@ def test_proved(tmp_path: Path, name: str, real: str) -> None:
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [
-        pytest.param("_adapt_at_most(d_0 * r_0, ONE)", "_adapt_at_most(d_0 * r_0, ONE + ONE)", marks=slow),
-        pytest.param("#define MOST_omega_m 1000.0f", "#define MOST_omega_m 3.0e38f", marks=slow),
-        pytest.param(
-            *("_adapt_at_least(ONE + w_0 * v_0, LEAST_B)", "_adapt_at_least(ONE + w_0 * v_0, ZERO)"),
-            marks=slow,
-        ),
-        ("k = (j < COUNT) ? j : (COUNT - 1u);", "k = j;"),
-    ],
+    quick(
+        [
+            ("_adapt_at_most(d_0 * r_0, ONE)", "_adapt_at_most(d_0 * r_0, ONE + ONE)"),
+            ("#define MOST_omega_m 1000.0f", "#define MOST_omega_m 3.0e38f"),
+            ("_adapt_at_least(ONE + w_0 * v_0, LEAST_B)", "_adapt_at_least(ONE + w_0 * v_0, ZERO)"),
+            INDEX := ("k = (j < COUNT) ? j : (COUNT - 1u);", "k = j;"),
+        ],
+        {INDEX},
+    ),
     ids=["no bound of d", "no range of the speed", "no bound of b", "no bound of an index"],
 )
 def test_the_proof_sees_what_is_missing(tmp_path: Path, old: str, new: str) -> None:

@@ -48,13 +48,13 @@ def test_a_model_names_itself_in_the_banner(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        ({"prefix": "int"}, "prefix: a lower-case C identifier that C and Python leave free"),
+        ({"prefix": "int"}, "prefix: expected a lower-case C identifier that C and Python leave free"),
         ({"parameters": {"B": 1.0}}, "parameters: parameters.B: c1_perpendicular has no such parameter"),
         (
             {"parameters": {"B_m": "a"}},
             "parameters: parameters.B_m: expected a finite number, got 'a'",
         ),
-        ({"parameters": {"model": "c2_parallel", "parameters": {"B_m": 1.0}}}, "parameters: a fit"),
+        ({"parameters": {"model": "c2_parallel", "parameters": {"B_m": 1.0}}}, "parameters: expected a fit"),
         ({"parameters": "no.json"}, "no.json: no such file"),
     ],
     ids=["prefix", "letter", "text", "another model", "no file"],

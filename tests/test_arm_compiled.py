@@ -68,9 +68,9 @@ def test_vectors_of_another_length_are_refused(
 ) -> None:
     """Not spread, cut or taken for other joints, by either module."""
     for module in (compiled, emitted):
-        with pytest.raises(ValueError, match=rf"omega_m: 2 values on the last axis .* shape \(4, {length}\)"):
+        with pytest.raises(ValueError, match=rf"^omega_m: expected 2 values .* shape \(4, {length}\)"):
             module.inverse_dynamics(np.zeros((4, 2)), np.zeros((4, length)), np.zeros((4, 2)))
-        with pytest.raises(ValueError, match=r"theta_m: 2 values on the last axis .* shape \(\)"):
+        with pytest.raises(ValueError, match=r"^theta_m: expected 2 values .* shape \(\)"):
             module.gravity_torque(0.5)
 
 

@@ -129,7 +129,7 @@ def test_fixed_parameters_must_be_given(tmp_path: Path) -> None:
 @pytest.mark.parametrize("wrong", ["mechanical_friction", "friction_torque_n", ""])
 def test_unknown_functions_are_refused(tmp_path: Path, wrong: str) -> None:
     """One line lists those that there are; nothing is written."""
-    with pytest.raises(InputError, match=rf"functions: one of normal_force, .* required, got '{wrong}'"):
+    with pytest.raises(InputError, match=rf"functions: expected one of normal_force, .*, got '{wrong}'"):
         eccentric.emit("c2_parallel", tmp_path / "out", functions=[wrong])
 
     assert not (tmp_path / "out").exists()

@@ -1,6 +1,8 @@
 """`eccentric emit`: names of one's own, and the folder that is written."""
 
 import re
+from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -31,6 +33,12 @@ C99 = {"c1_perpendicular.h", "c1_perpendicular.c", "check"}
 JAX = {"c1_perpendicular_jax.py"}
 
 
+@cache
+def whole() -> Mapping[str, str]:
+    """What every back end writes of a model."""
+    return render(load_model("c1_perpendicular"), "eccentric emit", backends=BACKENDS)
+
+
 def files_in(folder: Path) -> set[str]:
     """Names of the files and folders that were written."""
     return {path.name for path in folder.iterdir()} - {".eccentric"}
@@ -52,9 +60,8 @@ def test_only_the_named_back_ends_are_written(given: list[str], expected: set[st
     assert 0 == main(["emit", "c1_perpendicular", *given, "--out", str(tmp_path / "out")])
 
     assert expected == files_in(tmp_path / "out")
-    whole = render(load_model("c1_perpendicular"), "eccentric emit", backends=BACKENDS)
     for path in (tmp_path / "out").glob("c1_*"):
-        assert whole[path.name] == path.read_text(encoding="utf-8")
+        assert whole()[path.name] == path.read_text(encoding="utf-8")
 
 
 def test_an_unknown_back_end_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

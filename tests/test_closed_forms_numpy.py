@@ -1,6 +1,7 @@
 """The emitted NumPy modules against the paper's closed forms, with the identities among their functions."""
 
 import dataclasses
+import itertools
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,6 +19,7 @@ from tests.emitted import (
     labels,
     module,
     parameters,
+    quick,
 )
 
 # The paper's values.
@@ -134,13 +136,10 @@ def test_degenerate_loads_have_a_gradient(name: str, level: dict[str, float]) ->
 
 @pytest.mark.parametrize(
     ("name", "dtype"),
-    [
-        pytest.param(
-            name, dtype, id=f"{name}-{precision}", marks=() if precision == SOME[name] else pytest.mark.slow
-        )
-        for name in SWINGING
-        for precision, dtype in PRECISIONS.items()
-    ],
+    quick(
+        itertools.product(SWINGING, PRECISIONS.values()),
+        {(x, PRECISIONS[SOME[x]]) for x in SWINGING},
+    ),
 )
 def test_zero_of_the_force(name: str, dtype: type[np.floating]) -> None:
     """At (pi, w*) F_N is of rounding size, and the gradient no steeper than the cone F_N: nowhere a NaN."""

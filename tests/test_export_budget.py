@@ -1,7 +1,5 @@
 """Friction written into MuJoCo before each step: that of the model, in motion, swinging down and at rest."""
 
-import importlib
-import sys
 from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
@@ -11,7 +9,7 @@ import pytest
 from eccentric.exports import ExportedDrive, export
 from eccentric.model import load_model
 from eccentric.presentation import export_lines
-from tests.exports import BENCH, BENCH_UNEQUAL, STEADY, drive, link_states, swing_down, written
+from tests.exports import BENCH, BENCH_UNEQUAL, STEADY, drive, imported, link_states, swing_down, written
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo (mujoco-core) is not installed")
 
@@ -26,15 +24,8 @@ def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     of = drive(*request.param)
     folder = written(export(of, "budget").files, tmp_path_factory.mktemp("budget"))
     model = mujoco.MjModel.from_xml_path(str(folder / f"{of.name}.xml"))
-    names = {f"{of.name}_budget", of.name, "eccentric_runtime"}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(folder))
-        for name in names & sys.modules.keys():
-            patch.delitem(sys.modules, name)
-        module = importlib.import_module(f"{of.name}_budget")
+    with imported(folder, f"{of.name}_budget", of.name) as module:
         yield of, module, model, mujoco.MjData(model)
-        for name in names & sys.modules.keys():
-            del sys.modules[name]
 
 
 Case = tuple[ExportedDrive, ModuleType, Any, Any]

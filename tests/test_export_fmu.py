@@ -34,9 +34,14 @@ def built(of: ExportedDrive, folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def run(of: ExportedDrive, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
+def unpacked(of: ExportedDrive, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the built FMU."""
+    return built(of, tmp_path_factory.mktemp("fmu"))
+
+
+@pytest.fixture(scope="module")
+def run(unpacked: Path) -> Callable[..., Any]:
     """Simulate the built FMU."""
-    unpacked = built(of, tmp_path_factory.mktemp("fmu"))
     return lambda **more: fmpy.simulate_fmu(
         str(unpacked),
         output=["theta_m", "omega_m", "friction"],
@@ -63,9 +68,8 @@ def test_what_friction_holds_stays(run: Callable[..., Any], of: ExportedDrive) -
     assert end["friction"] == pytest.approx(-float(of.module.gravity_torque(theta_m, of.p)), rel=1e-12)
 
 
-def test_friction_is_there_before_the_start(of: ExportedDrive, tmp_path: Path) -> None:
+def test_friction_is_there_before_the_start(of: ExportedDrive, unpacked: Path) -> None:
     """Read in initialisation mode it is that of the first step, for the values that are set by then."""
-    unpacked = built(of, tmp_path)
     description = fmpy.read_model_description(str(unpacked))
     at = {x.name: x.valueReference for x in description.modelVariables}
     unit = fmpy.instantiate_fmu(str(unpacked), description, fmi_type="CoSimulation")

@@ -1,7 +1,5 @@
 """The drive component for Newton, with a solver that has no dry friction."""
 
-import importlib
-import sys
 from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
@@ -11,7 +9,7 @@ import pytest
 
 from eccentric.core import InputError
 from eccentric.exports import ExportedDrive, export
-from tests.exports import BENCH, STEADY, drive, link_states, swing_down, written
+from tests.exports import BENCH, STEADY, drive, imported, link_states, swing_down, written
 
 newton = pytest.importorskip("newton", reason="Newton is not installed")
 pytestmark = pytest.mark.filterwarnings("ignore")  # of Warp's own compiler
@@ -28,14 +26,8 @@ def of() -> ExportedDrive:
 def module(of: ExportedDrive, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
     """The written module."""
     folder = written(export(of, "newton").files, tmp_path_factory.mktemp("newton"))
-    names = {f"{of.name}_newton", of.name, "eccentric_runtime"}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(folder))
-        for name in names & sys.modules.keys():
-            patch.delitem(sys.modules, name)
-        yield importlib.import_module(f"{of.name}_newton")
-        for name in names & sys.modules.keys():
-            del sys.modules[name]
+    with imported(folder, f"{of.name}_newton", of.name) as module:
+        yield module
 
 
 def pendulums(

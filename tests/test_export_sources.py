@@ -83,5 +83,5 @@ def test_a_fit_that_cannot_be_exported(change: dict[str, Any], said: str, tmp_pa
 @pytest.mark.parametrize("speeds", [(1.0,), (0.0, 1.0), (2.0, 1.0), (1.0, float("nan")), (1.0, float("inf"))])
 def test_speeds_are_a_range(speeds: tuple[float, ...], places: Path, tmp_path: Path) -> None:
     """Two finite numbers above 0, the second larger."""
-    with pytest.raises(InputError, match="speeds: motor speeds 0 < LOW < HIGH"):
+    with pytest.raises(InputError, match="speeds: expected motor speeds 0 < LOW < HIGH"):
         eccentric.export(places / "fit", "mjcf", tmp_path / "out", speeds=speeds)

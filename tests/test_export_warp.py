@@ -1,7 +1,5 @@
 """Friction written into mujoco-warp, all worlds at once, in single precision, on the processor."""
 
-import importlib
-import sys
 from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
@@ -10,7 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.exports import ExportedDrive, export
-from tests.exports import BENCH, BENCH_UNEQUAL, STEADY, drive, link_states, swing_down, written
+from tests.exports import BENCH, BENCH_UNEQUAL, STEADY, drive, imported, link_states, swing_down, written
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo (mujoco-core) is not installed")
 mujoco_warp = pytest.importorskip("mujoco_warp", reason="mujoco-warp is not installed")
@@ -28,14 +26,8 @@ def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     folder = written(export(of, "budget").files, tmp_path_factory.mktemp("warp"))
     model = mujoco.MjModel.from_xml_path(str(folder / f"{of.name}.xml"))
     model.dof_frictionloss[:] = 1.0
-    names = {f"{of.name}_budget_warp", of.name, "eccentric_runtime"}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(folder))
-        for name in names & sys.modules.keys():
-            patch.delitem(sys.modules, name)
-        yield of, importlib.import_module(f"{of.name}_budget_warp"), model
-        for name in names & sys.modules.keys():
-            del sys.modules[name]
+    with imported(folder, f"{of.name}_budget_warp", of.name) as module:
+        yield of, module, model
 
 
 Case = tuple[ExportedDrive, ModuleType, Any]

@@ -4,9 +4,8 @@ import ast
 import dataclasses
 import subprocess
 import sys
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -19,7 +18,17 @@ from eccentric.emission.program import accuracy as stated
 from eccentric.model import load_model
 from tests import accelerated, accuracy, extended, oracle, promised
 from tests.compiled import Real
-from tests.emitted import MODELS, PRECISIONS, SWINGING, both_precisions, example_states, module, with_inertia
+from tests.emitted import (
+    MODELS,
+    PRECISIONS,
+    SWINGING,
+    both_precisions,
+    by_turns,
+    example_states,
+    module,
+    quick,
+    with_inertia,
+)
 from tests.jaxed import as_arrays, executed, jaxed
 from tests.oracle import Point
 from tests.random_drives import directed
@@ -47,22 +56,7 @@ def assert_close(expected: np.ndarray, actual: jax.Array, most: float) -> None:
     assert np.all(off <= most * np.finfo(expected.dtype).eps * greatest)
 
 
-def by_turns(quick: Collection[tuple[str, str]]) -> list[Any]:
-    """Every model in the precisions by turns and in those that are named, which alone are quick."""
-    return [
-        pytest.param(
-            name,
-            dtype,
-            id=f"{name}-{precision}",
-            marks=() if (name, precision) in quick else pytest.mark.slow,
-        )
-        for k, name in enumerate(MODELS)
-        for n, (precision, dtype) in enumerate(PRECISIONS.items())
-        if (name, precision) in quick or (k + n) % 2 == 0
-    ]
-
-
-@pytest.mark.parametrize(("name", "dtype"), by_turns(ALL_FUNCTIONS))
+@pytest.mark.parametrize(("name", "dtype"), by_turns(MODELS, few=ALL_FUNCTIONS))
 def test_every_function_is_that_of_numpy(name: str, dtype: Real) -> None:
     """Names, shapes and precisions are those of the NumPy module, values to a few roundings, in one jit."""
     assert set(jaxed(name).__all__) == set(module(name).__all__)
@@ -77,19 +71,14 @@ def test_every_function_is_that_of_numpy(name: str, dtype: Real) -> None:
 
 @pytest.mark.parametrize(
     ("name", "traced", "dtype"),
-    [
-        pytest.param(
-            *(name, traced, dtype),
-            id=f"{name}-{traced}-{precision}",
-            marks=() if precision == few else pytest.mark.slow,
-        )
-        for name, traced, few in (
-            ("c1_perpendicular", False, "single"),
-            ("c2_parallel", False, ""),
-            ("c2_parallel", True, "double"),
-        )
-        for precision, dtype in PRECISIONS.items()
-    ],
+    quick(
+        [
+            (*one, dtype)
+            for one in (("c1_perpendicular", False), ("c2_parallel", False), ("c2_parallel", True))
+            for dtype in PRECISIONS.values()
+        ],
+        {("c1_perpendicular", False, np.float32), ("c2_parallel", True, np.float64)},
+    ),
 )
 def test_bounds_of_the_header(name: str, traced: bool, dtype: Real, monkeypatch: pytest.MonkeyPatch) -> None:
     """The bounds that headers state hold at 50 digits, also where JAX computes what parameters give."""
@@ -101,9 +90,7 @@ def test_bounds_of_the_header(name: str, traced: bool, dtype: Real, monkeypatch:
             assert worst <= promised.bounds(name)[function].anywhere, (function, at.name)
 
 
-@pytest.mark.parametrize(
-    "dtype", [pytest.param(np.float64, marks=pytest.mark.slow), np.float32], ids=["double", "single"]
-)
+@pytest.mark.parametrize("dtype", quick((np.float64, np.float32), {np.float32}))
 def test_bounds_with_an_acceleration(dtype: Real, monkeypatch: pytest.MonkeyPatch) -> None:
     """Beside the curve on which F_N vanishes the bounds of `rotating_link` hold."""
     name, values = accelerated.NAME, letters("mu = 3") | {"phi": 0.75}
@@ -129,7 +116,7 @@ def test_compiled_in_a_program_with_its_parameters_it_keeps_its_digits(dtype: Re
     assert worst <= stated.NORMAL_FORCE.anywhere
 
 
-@pytest.mark.parametrize(("name", "dtype"), by_turns(MAPPED))
+@pytest.mark.parametrize(("name", "dtype"), by_turns(MODELS, few=MAPPED))
 def test_jit_vmap_and_grad(name: str, dtype: Real) -> None:
     """One sample, differentiated, mapped and compiled, gives the emitted gradient of the NumPy module."""
     given = example_states(name, "friction_torque", 100, dtype)
@@ -140,9 +127,7 @@ def test_jit_vmap_and_grad(name: str, dtype: Real) -> None:
     assert_close(expected, jnp.stack(slopes, -1), promised.bounds(name)["friction_torque_gradient"].anywhere)
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name == "c1_asymmetric" else pytest.mark.slow) for name in MODELS]
-)
+@pytest.mark.parametrize("name", quick(MODELS, {"c1_asymmetric"}))
 def test_derivatives_by_parameters(name: str) -> None:
     """By friction coefficients they are the emitted Jacobian, by all others those of the closed forms."""
     values = directed({k: float(x) for k, x in vars(accuracy.decimals()).items()} | {"phi": 0.4}, 1.25)
@@ -183,9 +168,7 @@ def test_at_the_apex_the_slopes_of_the_load_are_taken_as_0() -> None:
             assert np.all(np.isfinite(of_emitted(*state, parameters)))
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name == "c2_parallel" else pytest.mark.slow) for name in SWINGING]
-)
+@pytest.mark.parametrize("name", quick(SWINGING, {"c2_parallel"}))
 def test_derivatives_by_parameters_without_gravity(name: str) -> None:
     """Without gravity F_N is M L mu^2 sqrt(w^4 + (a/mu)^2); by g its derivative is taken as 0."""
     m, at = jaxed(name), {"theta_m": 1.3, "omega_m": 20.0, "alpha_m": 3.0}

@@ -4,6 +4,7 @@ They are Lagrange's equations from the energies of two links, differentiated by 
 and the normal force that the paper prints.
 """
 
+import itertools
 from collections.abc import Callable, Iterator
 from functools import cache
 from types import ModuleType, SimpleNamespace
@@ -19,6 +20,7 @@ from eccentric.emission import Choice
 from eccentric.model import Body, Chain, Joint, Model, arm
 from tests import paper
 from tests.arms import random_chain
+from tests.emitted import quick
 from tests.jaxed import executed
 from tests.test_arm_extended import called, emitted, followed, of_arm
 from tests.test_chain_numpy import I_0, I_1, TWO_LINKS, c_0, c_1, g, l_0, m_0, m_1, motions
@@ -75,12 +77,7 @@ def given(function: Callable[..., Any], *motion: np.ndarray) -> tuple[np.ndarray
 
 @pytest.mark.parametrize(
     ("name", "dtype"),
-    [
-        ("two links", np.float64),
-        pytest.param("two links", np.float32, marks=pytest.mark.slow),
-        pytest.param("three joints, geared, one slides", np.float64, marks=pytest.mark.slow),
-        pytest.param("three joints, geared, one slides", np.float32, marks=pytest.mark.slow),
-    ],
+    quick(itertools.product(CHAINS, (np.float64, np.float32)), {("two links", np.float64)}),
 )
 def test_every_function_is_that_of_numpy(name: str, dtype: type) -> None:
     """Names, constants, shapes and precisions are those of NumPy, and values to a few roundings."""
@@ -233,10 +230,7 @@ def test_another_number_of_joints_is_refused() -> None:
 
 @pytest.mark.parametrize(
     "name",
-    [
-        "hidden_thermal_drift",
-        *(pytest.param(x, marks=pytest.mark.slow) for x in ("backlash", "cogging[n=3]")),
-    ],
+    quick(("hidden_thermal_drift", "backlash", "cogging[n=3]"), {"hidden_thermal_drift"}),
 )
 def test_hidden_states_of_all_joints(name: str) -> None:
     """Followed along a log by `lax.scan` they are those of NumPy, and so are the torques."""

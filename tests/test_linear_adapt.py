@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 import eccentric
 from tests.adapted import Estimator, emitted, module, python_bits
 from tests.carriage import GIVEN, RIG, SLIDE, Carriage, logged
+from tests.emitted import quick
 from tests.test_linear_words import foreign
 
 STEP = 1e-3
@@ -37,12 +39,10 @@ def driven(moved: tuple[np.ndarray, ...], B: np.ndarray, C: np.ndarray) -> np.nd
 
 @pytest.mark.parametrize(
     ("name", "dtype"),
-    [
-        pytest.param("linear_axis", np.float32, marks=pytest.mark.slow),
-        pytest.param("linear_axis", np.float64, marks=pytest.mark.slow),
-        pytest.param("screw_axis", np.float32, marks=pytest.mark.slow),
-        ("screw_axis", np.float64),
-    ],
+    quick(
+        itertools.product(("linear_axis", "screw_axis"), (np.float32, np.float64)),
+        {("screw_axis", np.float64)},
+    ),
 )
 def test_same_bits(tmp_path: Path, name: str, dtype: Any) -> None:
     """Flags and every number of the state agree in C and Python; B and C end at what was driven."""
@@ -130,7 +130,7 @@ def test_a_path_is_told_as_it_was_given(tmp_path: Path) -> None:
             r"parameters\.J: linear_axis has no such parameter; it has R, k_f, k_e, mass, B, C, F_load",
         ),
         ({"mass": 95.0, "J_m": 1.0}, "parameters: expected each only once, got mass and J_m"),
-        ({"mass": -1.0}, r"parameters\.mass: a "),
+        ({"mass": -1.0}, r"parameters\.mass: expected a "),
     ],
 )
 def test_a_wrong_parameter_is_told_as_it_was_written(

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from eccentric.emission import render
-from tests.emitted import MODELS
+from tests.adapted import emitted as with_estimator
+from tests.emitted import MODELS, quick
 from tests.extended import AT_WORK, ONE, at_work, some_at_work
 
 GENERATED = Path(__file__).resolve().parent.parent / "generated"
@@ -35,12 +36,17 @@ def declared(files: Mapping[str, str], name: str) -> set[str]:
 
 def deviations(folder: Path, files: Mapping[str, str], name: str, real: str) -> set[str]:
     """Return the numbers of the rules that cppcheck finds violated by a source; it works in the folder."""
-    if shutil.which("cppcheck") is None:
-        pytest.skip("not installed: cppcheck")
     for end in "hc":
         (folder / f"{name}.{end}").write_text(files[f"{name}.{end}"], encoding="utf-8")
-    command = ["cppcheck", "--addon=misra", "--std=c99", "--template={id}", f"-DECCENTRIC_REAL={real}"]
-    done = subprocess.run([*command, f"{name}.c"], cwd=folder, capture_output=True, text=True, check=True)
+    return checked(folder, name, f"-DECCENTRIC_REAL={real}")
+
+
+def checked(folder: Path, name: str, *options: str) -> set[str]:
+    """Return the same of a source in a folder."""
+    if shutil.which("cppcheck") is None:
+        pytest.skip("not installed: cppcheck")
+    command = ["cppcheck", "--addon=misra", "--std=c99", "--template={id}", *options, f"{name}.c"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
     assert "error" not in done.stderr.replace("misra", ""), done.stderr
     return set(re.findall(r"misra-c2012-([\d.]+)", done.stderr))
 
@@ -71,3 +77,16 @@ def test_a_further_deviation_is_seen(tmp_path: Path) -> None:
     files["c2_parallel.c"] = files["c2_parallel.c"].replace("{\n    const double", jump, 1)
 
     assert "15.1" in deviations(tmp_path, files, "c2_parallel", "double")
+
+
+@pytest.mark.parametrize("real", quick(("float", "double"), {"float"}))
+def test_the_estimator_declares_its_deviations(tmp_path: Path, real: str) -> None:
+    """What is found is what its header says, and what the model's header pastes together, 20.10."""
+    folder = with_estimator(tmp_path)
+    header = (folder / "c2_parallel_adapt.h").read_text(encoding="utf-8")
+    (stated,) = re.findall(r"advisory ones are: (.*?return early)", header, re.DOTALL)
+    digits = ("-DFLT_MANT_DIG=24", "-DDBL_MANT_DIG=53")
+
+    found = checked(folder, "c2_parallel_adapt", *digits, f"-DECCENTRIC_REAL={real}")
+
+    assert found - {"20.10"} == set(re.findall(r"\d+\.\d+", stated))

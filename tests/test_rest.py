@@ -9,9 +9,11 @@ import itertools
 import math
 import subprocess
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,6 +26,7 @@ from eccentric.emission import inertial_loss
 from eccentric.emission.hot import load_module
 from eccentric.model import load_model, with_values
 from tests import extended, oracle
+from tests.compiled import CFunctions
 from tests.emitted import MODELS, every_model, module, with_inertia
 from tests.hosts import need
 
@@ -285,14 +288,14 @@ def test_bristles_come_to_rest(variant: str) -> None:
     emitted = load_module(
         effect.extend(load_model("c2_parallel"), {q.name: values[q.name] for q in effect.coefficients})
     )
-    p, drives, dt = emitted.Parameters(J_m=J_M, J_l=J_L), 50, 1e-3
+    p, drives, dt = emitted.Parameters(J_m=J_M, J_l=J_L), 50, 4e-3
     breakaway = emitted.breakaway_torque(p)[1]
     reach = p.presliding_x
     constant = breakaway * np.linspace(-0.7, 0.7, drives)
     moved: list[np.ndarray] = []
     for torques_at in (lambda: constant, lambda: breakaway * RANDOM.uniform(-0.7, 0.7, drives)):
         theta_m, omega_m, z = np.zeros((3, drives))
-        for _ in range(20_000):
+        for _ in range(5_000):
             omega_m = emitted.friction_step(theta_m, omega_m, z, torques_at(), dt, p)[:, 0]
             z = emitted.next_state(omega_m, z, dt, p)[:, 0]
             theta_m = theta_m + dt * omega_m
@@ -339,3 +342,33 @@ def test_a_loss_of_the_transmitted_torque_has_its_closed_form() -> None:
     assert inertial_loss(plain) is None
     assert found is not None
     assert found.loss == pytest.approx(eta * extended.MU**2 * J_L, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("effect", "cases"),
+    [
+        ("load_dependent[transmitted]", {"load_eta": {}}),
+        ("gear_efficiency[transmitted]", {"gear_eta": {"gear_rho": 0.5}, "gear_rho": {"gear_eta": 0.25}}),
+    ],
+)
+def test_prepare_refuses_a_loss_beyond_the_inertia(
+    effect: str, cases: dict[str, dict[str, float]], tmp_path: Path
+) -> None:
+    """From where its share of mu^2 J_l is J_m + mu^2 J_l it returns the parameter's number; not without J."""
+    need("gcc")
+    model = replace(extended.effects("C2")[effect].extend(load_model("c2_parallel"), {}), name="lossy")
+    eccentric.emit(model, tmp_path / "out", functions=["friction_step"], backend="c99")
+    c = CFunctions("lossy", np.float64, tmp_path / "lossy.so", tmp_path / "out")
+    letters = [name for name, _ in c.ffi.typeof("lossy_parameters").fields]
+    for parameter, values in cases.items():
+        p: Any = c.ffi.new("lossy_parameters *", c["default_parameters"])
+        prepared = c.ffi.new("lossy_coefficients *")
+        for name in letters[letters.index("J_l") + 1 :]:
+            setattr(p, name, values.get(name, 0.0))
+        least = (J_M + p.mu**2 * J_L) / (p.mu**2 * J_L) / values.get("gear_eta", 1.0)
+        for share, expected in ((0.999, 0), (1.001, 1 + letters.index(parameter))):
+            setattr(p, parameter, share * least)
+            p.J_m, p.J_l = J_M, J_L
+            assert c["prepare"](p, prepared) == expected
+            p.J_m = math.nan
+            assert c["prepare"](p, prepared) == 0

@@ -7,11 +7,10 @@ from pathlib import Path
 import pytest
 
 from benchmarks.cortex_m4 import GENERATED, run
-from eccentric.emission import render, render_check
-from eccentric.model import load_model
+from eccentric.emission import render_check
 from tests import extended
 from tests.compiled import FLAGS
-from tests.emitted import MODELS, every_model
+from tests.emitted import MODELS, every_model, quick
 from tests.hosts import CHECK, HOSTS, REALS, need, on_host
 
 FEW = {
@@ -20,15 +19,6 @@ FEW = {
     ("rotating_link", "clang"),
 }
 """What `make test` has: each compiler, the sanitizers and vector instructions once."""
-
-
-@every_model
-def test_check_files_are_fresh(name: str) -> None:
-    """Self-test, vectors and proof driver are what would be written now, byte for byte."""
-    model = load_model(name)
-
-    for file, text in render_check(model, render(model)).items():
-        assert text == (GENERATED / file).read_text(encoding="utf-8"), f"{file} is stale: make derive"
 
 
 @pytest.mark.parametrize(
@@ -89,17 +79,20 @@ def exponential(folder: Path, case: str, effect_id: str, *options: str) -> subpr
 
 @pytest.mark.parametrize(
     ("case", "effect_id", "real"),
-    [
-        pytest.param(case, effect_id, real, marks=() if real == few else pytest.mark.slow)
-        for case, effect_id, few in (
-            ("C2", "hidden_thermal_drift", "float"),
-            ("C2", "load_dependent[progressive]", ""),
-            ("C2", "stribeck_load[F_N]", ""),
-            ("C1", "sensor_delay", "double"),
-            ("C1", "magnetic_hysteresis[play]", ""),
-        )
-        for real in REALS
-    ],
+    quick(
+        [
+            (case, effect_id, real)
+            for case, effect_id in (
+                ("C2", "hidden_thermal_drift"),
+                ("C2", "load_dependent[progressive]"),
+                ("C2", "stribeck_load[F_N]"),
+                ("C1", "sensor_delay"),
+                ("C1", "magnetic_hysteresis[play]"),
+            )
+            for real in REALS
+        ],
+        {("C2", "hidden_thermal_drift", "float"), ("C1", "sensor_delay", "double")},
+    ),
 )
 def test_models_with_an_exponential(tmp_path: Path, case: str, effect_id: str, real: str) -> None:
     """Where an exponential is called, for each sample or in `prepare`, all bits but its own are NumPy's."""

@@ -3,7 +3,6 @@
     module     a derivation or Model -> a Python module: from the cache, else derived, emitted and built;
                its functions take arguments as NumPy accepts them
     entry      what the cache stores for a model, found without executing its derivation; the compiler
-    view       a Program -> the variables of `templates/compiled/`: C that Python calls
 
 In: a `Model`, its name or path. Out: a module. It imports
 `eccentric.core`; and `eccentric.model` and `eccentric.emission` only if it has to derive.

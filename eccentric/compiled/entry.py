@@ -93,7 +93,7 @@ def read_entry(name: str, key: str) -> CacheEntry | None:
 
 def write_entry(key: str, entry: CacheEntry) -> None:
     """Store an entry for that key; its library is already in the cache."""
-    write_record(f"{entry.name}_{key}", asdict(entry))
+    _write(f"{entry.name}_{key}", asdict(entry))
 
 
 def keep_library(name: str, build: Callable[[Path], Path]) -> str:
@@ -116,12 +116,7 @@ def read_record(name: str) -> dict[str, Any] | None:
     return None if found is None else json.loads(found)
 
 
-def write_record(name: str, content: dict[str, Any]) -> None:
-    """Store a JSON document for a name.
-
-    Raises:
-        InputError: the cache cannot be written.
-    """
+def _write(name: str, content: dict[str, Any]) -> None:
     write_cached(f"{name}.json", json.dumps(content).encode())
 
 
@@ -264,7 +259,7 @@ def remember(asked: str | Path, compiler: Compiler, entry: tuple[str, str]) -> N
     if max(path.stat().st_ctime for path in _toolkit()) > import_time.imported_at - 0.05:
         return
     behind = [(script.asked, str(script.path), _contents(script.text)) for script in scripts]
-    write_record(_name(asked, compiler), {"scripts": behind, "entry": entry})
+    _write(_name(asked, compiler), {"scripts": behind, "entry": entry})
 
 
 def _name(asked: str | Path, compiler: Compiler) -> str:

@@ -28,7 +28,7 @@ from eccentric.compiled.entry import (
 from eccentric.core import InputError, cache_folder, digest, is_arm_file, run_text
 
 if TYPE_CHECKING:
-    from eccentric.emission import Program
+    from eccentric.emission import Program, Routine
     from eccentric.model import Model
 
 
@@ -192,7 +192,6 @@ def _built(model: Model, compiler: Compiler) -> tuple[ModuleType, str, str]:
 
 
 def _compiled(program: Program, files: Mapping[str, str], compiler: Compiler) -> tuple[ModuleType, str, str]:
-    from eccentric.compiled.view import length_of, view
     from eccentric.emission import template
 
     module = files[f"{program.name}.py"]
@@ -205,9 +204,7 @@ def _compiled(program: Program, files: Mapping[str, str], compiler: Compiler) ->
         program.name,
         module,
         tuple(
-            Signature(
-                r.name, tuple(x.quantity.name for x in r.inputs), len(r.labels), r.requires, length_of(r)
-            )
+            Signature(r.name, tuple(x.quantity.name for x in r.inputs), len(r.labels), r.requires, _length(r))
             for r in program.routines
         ),
         tuple(s.name for s in program.held(single=True)),
@@ -218,6 +215,29 @@ def _compiled(program: Program, files: Mapping[str, str], compiler: Compiler) ->
     if served := _served(entry):
         return served, program.name, key
     raise InputError("compile", "a library that this process can load", cache_folder() / entry.library)
+
+
+def view(program: Program) -> dict[str, Any]:
+    """The variables of `templates/compiled/`: C by which Python calls the functions of a program."""
+    functions = [
+        {
+            "name": r.name,
+            "inputs": [x.quantity.name for x in r.inputs],
+            "width": len(r.labels),
+            "length": _length(r),
+            "inertia": int(bool(r.requires)),
+            "optional": int(r.last_is_optional),
+            "plain": bool(r.inputs) and not r.labels and not r.requires and not _length(r),
+        }
+        for r in program.routines
+    ]
+    most = max(len(r.inputs) for r in program.routines)
+    return {"name": program.name, "functions": functions, "most_inputs": most}
+
+
+def _length(r: Routine) -> int:
+    """The number of entries of every input, 0 where they are numbers."""
+    return next((x.length or 0 for x in r.inputs), 0)
 
 
 def _served(entry: CacheEntry | None) -> ModuleType | None:

@@ -7,7 +7,7 @@
     compensate Model, fit -> a compensation of friction for a loop, beside the C
     inertial_loss  whether friction that follows the acceleration stays below the inertia
     defaults   names and fitted values of the parameters;  templates  the environment of Jinja
-    render     the emitted files of a model, name -> text; `write` writes them, `hot` loads the module
+    render     the emitted files of a model, name -> text, and on the disk;  hot  the module, loaded
 
 In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model` and
 `eccentric.core`; it knows no data, and its templates know no physics.
@@ -15,10 +15,10 @@ In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model` an
 
 from eccentric.emission.adapt import Adaptation, prior_of, render_adapt
 from eccentric.emission.backends import BACKENDS, DEFAULT, Language, printed
-from eccentric.emission.check import joints_of, render_check
+from eccentric.emission.check import complete, joints_of, render_check
 from eccentric.emission.compensate import gain_of, render_compensation, sure_share
 from eccentric.emission.defaults import FittedValues, checked_name, document_of, read_parameters, with_fitted
-from eccentric.emission.hot import executed, executed_beside, load_module
+from eccentric.emission.hot import executed, executed_beside, inputs_of, load_module
 from eccentric.emission.inertial_loss import InertialLoss, inertial_loss, require_solvable
 from eccentric.emission.program import (
     WHOLE,
@@ -30,6 +30,5 @@ from eccentric.emission.program import (
     Routine,
     build_program,
 )
-from eccentric.emission.render import render, render_code, render_program
+from eccentric.emission.render import differences, render, render_code, render_program, write
 from eccentric.emission.templates import plain, template
-from eccentric.emission.write import complete, differences, write

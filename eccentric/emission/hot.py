@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import math
 import sys
 import zlib
 from collections.abc import Mapping
 from functools import cache
 from itertools import count
 from types import ModuleType
+from typing import Any
+
+import numpy as np
 
 from eccentric.core import derived
 from eccentric.emission.render import render_code
-from eccentric.model import Model, fingerprint
+from eccentric.model import AxisKind, Model, Quantity, fingerprint, spoken_quantity
 
 # Execute an emitted NumPy module from memory, with its runtime beside it.
 
@@ -88,3 +93,24 @@ def _files(model: Model) -> dict[str, str]:
     files = render_code(model, "numpy")
     derived.put(key, zlib.compress(json.dumps(files).encode()))
     return files
+
+
+# Call the functions of an emitted module at states of the motion.
+
+
+def inputs_of(function: Any) -> tuple[str, ...]:
+    """The names of the inputs of an emitted function."""
+    return tuple(x for x in inspect.signature(function).parameters if x not in {"parameters", "out"})
+
+
+def evaluated(function: Any, axis: AxisKind, states: Mapping[Quantity, np.ndarray]) -> np.ndarray:
+    """An emitted function at states of one shape, of the letters of a turning axis; other inputs are 0."""
+    known = {spoken_quantity(axis, q).name: x for q, x in states.items()}
+    zero = np.zeros_like(next(iter(states.values())))
+    return np.asarray(function(*(known.get(name, zero) for name in inputs_of(function))))
+
+
+def turn_of_link(model: Model, count: int) -> np.ndarray:
+    """That many motor angles over a turn of the link [rad] (count,)."""
+    mu = next((float(q.default) for q in model.parameters if q.name == "mu" and q.default is not None), 1.0)
+    return np.linspace(0.0, 2.0 * math.pi / mu, count, endpoint=False)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from eccentric.core import InputError
-from eccentric.emission.adapt import inputs_of
-from eccentric.emission.hot import load_module
-from eccentric.model import Model, spoken, spoken_quantity
+from eccentric.emission.hot import evaluated, load_module, turn_of_link
+from eccentric.model import Model, spoken
 from eccentric.model import vocabulary as v
 
 _ACCELERATIONS = np.concatenate([-np.geomspace(1e5, 1e-2, 36), np.geomspace(1e-2, 1e5, 36)])
@@ -44,16 +42,12 @@ def inertial_loss(model: Model, speed: float = _SLOW) -> InertialLoss | None:
     if v.alpha_m.symbol not in friction.free_symbols or missing:
         return None
     module = load_module(model)
-    given = {spoken_quantity(model.axis, q).name: q for q in (v.theta_m, v.omega_m, v.alpha_m)}
-    alpha = spoken_quantity(model.axis, v.alpha_m).name
-    mu = next((float(q.default) for q in model.parameters if q.name == "mu" and q.default is not None), 1.0)
-    angles = np.linspace(0.0, 2.0 * math.pi / mu, _ANGLES, endpoint=False)
     speeds = np.array([-speed, -1e-3 * speed, 1e-3 * speed, speed])
-    states = dict(zip(given, np.meshgrid(angles, speeds, _ACCELERATIONS, indexing="ij"), strict=True))
+    grid = np.meshgrid(turn_of_link(model, _ANGLES), speeds, _ACCELERATIONS, indexing="ij")
+    states = dict(zip((v.theta_m, v.omega_m, v.alpha_m), grid, strict=True))
 
     def along(function: Any) -> np.ndarray:
-        at = [states.get(name, np.zeros(states[alpha].shape)) for name in inputs_of(function)]
-        return np.diff(np.asarray(function(*at), float), axis=-1) / np.diff(_ACCELERATIONS)
+        return np.diff(evaluated(function, model.axis, states), axis=-1) / np.diff(_ACCELERATIONS)
 
     slopes = along(module.mechanical_friction_torque)
     inertia = -(along(module.mechanical_residual) + slopes)

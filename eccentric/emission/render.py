@@ -1,14 +1,18 @@
-"""Render the emitted files of a model: back ends by name, banner and digest in one place, output as text."""
+"""Render the emitted files of a model: back ends by name, banner and digest in one place; write the text."""
 
 from __future__ import annotations
 
+import difflib
 import hashlib
-from collections.abc import Iterable, Iterator
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
 
 import sympy as sp
 
-from eccentric.core import InputError
+from eccentric.core import InputError, whole_files
 from eccentric.emission.backends import BACKENDS, DEFAULT, Backend, UnprintableError, with_plain_text
 from eccentric.emission.program import WHOLE, Choice, Program, build_program
 from eccentric.emission.templates import plain, template
@@ -114,9 +118,81 @@ def render_program(
     return files
 
 
+def digest_of(model: Model, files: Mapping[str, str]) -> str:
+    """The digest of a model's emitted files, as its header spells it: 0x1234abcdUL."""
+    return re.findall(r"_PROGRAM (0x\w+)", files[f"{model.name}.h"])[0]
+
+
+def render_beside(
+    model: Model, part: str, ending: str, view: Mapping[str, Any], meaning: str, command: str
+) -> dict[str, str]:
+    """Files that belong to a model's own: header, source, Python and a driver of the proof, name -> text.
+
+    Args:
+        model: whose files they lie beside.
+        part: the folder of their templates.
+        ending: of their names, behind the model's.
+        view: what the templates are filled with, its digest among it.
+        meaning, command: what they are and what writes them, for the banner.
+    """
+    banner = (
+        f"Generated: do not edit. Written by `{plain(command)}`, beside {model.name}.c",
+        f"(eccentric {__version__}, program {view['digest'][2:].removesuffix('UL')}).",
+        meaning,
+    )
+    name = f"{model.name}_{ending}"
+    listed = (
+        ("header.h", f"{name}.h", "c99"),
+        ("source.c", f"{name}.c", "c99"),
+        ("module.py", f"{name}.py", "numpy"),
+        ("proof.c", f"check/{name}_proof.c", ""),
+    )
+    return {
+        file: (BACKENDS[backend].banner(banner) if backend else "") + template(f"{part}/{kind}").render(view)
+        for kind, file, backend in listed
+    }
+
+
 def _code(program: Program, backend: Backend, *, single_file: bool = False) -> dict[str, str]:
     """The files of a back end without their banners."""
     view = backend.view(program, _DIGEST)
     files = backend.written(program.name, single_file=single_file)
     texts = {file: template(name).render(view) for name, file in files.items()}
     return {file: text for file, text in texts.items() if text}  # a template may have nothing to say
+
+
+# Rendered files on the disk.
+
+
+def write(files: Mapping[str, str], out: Path) -> list[Path]:
+    """Write rendered files, name -> text, as one set; those that are already fresh are not touched.
+
+    Returns:
+        The paths, written or fresh.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    if any(_found(out / name) != text for name, text in files.items()):
+        with whole_files(out) as new:
+            for name, text in files.items():
+                (new / name).parent.mkdir(parents=True, exist_ok=True)
+                (new / name).write_text(text, encoding="utf-8", newline="\n")
+    return [out / name for name in files]
+
+
+def differences(files: Mapping[str, str], out: Path) -> str:
+    """The unified diff from the files in the folder to the rendered ones; "" if they are the same."""
+    diffs = []
+    for name, text in files.items():
+        diffs += difflib.unified_diff(
+            _found(out / name).splitlines(keepends=True),
+            text.splitlines(keepends=True),
+            f"generated/{name}",
+            f"derived/{name}",
+        )
+    return "".join(diffs)
+
+
+def _found(path: Path) -> str:
+    return path.read_text(encoding="utf-8") if path.is_file() else ""

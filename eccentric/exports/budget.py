@@ -9,7 +9,7 @@ from __future__ import annotations
 from eccentric.emission import render, template
 from eccentric.exports.drive import ExportedDrive
 from eccentric.exports.export import Exported, head
-from eccentric.exports.mjcf import FREE, pendulum
+from eccentric.exports.mjcf import FREE, written
 from eccentric.exports.warp import functions
 
 
@@ -46,6 +46,6 @@ def write(drive: ExportedDrive) -> Exported:
     missing = tuple(name for name in ("J_m", "J_l") if getattr(drive.p, name) is None)
     if not missing:
         lines = template("exports/written.xml").render(names).splitlines()
-        files[f"{drive.name}.xml"] = pendulum(drive, FREE, lines)
+        files[f"{drive.name}.xml"] = written(drive, FREE, lines)
         return Exported(files, left_out=drive.gravity[1])
     return Exported(files, unwritten=(f"{drive.name}.xml", missing))

@@ -6,9 +6,7 @@ the motor over mu, damping and inertia are those of the motor over mu^2.
 
 from __future__ import annotations
 
-import inspect
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
@@ -18,18 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError
-from eccentric.emission import joints_of, load_module
+from eccentric.emission import inputs_of, joints_of, load_module
 from eccentric.model import TURNING, Model
 
 Floats = NDArray[np.float64]
 
 DEFAULT_SPEEDS = (1.0, 60.0)
 """Motor speeds [rad/s] over which friction is compared where no log says more."""
-
-
-def _inputs(function: Callable[..., Any]) -> tuple[str, ...]:
-    """What an emitted function takes besides parameters and `out`."""
-    return tuple(x for x in inspect.signature(function).parameters if x not in {"parameters", "out"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +86,7 @@ class ExportedDrive:
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """The inputs of friction, in the order of `friction_budget`."""
-        return _inputs(self.module.friction_budget)
+        return inputs_of(self.module.friction_budget)
 
     def other_inputs(self) -> tuple[str, ...]:
         """Those that no motion has: a temperature, a current."""
@@ -180,7 +173,7 @@ class ExportedDrive:
             return 0.0, 0.0
         angle = np.linspace(-np.pi, np.pi, 720, endpoint=False)
         still = {"theta_m": angle / p.mu}
-        values = [still.get(x, np.zeros_like(angle)) for x in _inputs(function)]
+        values = [still.get(x, np.zeros_like(angle)) for x in inputs_of(function)]
         torque = np.broadcast_to(function(*values, p), angle.shape) / p.mu
         whole = p.M * p.g * p.L
         cosine = float(2.0 * np.mean(torque * np.sin(angle)) / whole) if whole else 0.0

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from importlib import import_module
 
 from eccentric.core import EXPORTS, InputError
-from eccentric.emission import plain
+from eccentric.emission import plain, template
 from eccentric.exports.drive import ExportedDrive
 from eccentric.exports.law import ConstantLaw
 from eccentric.version import __version__
@@ -62,10 +62,25 @@ def head(drive: ExportedDrive) -> dict[str, object]:
     }
 
 
-def stated(drive: ExportedDrive, law: ConstantLaw) -> dict[str, object]:
-    """The variables of templates that state how close a law is: error, range, levels at rest."""
+def pendulum(drive: ExportedDrive) -> dict[str, object]:
+    """The variables of templates that have the pendulum, as decimals in SI units; `radius` is to be seen."""
+    p = drive.p
+    values = {
+        "tilt": drive.tilt,
+        "mass": drive.mass,
+        "centre": -drive.centre,
+        "armature": drive.armature,
+        "inertia": drive.inertia,
+        "radius": 0.12 * p.L or 0.03,
+    }
+    values |= {letter: getattr(p, letter) for letter in ("g", "M", "L", "M_l")}
+    return head(drive) | {name: decimal(value) for name, value in values.items()}
+
+
+def stated(drive: ExportedDrive, law: ConstantLaw) -> list[str]:
+    """Lines for the head of a file that state how close a law is: error, range, levels at rest."""
     low, high = drive.link_speeds
-    return {
+    values = {
         "exact": law.exact and not drive.takes("alpha_m"),
         "accelerated": drive.takes("alpha_m"),
         "identified": drive.identified,
@@ -75,6 +90,7 @@ def stated(drive: ExportedDrive, law: ConstantLaw) -> dict[str, object]:
         "error_percent": f"{100.0 * law.error_rms / law.friction_rms:.2g}" if law.friction_rms else "0",
         "breakaway": f"{law.breakaway[0]:.4g} to {law.breakaway[1]:.4g}",
     }
+    return template("exports/stated").render(head(drive) | values).splitlines()
 
 
 def decimal(value: float) -> str:

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import hashlib
 import html
-import inspect
 import io
 import zipfile
 from dataclasses import dataclass
 
-from eccentric.emission import plain, render, template
+from eccentric.emission import inputs_of, plain, render, template
 from eccentric.exports.drive import ExportedDrive
 from eccentric.exports.export import Exported, decimal, head
 
@@ -58,15 +57,15 @@ def write(drive: ExportedDrive) -> Exported:
     token = hashlib.sha256("".join([listed, *sources.values()]).encode()).hexdigest()[:32]
     inputs = {"theta_m": "v[THETA_M]", "omega_m": "v[OMEGA_M]", "alpha_m": "drive->acceleration"}
     inputs |= {"torque": "torque", "dt": "dt"} | {x: f"v[{x.upper()}]" for x in drive.other_inputs()}
-    gravity = getattr(drive.module, "gravity_torque", None)
+    step, gravity = (getattr(drive.module, name, None) for name in ("friction_step", "gravity_torque"))
     names = head(drive) | {
         "token": token,
         "variables": variables,
         "parameters": [q for q in variables if q.causality == "parameter" and q.name != "step"],
         "others": [q for q in variables if q.name in drive.other_inputs()],
-        "by_acceleration": "alpha_m" in _taken(drive.module.friction_step),
-        "gravity": ", ".join(inputs[x] for x in _taken(gravity)) if gravity else "",
-        "taken": ", ".join(inputs[x] for x in _taken(drive.module.friction_step)),
+        "by_acceleration": "alpha_m" in inputs_of(step),
+        "gravity": ", ".join(inputs[x] for x in inputs_of(gravity)) if gravity else "",
+        "taken": ", ".join(inputs[x] for x in inputs_of(step)),
     }
     escaped = names | {"title": html.escape(str(names["title"]))}
     files = {
@@ -81,11 +80,6 @@ def write(drive: ExportedDrive) -> Exported:
         for file, text in files.items():
             zipped.writestr(zipfile.ZipInfo(file, _EPOCH), text, zipfile.ZIP_DEFLATED)
     return Exported({f"{name}.fmu": archive.getvalue()})
-
-
-def _taken(function: object) -> list[str]:
-    parameters = inspect.signature(function).parameters if callable(function) else {}
-    return [x for x in parameters if x not in {"parameters", "out"}]
 
 
 _STARTS = {"temperature": "25.0"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from eccentric.emission import template
 from eccentric.exports.drive import ExportedDrive
-from eccentric.exports.export import Exported, decimal, head, stated
+from eccentric.exports.export import Exported, decimal, pendulum, stated
 from eccentric.exports.law import ConstantLaw, nearest
 
 FREE = ConstantLaw(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, (0.0, 0.0))
@@ -17,33 +17,22 @@ def write(drive: ExportedDrive) -> Exported:
     Raises:
         InputError: the drive has no inertia, or friction that depends on more than its motion.
     """
-    law, left_out = nearest(drive), drive.gravity[1]
-    lines = template("exports/stated").render(head(drive) | stated(drive, law)).splitlines()
-    return Exported({f"{drive.name}.xml": pendulum(drive, law, lines)}, law, left_out)
+    law = nearest(drive)
+    return Exported({f"{drive.name}.xml": written(drive, law, stated(drive, law))}, law, drive.gravity[1])
 
 
-def pendulum(drive: ExportedDrive, law: ConstantLaw, lines: list[str]) -> str:
+def written(drive: ExportedDrive, law: ConstantLaw, lines: list[str]) -> str:
     """The model with this friction; `lines` say of it how close it is."""
     p, left_out = drive.p, drive.gravity[1]
     about = max(p.M * p.g * p.L, law.level)
     return template("exports/mjcf.xml").render(
-        head(drive)
+        pendulum(drive)
         | {
             "stated": lines,
             "left_out": f"{left_out:.3g}" if left_out > 1e-9 * about else "",
-            "g": decimal(p.g),
-            "tilt": decimal(drive.tilt),
-            "armature": decimal(drive.armature),
             "frictionloss": decimal(law.level),
             "damping": " ".join(map(decimal, law.damping)),
-            "M": decimal(p.M),
-            "L": decimal(p.L),
-            "M_l": decimal(p.M_l),
-            "centre": decimal(-drive.centre),
-            "mass": decimal(drive.mass),
-            "inertia": decimal(drive.inertia),
             "thickness": decimal(0.04 * p.L or 0.01),
-            "radius": decimal(0.12 * p.L or 0.03),
             "gear": decimal(1.0 / p.mu),
             "offset": decimal(-law.offset) if law.offset else "",
             "upper": f"{law.upper:.4g}",

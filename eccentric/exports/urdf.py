@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from eccentric.emission import template
 from eccentric.exports.drive import ExportedDrive
-from eccentric.exports.export import Exported, decimal, head, stated
+from eccentric.exports.export import Exported, decimal, pendulum, stated
 from eccentric.exports.law import nearest
 
 
@@ -16,18 +16,11 @@ def write(drive: ExportedDrive) -> Exported:
     Raises:
         InputError: the drive has no inertia, or friction that depends on more than its motion.
     """
-    law, names = nearest(drive, (1,), symmetric=True), head(drive)
+    law = nearest(drive, (1,), symmetric=True)
     values = {
-        "stated": template("exports/stated").render(names | stated(drive, law)).splitlines(),
-        "tilt": decimal(drive.tilt),
-        "mass": decimal(drive.mass),
-        "centre": decimal(-drive.centre),
-        "inertia": decimal(drive.inertia),
-        "armature": decimal(drive.armature),
+        "stated": stated(drive, law),
         "damping": decimal(law.damping[0]),
         "friction": decimal(law.level),
-        "L": decimal(drive.p.L),
-        "radius": decimal(0.12 * drive.p.L or 0.03),
     }
-    text = template("exports/urdf").render(names | values)
+    text = template("exports/urdf").render(pendulum(drive) | values)
     return Exported({f"{drive.name}.urdf": text}, law, drive.gravity[1])

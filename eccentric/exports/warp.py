@@ -29,6 +29,7 @@ _CALLS = {
     "cos": "wp.cos({0})",
 }
 _ROUNDER = "real(6755399441055744.0)"
+_WHERE = "wp.where({0}, {1}, {2})"
 
 
 def functions(model: Model, name: str) -> dict[str, Any]:
@@ -49,14 +50,13 @@ def functions(model: Model, name: str) -> dict[str, Any]:
     read |= set(routine.results)
     coefficients = [s.name for s in program.coefficients if s in read]
     places = {x: f"c[{k}]" for k, x in enumerate(coefficients)} | {"rounder": _ROUNDER}
-    calls = _CALLS | {helper: f"_{helper}(c, {{0}})" for helper in used}
     language = Language(
         symbol=lambda symbol: places.get(symbol, symbol),
         low=str,
         number=lambda decimal: f"real({decimal})",
-        call=lambda call, arguments: calls[call].format(*arguments),
-        pick=lambda a, relation, b, x, y: f"wp.where({a} {relation} {b}, {x}, {y})",
-        branches=_branches,
+        calls=_CALLS | {helper: f"_{helper}(c, {{0}})" for helper in used},
+        pick=_WHERE,
+        choice=_WHERE,
     )
     listed = [
         _function(f"_{x.name}", [x.argument.name], part, [str(x.assignments[-1].target)], language)
@@ -89,10 +89,3 @@ def _helpers(assignments: Iterable[Assignment], known: dict[str, Any]) -> set[st
     """The helpers that assignments call, also by way of others."""
     found = {str(call.args[0]) for a in assignments for call in a.value.atoms(Call)} & known.keys()
     return found.union(*(_helpers(known[x].assignments, known) for x in found))
-
-
-def _branches(pairs: list[tuple[str, str]]) -> str:
-    text = pairs[-1][0]
-    for value, condition in reversed(pairs[:-1]):
-        text = f"wp.where({condition}, {value}, {text})"
-    return text

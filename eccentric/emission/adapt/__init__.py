@@ -12,8 +12,8 @@ from eccentric.emission.adapt.prior import (
     Adaptation,
     alarm_of,
     covariance_of_fit,
-    inputs_of,
     prior_of,
+    regressor_rows,
     run_length,
     threshold_of,
 )

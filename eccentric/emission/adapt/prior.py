@@ -7,19 +7,19 @@ size. Without a fit the second alone remains, and the noise is a share of the fr
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
 from eccentric.core import InputError
-from eccentric.emission.hot import load_module
-from eccentric.model import LINEAR, TURNING, AxisKind, Column, Model, regressor, spoken, spoken_quantity
+from eccentric.emission.hot import evaluated, load_module, turn_of_link
+from eccentric.model import LINEAR, TURNING, AxisKind, Column, Model, regressor, spoken
 from eccentric.model import vocabulary as v
 
 CHANGE = 0.3
@@ -34,6 +34,8 @@ _LEAST_SPEED = {TURNING: 1e-3, LINEAR: 1e-6}
 """Least speed at which a row is used whatever the fit says [rad/s, m/s]: no encoder resolves less."""
 _NONE = 1e-12
 """The size of a column that is 0."""
+_ANGLES = 48
+"""States over a turn of the link."""
 _FARTHEST = 20.0
 """A coefficient stays within so many standard deviations of its start."""
 
@@ -167,28 +169,18 @@ def _seen(model: Model, speed: float, slow: float) -> tuple[np.ndarray, np.ndarr
     Friction is that at a medium speed. The size of a column is its mean there or at a slow speed, the larger:
     what Stribeck friction hangs on is nothing at a medium one.
     """
-    module = load_module(model)
-    mu = next((float(q.default) for q in model.parameters if q.name == "mu" and q.default is not None), 1.0)
-    angle = np.linspace(0.0, 2 * math.pi / mu, 48, endpoint=False)
-    values = np.asarray(module.friction_coefficients(), float)
-
-    def columns(*speeds: float) -> np.ndarray:
-        both = [sign * w for w in speeds for sign in (-1.0, 1.0)]
-        theta_m, omega_m = (x.ravel() for x in np.meshgrid(angle, both))
-        at = {v.theta_m: theta_m, v.omega_m: omega_m}
-        known = {spoken_quantity(model.axis, q).name: x for q, x in at.items()}
-        known["temperature"] = np.full_like(theta_m, 25.0)
-        inputs = [known.get(name, np.zeros_like(theta_m)) for name in inputs_of(module.regressor)]
-        return np.asarray(module.regressor(*inputs))
-
-    medium = columns(speed / 2, speed)
-    sizes = (np.mean(np.abs(x), 0) for x in (medium, columns(slow)))
+    values = np.asarray(load_module(model).friction_coefficients(), float)
+    medium, _ = regressor_rows(model, [-speed / 2, speed / 2, -speed, speed])
+    slowest, _ = regressor_rows(model, [-slow, slow])
+    sizes = (np.mean(np.abs(x), 0) for x in (medium, slowest))
     return values, np.maximum(np.maximum(*sizes), _NONE), float(np.mean(np.abs(medium @ values)))
 
 
-def inputs_of(function: Any) -> list[str]:
-    """The names of the inputs of an emitted function."""
-    return [name for name in inspect.signature(function).parameters if name not in {"parameters", "out"}]
+def regressor_rows(model: Model, speeds: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """Regressor (m, n) over a turn of the link at each speed and 25 degC, with their speeds (m,)."""
+    theta_m, omega_m = (x.ravel() for x in np.meshgrid(turn_of_link(model, _ANGLES), speeds))
+    states = {v.theta_m: theta_m, v.omega_m: omega_m, v.temperature: np.full_like(theta_m, 25.0)}
+    return evaluated(load_module(model).regressor, model.axis, states), omega_m
 
 
 def covariance_of_fit(columns: tuple[Column, ...], fit: Mapping[str, Any]) -> np.ndarray:
@@ -232,25 +224,16 @@ class Adaptation:
     settle: int = 20
 
     def __post_init__(self) -> None:
-        forgetting, asked = self.forgetting, self.false_alarms
-        if not _is_number(forgetting) or not LEAST_FORGETTING <= forgetting <= 1 - 1e-6:
-            raise InputError("forgetting", f"a number from {LEAST_FORGETTING} to 0.999999", f"{forgetting!r}")
-        if not _is_number(asked) or not LEAST_FALSE_ALARMS <= asked <= MOST_FALSE_ALARMS:
-            raise InputError(
-                "false_alarms",
-                f"a number of samples from {LEAST_FALSE_ALARMS:.0f} to {MOST_FALSE_ALARMS:.0e}",
-                f"{asked!r}",
-            )
-        if (
-            isinstance(self.settle, bool)
-            or not isinstance(self.settle, int)
-            or not 0 <= self.settle <= MOST_SETTLE
-        ):
-            raise InputError("settle", f"a number of samples from 0 to {MOST_SETTLE}", f"{self.settle!r}")
-
-
-def _is_number(x: object) -> bool:
-    return isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
+        least, most = LEAST_FALSE_ALARMS, MOST_FALSE_ALARMS
+        ranges = (
+            ("forgetting", LEAST_FORGETTING, 1 - 1e-6, f"a number from {LEAST_FORGETTING} to 0.999999"),
+            ("false_alarms", least, most, f"a number of samples from {least:.0f} to {most:.0e}"),
+            ("settle", 0, MOST_SETTLE, f"a number of samples from 0 to {MOST_SETTLE}"),
+        )
+        for name, low, high, expected in ranges:
+            value, kind = getattr(self, name), int if name == "settle" else int | float
+            if isinstance(value, bool) or not isinstance(value, kind) or not low <= value <= high:
+                raise InputError(name, expected, f"{value!r}")
 
 
 # The alarm: two cumulative sums of the standardised innovation, one for each sign of a change.

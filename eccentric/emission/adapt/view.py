@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -21,13 +20,13 @@ from eccentric.emission.adapt.update import (
     ranged_inputs,
     within,
 )
-from eccentric.emission.backends import BACKENDS, code, decimal, with_plain_text, wrapped
+from eccentric.emission.backends import code, decimal, with_plain_text, wrapped
 from eccentric.emission.check import proof_command
 from eccentric.emission.program import build_program
-from eccentric.emission.templates import plain, template
+from eccentric.emission.render import digest_of, render_beside
+from eccentric.emission.templates import plain
 from eccentric.model import Model, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
-from eccentric.version import __version__
 
 # The constants of the estimator, by the names in capitals that its C and Python share.
 
@@ -250,19 +249,6 @@ def render_adapt(
             way that it can follow.
     """
     asked = asked or Adaptation()
-    digest = re.findall(r"_PROGRAM (0x\w+)", files[f"{model.name}.h"])[0]
-    seen = view(model, prior, asked, digest, files[f"{model.name}.c"])
-    banner = (
-        f"Generated: do not edit. Written by `{plain(command)}`, beside {model.name}.c",
-        f"(eccentric {__version__}, program {digest[2:].removesuffix('UL')}).",
-        "Estimator of the friction coefficients.",
-    )
-    return {
-        file: (BACKENDS[backend].banner(banner) if backend else "") + template(f"adapt/{kind}").render(seen)
-        for kind, file, backend in (
-            ("header.h", f"{model.name}_adapt.h", "c99"),
-            ("source.c", f"{model.name}_adapt.c", "c99"),
-            ("module.py", f"{model.name}_adapt.py", "numpy"),
-            ("proof.c", f"check/{model.name}_adapt_proof.c", ""),
-        )
-    }
+    seen = view(model, prior, asked, digest_of(model, files), files[f"{model.name}.c"])
+    meaning = "Estimator of the friction coefficients."
+    return render_beside(model, "adapt", "adapt", seen, meaning, command)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import mpmath
@@ -48,17 +48,28 @@ class Language:
         symbol: spelling of a symbol.
         low: spelling of the low part of a pair.
         number: spelling of a decimal number.
-        call: spelling of a named operation with printed arguments; KeyError if the language lacks it.
-        pick: spelling of a choice, from (a, relation, b, x, y).
-        branches: spelling of a Piecewise, from [(value, condition), ...] with condition "" for otherwise.
+        calls: operation -> its spelling, with {0}, {1} for its arguments; others cannot be printed.
+        pick: a choice by sample, from condition and both values.
+        choice: a choice by parameters, likewise.
     """
 
     symbol: Callable[[str], str]
     low: Callable[[str], str]
     number: Callable[[str], str]
-    call: Callable[[str, list[str]], str]
-    pick: Callable[[str, str, str, str, str], str]
-    branches: Callable[[list[tuple[str, str]]], str]
+    calls: Mapping[str, str]
+    pick: str
+    choice: str
+
+    def call(self, name: str, *arguments: str) -> str:
+        """A named operation with printed arguments; KeyError if the language lacks it."""
+        return self.calls[name].format(*arguments)
+
+    def branches(self, cases: Sequence[tuple[str, str]]) -> str:
+        """A Piecewise, from value and condition of each case; the last one holds otherwise."""
+        text = cases[-1][0]
+        for value, condition in reversed(cases[:-1]):
+            text = self.choice.format(condition, value, text)
+        return text
 
 
 _CALLS: Mapping[type, str] = {
@@ -117,18 +128,19 @@ def _print(e: sp.Expr, language: Language) -> tuple[str, int]:
     if isinstance(e, Low):
         return language.low(e.args[0].name), _ATOM
     if isinstance(e, Call):
-        return language.call(e.args[0].name, [plain(e.args[1])]), _ATOM
+        return language.call(e.args[0].name, plain(e.args[1])), _ATOM
     if isinstance(e, Pick):
         a, relation, b, x, y = e.args
-        return language.pick(at(_SUM, a), relation.name, at(_SUM, b), plain(x), plain(y)), _ATOM
+        condition = f"{at(_SUM, a)} {relation.name} {at(_SUM, b)}"
+        return language.pick.format(condition, plain(x), plain(y)), _ATOM
     if isinstance(e, InSingle):
-        return language.call("in_single", [at(_SUM, part) for part in e.args]), _CHOICE
+        return language.call("in_single", *(at(_SUM, part) for part in e.args)), _CHOICE
     if isinstance(e, AtMost | Within):
         name = "at_most" if isinstance(e, AtMost) else "within"
-        return language.call(name, [at(_ATOM, part) for part in e.args]), _ATOM
+        return language.call(name, *(at(_ATOM, part) for part in e.args)), _ATOM
     if type(e) in _CALLS:
         try:
-            return language.call(_CALLS[type(e)], [plain(e.args[0])]), _ATOM
+            return language.call(_CALLS[type(e)], plain(e.args[0])), _ATOM
         except KeyError:
             raise UnprintableError(e) from None
     if isinstance(e, sp.Piecewise) and all(c == sp.true or isinstance(c, sp.Eq) for _, c in e.args):
@@ -156,7 +168,7 @@ def _print(e: sp.Expr, language: Language) -> tuple[str, int]:
     if e.is_Mul:
         return _product(e, at)
     if e.is_Pow and e.exp == sp.Rational(1, 2):
-        return language.call("sqrt", [plain(e.base)]), _ATOM
+        return language.call("sqrt", plain(e.base)), _ATOM
     if e.is_Pow and e.exp.is_negative:
         return f"{plain(sp.Integer(1))} / {at(_ATOM, 1 / e)}", _PRODUCT
     if e.is_Pow and e.exp.is_Integer:

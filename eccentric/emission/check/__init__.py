@@ -3,4 +3,4 @@
 In: a Model and its emitted files. Out: `render_check`, file name -> text.
 """
 
-from eccentric.emission.check.files import joints_of, limits, proof_command, render_check, views
+from eccentric.emission.check.files import complete, joints_of, limits, proof_command, render_check, views

@@ -6,18 +6,19 @@ evaluated.
 
 from __future__ import annotations
 
-import inspect
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
+from eccentric.emission.backends import DEFAULT
 from eccentric.emission.check import selftest
 from eccentric.emission.check.selftest import Called
-from eccentric.emission.hot import executed
-from eccentric.emission.program import SHORTEST
+from eccentric.emission.hot import executed, inputs_of
+from eccentric.emission.program import SHORTEST, WHOLE, Choice
+from eccentric.emission.render import render
 from eccentric.emission.templates import plain, template
 from eccentric.model import TURNING, AxisKind, Bump, Model, Quantity, interface_of, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
@@ -175,6 +176,34 @@ def joints_of(model: Model) -> int:
     return max(x.length or 0 for output in interface_of(model).outputs for x in output.inputs)
 
 
+def complete(
+    model: Model,
+    command: str = "make derive",
+    origin: str | None = None,
+    backends: Collection[str] = DEFAULT,
+    *,
+    single_file: bool = False,
+    choice: Choice = WHOLE,
+) -> dict[str, str]:
+    """The emitted files of a model and, in the folder `check`, those that check its C: name -> text.
+
+    With fixed parameters there is nothing to compare bits with: the coefficients come from 50 digits, those
+    that NumPy prepares from double precision. The self-test of the whole model calls the same functions.
+    The checks know inputs with an entry for each joint: an arm with hidden states, or whose friction follows
+    the time, has none.
+
+    Raises:
+        InputError: the model cannot be emitted.
+    """
+    files = render(model, command, origin, backends, single_file=single_file, choice=choice)
+    of_one_number = bool(model.states) or v.t in model.inputs
+    if "c99" not in backends or choice.fixed or (joints_of(model) and of_one_number):
+        return files
+    with_module = "numpy" in backends and not single_file
+    whole = files if with_module else render(model, command, origin, choice=choice)
+    return files | render_check(model, whole, arrays=choice.arrays != "none")
+
+
 def render_check(model: Model, files: Mapping[str, str], *, arrays: bool = True) -> dict[str, str]:
     """The files that check a model's emitted C, file name -> text.
 
@@ -227,17 +256,13 @@ def _defaults(model: Model) -> dict[str, float]:
     return {symbol.name: float(sp.Rational(value.xreplace(exact))) for symbol, value in exact.items()}
 
 
-def _taken(function: Any) -> tuple[str, ...]:
-    return tuple(x for x in inspect.signature(function).parameters if x not in {"parameters", "out"})
-
-
 def _inputs(own: Iterable[str], functions: Iterable[Any]) -> list[str]:
     """The inputs of the model, then hidden states and any other inputs of a function."""
-    return list(dict.fromkeys([*own, *(x for function in functions for x in _taken(function))]))
+    return list(dict.fromkeys([*own, *(x for function in functions for x in inputs_of(function))]))
 
 
 def _function(prefix: str, name: str, function: Any, inputs: list[str], many: bool, joints: int) -> Called:
-    taken, length = _taken(function), joints or 1
+    taken, length = inputs_of(function), joints or 1
     # Of the last input, which may need an inertia that is not given, 0 alone is sure to have a value.
     sample = [1.0] * (len(taken) - 1) + [0.0] * bool(taken)
     vectors = [bool(joints) and x not in selftest.NUMBERS for x in taken]

@@ -1,12 +1,11 @@
 """Compensation of friction in a loop, beside the emitted model: C99 and Python with the same bits.
 
     slopes     an expression of friction -> the largest size and slopes that it can have, as formulas
-    gain       a model, a fit.json -> the share of its friction that is there for sure
-    view       both -> the variables of `templates/compensate`, and the files
+    view       a model, a fit.json -> the share of its friction that is there for sure; what the templates
+               see, and the files
 
 In: a `Model`, the content of a fit.json. Out: `render_compensation`, file name -> text. The compensation is a
 function of the model's `friction_budget`: its own code is the same for every model.
 """
 
-from eccentric.emission.compensate.gain import gain_of, sure_share
-from eccentric.emission.compensate.view import render_compensation
+from eccentric.emission.compensate.view import gain_of, render_compensation, sure_share

@@ -15,7 +15,10 @@ from dataclasses import dataclass
 import sympy as sp
 
 from eccentric.core import InputError
+from eccentric.emission.check import limits
+from eccentric.model import Model, levels, spoken_quantity
 from eccentric.model import steps as s
+from eccentric.model import vocabulary as v
 
 Slopes = Mapping[sp.Symbol, sp.Expr]
 ZERO, ONE = sp.Integer(0), sp.Integer(1)
@@ -238,3 +241,89 @@ _RULES = (
     (s.FromTop, _from_top),
     ((s.Sgn, s.Forward, s.Backward), _flat),
 )
+
+
+# How steep the compensation is: bounds of the budget, one assignment after the other.
+
+
+@dataclass(frozen=True)
+class Steepness:
+    """Assignments name = formula, and the names of what the constants follow from.
+
+    Attributes:
+        assignments: in the order of their computation; of the parameters and of the largest speed, `speed`.
+        size: the largest level of dry friction up to this speed.
+        by: input -> the largest slope of the friction in one direction of motion.
+    """
+
+    assignments: tuple[tuple[str, sp.Expr], ...]
+    size: sp.Expr
+    by: Mapping[str, sp.Expr]
+
+
+_FASTEST_MOTION = sp.Symbol("speed_at_most", nonnegative=True)
+
+
+def steepness(model: Model) -> Steepness:
+    """Of the friction of a model in the letters of its axis, from its own levels."""
+    omega_m = v.omega_m.symbol
+    friction = tuple(t for t in model.balance("mechanical").terms if t.kind == "friction")
+    found = levels(model, omega_m, friction)
+    inputs = {q.symbol: q for q in (*model.inputs, *(state.quantity for state in model.states))}
+    sizes = {x: sp.Float(max(map(abs, limits(q, model.axis)))) for x, q in inputs.items()}
+    never = frozenset(x for x, q in inputs.items() if limits(q, model.axis)[0] >= 0.0)
+    walk = Walk(sizes | {omega_m: _FASTEST_MOTION}, never)
+    names: dict[sp.Expr, sp.Symbol] = {}
+    listed: list[tuple[sp.Symbol, sp.Expr]] = []
+
+    def named(name: str, value: sp.Expr) -> sp.Expr:
+        if value.is_Atom:
+            return value
+        if value not in names:
+            names[value] = sp.Symbol(name, nonnegative=True)
+            listed.append((names[value], value))
+        return names[value]
+
+    def kept(name: str, bound: SlopeBound) -> SlopeBound:
+        size = named(f"{name}_size", bound.size)
+        least = None if bound.least is None else named(f"{name}_least", bound.least)
+        return SlopeBound(size, least, {x: named(f"{name}_by_{x.name}", k) for x, k in bound.slopes.items()})
+
+    definitions = [(d.symbol, d.value) for d in model.definitions]
+    definitions += [(a.target, a.value) for a in found.definitions]
+    sides = (found.forward, found.backward)
+    needed = {x for side in sides for e in (side.dry, side.viscous) for x in e.free_symbols}
+    for symbol, value in reversed(definitions):
+        if symbol in needed:
+            needed |= value.free_symbols
+    varying = set(sizes)
+    for symbol, value in definitions:
+        if symbol not in needed:
+            continue
+        if value.free_symbols & varying or value.has(sp.sin, sp.cos, s.OpaqueStep):
+            varying.add(symbol)
+            walk.define(symbol, kept(symbol.name, walk(value)))
+        else:  # a number, once the parameters are known
+            walk.prepare(symbol, value)
+            names[value] = symbol
+            listed.append((symbol, value))
+    dry = [kept(f"dry_{k}", walk(side.dry)) for k, side in enumerate(sides)]
+    wet = [kept(f"viscous_{k}", walk(side.viscous * omega_m)) for k, side in enumerate(sides)]
+    slopes = {
+        x: named(
+            f"friction_by_{x.name}",
+            sp.Max(*(d.slopes.get(x, ZERO) + b.slopes.get(x, ZERO) for d, b in zip(dry, wet, strict=True))),
+        )
+        for x in inputs
+        if any(x in one.slopes for one in (*dry, *wet))
+    }
+    size = named("level_size", sp.Max(*(d.size for d in dry)))
+    by = {spoken_quantity(model.axis, inputs[x]).name: k for x, k in slopes.items()}
+    # Only what the constants follow from.
+    live = set().union(size.free_symbols, *(k.free_symbols for k in by.values()))
+    used = []
+    for symbol, value in reversed(listed):
+        if symbol in live:
+            used.append((symbol.name, value))
+            live |= value.free_symbols
+    return Steepness(tuple(reversed(used)), size, by)

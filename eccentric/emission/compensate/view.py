@@ -1,27 +1,28 @@
-"""What the templates of the compensation see, and the files that they give."""
+"""The compensation of friction: its gain, what its templates see, and the files that they give."""
 
 from __future__ import annotations
 
-import re
+import math
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import mpmath
+import numpy as np
 import sympy as sp
 
 from eccentric.core import InputError
-from eccentric.emission.backends import BACKENDS, decimal, with_plain_text, wrapped
+from eccentric.emission.adapt import covariance_of_fit, regressor_rows
+from eccentric.emission.backends import decimal, with_plain_text, wrapped
 from eccentric.emission.check import limits, proof_command
-from eccentric.emission.compensate.gain import MOST_WITHOUT_REFERENCE, CompensationGain
-from eccentric.emission.compensate.slopes import ZERO, SlopeBound, Walk
-from eccentric.emission.hot import executed, executed_beside
+from eccentric.emission.compensate.slopes import ZERO, steepness
+from eccentric.emission.hot import executed, executed_beside, load_module
 from eccentric.emission.program import build_program
+from eccentric.emission.render import digest_of, render_beside
 from eccentric.emission.templates import plain, template
-from eccentric.model import LINEAR, TURNING, AxisKind, Model, levels, spoken_quantity, steps
+from eccentric.model import LINEAR, TURNING, AxisKind, Model, regressor, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
-from eccentric.version import __version__
 
 # Assignments in the language of C and of Python, of formulas in the parameters.
 
@@ -82,83 +83,80 @@ def spell(e: sp.Expr, letters: Mapping[str, str], language: _Spelled) -> str:
     return of(e)
 
 
-# How steep the compensation is: bounds of the budget, one assignment after the other.
+# How much of the friction may be compensated: as much as the fit is sure is there.
+
+MOST_WITHOUT_REFERENCE = 0.9
+"""The most that may follow a measured velocity or a demanded torque."""
+_CONFIDENCE = 0.975
+_DRAWS, _SPEEDS = 20_000, 24
+_RANGE = {TURNING: (1.0, 40.0), LINEAR: (0.005, 0.2)}
+"""Speeds where a fit states none [rad/s, m/s]."""
+_LITTLE = 0.02
+"""A friction below this share of its mean is left out: a ratio of two noughts says nothing."""
 
 
 @dataclass(frozen=True)
-class Steepness:
-    """Assignments name = formula, and the names of what the constants follow from.
+class CompensationGain:
+    """The gain g, and where it comes from, in words."""
 
-    Attributes:
-        assignments: in the order of their computation; of the parameters and of the largest speed, `speed`.
-        size: the largest level of dry friction up to this speed.
-        by: input -> the largest slope of the friction in one direction of motion.
+    value: float
+    origin: str
+
+
+def gain_of(model: Model, fit: Mapping[str, Any] | None = None) -> CompensationGain:
+    """The ratio of the friction that is there with 97.5 % to the model's, over the whole identified range.
+
+    Of coefficients drawn by the fit's covariance, each draw has its least ratio of friction to the model's,
+    over a turn and the speeds of the fit; g is the ratio that 97.5 % of the draws stay above. It is one bound
+    of the torque at all states together: coefficients that are uncertain against each other cost nothing.
+
+    Raises:
+        InputError: the model has no friction to compensate.
     """
+    fit = fit or {}
+    columns = regressor(spoken(model))
+    rows, values = _states(model, fit)
+    friction = rows @ values
+    there = friction > _LITTLE * np.mean(np.abs(friction))
+    if not there.any():
+        raise InputError(f"model {model.name}", "friction to compensate", "none")
+    covariance = covariance_of_fit(columns, fit)
+    if not covariance.any():
+        stated = f"{MOST_WITHOUT_REFERENCE}, since without a fit the uncertainty of the friction is unknown"
+        return CompensationGain(MOST_WITHOUT_REFERENCE, stated)
+    value = sure_share(rows[there], values, covariance)
+    return CompensationGain(
+        value, f"{value}: with 97.5 % confidence, friction is nowhere below this share of the model's"
+    )
 
-    assignments: tuple[tuple[str, sp.Expr], ...]
-    size: sp.Expr
-    by: Mapping[str, sp.Expr]
+
+def sure_share(rows: np.ndarray, values: np.ndarray, covariance: np.ndarray) -> float:
+    """The share of a friction that is there at every state with 97.5 %, to three decimals, downwards.
+
+    Args:
+        rows: of the regressor (m, n), one for each state, with a friction above 0.
+        values: of the coefficients (n,).
+        covariance: of their errors (n, n).
+    """
+    squares, axes = np.linalg.eigh(covariance)
+    drawn = np.random.default_rng(0).standard_normal((len(values), _DRAWS))
+    errors = rows @ (axes * np.sqrt(np.maximum(squares, 0.0)) @ drawn)
+    least = 1.0 + np.min(errors / (rows @ values)[:, None], axis=0)
+    found = float(np.quantile(least, 1.0 - _CONFIDENCE))
+    # Further decimals are of the draws.
+    return math.floor(1000.0 * min(max(found, 0.0), 1.0)) / 1000.0
 
 
-_FASTEST_MOTION = sp.Symbol("speed_at_most", nonnegative=True)
-
-
-def steepness(model: Model) -> Steepness:
-    """Of the friction of a model in the letters of its axis, from its own levels."""
-    omega_m = v.omega_m.symbol
-    friction = tuple(t for t in model.balance("mechanical").terms if t.kind == "friction")
-    found = levels(model, omega_m, friction)
-    inputs = {q.symbol: q for q in (*model.inputs, *(state.quantity for state in model.states))}
-    sizes = {x: sp.Float(max(map(abs, limits(q, model.axis)))) for x, q in inputs.items()}
-    never = frozenset(x for x, q in inputs.items() if limits(q, model.axis)[0] >= 0.0)
-    walk = Walk(sizes | {omega_m: _FASTEST_MOTION}, never)
-    listed: dict[sp.Expr, sp.Symbol] = {}
-
-    def named(name: str, value: sp.Expr) -> sp.Expr:
-        return value if value.is_Atom else listed.setdefault(value, sp.Symbol(name, nonnegative=True))
-
-    def kept(name: str, bound: SlopeBound) -> SlopeBound:
-        size = named(f"{name}_size", bound.size)
-        least = None if bound.least is None else named(f"{name}_least", bound.least)
-        return SlopeBound(size, least, {x: named(f"{name}_by_{x.name}", k) for x, k in bound.slopes.items()})
-
-    definitions = [(d.symbol, d.value) for d in model.definitions]
-    definitions += [(a.target, a.value) for a in found.definitions]
-    sides = (found.forward, found.backward)
-    needed = {x for side in sides for e in (side.dry, side.viscous) for x in e.free_symbols}
-    for symbol, value in reversed(definitions):
-        if symbol in needed:
-            needed |= value.free_symbols
-    varying = set(sizes)
-    for symbol, value in definitions:
-        if symbol not in needed:
-            continue
-        if value.free_symbols & varying or value.has(sp.sin, sp.cos, steps.OpaqueStep):
-            varying.add(symbol)
-            walk.define(symbol, kept(symbol.name, walk(value)))
-        else:  # a number, once the parameters are known
-            walk.prepare(symbol, value)
-            listed[value] = symbol
-    dry = [kept(f"dry_{k}", walk(side.dry)) for k, side in enumerate(sides)]
-    wet = [kept(f"viscous_{k}", walk(side.viscous * omega_m)) for k, side in enumerate(sides)]
-    slopes = {
-        x: named(
-            f"friction_by_{x.name}",
-            sp.Max(*(d.slopes.get(x, ZERO) + b.slopes.get(x, ZERO) for d, b in zip(dry, wet, strict=True))),
-        )
-        for x in inputs
-        if any(x in one.slopes for one in (*dry, *wet))
-    }
-    size = named("level_size", sp.Max(*(d.size for d in dry)))
-    by = {spoken_quantity(model.axis, inputs[x]).name: k for x, k in slopes.items()}
-    # Only what the constants follow from.
-    live = set().union(size.free_symbols, *(k.free_symbols for k in by.values()))
-    used = []
-    for value, symbol in reversed(listed.items()):
-        if symbol in live:
-            used.append((symbol.name, value))
-            live |= value.free_symbols
-    return Steepness(tuple(reversed(used)), size, by)
+def _states(model: Model, fit: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of the regressor by the direction of motion, over a turn and the speeds of the fit; values."""
+    axis, ranges = model.axis, fit.get("ranges")
+    given = ranges.get(axis.named("speed_m_rad_s")) if isinstance(ranges, Mapping) else None
+    slowest, fastest = given if isinstance(given, list | tuple) and len(given) == 2 else _RANGE[axis]
+    slowest = max(slowest, 0.01 * fastest)
+    speed = np.geomspace(slowest, fastest, _SPEEDS)
+    rows, omega_m = regressor_rows(model, np.concatenate((-speed, speed)))
+    values = np.asarray(load_module(model).friction_coefficients(), float)
+    return rows * np.sign(omega_m)[:, None], values
 
 
 # The settings, with what is required of them and their defaults by the kind of axis.
@@ -314,13 +312,7 @@ def render_compensation(
     Raises:
         InputError: the friction of the model has an operation whose slope is not bounded.
     """
-    digest = re.findall(r"_PROGRAM (0x\w+)", files[f"{model.name}.h"])[0]
-    seen = view(model, gain, digest, files[f"{model.name}.c"])
-    banner = (
-        f"Generated: do not edit. Written by `{plain(command)}`, beside {model.name}.c",
-        f"(eccentric {__version__}, program {digest[2:].removesuffix('UL')}).",
-        "Friction compensation.",
-    )
+    seen = view(model, gain, digest_of(model, files), files[f"{model.name}.c"])
     python = template("compensate/module.py").render(seen)
     # The constants of the defaults are those that the module computes.
     found = executed_beside(executed(files, model.name), model.name, python).lipschitz()
@@ -328,14 +320,4 @@ def render_compensation(
         "constants": [f"{x:.4g} {model.axis.unit('N m')} per unit" for x in found.values()],
         "lipschitz": [_decimals(x) for x in found.values()],
     }
-    rendered = {
-        "header.h": (f"{model.name}_compensation.h", "c99"),
-        "source.c": (f"{model.name}_compensation.c", "c99"),
-        "module.py": (f"{model.name}_compensation.py", "numpy"),
-        "proof.c": (f"check/{model.name}_compensation_proof.c", ""),
-    }
-    return {
-        file: (BACKENDS[backend].banner(banner) if backend else "")
-        + template(f"compensate/{kind}").render(seen)
-        for kind, (file, backend) in rendered.items()
-    }
+    return render_beside(model, "compensate", "compensation", seen, "Friction compensation.", command)

@@ -24,6 +24,7 @@ from eccentric.emission.program.program import (
     SINE_RATIO,
     AtMost,
     Call,
+    Condition,
     Helper,
     InSingle,
     Low,

@@ -13,9 +13,10 @@ import sympy as sp
 
 from eccentric.core import InputError, meant
 from eccentric.emission.program.accuracy import promises
+from eccentric.emission.program.conditions import conditions
 from eccentric.emission.program.lower import HalfTurns, Lowering, written_out
 from eccentric.emission.program.prepare import Prepare, notes
-from eccentric.emission.program.program import BELOW, Helper, Pick, Program, Routine
+from eccentric.emission.program.program import BELOW, Condition, Helper, Pick, Program, Routine
 from eccentric.emission.program.shorten import shortened, without_copies
 from eccentric.model import (
     TURNING,
@@ -160,19 +161,26 @@ def require_distinct(program: Program) -> None:
     given = {q.name for q in (*program.parameters, *(q for q, _ in program.states))}
     inputs = {x.quantity.name for r in program.routines for x in r.inputs}
     inputs |= {q.name for q, _ in program.states}
-    _require_free(program.name, (inputs & _LOCAL) | (given & OF_COEFFICIENTS))
     prepared = _targets(program.prepare)
-    _require_free(program.name, {*given, *prepared} & _OF_PREPARE)
     known = given | {s.name for s in program.coefficients}
-    _require_free(program.name, _repeated([*given, *prepared]))
+    taken = [
+        (inputs & _LOCAL) | (given & OF_COEFFICIENTS),
+        {*given, *prepared} & _OF_PREPARE,
+        _repeated([*given, *prepared]),
+    ]
     for part in (*program.helpers, *program.routines):
         arguments = (
             [part.argument.name] if isinstance(part, Helper) else [x.quantity.name for x in part.inputs]
         )
         results = part.results if isinstance(part, Routine) else ()
         inner = [a for a in part.assignments if a.target not in results]
-        _require_free(program.name, _repeated([*arguments, *_targets(inner)]))
-        _require_free(program.name, known.intersection(_targets(part.assignments)))
+        taken += [_repeated([*arguments, *_targets(inner)]), known.intersection(_targets(part.assignments))]
+    if names := next(filter(None, taken), None):
+        raise InputError(
+            f"model {program.name}",
+            "a quantity with a name that the emitted code does not use for a value of its own",
+            f"{min(names)!r}: rename it",
+        )
 
 
 def _targets(assignments: Iterable[Assignment]) -> list[str]:
@@ -181,15 +189,6 @@ def _targets(assignments: Iterable[Assignment]) -> list[str]:
 
 def _repeated(names: Iterable[str]) -> set[str]:
     return {name for name, count in Counter(names).items() if count > 1}
-
-
-def _require_free(model: str, taken: set[str]) -> None:
-    if taken:
-        raise InputError(
-            f"model {model}",
-            ("a quantity with a name that the emitted code does not use for a value of its own"),
-            f"{min(taken)!r}: rename it",
-        )
 
 
 # A program under the names of its axis: what is printed of a carriage has positions, masses and forces.
@@ -247,6 +246,9 @@ def spoken_program(program: Program, axis: AxisKind) -> Program:
         axis=axis,
         needed_for={axis.letters.get(name, name): of for name, of in program.needed_for.items()},
         inertia=frozenset(axis.letters.get(name, name) for name in program.inertia),
+        conditions=tuple(
+            Condition(local(c.parameter), put(c.loss), put(c.inertia)) for c in program.conditions
+        ),
     )
 
 
@@ -316,6 +318,7 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
         fixed=choice.fixed,
         needed_for={name: output.name for output in interface.outputs for name in output.needs},
         inertia=frozenset(name for output in interface.outputs for name in output.requires),
+        conditions=conditions(model, routines),
     )
     program = spoken_program(program, model.axis)
     require_distinct(program)

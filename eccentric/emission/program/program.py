@@ -145,6 +145,15 @@ class Helper:
 
 
 @dataclass(frozen=True)
+class Condition:
+    """A parameter is valid while `loss` is less than `inertia`, expressions in parameters [kg m^2]."""
+
+    parameter: sp.Symbol
+    loss: sp.Expr
+    inertia: sp.Expr
+
+
+@dataclass(frozen=True)
 class Program:
     """All routines of a model and the parameter-only work they share.
 
@@ -167,6 +176,7 @@ class Program:
         axis: what moves.
         needed_for: parameter -> the function of the model that it is needed for, where it has no default.
         inertia: parameters without a default that nothing depends on without acceleration.
+        conditions: what parameters have to satisfy beside the sign of each.
     """
 
     name: str
@@ -188,6 +198,7 @@ class Program:
     axis: AxisKind = TURNING
     needed_for: Mapping[str, str] = field(default_factory=dict)
     inertia: frozenset[str] = frozenset()
+    conditions: tuple[Condition, ...] = ()
 
     def hot(self) -> tuple[Assignment, ...]:
         """Every assignment that is evaluated for each sample."""

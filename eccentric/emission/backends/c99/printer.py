@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import textwrap
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 from functools import reduce
 
 import mpmath
@@ -12,7 +12,7 @@ import sympy as sp
 
 from eccentric.core import InputError
 from eccentric.emission.backends.backend import number
-from eccentric.emission.backends.expression import Language, UnprintableError, printed
+from eccentric.emission.backends.expression import Language, UnprintableError, choice_of_pairs, printed
 from eccentric.emission.program import (
     BITS,
     LEADING_BITS,
@@ -54,20 +54,13 @@ DOUBLE = {
 
 def language(program: Program, calls: dict[str, str], symbol: Callable[[str], str], literal: str) -> Language:
     """C for a program: `calls` as above, `symbol` the spelling of names, `literal` a mould of numbers."""
-
-    def branches(pairs: list[tuple[str, str]]) -> str:
-        text = pairs[-1][0]
-        for value, condition in reversed(pairs[:-1]):
-            text = f"({condition}) ? {value} : ({text})"
-        return text
-
     return Language(
         symbol=symbol,
         low="{}.low".format,
         number=lambda decimal: literal.format(number(decimal)),
-        call=lambda name, arguments: calls[name].replace("MODEL", program.name).format(*arguments),
-        pick=lambda a, relation, b, x, y: f"(({a} {relation} {b}) ? {x} : {y})",
-        branches=branches,
+        calls={name: text.replace("MODEL", program.name) for name, text in calls.items()},
+        pick="(({0}) ? {1} : {2})",
+        choice="({0}) ? {1} : ({2})",
     )
 
 
@@ -210,7 +203,7 @@ def pair_functions(program: Program) -> frozenset[str]:
         return name
 
     pairs = paired(program)
-    silent = Language(str, str, str, lambda *_: "", lambda *_: "", lambda _: "")
+    silent = Language(str, str, str, defaultdict(str), "", "")
     for a in program.prepare:
         if a.target in pairs:
             pair_text(a.value, pairs, silent, noted)
@@ -236,10 +229,7 @@ def pair_text(e: sp.Expr, pairs: frozenset[sp.Symbol], plain: Language, call: Ca
     if e in pairs:
         return e.name
     if isinstance(e, sp.Piecewise):
-        # Conditions are plain; only the values are pairs.
-        values = {f"value_{k}": text(value) for k, (value, _) in enumerate(e.args)}
-        stand_in = sp.Piecewise(*((sp.Symbol(s), c) for s, (_, c) in zip(values, e.args, strict=True)))
-        return printed(stand_in, replace(plain, symbol=lambda name: values.get(name) or plain.symbol(name)))
+        return choice_of_pairs(e, text, plain)
     if isinstance(e, TurnLeft):
         return f"{call('turn_left')}({', '.join(printed(a, plain) for a in e.args)})"
     if e.is_Add:

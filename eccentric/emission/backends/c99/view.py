@@ -24,6 +24,7 @@ from eccentric.emission.program import (
     LARGEST_ANGLE,
     LARGEST_RATIO,
     ROUNDER,
+    Condition,
     InSingle,
     Program,
     Root,
@@ -84,12 +85,20 @@ def view(program: Program, digest: str) -> dict[str, Any]:
         lambda name: f"{program.name}_given(p->{name})" if name in given else value_of(name),
         "{}",
     )
+
+    def prepared_lines(*, late: bool) -> list[str]:
+        """Those of both precisions, or those of single precision only."""
+        chosen = (a for a in program.prepare if (a.target in program.single_only) == late)
+        return code(
+            _prepared(program, a, in_pairs if a.target in paired_symbols else in_prepare) for a in chosen
+        )
+
     coefficients = {s.name for s in program.coefficients}
     values = {single: evaluate_prepare(program, single) for single in (True, False)}
     expressions = [a.value for a in program.hot()]
     helpers = [name for name, kinds in _NEEDS.items() if any(e.has(*kinds) for e in expressions)]
     macros = _macros(program)
-    notes, single_only = dict(program.notes), program.single_only
+    notes = dict(program.notes)
     held, shared = program.held(single=True), len(program.held(single=False))
     absent = program.ungiven.intersection(program.coefficients) if program.fixed else program.ungiven
     array_names = [f"{r.name}_n" for r in program.routines if r.inputs]
@@ -118,6 +127,7 @@ def view(program: Program, digest: str) -> dict[str, Any]:
             _parameter(q, values[False][q.name].replace("NAN", NOT_GIVEN)) for q in program.parameters
         ],
         "valid": _valid(program),
+        "checks": _checks(program),
         "promises": program.promises,
         "far": f", |theta_m| to {LARGEST_ANGLE} rad, mu to {LARGEST_RATIO}",
         "bounded": "fastest" in {s.name for s in program.coefficients},
@@ -139,16 +149,8 @@ def view(program: Program, digest: str) -> dict[str, Any]:
         "series": [_series(name) for name in used_series(program)],
         "leading": splitting(program),
         "pairs": pair_functions(program),
-        "prepare": code(
-            _prepared(program, a, in_pairs if a.target in paired_symbols else in_prepare)
-            for a in program.prepare
-            if a.target not in single_only
-        ),
-        "single_prepare": code(
-            _prepared(program, a, in_pairs if a.target in paired_symbols else in_prepare)
-            for a in program.prepare
-            if a.target in single_only
-        ),
+        "prepare": prepared_lines(late=False),
+        "single_prepare": prepared_lines(late=True),
         "helpers_of_angle": [helper(program, h, coefficients) for h in program.helpers],
         "angle": any(staged(r).angles for r in program.routines),
         "staged": program.arrays != "none" and any(staged(r).angles for r in program.routines),
@@ -251,8 +253,31 @@ def _parameter(q: Quantity, value: str) -> dict[str, str]:
         "unit": q.unit,
         "default": value,
         "doc": f"{q.meaning} [{q.unit}]{equation}{note}",
-        "invalid": _invalid(q),
     }
+
+
+def _checks(program: Program) -> list[str]:
+    """The lines that find the first invalid parameter, from the last to the first."""
+    failing: dict[str, list[str]] = {}
+    for one in program.conditions:
+        failing.setdefault(one.parameter.name, []).append(_fails(program, one))
+    lines = []
+    for place, q in reversed(list(enumerate(program.parameters, 1))):
+        tests = [_invalid(q), *failing.get(q.name, [])]
+        if len(tests) == 1:
+            lines.append(f"invalid = ({tests[0]}) ? {place} : invalid;")
+        else:
+            lines += code([f"invalid = ({' || '.join(f'({test})' for test in tests)}) ? {place} : invalid;"])
+    return lines
+
+
+def _fails(program: Program, condition: Condition) -> str:
+    """The condition in C that another one fails; while a parameter in it is not given, it holds."""
+    plain = language(program, DOUBLE, "p->{}".format, "{}")
+    used = condition.loss.free_symbols | condition.inertia.free_symbols
+    absent = [q.name for q in program.parameters if q.symbol in used and q.default is None]
+    loss, inertia = (printed(e, plain) for e in (condition.loss, condition.inertia))
+    return " && ".join([*(f"(p->{name} != {NOT_GIVEN})" for name in absent), f"({loss} >= {inertia})"])
 
 
 def _invalid(q: Quantity) -> str:
@@ -273,6 +298,8 @@ def _valid(program: Program) -> str:
     }
     words = {"positive": "positive", "tilt": "from 0 to pi/2", "real": "any finite number"}
     named = [f"{', '.join(names)} {words[kind]}" for kind, names in kinds.items() if names]
+    if limited := ", ".join(one.parameter.name for one in program.conditions):
+        named.append(f"{limited} so that friction takes less of an acceleration than the inertia does")
     return "; ".join([*named, "the others not negative"])
 
 

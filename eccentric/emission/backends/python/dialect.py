@@ -46,21 +46,7 @@ class Dialect:
         self, calls: Mapping[str, str], symbol: Callable[[str], str], pair: Callable[[str], str] = str
     ) -> Language:
         """The language of expressions: `symbol` is the spelling of names, `pair` of those that are pairs."""
-
-        def branches(cases: list[tuple[str, str]]) -> str:
-            text = cases[-1][0]
-            for value, condition in reversed(cases[:-1]):
-                text = self.choice.format(condition, value, text)
-            return text
-
-        return Language(
-            symbol=symbol,
-            low=lambda name: f"{pair(name)}.low",
-            number=number,
-            call=lambda name, arguments: calls[name].format(*arguments),
-            pick=lambda a, relation, b, x, y: self.where.format(f"{a} {relation} {b}", x, y),
-            branches=branches,
-        )
+        return Language(symbol, lambda name: f"{pair(name)}.low", number, calls, self.where, self.choice)
 
 
 def on_samples(library: str) -> dict[str, str]:

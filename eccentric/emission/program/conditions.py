@@ -1,0 +1,51 @@
+"""Conditions on the parameters of a model, beside the sign of each: when a time step has one solution."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import sympy as sp
+
+from eccentric.emission.program.program import Condition, Routine
+from eccentric.model import Model, levels
+from eccentric.model import vocabulary as v
+
+
+def conditions(model: Model, routines: Iterable[Routine]) -> tuple[Condition, ...]:
+    """Those of dry friction that follows a load with the acceleration in it, such as the transmitted torque.
+
+    At rest such friction takes a share of an acceleration. Where that is as large as the inertia, a time step
+    has no solution or several. If the slope of the load depends on the state, as that of F_N of the rotating
+    link, parameters alone decide nothing: `inertial_loss` evaluates it.
+    """
+    alpha, omega = v.alpha_m.symbol, v.omega_m.symbol
+    moved = any(x.quantity.name == v.torque.name for r in routines for x in r.inputs)
+    if not moved or model.declares is not None:
+        return ()
+    terms = tuple(t for t in model.balance("mechanical").terms if t.kind == "friction")
+    if not any(alpha in model.expand(t.value).free_symbols for t in terms):
+        return ()
+    found = levels(model, omega, terms)
+
+    def expanded(e: sp.Expr) -> sp.Expr:
+        for a in reversed(found.definitions):
+            e = e.xreplace({a.target: a.value})
+        return model.expand(e)
+
+    listed: dict[sp.Expr, Condition] = {}
+    for level in (found.forward.dry, found.backward.dry):
+        # A level that is cut at 0 has the slope of what is cut.
+        dry = sp.expand(
+            level.replace(sp.Max, lambda *x: sp.Add(*x) if 0 in x and len(x) == 2 else sp.Max(*x))
+        )
+        for load in sorted(dry.free_symbols - model.parameter_symbols, key=str):
+            gain = sp.diff(expanded(load), alpha)
+            if gain == 0 or not gain.free_symbols <= model.parameter_symbols:
+                continue
+            for sign in (1, -1):
+                slope = sp.diff(dry.xreplace({sp.Abs(load): sign * load}), load).subs({omega: 0, load: 0})
+                slope = -slope if slope.could_extract_minus_sign() else slope
+                own = [q.symbol for q in model.parameters if q.symbol in slope.free_symbols]
+                if own and slope.free_symbols <= model.parameter_symbols:
+                    listed.setdefault(slope * gain, Condition(own[-1], slope * gain, model.inertia))
+    return tuple(listed.values())
