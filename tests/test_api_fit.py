@@ -99,7 +99,7 @@ def test_a_column_that_is_missing_is_named(log: Log) -> None:
     with pytest.raises(InputError) as error:
         eccentric.fit(table, rig)
 
-    assert str(error.value).startswith("table: expected column 'i', the log has time_s, ")
+    assert str(error.value).startswith("table: expected column 'i', but the log has time_s, ")
 
 
 def test_a_column_of_text_is_named_with_its_row(log: Log) -> None:

@@ -66,7 +66,7 @@ RIGS = {
         changed() | {"drive": "torque"},
         "drive: expected a channel with a column in the log (current, voltage), got 'torque'",
     ),
-    "no k_i": (changed(k_i_Nm_per_A=None), "expected k_i"),
+    "no k_i": (changed(k_i_Nm_per_A=None), "expected [known] k_i"),
     "never moving": (changed() | {"moving_threshold_rad_s": 1e4}, "moving rows"),
 }
 
