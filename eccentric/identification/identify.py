@@ -18,6 +18,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.core import InputError, MissingValueError
+from eccentric.identification import limits
 from eccentric.identification.coast_down import free_cubic
 from eccentric.identification.columns import (
     combinations,
@@ -28,17 +29,6 @@ from eccentric.identification.columns import (
 )
 from eccentric.identification.detection import Undetected, undetected
 from eccentric.identification.drive import LOAD, PER_INERTIA, Drive
-from eccentric.identification.limits import (
-    LEAST_CYCLES,
-    LEAST_IN_PLANE,
-    LEAST_R_SQUARED,
-    ONE_FREQUENCY,
-    SAME,
-    SAME_FREQUENCY,
-    SPEEDS,
-    WAVES_OF_THE_LINK,
-    WAVES_OF_THE_MOTOR,
-)
 from eccentric.identification.machine import Machine, evaluated
 from eccentric.identification.problem import Problem, pose
 from eccentric.identification.regression import (
@@ -105,7 +95,7 @@ class Fit:
     @property
     def fits_the_rig(self) -> bool:
         """Whether the log can be from this rig, in these units."""
-        return self.r_squared["paper"] >= LEAST_R_SQUARED or self.structured
+        return self.r_squared["paper"] >= limits.LEAST_R_SQUARED or self.structured
 
     @property
     def undetected(self) -> dict[str, Undetected]:
@@ -210,8 +200,8 @@ def _judged(
     fixed = {*problem.drive.known, *(s.name for s in problem.nonlinear), *following_letters(problem.model)}
     said = [] if band is None or not band.filtered else [band.warning]
     explained = {name: r_squared(*pair) for name, pair in held_out.items()}
-    beside = _beside_waves(problem, paper) if explained["paper"] < LEAST_R_SQUARED else 0.0
-    if beside >= LEAST_R_SQUARED:
+    beside = _beside_waves(problem, paper) if explained["paper"] < limits.LEAST_R_SQUARED else 0.0
+    if beside >= limits.LEAST_R_SQUARED:
         angle = problem.rig.axis.term("angle")
         said.append(
             f"the model explains {explained['paper']:.0%} of the drive's mean square; with terms that are"
@@ -234,7 +224,7 @@ def _judged(
         explained,
         band,
         tuple(warnings),
-        beside >= LEAST_R_SQUARED,
+        beside >= limits.LEAST_R_SQUARED,
         free_cubic(problem, paper),
     )
 
@@ -250,18 +240,18 @@ def _beside_waves(problem: Problem, paper: Solution) -> float:
         return 0.0
     judged = dataclasses.replace(problem, rows=rows_of(drive.channels, problem.rig))
     design, rows, motion = judged.design(paper.at), judged.rows, drive.channels.motion
-    link = {n * problem.rig.known.get("mu", 1.0) for n in range(1, WAVES_OF_THE_LINK + 1)}
-    orders = [*range(1, WAVES_OF_THE_MOTOR + 1), *(nu for nu in sorted(link) if nu != round(nu))]
+    link = {n * problem.rig.known.get("mu", 1.0) for n in range(1, limits.WAVES_OF_THE_LINK + 1)}
+    orders = [*range(1, limits.WAVES_OF_THE_MOTOR + 1), *(nu for nu in sorted(link) if nu != round(nu))]
     waves = [f(nu * motion.theta_m) for nu in orders for f in (np.cos, np.sin)]
     edges = np.quantile(
-        motion.omega_m[drive.channels.selection.fit_rows], np.linspace(0, 1, SPEEDS + 1)[1:-1]
+        motion.omega_m[drive.channels.selection.fit_rows], np.linspace(0, 1, limits.SPEEDS + 1)[1:-1]
     )
-    steps = [(np.digitize(motion.omega_m, edges) == k).astype(float) for k in range(SPEEDS)]
+    steps = [(np.digitize(motion.omega_m, edges) == k).astype(float) for k in range(limits.SPEEDS)]
     beside = rows.mean(np.column_stack([*waves, *steps]))
     if np.count_nonzero(rows.train) < rows.per_coefficient * beside.shape[1]:
         return 0.0
     left = design.target - design.columns @ paper.values
-    found = np.linalg.lstsq(beside[rows.train], left[rows.train], rcond=SAME)[0]
+    found = np.linalg.lstsq(beside[rows.train], left[rows.train], rcond=limits.SAME)[0]
     return r_squared((left - beside @ found)[rows.score], rows.mean(drive.driven_by())[rows.score])
 
 
@@ -301,7 +291,7 @@ def _one_frequency_for_both(problem: Problem) -> bool:
     stretches = rows_of_each(time.segment)
     least = 0.5 * max(map(len, stretches))
     found = [_one_frequency(time.t[rows], speed[rows]) for rows in stretches if len(rows) >= least]
-    return min(found) > 0.0 and max(found) < SAME_FREQUENCY * min(found)
+    return min(found) > 0.0 and max(found) < limits.SAME_FREQUENCY * min(found)
 
 
 def _one_frequency(t: Array, speed: Array) -> float:
@@ -310,7 +300,7 @@ def _one_frequency(t: Array, speed: Array) -> float:
     peak = int(np.argmax(power))
     # A Hann window spreads a frequency over two steps of the spectrum to either side.
     about = float(np.sum(power[max(peak - 2, 0) : peak + 3]))
-    if peak < LEAST_CYCLES or about < ONE_FREQUENCY * float(np.sum(power)):
+    if peak < limits.LEAST_CYCLES or about < limits.ONE_FREQUENCY * float(np.sum(power)):
         return 0.0
     return peak / float(t[-1] - t[0])
 
@@ -444,7 +434,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
 
 
 def _require_in_plane(rig: Rig, table: str, phi: float) -> None:
-    if math.cos(phi) < LEAST_IN_PLANE:
+    if math.cos(phi) < limits.LEAST_IN_PLANE:
         raise InputError(
             f"{rig.path}: [{table}] phi",
             "gravity in the plane of motion",

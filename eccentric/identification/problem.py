@@ -23,6 +23,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.core import InputError, MissingValueError, few
+from eccentric.identification import limits
 from eccentric.identification.columns import (
     Combination,
     bounded_letters,
@@ -35,14 +36,6 @@ from eccentric.identification.columns import (
 from eccentric.identification.drive import DRIVE_UNITS, LOAD, PER_INERTIA, Drive, inputs_of, load_gain
 from eccentric.identification.expressions import alike, seen_columns
 from eccentric.identification.fit_data import Emitted, Residuals
-from eccentric.identification.limits import (
-    ANGLE_STEP,
-    DELAYS,
-    LONGEST_DELAY_S,
-    LONGEST_DELAY_STEPS,
-    STARTS,
-    STEPS_OF_A_RANGE,
-)
 from eccentric.identification.machine import Machine
 from eccentric.identification.regression import ColumnRole, Design, Nonlinear, Solution
 from eccentric.model import Column, Load, Model, Role, regressor
@@ -65,15 +58,18 @@ def nonlinear_of(channels: Channels, rig: Rig, model: Model, needed: set[str]) -
     )
     found: list[Nonlinear] = []
     if "input_delay_s" in rig.estimate and channels.motor.measured_by == "voltage":
-        starts, most = tuple(k * step for k in DELAYS), max(LONGEST_DELAY_S, LONGEST_DELAY_STEPS * step)
+        starts, most = (
+            tuple(k * step for k in limits.DELAYS),
+            max(limits.LONGEST_DELAY_S, limits.LONGEST_DELAY_STEPS * step),
+        )
         found.append(Nonlinear("input_delay_s", "s", 0.0, most, starts, step))
     if "theta_zero_rad" in rig.estimate and turning:
-        found.append(Nonlinear("theta_zero_rad", "rad", -math.pi, math.pi, (0.0,), ANGLE_STEP))
+        found.append(Nonlinear("theta_zero_rad", "rad", -math.pi, math.pi, (0.0,), limits.ANGLE_STEP))
     for letter, (low, high) in rig.unknown.items():
         if letter in needed:
             starts, step = (
-                tuple(low + part * (high - low) for part in STARTS),
-                (high - low) / STEPS_OF_A_RANGE,
+                tuple(low + part * (high - low) for part in limits.STARTS),
+                (high - low) / limits.STEPS_OF_A_RANGE,
             )
             found.append(Nonlinear(letter, _UNITS[letter], low, high, starts, step))
     return found

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.effects import Effect, Shape
+from eccentric.identification import limits
 from eccentric.identification.drive import in_drive_unit
 from eccentric.identification.expressions import alike, base_coefficients
 from eccentric.identification.extended import Extended, Step
 from eccentric.identification.fit_data import FitData, Values, drive_noise
-from eccentric.identification.limits import AT_END, CONVERGED, FIRST_PART, HALVINGS, LEAST_TILT, SHAPE_STEP
 from eccentric.identification.machine import Machine
 from eccentric.identification.regression import Coefficient, Nonlinear, slopes_between
 from eccentric.identification.uncertainty import TWO_SIDED, Estimate, rms
@@ -140,7 +140,7 @@ def _tilt(cosine: Estimate, ends: tuple[float, float]) -> Estimate:
 def _end_of(shape: Shape, value: float) -> int:
     """-1 for a shape at the lower end of its range, 1 at the upper, 0 in between."""
     place = shape.place_of(value)
-    return int(place > 1.0 - AT_END) - int(place < AT_END)
+    return int(place > 1.0 - limits.AT_END) - int(place < limits.AT_END)
 
 
 def _profile(fit: Extended, step: Step, balance: str, shape: Shape) -> tuple[float, float]:
@@ -159,14 +159,14 @@ def _profile(fit: Extended, step: Step, balance: str, shape: Shape) -> tuple[flo
     most = least * (1.0 + TWO_SIDED**2 / len(np.unique(rows.block[train])))
     found = []
     for way, last in ((-1.0, 0.0), (1.0, 1.0)):
-        inside, distance = start, FIRST_PART
+        inside, distance = start, limits.FIRST_PART
         while (outside := start + way * distance) * way < last * way and loss(outside) <= most:
             inside, distance = outside, 2.0 * distance
         outside = min(max(outside, 0.0), 1.0)
         if loss(outside) <= most:
             found.append(outside)
             continue
-        for _ in range(HALVINGS):
+        for _ in range(limits.HALVINGS):
             middle = 0.5 * (inside + outside)
             inside, outside = (middle, outside) if loss(middle) <= most else (inside, middle)
         found.append(outside)
@@ -194,7 +194,10 @@ def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]
     """Slopes (rows, q) of prediction minus target by each shape, by forward differences; 0 without one."""
     point = step.point
     ends = {
-        name: (x := point.values[name], x + SHAPE_STEP * (s.high - s.low if s.scale == "linear" else x))
+        name: (
+            x := point.values[name],
+            x + limits.SHAPE_STEP * (s.high - s.low if s.scale == "linear" else x),
+        )
         for name, s in shapes.items()
         if not s.jumps
     }
@@ -216,7 +219,7 @@ def _outside(c: Coefficient, fit: Extended, step: Step) -> tuple[str, float, flo
         value = point.values[drive.adjusts]
         if drive.adjusts == "phi":
             # Of d cos(phi) = -sin(phi) d phi, for correlations; finite in an upright plane.
-            return "phi", value, -math.cos(value) / max(math.sin(value), LEAST_TILT), "rad"
+            return "phi", value, -math.cos(value) / max(math.sin(value), limits.LEAST_TILT), "rad"
         units = {q.name: q.unit for q in fit.model.parameters}
         return drive.adjusts, value, value, units[drive.adjusts]
     if c.role == "back_emf":
@@ -287,7 +290,7 @@ class Refit:
     @property
     def settled(self) -> bool:
         """Whether another step would not change the digits that are shown."""
-        return self.change < CONVERGED
+        return self.change < limits.CONVERGED
 
     def held_out(self, balance: str) -> float:
         """Held-out RMSE of a balance [N m]."""

@@ -31,19 +31,6 @@ import numpy as np
 from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.candidate import Candidate, Variant
 from eccentric.diagnosis.search.crossval import Gram, cross_validate_each, groups_of, inverses, sum_of_each
-from eccentric.diagnosis.search.limits import (
-    AT_ONCE,
-    CHANCE,
-    COLUMNS_AT_ONCE,
-    DRAWS,
-    EXTRAPOLATED,
-    LEAST_BLOCKS,
-    LEVEL,
-    SIGNS,
-    TAIL,
-    TINY_COLUMN,
-    WITH_NOISE,
-)
 from eccentric.diagnosis.search.screen import Fitted, Screen
 from eccentric.signals import blocks_of
 
@@ -278,7 +265,7 @@ def flipped_null(residual: Array, columns: Array, block: Array) -> Array:
     rng = np.random.default_rng(5)
     starts = np.flatnonzero(np.r_[True, block[1:] != block[:-1]])
     per_block = np.add.reduceat(columns * residual[:, None], starts, axis=0)
-    signs = rng.choice([-1.0, 1.0], size=(DRAWS, len(starts)))
+    signs = rng.choice([-1.0, 1.0], size=(limits.DRAWS, len(starts)))
     return np.max((signs @ per_block) ** 2, axis=1) / float(np.mean(residual**2))
 
 
@@ -287,17 +274,17 @@ def null_quantile(screen: Screen, fitted: Fitted) -> float:
     residual = screen.residual(fitted)
     _, design, _ = screen.design(fitted.variants)
     q, _ = np.linalg.qr(design)
-    gain = np.zeros(DRAWS)
+    gain = np.zeros(limits.DRAWS)
     # A few columns at a time: copies of the library would be most of the memory of a long log.
-    for start in range(0, screen.library.shape[1], COLUMNS_AT_ONCE):
-        some = screen.library[:, start : start + COLUMNS_AT_ONCE]
+    for start in range(0, screen.library.shape[1], limits.COLUMNS_AT_ONCE):
+        some = screen.library[:, start : start + limits.COLUMNS_AT_ONCE]
         left = some - q @ (q.T @ some)
         length = np.linalg.norm(left, axis=0)
-        kept = length > TINY_COLUMN * np.linalg.norm(some, axis=0)
+        kept = length > limits.TINY_COLUMN * np.linalg.norm(some, axis=0)
         if np.any(kept):
             own = flipped_null(residual, left[:, kept] / length[kept], screen.block)
             gain = np.maximum(gain, own)
-    return float(np.quantile(gain, LEVEL)) * screen.effective(fitted) / screen.rows
+    return float(np.quantile(gain, limits.LEVEL)) * screen.effective(fitted) / screen.rows
 
 
 def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
@@ -314,25 +301,25 @@ def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
     since = rows.t - rows.t[np.searchsorted(block, block)]
     second = np.arange(screen.rows) if rows.independent else blocks_of(since, block, since)
     count = int(second[-1]) + 1
-    if count < LEAST_BLOCKS:
+    if count < limits.LEAST_BLOCKS:
         return True
     residual = screen.residual(before)
     predicted = screen.balance.target - residual
     small, large = (_Drawn.of(screen, fitted, predicted, residual, second) for fitted in (before, after))
     gain, rng, drawn = np.log(before.score / after.score), np.random.default_rng(5), []
-    for _ in range(SIGNS // AT_ONCE):
-        signs = rng.choice([-1.0, 1.0], size=(count, AT_ONCE))
+    for _ in range(limits.SIGNS // limits.AT_ONCE):
+        signs = rng.choice([-1.0, 1.0], size=(count, limits.AT_ONCE))
         first, then = small.losses(signs), large.losses(signs)
         if after.last.ridge:
-            then = np.where(then > EXTRAPOLATED * first, first, then)
+            then = np.where(then > limits.EXTRAPOLATED * first, first, then)
         drawn.append(np.log(first.sum(axis=0) / then.sum(axis=0)))
         if np.any(drawn[-1] >= gain):
             return False
     every = np.concatenate(drawn)
-    if after.last.variable not in WITH_NOISE:
+    if after.last.variable not in limits.WITH_NOISE:
         return True
-    high = np.quantile(every, 1.0 - TAIL)
-    return bool(gain > high + np.mean(every[every > high] - high) * np.log(TAIL / CHANCE))
+    high = np.quantile(every, 1.0 - limits.TAIL)
+    return bool(gain > high + np.mean(every[every > high] - high) * np.log(limits.TAIL / limits.CHANCE))
 
 
 @dataclass(frozen=True)
