@@ -20,7 +20,7 @@ from eccentric.identification import (
     search,
     slopes_between,
 )
-from eccentric.identification.machine import Machine
+from eccentric.identification.drive import Machine
 from eccentric.model import load_model
 from eccentric.model import vocabulary as v
 

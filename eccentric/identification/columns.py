@@ -23,7 +23,7 @@ from eccentric.rigs import KNOWNS, Rig
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from eccentric.identification.machine import Machine
+    from eccentric.identification.drive import Machine
 
 
 Array = NDArray[np.float64]
@@ -284,8 +284,7 @@ def require_case(rig: Rig, model: Model) -> None:
     if rig.case != case:
         received = f"case {rig.case}" if rig.case else "a tilted plane (no case)"
         raise InputError(
-            rig.path,
-            problem=f"model {model.name} requires case {case}, got {received}; {rig.model} fits it",
+            rig.path, problem=f"model {model.name} requires case {case}, got {received}; {rig.model} fits it"
         )
 
 

@@ -16,7 +16,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.emission import load_module
-from eccentric.identification.drive import Drive
+from eccentric.identification.drive import Drive, Machine
 from eccentric.identification.expressions import (
     Signals,
     base_coefficients,
@@ -27,7 +27,6 @@ from eccentric.identification.expressions import (
     state_series,
 )
 from eccentric.identification.limits import MOSTLY_OFF
-from eccentric.identification.machine import Machine
 from eccentric.identification.regression import require_rank
 from eccentric.model import Model, meaning
 from eccentric.model import vocabulary as v

@@ -10,41 +10,29 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import sympy as sp
 from numpy.typing import NDArray
+from scipy.special import ndtr
 
-from eccentric.core import InputError, MissingValueError
 from eccentric.identification import limits
-from eccentric.identification.coast_down import free_cubic
-from eccentric.identification.columns import (
-    combinations,
-    following_letters,
-    identified_letters,
-    require_case,
-    with_own,
+from eccentric.identification.columns import combinations, following_letters, identified_letters, own_letters
+from eccentric.identification.drive import in_drive_unit
+from eccentric.identification.problem import Problem, delay_or_inertia, pose, solved
+from eccentric.identification.regression import Nonlinear, Profile, Solution, profile, search
+from eccentric.identification.uncertainty import (
+    TWO_SIDED,
+    Estimate,
+    Spread,
+    covariance,
+    improvement,
+    r_squared,
+    rms,
 )
-from eccentric.identification.detection import Undetected, undetected
-from eccentric.identification.drive import LOAD, PER_INERTIA, Drive
-from eccentric.identification.machine import Machine, evaluated
-from eccentric.identification.problem import Problem, pose
-from eccentric.identification.regression import (
-    Coefficient,
-    ColumnRole,
-    Nonlinear,
-    Profile,
-    Solution,
-    profile,
-    require_rank,
-    search,
-)
-from eccentric.identification.uncertainty import Estimate, Spread, improvement, r_squared, rms
-from eccentric.model import AxisKind, Model
-from eccentric.model import vocabulary as v
-from eccentric.rigs import ALIGNMENT, Rig, mass_alone
+from eccentric.model import Load, Model
+from eccentric.rigs import Rig
 from eccentric.signals import (
     LEAST_HELD_OUT,
     Band,
@@ -54,12 +42,37 @@ from eccentric.signals import (
     rows_of,
     rows_of_each,
     white_noise,
-    with_doubts,
 )
 
 Array = NDArray[np.float64]
 
 # The fit of a model and of Coulomb + viscous friction, on the same rows.
+
+
+@dataclass(frozen=True)
+class Undetected:
+    """A coefficient of friction by F_N whose interval reaches 0.
+
+    Attributes:
+        upper: end of its 95 % interval, in `unit`.
+        reference: the model's own value, None where the log has no newton metres to compare it in.
+        z: the reference in standard errors of the coefficient when it is free.
+    """
+
+    upper: float
+    unit: str
+    reference: float | None
+    z: float | None
+
+    @property
+    def power(self) -> float | None:
+        """The probability that the interval of such a log excludes 0 if the reference is true."""
+        return None if self.z is None else detection_power(self.z)
+
+
+def detection_power(z: float) -> float:
+    """The probability that a coefficient of z standard errors has an interval without 0."""
+    return float(ndtr(z - TWO_SIDED))
 
 
 @dataclass(frozen=True)
@@ -255,30 +268,6 @@ def _beside_waves(problem: Problem, paper: Solution) -> float:
     return r_squared((left - beside @ found)[rows.score], rows.mean(drive.driven_by())[rows.score])
 
 
-def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> Solution:
-    """The best solution; `where` opens a message, coefficients of `positive` roles have to be above zero.
-
-    Raises InputError for columns that are dependent on this log, and for a drive that contradicts the motion.
-    """
-    found = search(problem)
-    axis = problem.rig.axis
-    names = [axis.named(c.name) for c in problem.coefficients]
-    with with_doubts(problem.drive.channels.intake.findings):
-        require_rank(found.design.columns[problem.rows.train], names, where, axis)
-        for c, value in zip(problem.coefficients, found.values, strict=True):
-            if c.role in positive and value <= 0.0:
-                load = f", and that of {axis.named(LOAD)}" if problem.rig.known.get(LOAD) else ""
-                by = axis.named(problem.drive.channels.motor.measured_by)
-                signs = f"do the signs of {by} and {axis.term('angle')} agree{load}?"
-                why = _delay_or_inertia(found.at, axis) if c.role == "inertia" else ""
-                raise InputError(
-                    where,
-                    f"{axis.named(c.name)} ({axis.term(c.role)} of the drive) above 0",
-                    f"{value:.3g}: {why or signs}",
-                )
-    return found
-
-
 def _one_frequency_for_both(problem: Problem) -> bool:
     """Whether delay and inertia are both open, and the motion has one frequency.
 
@@ -335,18 +324,6 @@ def _estimates(
     return coefficients, searched
 
 
-def _delay_or_inertia(at: Mapping[str, float], axis: AxisKind) -> str:
-    """That an estimated delay takes the place of an inertia, "" where none is estimated."""
-    if not at.get("input_delay_s"):
-        return ""
-    inertia = axis.term("inertia")
-    return (
-        f"beside it input_delay_s = {at['input_delay_s']:.3g} s is estimated, and at one frequency a delay"
-        f" and an {inertia} cannot be told apart: declare the {inertia} or the delay, or log several"
-        " frequencies"
-    )
-
-
 def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
     found, axis = [], problem.rig.axis
     friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
@@ -360,7 +337,7 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
         at_bound = c.role == "inertia" and active == -1
         if at_bound or (c.role == "inertia" and _one_frequency_for_both(problem)):
             where = "is at its bound" if at_bound else "may be wrong"
-            why = _delay_or_inertia(paper.at, axis)
+            why = delay_or_inertia(paper.at, axis)
             found += [f"{axis.named(c.name)} {where}: {why}"] if why else []
     for s in problem.nonlinear:
         value = paper.at[s.name]
@@ -379,168 +356,71 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
     return found
 
 
-# The drive of a log from a first fit of the paper's model: delay, zero angle, offset, inertia and scale.
+# Friction by F_N that a log does not show: an upper bound, and what the log could have shown.
+#
+# A coefficient whose interval reaches 0 is not detected.  Its upper bound is the upper end of that interval.
+# Whether this is news depends on the value that one expects: z is that of the model (Table 1 of the paper,
+# for the bundled models) in standard errors of the coefficient, with all others free and no bounds.  At
+# z = 5 the log would have shown it nearly always, at z = 1 hardly ever.
 
 
-def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
-    """Return the drive of a log; `base` is the paper's model, without load.
+def undetected(
+    problem: Problem, unbounded: Solution, estimates: Mapping[str, Estimate]
+) -> dict[str, Undetected]:
+    """Coefficients of friction by F_N that a log does not show, by their letters.
 
-    Raises InputError for what `problem.pose` refuses, for a drive whose sign contradicts the motion, and for
-    a plane of motion that is level for a model with a tilt.
+    Args:
+        problem: of the fit.
+        unbounded: its solution without bounds.
+        estimates: of the bounded fit, by letter, in newton metres where the log has a scale.
     """
-    require_case(rig, base)
-    if base.tilted:
-        _require_in_plane(rig, "known", rig.known.get("phi", 0.0))
-    machine, rig = Machine(base), with_own(rig, base)
-    open_inertia = not set(machine.inertias) <= set(rig.known)
-    by = channels.motor.measured_by
-    measured = by == "torque" or (by == "current" and machine.torque_letters <= set(rig.known))
-    if measured and not open_inertia and not rig.unknown and not rig.estimate:
-        unit = PER_INERTIA if rig.per_inertia else "N m"
-        return Drive(machine, channels, _needed(channels, rig, base, machine), None, unit)
-    problem = pose(channels.driven, rig, base)
-    first = solved(problem, rig.path, positive={"scale", "inertia"})
-    found = {c.role: float(x) for c, x in zip(problem.coefficients, first.values, strict=True)}
-    aligned = {k: x for k, x in first.at.items() if k in ALIGNMENT}
-    if "offset" in found:
-        aligned["voltage_offset_V"] = found["offset"]
-    letters = {k: x for k, x in first.at.items() if k not in aligned}
-    _require_in_plane(rig, "unknown", letters.get("phi", 0.0))
-    rig = dataclasses.replace(rig, known={**rig.known, **letters})
-    s = found.get("scale", 1.0)
-    scale = None if problem.drive.scale is None else problem.drive.scale * s
-    known = _needed(channels, rig, base, machine)
-    unit = "N m" if problem.has("scale") else problem.drive.unit
-    rotor = None
-    if open_inertia and unit == "N m":
-        known |= _inertias(rig, machine, found["inertia"] / s)
-        rotor = rig.known.get(machine.rotor)
-    elif open_inertia:
-        # Volts have no part in kg m^2 that could be subtracted: the rotor stands for all of the inertia.
-        known |= {machine.rotor: found["inertia"]} | ({machine.link: 0.0} if machine.link else {})
-    opened, adjusts = _open(channels, rig, problem, open_inertia)
-    return Drive(
-        machine,
-        channels.realigned(rig, dataclasses.replace(channels.alignment, **aligned)),
-        known,
-        scale,
-        unit,
-        opened,
-        adjusts,
-        _identified(first, scale if unit == "N m" else None, machine if open_inertia else None, rig),
-        tuple(w for w in problem.warnings if w not in channels.intake.warnings),
-        rotor,
-    )
+    nonlinear = [one for one in problem.nonlinear if one.name in unbounded.at]
+    error, own = unbounded.spread(nonlinear), own_letters(problem.model)
+    roles = {c.role: float(x) for c, x in zip(unbounded.design.coefficients, unbounded.values, strict=True)}
+    torque = problem.scale is None and problem.unit == "N m"
+    per_newton = roles.get("scale", 1.0 if torque else 0.0)
+    found: dict[str, Undetected] = {}
+    for k, (columns, c) in enumerate(zip(problem.friction, problem.coefficients, strict=False)):
+        if columns[0].load is not Load.NORMAL or c.letter not in estimates:
+            continue
+        shown = estimates[c.letter]
+        if shown.interval[0] > 0.0:
+            continue
+        size = float(np.sqrt(error.matrix[k, k]))
+        reference = own.get(c.letter) if per_newton > 0.0 else None
+        z = None if not reference or not np.isfinite(size) or size <= 0.0 else reference * per_newton / size
+        found[c.letter] = Undetected(shown.interval[1], shown.unit, reference, z)
+    return found
 
 
-def _require_in_plane(rig: Rig, table: str, phi: float) -> None:
-    if math.cos(phi) < limits.LEAST_IN_PLANE:
-        raise InputError(
-            f"{rig.path}: [{table}] phi",
-            "gravity in the plane of motion",
-            'none: case = "C1" in [known] is a level plane',
-        )
+# The free cubic of a coast-down: c_0 + c_1 |w| + c_2 w^2 + c_3 |w|^3 against the motion, without bounds.
+#
+# Spin-down tests publish these four, and a coast-down on a level axis shows no more: the speed is its only
+# variable, so that air drag with w^2 has the same column as friction under a load that grows with w^2.
+
+_UNITS = ("N m", "N m s/rad", "N m s^2/rad^2", "N m s^3/rad^3")
 
 
-def _identified(first: Solution, scale: float | None, inertia: Machine | None, rig: Rig) -> tuple[str, ...]:
-    """Parameters that were estimated from the log."""
-    scaled = set[str]() if scale is None or {"R", "k_i"} <= set(rig.known) else {"R", "k_i"}
-    scaled -= {"k_i"} & set(rig.known)
-    letters = set() if inertia is None else {*inertia.inertias} - set(rig.known)
-    return tuple(sorted({*first.at, *scaled, *letters, *({LOAD} & set(rig.unknown))}))
+def free_cubic(problem: Problem, paper: Solution) -> dict[str, Estimate]:
+    """The coefficients c_0 to c_3, in the unit of the fit; none but of a coast-down in case C1.
 
-
-def _needed(channels: Channels, rig: Rig, base: Model, machine: Machine) -> dict[str, float]:
-    """Values of the model's parameters other than friction coefficients, as far as they are known.
-
-    A torque signal is a current with k_i = 1 N m/A; of a scale only R/k_i matters.
+    Args:
+        problem: of the fit.
+        paper: its solution.
     """
-    needed = {q.name for q in base.parameters if q not in base.friction_parameters} - {LOAD}
-    # Parameters to be estimated, and those that only a rig with both voltage and current requires.
-    follows = following_letters(base)
-    motor = machine.resistance_letters | machine.back_emf_letters
-    given = {*machine.torque_letters, *motor, *machine.inertias, *follows}
-    if rig.case == "C1":
-        # There it is only in F_T, whose friction no log separates from the motor's.
-        given |= {"M_l"}
-    if channels.motor.measured_by == "current" and channels.motor.voltage is not None:
-        given -= motor
-        if missing := sorted(motor - set(rig.known)):
-            what = "them" if len(missing) > 1 else "it"
-            received = "a range" if set(missing) & set(rig.unknown) else "none"
-            raise MissingValueError(
-                rig.path,
-                f"[known] {' and '.join(missing)}",
-                f"{received}: add {what}, or remove the voltage from [columns]",
-                why=", since current and voltage are mapped",
-                letter=missing[0],
-            )
-    known = {name: rig.value(name) for name in sorted(needed - given)}
-    known |= {name: rig.known[name] for name in sorted(needed & given) if name in rig.known}
-    # The gear of the rig, also for a model with one of its own: signals of the link are converted by it.
-    if v.mu.name in rig.known:
-        known[v.mu.name] = rig.known[v.mu.name]
-    if "M_l" in needed:
-        known.setdefault("M_l", 0.0)
-    for name, default in follows.items():
-        if name in needed - set(known) and {s.name for s in default.free_symbols} <= {"M_l", *known}:
-            known[name] = float(evaluated(default, {"M_l": 0.0, **known}))
-    if channels.motor.measured_by == "torque" or not machine.torque_letters <= set(known):
-        known |= dict.fromkeys(machine.torque_letters, 1.0)
-    if LOAD in rig.known or LOAD in rig.unknown:
-        known[LOAD] = rig.known.get(LOAD, 0.0)  # one known by a range is free, a column
-    return known
-
-
-def _inertias(rig: Rig, machine: Machine, total: float) -> dict[str, float]:
-    """J_m and J_l for the identified inertia; a link of unknown inertia is taken as a point mass."""
-    rotor, link = machine.rotor, machine.link
-    if not link:
-        return {rotor: total}
-    others = {name: rig.value(name) for name in sorted(machine.inertia_letters - {rotor, link})}
-
-    def beyond(inertia: float) -> float:
-        rest = total - machine.inertia({**others, rotor: inertia, link: 0.0})
-        return max(rest, 0.0) / machine.inertia_per(link, others)
-
-    if rotor in rig.known:
-        return {link: beyond(rig.known[rotor])}
-    own = rig.known.get(link, mass_alone(rig.known))
-    rest = max(total - machine.inertia({**others, rotor: 0.0, link: own}), 0.0)
-    return {rotor: rest, link: own if rest else beyond(0.0)}
-
-
-def _open(
-    channels: Channels, rig: Rig, problem: Problem, open_inertia: bool
-) -> tuple[tuple[Coefficient, ...], str]:
-    """The free columns, and the letter that the gravity column changes."""
-    found: list[Coefficient] = []
-    gravity = problem.model.expand(problem.model.balance("mechanical").sum_of("gravity"))
-    turning = gravity != 0
-    factors = {v.L: v.L.symbol, v.M: v.M.symbol, v.phi: sp.Abs(sp.cos(v.phi.symbol))}
-    free = (q.name for q, x in factors.items() if q.name in rig.unknown and _proportional(gravity, x))
-    adjusts = "scale" if problem.has("scale") else next(free, "")
-    by_voltage = channels.motor.measured_by == "voltage"
-    if open_inertia:
-        found.append(Coefficient(problem.drive.machine.rotor, "inertia", "kg m^2", 0.0))
-    if LOAD in rig.unknown:
-        found.append(Coefficient(LOAD, "load", "N m"))
-    if turning and adjusts:
-        low, high = (-math.inf, math.inf) if adjusts != "phi" else sorted(map(math.cos, rig.unknown["phi"]))
-        found.append(Coefficient("gravity", "gravity", "", low, high))
-    swings = by_voltage and np.any(channels.motor.off & channels.selection.fit_rows)
-    emf_known = problem.drive.machine.back_emf_letters <= set(rig.known)
-    if swings and problem.scale is not None and not emf_known:
-        found.append(Coefficient("back_emf", "back_emf", "V s/rad", *rig.unknown.get("k_e", (0.0, math.inf))))
-    if by_voltage and "voltage_offset_V" in rig.estimate:
-        found.append(Coefficient("offset", "offset", ""))
-    if turning and "theta_zero_rad" in rig.estimate:
-        found.append(Coefficient("zero_angle", "zero_angle", ""))
-    return tuple(found), adjusts if turning else ""
-
-
-def _proportional(torque: sp.Expr, part: sp.Expr) -> bool:
-    """Whether a torque is a multiple of a part of it: then a factor on the one is a factor on the other."""
-    x = sp.Dummy()
-    rest = torque.xreplace({part: x})
-    return not rest.free_symbols & part.free_symbols and sp.expand(sp.diff(rest, x) * x - rest) == 0
+    drive, rows = problem.drive, problem.rows
+    if not drive.channels.motor.coasting or problem.rig.case != "C1":
+        return {}
+    omega = drive.channels.motion.omega_m
+    powers = np.stack([np.sign(omega) * np.abs(omega) ** n for n in range(len(_UNITS))], axis=1)
+    root = np.sqrt(rows.weights)[rows.train]
+    design = root[:, None] * rows.mean(powers)[rows.train]
+    target = root * problem.design(paper.at).target[rows.train]
+    size = np.linalg.norm(design, axis=0)
+    values = np.linalg.lstsq(design / size, target, rcond=None)[0] / size
+    matrix = covariance(design, target - design @ values)
+    spread = Spread(matrix, np.zeros(len(values)), np.zeros((0, len(values))))
+    return {
+        f"c_{n}": spread.estimate(value, np.eye(len(values))[n], in_drive_unit(unit, problem.unit))
+        for n, (value, unit) in enumerate(zip(values, _UNITS, strict=True))
+    }

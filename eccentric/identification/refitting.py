@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from eccentric.effects import Effect, Shape
 from eccentric.identification import limits
-from eccentric.identification.drive import in_drive_unit
+from eccentric.identification.drive import Machine, in_drive_unit
 from eccentric.identification.expressions import alike, base_coefficients
 from eccentric.identification.extended import Extended, Step
 from eccentric.identification.fit_data import FitData, Values, drive_noise
-from eccentric.identification.machine import Machine
 from eccentric.identification.regression import Coefficient, Nonlinear, slopes_between
 from eccentric.identification.uncertainty import TWO_SIDED, Estimate, rms
 from eccentric.model import Model
@@ -59,9 +58,7 @@ def _of_balance(
     own = {balance} | ({"electrical"} if drive.by_voltage else set())
     shapes = {s.quantity.name: s for e, _ in fit.effects if e.balance in own for s in e.shapes}
     solution = replace(
-        solution,
-        at={name: point.values[name] for name in shapes},
-        slopes=_slopes(fit, step, balance, shapes),
+        solution, at={name: point.values[name] for name in shapes}, slopes=_slopes(fit, step, balance, shapes)
     )
     # A shape is free in its error even at an end of its range, where its estimate says so.
     error = solution.spread(

@@ -370,9 +370,7 @@ class Screen:
 
 
 def fitted_variants(
-    balances: Sequence[BalanceDesign],
-    pools: Sequence[Sequence[Candidate]],
-    noise: Mapping[str, float],
+    balances: Sequence[BalanceDesign], pools: Sequence[Sequence[Candidate]], noise: Mapping[str, float]
 ) -> list[tuple[Variant, tuple[float, ...]] | None]:
     """For each pool its best variant beside those of the other pools, with the coefficients of its columns.
 
