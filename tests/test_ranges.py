@@ -11,7 +11,7 @@ import pytest
 import sympy as sp
 
 from eccentric.diagnosis import Diagnosis
-from eccentric.diagnosis.ranges import RangeCheck, range_checks
+from eccentric.diagnosis.models import RangeCheck, range_checks
 from eccentric.effects import Effect, Plausible
 from eccentric.presentation.ranges_text import outside_sentences, range_line, ruled_out_sentence
 from tests.extended import effects

@@ -28,8 +28,16 @@ import numpy as np
 from eccentric.core import InputError
 from eccentric.diagnosis.empirical import Empirical, fit_empirical
 from eccentric.diagnosis.limits import LEAST_ZERO_RAD
-from eccentric.diagnosis.models import Closest, Models, Sibling, better_sibling, closest_effect, fitted_models
-from eccentric.diagnosis.ranges import RangeCheck, range_checks
+from eccentric.diagnosis.models import (
+    Closest,
+    Models,
+    RangeCheck,
+    Sibling,
+    better_sibling,
+    closest_effect,
+    fitted_models,
+    range_checks,
+)
 from eccentric.diagnosis.score import Order, Score, orders_of
 from eccentric.diagnosis.search import (
     AT_FLOOR,
