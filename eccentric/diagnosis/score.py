@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import median_filter
+from scipy.signal import find_peaks
 
 from eccentric.diagnosis import limits
 from eccentric.effects import Effect
@@ -232,14 +233,18 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
     around = median_filter(mean, limits.AROUND, mode="nearest")
     local = median_filter(every, (1, limits.AROUND), mode="nearest")
     found = []
-    for k in _peaks(mean, np.maximum(limits.LEAST_SHARE, limits.ABOVE * around)):
+    least = np.maximum(limits.LEAST_SHARE, limits.ABOVE * around)
+    for k in find_peaks(mean, height=least, distance=limits.ALONE)[0].tolist():
         near = every[:, max(k - limits.NEIGHBOURS, 0) : k + limits.NEIGHBOURS + 1].max(axis=1)
         share = float(near.mean())
         # Leakage from one frequency in time is not a peak in the neighbouring orders.
         peak = near >= every[:, max(k - limits.ALONE, 0) : k + limits.ALONE + 1].max(axis=1)
         seen = int(np.count_nonzero(peak & (near > limits.ABOVE * local[:, k])))
         amplitude = float(np.sqrt(np.mean(2.0 * near * np.array(variances))))
-        found.append(Order(_centre(_GRID, mean, k), amplitude, share, seen, len(every)))
+        # The peak lies between the orders: on a parabola through its neighbours.
+        left, top, right = mean[k - 1 : k + 2]
+        centre = _GRID[k] + 0.5 * (left - right) / (left - 2.0 * top + right) * (_GRID[1] - _GRID[0])
+        found.append(Order(float(centre), amplitude, share, seen, len(every)))
     return tuple(sorted((o for o in found if 2 * o.seen > o.stretches), key=lambda o: -o.share))
 
 
@@ -263,26 +268,6 @@ def _spectrum(angle: Array, y: Array) -> Array:
     alike = determinant < limits.ALIKE * len(y) ** 2
     power = np.where(alike, (yc**2 + ys**2) / len(y), power / np.where(alike, 1.0, determinant))
     return power / (y @ y)
-
-
-def _peaks(power: Array, least: Array) -> list[int]:
-    """Local maxima above `least`, in order; of those closer than `ALONE` to each other the highest."""
-    middle = power[1:-1]
-    places = 1 + np.flatnonzero((middle > power[:-2]) & (middle >= power[2:]) & (middle >= least[1:-1]))
-    found: list[int] = []
-    for k in places[np.argsort(-power[places], kind="stable")].tolist():
-        if all(abs(k - other) >= limits.ALONE for other in found):
-            found.append(k)
-    return sorted(found)
-
-
-def _centre(grid: Array, power: Array, k: int) -> float:
-    """The peak between the orders, by a parabola through its neighbours."""
-    if not 0 < k < len(grid) - 1:
-        return float(grid[k])
-    left, top, right = power[k - 1 : k + 2]
-    shift = 0.5 * (left - right) / (left - 2.0 * top + right)
-    return float(grid[k] + shift * (grid[1] - grid[0]))
 
 
 def _stretches(usable: Array, segment: Array, omega: Array) -> list[Array]:

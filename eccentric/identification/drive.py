@@ -461,19 +461,19 @@ class Drive:
     def filtered(self, balance: str, machine: Machine, values: Mapping[str, float]) -> list[Filtered]:
         """What of a balance follows the angle, and so has passed its low pass.
 
-        In the mechanical balance it is what accelerates the drive, its inertia by a model and the other
-        bodies of a chain; in the electrical one the back-EMF.
+        In the electrical balance it is the back-EMF. In the mechanical one it is what accelerates the drive,
+        its inertia by a model and the other bodies of a chain; and the back-EMF, where the torque comes from
+        the voltage alone.
         """
         motion = self.channels.motion
         if balance == "electrical":
-            return [Filtered(self.machine.damping(values), motion.omega_m)]
+            return [Filtered(machine.damping(values), motion.omega_m)]
+        found = [] if self.along is None else [Filtered(1.0, self.along.torque)]
         inertia = machine.inertia_along(values, self.channels.carried)
-        bodies = [] if self.along is None else [Filtered(1.0, self.along.torque)]
-        return [*bodies, Filtered(inertia, motion.alpha_m, motion.theta_logged)]
-
-    def back_emf(self, values: Mapping[str, float]) -> list[Filtered]:
-        """The same of a torque: that from the voltage alone has the back-EMF in it."""
-        return [Filtered(self.machine.damping(values), self.channels.turning)] if self.by_voltage else []
+        found.append(Filtered(inertia, motion.alpha_m, motion.theta_logged))
+        if self.by_voltage and not self.back_emf_in_friction:
+            found.append(Filtered(self.machine.damping(values), self.channels.turning))
+        return found
 
     def torque(self, known: Mapping[str, float] | None = None, scale: float | None = None) -> Array:
         """The drive torque (n,) [N m], optionally for different values of k_e and scale."""

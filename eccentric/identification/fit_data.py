@@ -107,8 +107,6 @@ class Residuals:
     def rows(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The residual of a balance on the rows [N m], optionally with a different current."""
         filtered = self._drive.filtered(balance, self._machine, values)
-        if balance == "mechanical" and not self._drive.back_emf_in_friction:
-            filtered += self._drive.back_emf(values)
         return self._rows.once(self.samples(balance, values, current), filtered)
 
     def samples(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:

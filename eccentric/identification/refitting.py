@@ -65,41 +65,36 @@ def _of_balance(
         [Nonlinear(n, "", -np.inf, np.inf, (), 0.0) for n in shapes],
         None if narrowed is None else (fit.design(balance, point), narrowed.design(balance, point)),
     )
-    names = [c.name for c in solution.design.coefficients]
+    coefficients, values = solution.design.coefficients, point.values
     units = {q.name: in_drive_unit(q.unit, drive.unit) for q in fit.model.parameters}
-    unit = np.eye(len(names) + len(shapes))
+    unit = np.eye(len(coefficients) + len(shapes))
     # All torques are divided by the scale, so that its error is theirs as well.
-    roles = [c.role for c in solution.design.coefficients]
+    roles = [c.role for c in coefficients]
     scaled = drive.adjusts == "scale" and "gravity" in roles
     shared = unit[roles.index("gravity")] if scaled else np.zeros(len(unit))
     found: dict[str, Estimate] = {}
     slopes: list[Array] = []
-    for k, c in enumerate(solution.design.coefficients):
-        value = point.values.get(c.name, 0.0)
+    for k, c in enumerate(coefficients):
+        name, ends, active = c.name, (c.lower, c.upper), int(solution.active[k])
         if c.role == "inertia" and drive.rotor is not None:
-            letters = point.values
-            gear = machine.inertia_per(machine.link, letters)
-            slope = (unit[k] - machine.inertia({**letters, machine.rotor: drive.rotor}) * shared) / gear
-            found[machine.link] = error.estimate(
-                letters[machine.link], slope, units[machine.link], (c.lower, c.upper)
-            )
-            slopes.append(slope)
-        elif c.name in units:
-            slope = unit[k] - value * shared
-            ends = (c.lower, c.upper)
-            found[c.name] = error.estimate(value, slope, units[c.name], ends, int(solution.active[k]))
-            slopes.append(slope)
+            # The rotor is known: what is free is the link's.
+            name, active = machine.link, 0
+            whole = machine.inertia({**values, machine.rotor: drive.rotor})
+            slope = (unit[k] - whole * shared) / machine.inertia_per(name, values)
+            found[name] = error.estimate(values[name], slope, units[name], ends)
+        elif name in units:
+            slope = unit[k] - values[name] * shared
+            found[name] = error.estimate(values[name], slope, units[name], ends, active)
         else:
-            shown, value, factor, of = _outside(c, fit, step)
-            if shown == "phi":
-                first, last = drive.channels.rig.unknown["phi"]
-                ends, cosine = (math.cos(last), math.cos(first)), math.cos(value)
-                estimate = error.estimate(cosine, cosine * unit[k], "", ends, int(solution.active[k]))
-                found[shown] = _tilt(estimate, (first, last))
-            else:
-                found[shown] = error.estimate(value, factor * unit[k], of)
-            slopes.append(factor * unit[k])
-    for k, (name, shape) in enumerate(shapes.items(), start=len(names)):
+            name, value, factor, of = _outside(c, fit, step)
+            slope = factor * unit[k]
+            found[name] = error.estimate(value, slope, of)
+        if name == "phi":
+            first, last = drive.channels.rig.unknown[name]
+            cosine, ends = math.cos(values[name]), (math.cos(last), math.cos(first))
+            found[name] = _tilt(error.estimate(cosine, cosine * unit[k], "", ends, active), (first, last))
+        slopes.append(slope)
+    for k, (name, shape) in enumerate(shapes.items(), start=len(coefficients)):
         ends, value = (shape.low, shape.high), point.values[name]
         if shape.jumps:
             low, high = _profile(fit, step, balance, shape)
@@ -311,15 +306,8 @@ class Refit:
         )
 
     def _filtered(self, balance: str) -> Array:
-        """What of a residual (n,) [N m] follows the motion, which has passed the low pass already.
-
-        In the mechanical balance it is what accelerates the drive: its inertia, and the other bodies of a
-        chain; with the torque from the voltage, the back-EMF as well.
-        """
-        drive = self.data.drive
-        parts = drive.filtered(balance, Machine(self.model), self.values)
-        if balance == "mechanical" and not drive.back_emf_in_friction:
-            parts += drive.back_emf(self.values)
+        """What of a residual (n,) [N m] follows the motion, which has passed the low pass already."""
+        parts = self.data.drive.filtered(balance, Machine(self.model), self.values)
         return np.sum([part.value for part in parts], axis=0)
 
     @property

@@ -159,8 +159,7 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
     known, torque = signals.known, drive.torque()
     target = torque - load_torque(model, signals)
     coefficients, columns = base_coefficients(model, signals), base_columns(model, signals)
-    rows, emf = search_rows(channels, rig), drive.back_emf({"k_e": 0.0, **known, **drive.scaled()})
-    filtered = [*drive.filtered("mechanical", drive.machine, known), *emf]
+    rows, filtered = search_rows(channels, rig), drive.filtered("mechanical", drive.machine, known)
     mechanical = balance_design("mechanical", rows, coefficients, target, columns, target, filtered)
     # What the rig leaves open is as good as known, whatever its sign.
     balances = [mechanical.without_bounds(but=("friction",))]
