@@ -189,14 +189,8 @@ def test_a_live_model_that_ships_is_known_by_its_name() -> None:
 @pytest.mark.parametrize(
     ("family", "line"),
     [
-        (
-            "presliding",
-            "c2_parallel: diagnose requires a model without hidden states, got one with",
-        ),
-        (
-            "inverter_deadtime",
-            "diagnose requires a model with the paper's armature, got one extended",
-        ),
+        ("presliding", "c2_parallel: diagnose requires a model without hidden states, got one with"),
+        ("inverter_deadtime", "diagnose requires a model with the paper's armature, got one extended"),
         ("kt_saturation", "diagnose requires a model with the paper's armature, got one extended"),
         ("coulomb_temperature", "c2_parallel: diagnose requires a temperature in the log, got none"),
     ],

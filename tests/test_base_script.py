@@ -5,11 +5,13 @@ from __future__ import annotations
 import dataclasses
 import runpy
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import sympy as sp
 
-from eccentric.diagnosis import base_source
+from eccentric.diagnosis import base_source, is_result_name, result_name
 from eccentric.model import Definition, Model, load_model, model_names, quantity
 from tests.extended import BASE, CASES, effects
 
@@ -59,3 +61,35 @@ def test_letters_may_be_any(tmp_path: Path) -> None:
     model = dataclasses.replace(paper, definitions=(*taken, *paper.definitions))
 
     assert parts(model) == parts(made(model, tmp_path))
+
+
+# The name of a diagnosis' model says what was done to the base model.
+
+
+def found(base: str, effects: list[str], including: list[str]) -> Any:
+    """What a name depends on."""
+    models = SimpleNamespace(base=SimpleNamespace(name=base))
+    asked = SimpleNamespace(request=SimpleNamespace(including=including))
+    return SimpleNamespace(models=models, result=SimpleNamespace(effects=effects), asked=asked)
+
+
+@pytest.mark.parametrize(
+    ("base", "effects", "including", "expected"),
+    [
+        ("c2_parallel", ["stribeck"], [], "c2_parallel_extended"),
+        ("c2_parallel", [], ["stribeck"], "c2_parallel_extended"),
+        ("c2_parallel_extended", ["cogging"], [], "c2_parallel_extended_2"),
+        ("c2_parallel_extended_2", ["cogging"], [], "c2_parallel_extended_3"),
+        ("c2_parallel_fitted", ["cogging"], [], "c2_parallel_extended"),
+        ("c2_parallel", [], [], "c2_parallel_fitted"),
+        ("c2_parallel_fitted", [], [], "c2_parallel_fitted"),
+        ("c2_parallel_extended", [], [], "c2_parallel_extended"),
+    ],
+)
+def test_only_what_was_extended_is_called_so(
+    base: str, effects: list[str], including: list[str], expected: str
+) -> None:
+    """One suffix at most, with the number of the extension from the second on."""
+    name = result_name(found(base, effects, including))
+
+    assert (expected, True, False) == (name, is_result_name(name), is_result_name("my_arm"))

@@ -162,10 +162,7 @@ def test_a_refusal_names_a_few_of_many_runs(
     first = ", ".join(f"bench {k}" for k in range(12))
     for more, message in (
         ({"holdout_runs": ["x*"]}, f"expected one of {first} and 138 more, got 'x*'"),
-        (
-            {"moving_threshold_rad_s": 1e4},
-            "every fifth from the third on: bench 2, bench 7, bench 12,",
-        ),
+        ({"moving_threshold_rad_s": 1e4}, "every fifth from the third on: bench 2, bench 7, bench 12,"),
     ):
         path.write_text(json.dumps(rig | more))
         assert message in refused([str(log), "--rig", str(path)], tmp_path, capsys)
@@ -174,10 +171,7 @@ def test_a_refusal_names_a_few_of_many_runs(
 LOGS = {
     "missing file": (None, "no such file"),
     "missing column": (lambda rows: ["time_s,current_A", "0,1", "1,2"], "expected column 'theta_m_rad'"),
-    "text": (
-        lambda rows: [rows[0], *(row.replace(row.split(",")[1], "fast") for row in rows[1:])],
-        "'fast'",
-    ),
+    "text": (lambda rows: [rows[0], *(row.replace(row.split(",")[1], "fast") for row in rows[1:])], "'fast'"),
     "decimal comma between commas": (
         lambda rows: [rows[0], *(row.replace(".", ",") for row in rows[1:])],
         "expected a decimal point, as in 1.5",

@@ -127,11 +127,7 @@ def test_it_is_offered_once_where_motor_and_link_turn_alike_and_not_for_an_open_
         found = library(replace(given, **changes))
         return [effect.variant for effect in found if effect.family == "encoder_eccentricity"]
 
-    assert (["motor", "link"], ["motor"], []) == (
-        offered(),
-        offered(mu=1.0),
-        offered(left_open=("inertia",)),
-    )
+    assert (["motor", "link"], ["motor"], []) == (offered(), offered(mu=1.0), offered(left_open=("inertia",)))
 
 
 @pytest.mark.parametrize(

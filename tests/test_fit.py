@@ -191,11 +191,7 @@ BAD = {
         'case = "C2"\nmu = 0.2\nL_m = 0.1\n' + TORQUE,
         "plain",
     ),
-    "other case": (
-        "requires case C2, got case C1",
-        'case = "C1"\n' + KNOWN + TORQUE + MASS,
-        "c2_parallel",
-    ),
+    "other case": ("requires case C2, got case C1", 'case = "C1"\n' + KNOWN + TORQUE + MASS, "c2_parallel"),
     "sign": ("do the signs of voltage and angle agree", 'case = "C2"\n' + KNOWN, "negative"),
 }
 

@@ -14,17 +14,7 @@ from eccentric.model import load_model
 from eccentric.presentation import fit_lines
 from eccentric.rigs import Rig
 from eccentric.signals import Channels
-from tests.planted import (
-    FRICTION,
-    K_I,
-    KNOWN,
-    M_L,
-    MASS,
-    TORQUE,
-    coloured,
-    torque,
-    written,
-)
+from tests.planted import FRICTION, K_I, KNOWN, M_L, MASS, TORQUE, coloured, torque, written
 
 
 @pytest.fixture(scope="module")

@@ -99,11 +99,7 @@ def test_the_range_is_that_of_the_gear(
 
 @pytest.mark.parametrize(
     ("values", "errors", "unit"),
-    [
-        ({"load_eta": 0.2}, {"load_eta": math.inf}, "N m"),
-        ({"load_eta": 0.2}, {}, "N m"),
-        ({}, {}, "N m"),
-    ],
+    [({"load_eta": 0.2}, {"load_eta": math.inf}, "N m"), ({"load_eta": 0.2}, {}, "N m"), ({}, {}, "N m")],
     ids=["not determined", "not estimated", "not there"],
 )
 def test_nothing_is_said_of_what_the_log_does_not_show(

@@ -8,6 +8,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -17,8 +19,9 @@ from eccentric.diagnosis.search.attribution import Search
 from eccentric.diagnosis.search.candidate import Candidate, grid
 from eccentric.diagnosis.search.screen import Screen
 from eccentric.diagnosis.search.stability import Stability, stability_of
-from eccentric.diagnosis.search.verdict import decided
+from eccentric.diagnosis.search.verdict import Adopted, decided
 from eccentric.identification import BalanceDesign
+from eccentric.presentation import stability_words
 from tests.searched import BLOCKS, COLUMNS, SIZE, N, adopted, candidate, design, mixed, search
 
 A, B, C = candidate("a", {2: 1.0}), candidate("b", {3: 1.0}), candidate("c", {4: 1.0})
@@ -292,3 +295,32 @@ def test_an_effect_that_was_dropped_does_not_come_back_with_an_earlier_step() ->
     assert ["rare"] == [v.candidate.id for v in found.steps[0].variants]
     assert ["a"] == adopted(found)
     assert "named" == decided({"mechanical": found}).verdict
+
+
+# What the answer says of how many resampled logs find an effect.
+
+
+@pytest.mark.parametrize(
+    ("own", "expected"),
+    [
+        (None, ""),
+        (Adopted("electrical", grid(A)[0], (), 0.1), "stability not checked (the log has too few blocks)"),
+        (Adopted("electrical", grid(A)[0], (), 0.1, 100, 100), "found in 100 of 100 resampled logs"),
+        (
+            Adopted("electrical", grid(A)[0], (), 0.1, 93, 100, {"b": 6}),
+            "found in 93 of 100 resampled logs (b in 6)",
+        ),
+        (
+            Adopted("electrical", grid(A)[0], (), 0.1, 62, 100, {"b": 30}, by_both=True),
+            (
+                "found in 62 of 100 resampled logs by the electrical balance alone (b in 30);"
+                " both balances together decide"
+            ),
+        ),
+    ],
+)
+def test_the_words_say_which_variants_find_it(own: Adopted | None, expected: str) -> None:
+    """And what takes its place in the others; too few are told with what decides instead."""
+    found = SimpleNamespace(attribution=SimpleNamespace(adopted_as={"a": own}.get))
+
+    assert stability_words(cast("Any", found), cast("Any", SimpleNamespace(id="a"))) == expected

@@ -7,14 +7,15 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from scipy.stats import chi2
 
 from eccentric.diagnosis import Diagnosis
-from eccentric.diagnosis.models import _with_the_constant_first
+from eccentric.diagnosis.models import _with_the_constant_first, closest_effect
 from eccentric.diagnosis.search import Attribution, limits, unconfirmed
 from eccentric.diagnosis.search.candidate import Candidate
-from eccentric.diagnosis.search.verdict import NextMeasurement, decided, next_measurement
+from eccentric.diagnosis.search.verdict import NextMeasurement, _outlines, decided, next_measurement
 from eccentric.effects import LOAD, Evidence, Kin, Words
 from eccentric.model import TURNING
 from eccentric.presentation.measurement_text import measurement_sentence
@@ -451,3 +452,78 @@ def test_an_alias_that_the_record_names_is_no_tie() -> None:
     other = replace(B, columns=A.columns, evidence=replace(B.evidence, aliases=("a",), one_of=24))
 
     assert "named" == verdict({2: 3.0}, A, other).verdict
+
+
+# Two laws of one variable that only outline its curve are no name; two orders of one family are.
+
+
+def _variant(family: str, variable: str = "time") -> SimpleNamespace:
+    return SimpleNamespace(candidate=SimpleNamespace(family=family, variable=variable))
+
+
+@pytest.mark.parametrize(
+    ("families", "variable", "best", "smooth", "outlines"),
+    [
+        (("wear_runin", "time_drift"), "time", 5.0, 1.2, True),
+        (("wear_runin", "time_drift"), "velocity", 5.0, 1.2, False),
+        (("cogging", "cogging"), "time", 5.0, 1.2, False),
+        (("wear_runin",), "time", 5.0, 1.2, False),
+        (("wear_runin", "time_drift"), "time", 1.9, 1.0, False),
+        (("wear_runin", "time_drift"), "time", 5.0, 3.5, False),
+    ],
+)
+def test_what_two_laws_leave_is_a_curve_of_their_variable(
+    families: tuple[str, ...], variable: str, best: float, smooth: float, outlines: bool
+) -> None:
+    """More than twice the noise is left, and a free curve of the same variable takes most of the excess."""
+    search = SimpleNamespace(
+        best=SimpleNamespace(score=best, variants=[_variant(family) for family in families]),
+        screen=SimpleNamespace(floor=1.0),
+    )
+    curve = SimpleNamespace(score=smooth, last=SimpleNamespace(variable=variable))
+    assert _outlines(search, curve) is outlines  # pyright: ignore[reportArgumentType]
+
+
+# The effect that is shown where none is adopted: the best one whose fit on the emitted module settles.
+
+
+FIRST, SECOND = candidate("first", {2: 1.0}), candidate("second", {3: 1.0})
+
+
+def fit(left: float, settled: bool = True) -> Any:
+    """A fit that leaves a row of this size, before the low pass and below it."""
+    rows = SimpleNamespace(score=np.ones(64, bool), operator="averages")
+    data = SimpleNamespace(rows=rows, drive=SimpleNamespace(channels=SimpleNamespace(rig=None)))
+    residual = left * np.random.default_rng(1).normal(size=64)
+    return SimpleNamespace(
+        settled=settled, data=data, residuals={"mechanical": residual}, residual_like=lambda *_: residual
+    )
+
+
+@pytest.mark.parametrize(
+    ("settled", "expected"),
+    [
+        ({"first": True, "second": True}, "first"),
+        ({"first": False, "second": True}, "second"),
+        ({"first": False, "second": False}, None),
+    ],
+)
+def test_an_effect_whose_fit_does_not_settle_is_passed_over(
+    monkeypatch: pytest.MonkeyPatch, settled: dict[str, bool], expected: str | None
+) -> None:
+    """Of two effects that the search ranks, the first one that settles is shown, with its own gain."""
+    left = {"first": 0.5, "second": 0.8}
+    found = decided({"mechanical": search({2: 3.0, 3: 2.0}, FIRST, SECOND)})
+    offered: Any = [SimpleNamespace(id=name) for name in left]
+    models: Any = SimpleNamespace(adopted=False, fits_the_rig=True, base=None, paper=fit(1.0))
+
+    def refit(_: Any, effects: Any, __: Any) -> Any:
+        ((effect, _),) = effects
+        return fit(left[effect.id], settled[effect.id])
+
+    monkeypatch.setattr("eccentric.diagnosis.models.refit", refit)
+    shown = closest_effect(found, offered, models)
+
+    assert expected == (None if shown is None else shown.effect.id)
+    if shown is not None:
+        assert 100.0 * (1.0 - left[shown.effect.id]) == pytest.approx(shown.percent)
