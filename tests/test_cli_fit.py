@@ -79,13 +79,6 @@ def test_bad_rig_is_one_line(name: str, tmp_path: Path, capsys: pytest.CaptureFi
     assert message in refused([str(LOG), "--rig", str(tmp_path / "rig.json")], tmp_path, capsys)
 
 
-def test_model_of_another_case_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A model of case C1 for a rig of case C2 is refused with the model that fits."""
-    arguments = [str(LOG), "--rig", str(RIG), "--model", "c1_perpendicular"]
-    said = refused(arguments, tmp_path, capsys)
-    assert "requires case C1, got case C2; c2_parallel fits it" in said
-
-
 def test_a_log_that_does_not_fit_its_rig_says_so(
     rows: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -200,7 +193,7 @@ def test_bad_log_is_one_line(
     make, message = LOGS[name]
     log = tmp_path / "log.csv"
     if make:
-        log.write_text("\n".join(make(rows)) + "\n")
+        log.write_text("\n".join(make(rows[:2001])) + "\n")
     assert message in refused([str(log), "--rig", str(RIG)], tmp_path, capsys)
 
 

@@ -108,7 +108,9 @@ def effects(setting):
         return amplitude * (abs(state.w_mid) / top) ** 4
 
     ([log], rig), out = own_friction(tmp_path, 9006, fourth, 4.0, 0.3, noise=0.004), tmp_path / "out"
-    assert 0 == main(["diagnose", str(log), "--rig", str(rig), "--effects", str(own), "--out", str(out)])
+    arguments = [str(log), "--rig", str(rig), "--effects", str(own), "--out", str(out)]
+    rivals = ["my_drag", "quadratic_drag", "cubic_drag", "stribeck", "eddy_current", "cogging"]
+    assert 0 == main(["diagnose", *arguments, "--only", *rivals])
     said = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
 
     assert "my_drag" in [c["id"] for c in said["candidates"][:2]]

@@ -111,7 +111,7 @@ def test_over_a_few_turns_neither_noise_nor_a_harmonic_has_an_order_of_its_own(
 
 def test_a_periodic_motion_hides_no_order() -> None:
     """At a whole number of samples per period it is always at the same angles."""
-    t = np.arange(0.0, 800.0, 0.01)
+    t = np.arange(0.0, 200.0, 0.01)
     theta = 2.03 * np.pi * np.sin(np.pi * t)
     omega = np.gradient(theta, t)
     residual = 0.02 * np.cos(5.43 * theta + 0.7) * np.sign(omega)

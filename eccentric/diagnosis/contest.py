@@ -99,7 +99,9 @@ def contest(
     own = stage(load_model(channels.rig.model))
     linear = refit(own.base, (), own.data, linear=True)
     fits = {BASELINE: linear, **{name: _fitted(stage, one) for name, one in zip(names, models, strict=True)}}
-    scored = _scored_rows(linear)
+    # In volts or amperes, only rows with the motor on.
+    rows = own.data.rows.score
+    scored = rows if linear.scale is None else rows & ~own.data.off
     target = _in_drive_unit(linear, own.data.rows.mean(own.data.drive.driven_by(linear.values)))[scored]
     before = _residual(linear)[scored]
     entries = [_entry(name, fit, scored, target, before) for name, fit in fits.items()]
@@ -149,12 +151,6 @@ def _parts(name: str) -> tuple[str, list[str]]:
     script, dot, rest = name.partition(".py")
     head, *effects = re.split(r"\+(?![^\[]*\])", rest if dot else name)
     return f"{script}{dot}{head}" if dot else head, effects
-
-
-def _scored_rows(fit: Refit) -> np.ndarray:
-    """The held-out rows (rows,) of the contest: in volts or amperes, only those with the motor on."""
-    rows = fit.data.rows
-    return rows.score if fit.scale is None else rows.score & ~fit.data.off
 
 
 def _residual(fit: Refit) -> np.ndarray:

@@ -165,7 +165,6 @@ class _Fit:
 @dataclass(frozen=True)
 class _Choice:
     terms: tuple[_Term, ...]
-    stiff: float
     coefficients: Array
     cross: Array
 
@@ -233,7 +232,7 @@ def _best(fit: _Fit, offers: Mapping[str, Sequence[_Term]], beside: tuple[_Term,
             terms = (*beside, term)
             if sum(t.columns.shape[1] for t in terms) > limits.EMPIRICAL_MOST:
                 continue
-            tried += [_Choice(terms, stiff, *fit.solve(terms, stiff)) for stiff in limits.EMPIRICAL_STIFF]
+            tried += [_Choice(terms, *fit.solve(terms, stiff)) for stiff in limits.EMPIRICAL_STIFF]
     if not tried:
         return None
     best = min(tried, key=lambda one: one.score)

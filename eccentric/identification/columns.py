@@ -53,11 +53,6 @@ def as_text(expression: sp.Expr) -> str:
     return str(expression).replace("**", "^")
 
 
-def known_inertia(rig: Rig, machine: Machine) -> float | None:
-    """Return the total inertia [kg m^2] if the rig has all its parts, else None."""
-    return machine.inertia(rig.known) if machine.inertia_letters <= set(rig.known) else None
-
-
 def scale_of(drive: str, rig: Rig, machine: Machine) -> sp.Expr | None:
     """Return the factor of the mechanical balance, None for one.
 
@@ -127,7 +122,7 @@ def combinations_of(drive: Drive, rig: Rig, model: Model, scale: sp.Expr | None)
     def add(value: sp.Expr, **fields: Any) -> None:
         found.append(Combination(name=as_text(value), expression=value, meaning=value, **fields))
 
-    inertia = known_inertia(rig, machine)
+    inertia = machine.inertia(rig.known) if machine.inertia_letters <= set(rig.known) else None
     s_low, s_high = _scale_range(rig, scale)
     if inertia is None:
         low, high = _inertia_range(rig, machine)

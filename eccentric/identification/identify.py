@@ -21,16 +21,16 @@ from eccentric.identification import limits
 from eccentric.identification.columns import combinations, following_letters, identified_letters, own_letters
 from eccentric.identification.drive import in_drive_unit
 from eccentric.identification.problem import Problem, delay_or_inertia, pose, solved
-from eccentric.identification.regression import Nonlinear, Profile, Solution, profile, search
-from eccentric.identification.uncertainty import (
-    TWO_SIDED,
-    Estimate,
-    Spread,
-    covariance,
-    improvement,
-    r_squared,
-    rms,
+from eccentric.identification.regression import (
+    Coefficient,
+    Design,
+    Nonlinear,
+    Profile,
+    Solution,
+    profile,
+    search,
 )
+from eccentric.identification.uncertainty import TWO_SIDED, Estimate, Spread, improvement, r_squared, rms
 from eccentric.model import Load, Model
 from eccentric.rigs import Rig
 from eccentric.signals import (
@@ -413,14 +413,8 @@ def free_cubic(problem: Problem, paper: Solution) -> dict[str, Estimate]:
         return {}
     omega = drive.channels.motion.omega_m
     powers = np.stack([np.sign(omega) * np.abs(omega) ** n for n in range(len(_UNITS))], axis=1)
-    root = np.sqrt(rows.weights)[rows.train]
-    design = root[:, None] * rows.mean(powers)[rows.train]
-    target = root * problem.design(paper.at).target[rows.train]
-    size = np.linalg.norm(design, axis=0)
-    values = np.linalg.lstsq(design / size, target, rcond=None)[0] / size
-    matrix = covariance(design, target - design @ values)
-    spread = Spread(matrix, np.zeros(len(values)), np.zeros((0, len(values))))
-    return {
-        f"c_{n}": spread.estimate(value, np.eye(len(values))[n], in_drive_unit(unit, problem.unit))
-        for n, (value, unit) in enumerate(zip(values, _UNITS, strict=True))
-    }
+    free = [
+        Coefficient(f"c_{n}", "friction", in_drive_unit(unit, problem.unit)) for n, unit in enumerate(_UNITS)
+    ]
+    target = problem.design(paper.at).target
+    return Design(tuple(free), target, rows.mean(powers), rows.train, rows.weights).solve().estimates()

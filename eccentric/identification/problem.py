@@ -150,7 +150,8 @@ class Problem:
     @property
     def without_current(self) -> Problem:
         """The problem without friction that follows the current, which no regression on the drive shows."""
-        kept = [k for k, (column, *_) in enumerate(self.friction) if not _follows_current(self.model, column)]
+        bases = [self.model.expand(column.basis) for column, *_ in self.friction]
+        kept = [k for k, basis in enumerate(bases) if v.i.symbol not in basis.free_symbols]
         bench = self.coefficients[len(self.friction) :]
         return dataclasses.replace(
             self,
@@ -227,10 +228,6 @@ class Problem:
         given = {**self.drive.machine.absent, **self.drive.known}
         unfitted = dict.fromkeys((q.name for q in self.model.friction_parameters), 0.0)
         return {**given, **self.drive.scaled(), **at, **unfitted, LOAD: 0.0}
-
-
-def _follows_current(model: Model, column: Column) -> bool:
-    return v.i.symbol in model.expand(column.basis).free_symbols
 
 
 def pose(channels: Channels, rig: Rig, model: Model, *, by_current: bool = False) -> Problem:

@@ -22,7 +22,7 @@ from scipy.special import expit
 from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.candidate import Candidate, Variant, instrument_of
 from eccentric.diagnosis.search.screen import Fitted, Screen
-from eccentric.diagnosis.search.stability import Stability, beats_chance, null_quantile, stability_of
+from eccentric.diagnosis.search.stability import Stability, beats_chance, stability_of
 from eccentric.identification import BalanceDesign
 
 Array = np.ndarray
@@ -66,7 +66,9 @@ class Search:
             tried = [self.swapped(self.screen.refine(fitted)) for fitted in leaders]
             if len(self.best.variants) == 1:
                 tried += self.pairs()
-            tried = [f for f in tried if self.confirmed(f) and self._keeps_all_names(f)]
+            tried = [f for f in tried if self.confirmed(f)]
+            # No variant may have lost to those beside it what names it.
+            tried = [f for f in tried if all(self.screen.itself(f, k) for k in range(len(f.variants)))]
             tried = [f for f in tried if not self._is_remainder(self.best, f)]
             self.tried += tried
             tried = [f for f in tried if self.worth_it(self.best, f) and self.clears(self.best, f)]
@@ -131,10 +133,6 @@ class Search:
             for place, variant in enumerate(fitted.variants)
         )
 
-    def _keeps_all_names(self, fitted: Fitted) -> bool:
-        """Whether no variant has lost to those beside it what names it."""
-        return all(self.screen.itself(fitted, place) for place in range(len(fitted.variants)))
-
     def explains(self, before: Fitted, after: Fitted) -> bool:
         """Whether a smooth term takes something out that is there without the noise of its signals too.
 
@@ -182,10 +180,6 @@ class Search:
             if len(found) == limits.TRIED:
                 break
         return found
-
-    def null_level(self) -> float:
-        """The deviance that the best effect of the library reaches by chance on this log, 99 % quantile."""
-        return null_quantile(self.screen, self.best)
 
     def clears(self, before: Fitted, after: Fitted) -> bool:
         """Whether a further effect explains enough of what the first ones leave above the noise floor."""

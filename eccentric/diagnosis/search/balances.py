@@ -223,6 +223,11 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
     # With a voltage alone, effects of the armature show in the torque computed from it.
     present |= {"current", "voltage"} if data.drive.by_voltage else set()
     present |= {"temperature"} if warm is not None else set()
+    # A joint of an arm has a load on its bearing, and open bodies leave these of each joint open.
+    along, bodies, force = data.drive.along, set[str](), 0.0
+    if along is not None:
+        bodies = {"inertia", "gravity", "theta_zero_rad"} if along.open else bodies
+        force = float(np.mean(along.signals[along.force][rows])) if along.force else force
     highest = float(np.quantile(speed, limits.TOP_SPEED))
     turns, orders = 0.0, ()
     # Orders are per turn of the motor: the position of a carriage has none.
@@ -256,26 +261,12 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         by_voltage=data.drive.by_voltage,
         scaled=data.drive.scale is None and channels.motor.measured_by in {"current", "voltage"},
         masses=bool(channels.carried),
-        left_open=tuple(sorted({*(c.role for c in data.drive.open), *channels.rig.estimate, *_bodies(data)})),
-        mean_force=_mean_force(data),
+        left_open=tuple(sorted({*(c.role for c in data.drive.open), *channels.rig.estimate, *bodies})),
+        mean_force=force,
         turns=turns,
         orders=orders,
         lines=channels.lines,
     )
-
-
-def _mean_force(data: FitData) -> float:
-    """Mean normal force on the bearing of a joint of an arm [N]; 0 for a single link."""
-    along = data.drive.along
-    if along is None or not along.force:
-        return 0.0
-    return float(np.mean(along.signals[along.force][data.drive.channels.selection.fit_rows]))
-
-
-def _bodies(data: FitData) -> set[str]:
-    """What open bodies of a chain leave open of each joint."""
-    along = data.drive.along
-    return {"inertia", "gravity", "theta_zero_rad"} if along is not None and along.open else set()
 
 
 def variables_of(data: FitData, instruments: Signals | None = None) -> Variables:

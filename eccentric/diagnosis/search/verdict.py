@@ -19,6 +19,7 @@ from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.attribution import Search
 from eccentric.diagnosis.search.candidate import Candidate, Variables, Variant
 from eccentric.diagnosis.search.screen import Fitted
+from eccentric.diagnosis.search.stability import null_quantile
 from eccentric.diagnosis.search.two_balances import search_all
 from eccentric.effects import Words
 from eccentric.identification import BalanceDesign
@@ -172,7 +173,7 @@ def decided(searches: dict[str, Search], runs: int = 1) -> Attribution:
     listed = [*leading, *_runners_up(searches, {entry.family for entry in leading}, set(about))]
     follows = tuple(dict.fromkeys([*depends, *(variable for variable, _ in left)]))
     deviance = {
-        name: (search.deviance(search.base, search.ranked[0]), search.null_level())
+        name: (search.deviance(search.base, search.ranked[0]), null_quantile(search.screen, search.best))
         for name, search in searches.items()
         if search.ranked
     }
