@@ -117,26 +117,21 @@ def turned(values: Values) -> Array:
     return mixed({2: np.cos(values["angle"]), 3: np.sin(values["angle"])})[:, None]
 
 
-def test_a_shape_is_refined_between_its_grid_points() -> None:
+LOG = replace(ANGLE, low=0.05, high=1.5, scale="log")
+
+
+@pytest.mark.parametrize(("shape", "planted"), [(ANGLE, 0.731), (LOG, 0.3)], ids=["linear", "logarithmic"])
+def test_a_shape_is_refined_between_its_grid_points(shape: Shape, planted: float) -> None:
     """The direction of a column, planted off the grid, is found, and its amplitude."""
-    one = candidate("a", shapes=(ANGLE,), of=turned)
-    planted = 0.731
-    screen = Screen(design({2: 4.0 * np.cos(planted), 3: 4.0 * np.sin(planted)}), [one])
+    screen = Screen(
+        design({2: 4.0 * np.cos(planted), 3: 4.0 * np.sin(planted)}),
+        [candidate("a", shapes=(shape,), of=turned)],
+    )
     (best,) = screen.rank([])
 
     assert best.variants[0].values["angle"] == pytest.approx(planted, abs=2e-3)
     assert screen.own(best)[0] == pytest.approx([4.0], rel=1e-5)
     assert best.score == pytest.approx(N, rel=1e-4)
-
-
-def test_a_logarithmic_shape_is_refined_on_its_scale() -> None:
-    """The same where the range is spaced by factors."""
-    log = replace(ANGLE, low=0.05, high=1.5, scale="log", points=5)
-    one = candidate("a", shapes=(log,), of=turned)
-    screen = Screen(design({2: 4.0 * np.cos(0.3), 3: 4.0 * np.sin(0.3)}), [one])
-    (best,) = screen.rank([])
-
-    assert best.variants[0].values["angle"] == pytest.approx(0.3, abs=2e-3)
 
 
 def test_shapes_of_several_effects_are_refined_together() -> None:

@@ -169,21 +169,24 @@ def test_one_family_is_never_tied_with_nothing() -> None:
 
 
 @pytest.mark.parametrize(("first", "expected"), [(0.0, "not_identifiable"), (4.0, "named")])
-def test_which_declared_value_is_off_may_stay_open_beside_a_name(first: float, expected: str) -> None:
-    """A tie of corrections alone takes no name from an effect that nothing else explains, and is reported."""
-    mass, inertia = (
-        replace(one, tolerance=1e-9) for one in (candidate("inertia", {2: 1.0}), rival("mass", 0.7))
-    )
-    found = verdict({2: 3.0, 3: first}, B, mass, inertia)
+@pytest.mark.parametrize("other", ["mass", "gear"], ids=["which value is off", "whether one is off"])
+def test_a_declared_value_may_stay_open_beside_a_name(other: str, first: float, expected: str) -> None:
+    """Its tie, with another value or with an effect, takes no name from an effect that nothing else explains.
+
+    It is reported, and beside that name an effect in the tie leaves undecided whether a value is off at all.
+    """
+    inertia = replace(candidate("inertia", {2: 1.0}), tolerance=1e-9)
+    tied = rival(other, 0.7) if other == "gear" else replace(rival(other, 0.7), tolerance=1e-9)
+    found = verdict({2: 3.0, 3: first}, B, inertia, tied)
+    corrected = found.adopted_as("inertia")
 
     assert expected == found.verdict
-    assert (() if first else ("inertia", "mass")) == found.tied
+    assert (() if first else ("inertia", other)) == found.tied
     assert (["b", "inertia"] if first else ["inertia"]) == [
         one.variant.candidate.family for one in found.adopted
     ]
-    corrected = found.adopted_as("inertia")
     assert corrected is not None
-    assert (("inertia", "mass"), False) == (corrected.alike, corrected.undecided)
+    assert (("inertia", other), other == "gear" and bool(first)) == (corrected.alike, corrected.undecided)
 
 
 @pytest.mark.parametrize(("variable", "expected"), [("time", "not_identifiable"), ("velocity", "named")])
@@ -195,19 +198,6 @@ def test_two_drifts_are_the_course_of_one(variable: str, expected: str) -> None:
     assert expected == found.verdict
     assert {"a", "b"} == {one.variant.candidate.family for one in found.adopted}
     assert ({"a", "b"} if variable == "time" else set()) == set(found.tied)
-
-
-@pytest.mark.parametrize(("first", "expected"), [(0.0, "not_identifiable"), (4.0, "named")])
-def test_whether_a_declared_value_is_off_may_stay_open_beside_a_name(first: float, expected: str) -> None:
-    """A correction that is tied with an effect takes no name from another effect that is clear."""
-    inertia = replace(candidate("inertia", {2: 1.0}), tolerance=1e-9)
-    found = verdict({2: 3.0, 3: first}, B, inertia, rival("gear", 0.7))
-    corrected = found.adopted_as("inertia")
-
-    assert expected == found.verdict
-    assert (() if first else ("inertia", "gear")) == found.tied
-    assert corrected is not None
-    assert (("inertia", "gear"), bool(first)) == (corrected.alike, corrected.undecided)
 
 
 @pytest.mark.parametrize(
@@ -231,19 +221,17 @@ def test_what_a_smooth_term_still_takes_out_refuses_a_name(part: float, runs: in
         assert NextMeasurement("vary", "of_smooth:x") == found.next_measurement
 
 
-def test_a_smooth_term_alone_leaves_the_log_unexplained() -> None:
-    """Structure without any effect: no name, and the variable that it follows."""
-    found = verdict({7: 2.0}, A, smooth=candidate("smooth:x", {7: 1.0}))
-
-    assert ("unexplained", (), ("of_smooth:x",)) == (found.verdict, found.adopted, found.depends_on)
+TRACE = math.sqrt(math.expm1(0.9 * limits.LEAST_DEVIANCE / N))
 
 
-def test_a_smooth_term_that_gains_by_chance_is_no_structure() -> None:
-    """It must be worth it like an effect: its part of a trace does not count."""
-    small = math.sqrt(math.expm1(0.9 * limits.LEAST_DEVIANCE / N))
-    found = verdict({7: small}, A, smooth=candidate("smooth:x", {7: 1.0}))
+@pytest.mark.parametrize(
+    ("size", "expected"), [(2.0, ("unexplained", ("of_smooth:x",))), (TRACE, ("nothing_missing", ()))]
+)
+def test_a_smooth_term_alone_leaves_the_log_unexplained(size: float, expected: tuple[str, Any]) -> None:
+    """Structure without any effect: no name, and its variable. A trace that gains by chance is none."""
+    found = verdict({7: size}, A, smooth=candidate("smooth:x", {7: 1.0}))
 
-    assert ("nothing_missing", ()) == (found.verdict, found.depends_on)
+    assert (*expected, ()) == (found.verdict, found.depends_on, found.adopted)
 
 
 def test_the_residual_follows_the_stronger_variable_first() -> None:

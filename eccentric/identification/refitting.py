@@ -78,7 +78,7 @@ def _of_balance(
         name, ends, active = c.name, (c.lower, c.upper), int(solution.active[k])
         if c.role == "inertia" and drive.rotor is not None:
             # The rotor is known: what is free is the link's.
-            name, active = machine.link, 0
+            name = machine.link
             whole = machine.inertia({**values, machine.rotor: drive.rotor})
             slope = (unit[k] - whole * shared) / machine.inertia_per(name, values)
             found[name] = error.estimate(values[name], slope, units[name], ends)
