@@ -11,6 +11,7 @@ from scipy.ndimage import median_filter
 from scipy.signal import find_peaks
 
 from eccentric.diagnosis import limits
+from eccentric.diagnosis.search import unexplained
 from eccentric.effects import Effect
 from eccentric.identification import FitData, Refit, improvement, improvement_over_runs, refit, rms
 from eccentric.model import Model
@@ -221,7 +222,7 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
         # What is smooth over the stretch or follows the speed is not a ripple.
         t = np.linspace(-1.0, 1.0, len(rows))
         slow = np.column_stack([np.ones_like(t), t, t**2, channels.motion.omega_m[rows]])
-        rest = y - slow @ np.linalg.lstsq(slow, y, rcond=None)[0]
+        rest = unexplained(slow, y)
         if np.std(rest) <= 1e-12 * max(np.std(y), 1e-300):
             continue
         spectra.append(_spectrum(angle, rest))

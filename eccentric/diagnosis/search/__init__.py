@@ -21,7 +21,13 @@ May import: `identification`, `signals`, `rigs`, `effects`, `model`.
 from eccentric.diagnosis.search.attribution import required_over, searched_loads
 from eccentric.diagnosis.search.balances import balances_of, instruments_of, setting_of, variables_of
 from eccentric.diagnosis.search.candidate import Candidate, Variant, refined
-from eccentric.diagnosis.search.crossval import Gram, bounded_solve, bounded_solve_each, sum_of_each
+from eccentric.diagnosis.search.crossval import (
+    Gram,
+    bounded_solve,
+    bounded_solve_each,
+    sum_of_each,
+    unexplained,
+)
 from eccentric.diagnosis.search.from_effect import candidate_of, offered
 from eccentric.diagnosis.search.limits import (
     AT_FLOOR,

@@ -11,6 +11,7 @@ from scipy.ndimage import median_filter
 
 from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.candidate import Variables
+from eccentric.diagnosis.search.crossval import unexplained
 from eccentric.effects import CURRENT_DELAYS_S, HIGHEST_ORDER, Setting
 from eccentric.identification import (
     BalanceDesign,
@@ -81,8 +82,7 @@ def _spectrum(
     is as narrow as the range of the angle is long, so that neighbouring orders stay apart.
     """
     angle = (theta_m - np.min(theta_m)) / (2.0 * np.pi)
-    known = _known(theta_m, omega_m, without)
-    against = np.sign(omega_m) * (residual - known @ np.linalg.lstsq(known, residual, rcond=None)[0])
+    against = np.sign(omega_m) * unexplained(_known(theta_m, omega_m, without), residual)
     bins = np.bincount((angle * limits.BINS_PER_TURN).astype(int), against)
     power = np.abs(np.fft.rfft(bins, limits.PADDED * len(bins))) ** 2
     return np.arange(len(power)) * limits.BINS_PER_TURN / (limits.PADDED * len(bins)), power / np.sum(

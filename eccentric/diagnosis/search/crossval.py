@@ -198,7 +198,7 @@ def exogenous(target: Array, base: Array, own: Array, instruments: Array) -> boo
     Of the torque that least squares gives the candidate, the instruments must find most, and more than three
     standard errors of it. False where the instruments do not determine the coefficients.
     """
-    y, x, z = (_without(base, a) for a in (target[:, None], own, instruments))
+    y, x, z = (unexplained(base, a) for a in (target[:, None], own, instruments))
     try:
         squares, found = np.linalg.lstsq(x, y, rcond=None)[0], np.linalg.solve(z.T @ x, z.T @ y)
         inverse = np.linalg.inv(z.T @ x)
@@ -215,9 +215,14 @@ def exogenous(target: Array, base: Array, own: Array, instruments: Array) -> boo
     return again > limits.KEPT_BY_INSTRUMENTS * whole and again > limits.CLEARLY * error
 
 
-def _without(base: Array, columns: Array) -> Array:
-    """The columns without what the base explains of them."""
+def unexplained(base: Array, columns: Array) -> Array:
+    """Columns (rows, k), or one (rows,), without what least squares on a base (rows, p) explains of them."""
     return columns - base @ np.linalg.lstsq(base, columns, rcond=None)[0] if base.shape[1] else columns
+
+
+def spans(base: Array, columns: Array) -> bool:
+    """Whether columns are combinations of those of a base."""
+    return bool(np.linalg.norm(unexplained(base, columns)) < limits.TINY_COLUMN * np.linalg.norm(columns))
 
 
 # How many rows a residual counts as: rows that follow each other repeat a part of what they say.

@@ -30,7 +30,14 @@ import numpy as np
 
 from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.candidate import Candidate, Variant
-from eccentric.diagnosis.search.crossval import Gram, cross_validate_each, groups_of, inverses, sum_of_each
+from eccentric.diagnosis.search.crossval import (
+    Gram,
+    cross_validate_each,
+    groups_of,
+    inverses,
+    spans,
+    sum_of_each,
+)
 from eccentric.diagnosis.search.screen import Fitted, Screen
 from eccentric.signals import blocks_of
 
@@ -146,9 +153,7 @@ def _families(fitted: Fitted) -> frozenset[str]:
 def _open(screen: Screen, candidate: Candidate) -> bool:
     """Whether the base has the column of a declared value already: the rig file leaves it to be estimated."""
     _, base, _ = screen.design([])
-    column = screen.columns(Variant(candidate, {}))
-    left = column - base @ np.linalg.lstsq(base, column, rcond=None)[0] if base.shape[1] else column
-    return bool(np.linalg.norm(left) < limits.TINY_COLUMN * np.linalg.norm(column))
+    return spans(base, screen.columns(Variant(candidate, {})))
 
 
 def _bonus(fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:

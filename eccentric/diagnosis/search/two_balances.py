@@ -26,7 +26,7 @@ from eccentric.diagnosis.search.candidate import (
     refined,
     smooth_terms,
 )
-from eccentric.diagnosis.search.crossval import bounded_solve
+from eccentric.diagnosis.search.crossval import bounded_solve, spans, unexplained
 from eccentric.diagnosis.search.screen import Fitted, Screen
 from eccentric.identification import BalanceDesign, Coefficient
 
@@ -53,7 +53,7 @@ class BothBalances:
         self.variants = list(found.variants)
         # Coefficients of its own in each balance: the weights do not depend on how well the shapes agree.
         design, target = np.hstack([self._also(self.variants), self._base]), mechanical.target
-        rest = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
+        rest = unexplained(design, target)
         self._weights = screen.rows / found.loss.sum(), len(rest) / float(rest @ rest)
 
     def run(self) -> list[Array]:
@@ -379,7 +379,7 @@ def _misread(
                 continue
             samples = candidate.also({})
             added = rows.mean(samples)
-            if not _spans(added, electrical.columns(variant)):
+            if not spans(added, electrical.columns(variant)):
                 continue
             other = screen.fit([Variant(replace(variant.candidate, columns=torque), variant.values)])
             own = screen.fit([Variant(candidate, {})])
@@ -402,13 +402,7 @@ def _free_to_err(circuit: BalanceDesign, misread: _Misread) -> BalanceDesign:
 def _others(electrical: Search, misread: _Misread) -> list[Variant]:
     """What was found in the electrical balance but has other columns there than the misread angle."""
     screen = electrical.screen
-    return [v for v in electrical.best.variants if not _spans(misread.columns, screen.columns(v))]
-
-
-def _spans(columns: Array, others: Array) -> bool:
-    """Whether the other columns are combinations of these."""
-    left = others - columns @ np.linalg.lstsq(columns, others, rcond=None)[0]
-    return bool(np.linalg.norm(left) < limits.TINY_COLUMN * np.linalg.norm(others))
+    return [v for v in electrical.best.variants if not spans(misread.columns, screen.columns(v))]
 
 
 def _beside(mechanical: Search, electrical: Search) -> list[Beside]:
