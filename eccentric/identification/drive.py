@@ -467,7 +467,7 @@ class Drive:
         """
         motion = self.channels.motion
         if balance == "electrical":
-            return [Filtered(machine.damping(values), motion.omega_m)]
+            return [Filtered(self.machine.damping(values), motion.omega_m)]
         found = [] if self.along is None else [Filtered(1.0, self.along.torque)]
         inertia = machine.inertia_along(values, self.channels.carried)
         found.append(Filtered(inertia, motion.alpha_m, motion.theta_logged))
