@@ -13,12 +13,9 @@ import pytest
 from eccentric.diagnosis.search import balances, instruments_of, limits
 from eccentric.diagnosis.search.candidate import Candidate
 from eccentric.effects import Shape
-from eccentric.identification import FitData, drive_of, fit_data_of
-from eccentric.logs import read_log
-from eccentric.model import Model, load_model, quantity
-from eccentric.rigs import read_rig
-from eccentric.signals import read_channels
-from eccentric.virtual_bench import BenchRun, simulate
+from eccentric.model import quantity
+from eccentric.virtual_bench import simulate
+from tests.identified import prepared
 from tests.searched import NOISE, SIZE, N, adopted, candidate, mixed, search
 from tests.virtual import drawn_scenario
 
@@ -29,13 +26,6 @@ def seen_through(share: float) -> Candidate:
     """A candidate whose instrument has this part of its squared length in the candidate's own column."""
     instrument = mixed({OWN: math.sqrt(share), OTHER: math.sqrt(1.0 - share)})[:, None]
     return replace(candidate("a", {OWN: 1.0}), instrument=lambda _: instrument)
-
-
-def fitted_data(run: BenchRun) -> tuple[FitData, Model]:
-    """What a fit of the rig's own model sees of a simulated log."""
-    channels = read_channels([read_log(run.columns)], read_rig(run.rig))
-    model = load_model(channels.rig.model)
-    return fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model), model
 
 
 def gained(amplitude: float, share: float) -> float:
@@ -156,7 +146,7 @@ def test_the_instruments_are_the_signals_that_the_motion_needs() -> None:
     found = {}
     for noise in (0.0, 0.03):
         run = simulate(drawn_scenario(5, log_type="traj", seconds=40.0, noise=noise))
-        data, model = fitted_data(run)
+        data, model = prepared(run.columns, run.rig)
         hidden = run.truth["hidden_parameters"]
         friction = np.array([hidden[c.name] for c in data.signals.columns(model)])
         signals = instruments_of(data, model, friction)
@@ -175,7 +165,7 @@ def test_the_instruments_are_the_signals_that_the_motion_needs() -> None:
 def test_the_instruments_keep_the_phase_of_a_ripple() -> None:
     """Behind a gear slow motion leaves out a part of a turn; order 6 stays within a tenth of a radian."""
     run = simulate(drawn_scenario(1, mu=1.0 / 30.0, log_type="traj", seconds=40.0))
-    data, model = fitted_data(run)
+    data, model = prepared(run.columns, run.rig)
     signals = instruments_of(data, model, np.zeros(len(data.signals.columns(model))))
     assert signals is not None
 

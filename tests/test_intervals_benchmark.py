@@ -10,14 +10,12 @@ from benchmarks.diagnosis_jobs import Job, Result
 from benchmarks.diagnosis_table import details, figures
 from benchmarks.intervals import counted, effect_of, run
 from benchmarks.oracle import Oracle
-from eccentric.identification import FitData, drive_of, fit_data_of, refit
+from eccentric.identification import FitData, refit
 from eccentric.identification.fit_data import Emitted
-from eccentric.logs import read_log
 from eccentric.model import load_model
-from eccentric.rigs import read_rig
-from eccentric.signals import read_channels
 from eccentric.virtual_bench import simulate
 from tests.extended import KNOWN, effects
+from tests.identified import prepared
 from tests.virtual import drawn_scenario
 
 FRICTION = {"C_m": 0.1, "B_m": 0.01, "C_lN": 0.02, "B_lN": 0.003}
@@ -57,9 +55,7 @@ def test_a_filter_that_changes_nothing_widens_no_interval(monkeypatch: pytest.Mo
     run = simulate(drawn_scenario(7, case="C1", log_type="traj", seconds=40.0))
     known = {key: x for key, x in run.rig["known"].items() if key != "J_l_kgm2"}
     rig = run.rig | {"known": known, "unknown": {"J_l": ["0 kg m^2", "1000 kg m^2"]}}
-    channels = read_channels([read_log(run.columns)], read_rig(rig))
-    model = load_model(channels.rig.model)
-    data = fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model)
+    data, model = prepared(run.columns, rig)
 
     errors = []
     for narrowed in (data, None):

@@ -13,6 +13,7 @@ from eccentric.diagnosis.search.balances import standing_orders
 from eccentric.effects import library
 from eccentric.virtual_bench import simulate, write
 from tests.extended import MU, TURNS, every_case, setting
+from tests.identified import left_of
 from tests.virtual import drawn_scenario
 
 Array = np.ndarray
@@ -146,19 +147,13 @@ def test_noise_and_what_follows_speed_or_load_have_no_order() -> None:
         assert "nonsynchronous_friction" not in {effect.family for effect in offered}
 
 
-def left(y: Array, *others: Array) -> float:
-    """Return the part of y, by its norm, that a fit of the others leaves."""
-    x = np.column_stack(others)
-    return float(np.linalg.norm(y - x @ np.linalg.lstsq(x, y, rcond=None)[0]) / np.linalg.norm(y))
-
-
 @pytest.mark.parametrize(("cycles", "offered"), [(0.1, False), (0.2, False), (0.3, True), (1.7, True)])
 @pytest.mark.parametrize("harmonic", [4.0, 11 * MU], ids=["motor", "link"])
 def test_it_is_offered_where_no_harmonic_is_like_it(harmonic: float, cycles: float, offered: bool) -> None:
     """It slips by a quarter of a cycle over the log against each harmonic; sqrt(1 - sinc^2) of it is left."""
     nu = harmonic + cycles / TURNS
     angle = np.linspace(0.0, 2.0 * np.pi * TURNS, 20000)
-    rest = left(np.cos(nu * angle), np.cos(harmonic * angle), np.sin(harmonic * angle))
+    rest = left_of(np.cos(nu * angle), np.cos(harmonic * angle), np.sin(harmonic * angle))
     found = library(replace(setting("C2", warm=False), orders=(nu,)))
 
     assert offered == any(effect.family == "nonsynchronous_friction" for effect in found)

@@ -7,7 +7,7 @@ import keyword
 import pprint
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from dataclasses import MISSING, Field, fields, is_dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -146,33 +146,24 @@ def is_result_name(name: str) -> bool:
 
 def extended_model(found: Diagnosis) -> Model:
     """The extended model with the fitted values as its defaults: the one that the script builds."""
-    fitted = _fitted(found)
-    model, name = found.result.model, result_name(found)
-    drive = found.data.drive
-    return with_values(
-        model,
-        fitted.values,
-        name,
-        fitted.notes,
-        fitted.title,
-        "diagnosis",
-        drive.back_emf_in_friction,
-        drive.current_known,
-        drive.voltage_known,
-        drive.emitted_unit,
-    )
+    values, notes, title = _fitted(found)
+    options = _options(found.data.drive)
+    return with_values(found.result.model, values, result_name(found), notes, title, "diagnosis", **options)
 
 
-@dataclass(frozen=True)
-class _Fitted:
-    """What is fitted: values and remarks by the paper's letters, and the title of the model."""
+def _options(drive: Drive) -> dict[str, Any]:
+    """What `with_values` takes of a drive, without what is so by default."""
+    said = {
+        "back_emf_in_friction": (drive.back_emf_in_friction, False),
+        "current_known": (drive.current_known, True),
+        "voltage_known": (drive.voltage_known, True),
+        "torque_unit": (drive.emitted_unit, "N m"),
+    }
+    return {name: value for name, (value, default) in said.items() if value != default}
 
-    values: dict[str, float]
-    notes: dict[str, str]
-    title: str
 
-
-def _fitted(found: Diagnosis) -> _Fitted:
+def _fitted(found: Diagnosis) -> tuple[dict[str, float], dict[str, str], str]:
+    """Values and remarks by the paper's letters, and the title of the model."""
     letters = {q.name for q in found.result.model.parameters}
     values = {k: v for k, v in found.result.values.items() if k in letters and v is not None}
     values = {k: v for k, v in values.items() if k not in _placeholders(found.data.drive)}
@@ -201,7 +192,7 @@ def _fitted(found: Diagnosis) -> _Fitted:
         notes |= dict.fromkeys(drive.machine.back_emf_letters & letters, NO_BACK_EMF)
     names = ", ".join(effect.id for effect, _ in found.result.effects)
     done = f"extended by {names}" if names else "fitted"
-    return _Fitted(values, notes, f"{found.models.base.title}, {done}")
+    return values, notes, f"{found.models.base.title}, {done}"
 
 
 def _placeholders(drive: Drive) -> set[str]:
@@ -223,7 +214,7 @@ def script(found: Diagnosis) -> str:
 
     It is an ordinary derivation: `python model.py` prints it, `eccentric emit model.py` emits it.
     """
-    adopted, fitted = found.models.extended.effects, _fitted(found)
+    adopted, (fitted, notes, title) = found.models.extended.effects, _fitted(found)
     origin = plain(", ".join(found.asked.logs))
     setting = pprint.pformat(found.setting, width=100, compact=True)
     # A set prints in a different order in every run.
@@ -234,11 +225,7 @@ def script(found: Diagnosis) -> str:
     load = ("", "")
     if any(extension.name == constant_load.id for extension in found.models.base.extensions):
         load = (", with_constant_load", "model = with_constant_load(model)\n")
-    drive = found.data.drive
-    log = "\n    back_emf_in_friction=True," if drive.back_emf_in_friction else ""
-    log += "" if drive.current_known else "\n    current_known=False,"
-    log += "" if drive.voltage_known else "\n    voltage_known=False,"
-    log += "" if drive.emitted_unit == "N m" else f"\n    torque_unit={drive.emitted_unit!r},"
+    log = "".join(f"\n    {name}={value!r}," for name, value in _options(found.data.drive).items())
     own = ""
     if found.asked.effects is not None:
         own = f"\noffered += load_effects(Path(__file__).with_name({found.asked.effects.name!r}), setting)"
@@ -249,7 +236,7 @@ def script(found: Diagnosis) -> str:
         term = f"\n# A term without a cause.\nterm = empirical_term(setting, {curves})\n"
         term += f"model = term.extend(model, {values})\n"
         words = ["Curve", "Setting", "empirical_term", *words[1:]]
-    return f'''"""{plain(fitted.title)}.
+    return f'''"""{plain(title)}.
 
 Written by `eccentric diagnose` from {origin}.
 An ordinary derivation: run it to print it, edit it, emit it with `eccentric emit model.py --out DIR`.
@@ -275,10 +262,10 @@ for name, values in {chosen}:
 {term}
 model = with_values(
     model,
-    {pprint.pformat(fitted.values, width=96, indent=1)},
+    {pprint.pformat(fitted, width=96, indent=1)},
     name={result_name(found)!r},
-    notes={pprint.pformat(fitted.notes, width=96)},
-    title={fitted.title!r},{log}
+    notes={pprint.pformat(notes, width=96)},
+    title={title!r},{log}
 )
 
 if __name__ == "__main__":
