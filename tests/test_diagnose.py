@@ -110,7 +110,7 @@ def effects(setting):
     ([log], rig), out = own_friction(tmp_path, 9006, fourth, 4.0, 0.3, noise=0.004), tmp_path / "out"
     arguments = [str(log), "--rig", str(rig), "--effects", str(own), "--out", str(out)]
     rivals = ["my_drag", "quadratic_drag", "cubic_drag", "stribeck", "eddy_current", "cogging"]
-    assert 0 == main(["diagnose", *arguments, "--only", *rivals])
+    assert 0 == main(["diagnose", *arguments, *(f"--only={name}" for name in rivals)])
     said = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
 
     assert "my_drag" in [c["id"] for c in said["candidates"][:2]]

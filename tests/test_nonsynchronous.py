@@ -136,7 +136,7 @@ def test_a_harmonic_alone_offers_no_other_order(harmonic: float) -> None:
 
 def test_noise_and_what_follows_speed_or_load_have_no_order() -> None:
     """White noise, a wrong Coulomb and viscous coefficient and a gravity torque: no order is offered."""
-    for seed in range(10):
+    for seed in range(5):
         theta, omega = swings(seed)
         rng = np.random.default_rng(seed)
         residual = 0.02 * np.sign(omega) + 1e-3 * omega + 0.01 * rng.normal(size=len(theta))
