@@ -1,7 +1,5 @@
 """A log prepared for a fit, and whether a fit has found what a rig is."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

@@ -4,8 +4,6 @@ With the noise at 1, a fit that lacks amplitudes b, c, ... leaves N (1 + b^2 + c
 count as independent, so the deviance of an addition is N log(before/after).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """`eccentric.diagnose`: the command's result as an object, with the extended model alive in it."""
 
-from __future__ import annotations
-
 import json
 import pickle
 import shutil

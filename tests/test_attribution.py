@@ -1,7 +1,5 @@
 """Attribution finds planted effects, leaves a control alone, and gives no name to what no candidate holds."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A live base model as base.py: the script makes the model that it was written from."""
 
-from __future__ import annotations
-
 import dataclasses
 import runpy
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Every block predicted from the others, beside SciPy's bounded least squares on the rows themselves."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

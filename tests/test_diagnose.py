@@ -1,7 +1,5 @@
 """Close the loop: effects are found and added, a control is left alone, the unknown stays unnamed."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """An encoder off its centre: its balances to first order, what it resembles, and who decides."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A ripple near the Nyquist frequency: its product with a measured current has twice that frequency."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a candidate gains must be there without the noise of its own signals: columns of known projection."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from types import SimpleNamespace

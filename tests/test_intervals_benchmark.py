@@ -1,7 +1,5 @@
 """The benchmark of intervals compares like with like: what is planted is what is fitted."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

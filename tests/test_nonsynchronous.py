@@ -1,7 +1,5 @@
 """Friction at a non-integer order: found in a spectrum over the angle, kept apart from the harmonics."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Estimates beside what is known from elsewhere: figures, intervals and sentences by closed forms."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 from typing import Any, cast

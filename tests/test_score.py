@@ -1,7 +1,5 @@
 """Every run left out once: the errors are those of least squares on the other runs' rows."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Scores of candidates where every fit is known in closed form."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -141,9 +139,8 @@ def test_shapes_of_several_effects_are_refined_together() -> None:
         return mixed({2 + k: values["angle"] ** k for k in range(4)})[:, None]
 
     first, second = (candidate(name, shapes=(ANGLE,), of=of) for name in "ab")
-    balance = design({})
     planted = 30.0 * (of({"angle": 0.4}) + of({"angle": 0.9}))[:, 0]
-    screen = Screen(replace(balance, target=balance.target + planted), [first, second])
+    screen = Screen(design({}, also=planted), [first, second])
     coarse = screen.fit([Variant(first, {"angle": 0.1}), Variant(second, {"angle": 1.5})])
 
     assert screen.refine(coarse).loss.sum() == pytest.approx(N, rel=1e-2)
@@ -270,8 +267,7 @@ def test_blocks_are_predicted_from_the_others() -> None:
     """What only one block has is not predicted there: its cross-validated loss is that of no fit, or more."""
     inside = np.arange(N) < SIZE
     one = replace(candidate("a"), columns=lambda _: (inside * COLUMNS[:, 2])[:, None])
-    balance = design({})
-    screen = Screen(replace(balance, target=balance.target + 3.0 * inside * COLUMNS[:, 2]), [one])
+    screen = Screen(design({}, also=3.0 * inside * COLUMNS[:, 2]), [one])
     fitted = screen.fit([only(one)])
 
     assert fitted.loss[0] == pytest.approx(SIZE * 1.0, rel=1e-6)

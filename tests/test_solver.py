@@ -1,7 +1,5 @@
 """The fitting stack against closed forms and other solvers: linear inside, search or iteration outside."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Bounded least squares, standard errors and gains against closed forms."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """One verdict from searches whose every score is known in closed form; see `searched`."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from types import SimpleNamespace
