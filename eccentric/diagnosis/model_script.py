@@ -7,7 +7,7 @@ import keyword
 import pprint
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -146,9 +146,9 @@ def is_result_name(name: str) -> bool:
 
 def extended_model(found: Diagnosis) -> Model:
     """The extended model with the fitted values as its defaults: the one that the script builds."""
-    values, notes, title = _fitted(found)
-    options = _options(found.data.drive)
-    return with_values(found.result.model, values, result_name(found), notes, title, "diagnosis", **options)
+    fitted, model = _fitted(found), found.result.model
+    said = result_name(found), fitted.notes, fitted.title, "diagnosis"
+    return with_values(model, fitted.values, *said, **_options(found.data.drive))
 
 
 def _options(drive: Drive) -> dict[str, Any]:
@@ -162,8 +162,16 @@ def _options(drive: Drive) -> dict[str, Any]:
     return {name: value for name, (value, default) in said.items() if value != default}
 
 
-def _fitted(found: Diagnosis) -> tuple[dict[str, float], dict[str, str], str]:
-    """Values and remarks by the paper's letters, and the title of the model."""
+@dataclass(frozen=True)
+class _Fitted:
+    """What is fitted: values and remarks by the paper's letters, and the title of the model."""
+
+    values: dict[str, float]
+    notes: dict[str, str]
+    title: str
+
+
+def _fitted(found: Diagnosis) -> _Fitted:
     letters = {q.name for q in found.result.model.parameters}
     values = {k: v for k, v in found.result.values.items() if k in letters and v is not None}
     values = {k: v for k, v in values.items() if k not in _placeholders(found.data.drive)}
@@ -192,7 +200,7 @@ def _fitted(found: Diagnosis) -> tuple[dict[str, float], dict[str, str], str]:
         notes |= dict.fromkeys(drive.machine.back_emf_letters & letters, NO_BACK_EMF)
     names = ", ".join(effect.id for effect, _ in found.result.effects)
     done = f"extended by {names}" if names else "fitted"
-    return values, notes, f"{found.models.base.title}, {done}"
+    return _Fitted(values, notes, f"{found.models.base.title}, {done}")
 
 
 def _placeholders(drive: Drive) -> set[str]:
@@ -214,7 +222,7 @@ def script(found: Diagnosis) -> str:
 
     It is an ordinary derivation: `python model.py` prints it, `eccentric emit model.py` emits it.
     """
-    adopted, (fitted, notes, title) = found.models.extended.effects, _fitted(found)
+    adopted, fitted = found.models.extended.effects, _fitted(found)
     origin = plain(", ".join(found.asked.logs))
     setting = pprint.pformat(found.setting, width=100, compact=True)
     # A set prints in a different order in every run.
@@ -236,7 +244,7 @@ def script(found: Diagnosis) -> str:
         term = f"\n# A term without a cause.\nterm = empirical_term(setting, {curves})\n"
         term += f"model = term.extend(model, {values})\n"
         words = ["Curve", "Setting", "empirical_term", *words[1:]]
-    return f'''"""{plain(title)}.
+    return f'''"""{plain(fitted.title)}.
 
 Written by `eccentric diagnose` from {origin}.
 An ordinary derivation: run it to print it, edit it, emit it with `eccentric emit model.py --out DIR`.
@@ -262,10 +270,10 @@ for name, values in {chosen}:
 {term}
 model = with_values(
     model,
-    {pprint.pformat(fitted, width=96, indent=1)},
+    {pprint.pformat(fitted.values, width=96, indent=1)},
     name={result_name(found)!r},
-    notes={pprint.pformat(notes, width=96)},
-    title={title!r},{log}
+    notes={pprint.pformat(fitted.notes, width=96)},
+    title={fitted.title!r},{log}
 )
 
 if __name__ == "__main__":

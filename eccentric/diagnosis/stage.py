@@ -226,25 +226,33 @@ def staged(plain: Model, base: Model, data: FitData, effects: Path | None, where
 
 
 def _require_supported(model: Model, channels: Channels) -> None:
-    rig, own = channels.rig, channels.rig.axis.term("the paper's")
-
-    def refuse(refused: object, required: str) -> None:
-        if refused:
-            raise InputError(model.name, problem=f"diagnose requires {required}")
-
-    level = f"a plane of motion that is not level, got case C1; {rig.model} is its model"
-    refuse(model.tilted and rig.case == "C1", level)
-    names, itself = ", ".join(state.quantity.name for state in model.states), "(diagnose adds it itself)"
-    memory = f"a model without hidden states, got one with {names} (diagnose adds the effect that has them"
-    refuse(names, f"{memory} itself)")
-    circuit = any("electrical" in extension.change.terms for extension in model.extensions)
-    refuse(circuit, f"a model with {own} armature, got one extended by an electrical effect {itself}")
+    rig, name = channels.rig, model.name
+    own, states = rig.axis.term("the paper's"), ", ".join(state.quantity.name for state in model.states)
     mechanical = model.balance("mechanical")
     used = model.expand(mechanical.sum_of("friction", "conservative", "actuator")).free_symbols
-    driven = "a model without effects of current or voltage, got one with some (diagnose adds them itself)"
-    refuse({v.i.symbol, v.u.symbol} & used, driven)
-    cold = v.temperature.symbol in used and channels.temperature is None
-    refuse(cold, "a temperature in the log, got none")
+    if model.tilted and rig.case == "C1":
+        level = f"got case C1; {rig.model} is its model"
+        raise InputError(name, problem=f"diagnose requires a plane of motion that is not level, {level}")
+    if states:
+        raise InputError(
+            name,
+            problem=f"diagnose requires a model without hidden states, got one with {states}"
+            " (diagnose adds the effect that has them itself)",
+        )
+    if any("electrical" in extension.change.terms for extension in model.extensions):
+        raise InputError(
+            name,
+            problem=f"diagnose requires a model with {own} armature, got one extended by an electrical"
+            " effect (diagnose adds it itself)",
+        )
+    if {v.i.symbol, v.u.symbol} & used:
+        raise InputError(
+            name,
+            problem="diagnose requires a model without effects of current or voltage, got one"
+            " with some (diagnose adds them itself)",
+        )
+    if v.temperature.symbol in used and channels.temperature is None:
+        raise InputError(name, problem="diagnose requires a temperature in the log, got none")
 
 
 # Recordings that differ: level of friction and gain of the drive, run by run, before they are pooled.
