@@ -108,7 +108,7 @@ def combinations_of(drive: Drive, rig: Rig, model: Model, scale: sp.Expr | None)
                 "[known] k_e",
                 "none",
                 why=(
-                    f"by {model.name}, which has no viscous friction in proportion to the"
+                    f"for {model.name}, which has no viscous friction in proportion to the"
                     f" {rig.axis.term('motor velocity')} that would include the back-EMF"
                 ),
                 letter="k_e",
