@@ -82,7 +82,6 @@ from eccentric.identification.regression import (
     Nonlinear,
     Solution,
     balance_design,
-    bounded,
     inseparable,
     iterate,
     merged,

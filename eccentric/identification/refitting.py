@@ -100,7 +100,9 @@ def _of_balance(
             low, high = _profile(fit, step, balance, shape)
             found[name] = Estimate(value, (high - low) / (2.0 * TWO_SIDED), (low, high), units[name])
         else:
-            found[name] = error.estimate(value, unit[k], units[name], ends, _end_of(shape, value))
+            place = shape.place_of(value)
+            at_end = int(place > 1.0 - limits.AT_END) - int(place < limits.AT_END)
+            found[name] = error.estimate(value, unit[k], units[name], ends, at_end)
         slopes.append(unit[k])
     gradient, endless = np.array(slopes), np.isinf(np.diag(error.matrix))
     covariance = gradient[:, ~endless] @ error.matrix[np.ix_(~endless, ~endless)] @ gradient[:, ~endless].T
@@ -127,12 +129,6 @@ def _tilt(cosine: Estimate, ends: tuple[float, float]) -> Estimate:
     error = math.nan if side else (angle(value - reach) - angle(value + reach)) / (2.0 * TWO_SIDED)
     (low, high), widened = cosine.interval, side is not None or cosine.widened
     return Estimate(inside(value), error, (inside(high), inside(low)), "rad", side, widened)
-
-
-def _end_of(shape: Shape, value: float) -> int:
-    """-1 for a shape at the lower end of its range, 1 at the upper, 0 in between."""
-    place = shape.place_of(value)
-    return int(place > 1.0 - limits.AT_END) - int(place < limits.AT_END)
 
 
 def _profile(fit: Extended, step: Step, balance: str, shape: Shape) -> tuple[float, float]:

@@ -24,39 +24,9 @@ from eccentric.identification.uncertainty import Estimate, Spread, rms, spread
 from eccentric.model import TURNING, AxisKind
 from eccentric.signals import Filtered, Rows
 
-# Weighted linear least squares with bounds, and the rank of its design.
-
-
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class Linear:
-    """Coefficients (k,), and for each whether its lower (-1), upper (1) or no (0) bound is active."""
-
-    coefficients: Array
-    active: NDArray[np.int64]
-
-
-def bounded(design: Array, target: Array, lower: Array, upper: Array) -> Linear:
-    """Minimise |design @ x - target| over lower <= x <= upper; design (m, k), others (m,) and (k,).
-
-    The bounded-variable algorithm of Stark and Parker (1995) is exact: a bound is active or it is not.
-    """
-    size = np.linalg.norm(design, axis=0)
-    size = np.where(size > 0.0, size, 1.0)
-    triangle = triangle_of(np.column_stack([design / size, target]))
-    free = bool(np.all(np.isinf(lower)) and np.all(np.isinf(upper)))
-    if free:
-        scaled = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=None)[0]
-        return Linear(scaled / size, np.zeros(len(scaled), dtype=np.int64))
-    found = lsq_linear(
-        triangle[:, :-1], triangle[:, -1], (lower * size, upper * size), method="bvls", tol=limits.ROUNDING
-    )
-    return Linear(found.x / size, np.asarray(found.active_mask, dtype=np.int64))
-
 
 # Sums of a design as triangles: R of the QR decomposition of its rows [X y].
 #
@@ -217,14 +187,25 @@ class Design:
         return dataclasses.replace(self, coefficients=freed)
 
     def solve(self) -> Solution:
-        """Minimise the weighted squares on the fitted rows."""
+        """Minimise the weighted squares on the fitted rows.
+
+        The bounded-variable algorithm of Stark and Parker (1995) is exact: a bound is active or it is not.
+        """
         root = np.sqrt(self.weights[self.train])
         rows, target = self.columns[self.train] * root[:, None], self.target[self.train] * root
-        low, high = self.lower, self.upper
-        found = bounded(rows, target, low, high)
+        low, high, size = self.lower, self.upper, np.linalg.norm(rows, axis=0)
+        size = np.where(size > 0.0, size, 1.0)
+        triangle = triangle_of(np.column_stack([rows / size, target]))
+        inner, right, active = triangle[:, :-1], triangle[:, -1], np.zeros(len(size), np.int64)
+        if np.all(np.isinf(low)) and np.all(np.isinf(high)):
+            values = np.linalg.lstsq(inner, right, rcond=None)[0] / size
+        else:
+            found = lsq_linear(inner, right, (low * size, high * size), method="bvls", tol=limits.ROUNDING)
+            values, active = found.x / size, np.asarray(found.active_mask, dtype=np.int64)
+        left = target - rows @ values
         # A value with an active bound is the bound, free of rounding.
-        values = np.where(found.active < 0, low, np.where(found.active > 0, high, found.coefficients))
-        return Solution(self, values, found.active, target - rows @ found.coefficients)
+        values = np.where(active < 0, low, np.where(active > 0, high, values))
+        return Solution(self, values, active, left)
 
 
 @dataclass(frozen=True)
