@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import chi2
 
 from eccentric.diagnosis import Diagnosis
-from eccentric.diagnosis.models import _with_the_constant_first, closest_effect
+from eccentric.diagnosis.models import closest_effect, constant_first
 from eccentric.diagnosis.search import Attribution, limits, unconfirmed
 from eccentric.diagnosis.search.candidate import Candidate
 from eccentric.diagnosis.search.verdict import NextMeasurement, _outlines, decided, next_measurement
@@ -398,7 +398,7 @@ def test_a_tie_under_load_asks_for_an_open_torque_constant_first(
     offered: Any = [SimpleNamespace(family=f, words=Words(kin=k)) for f, k in zip("ab", kins, strict=True)]
     data: Any = SimpleNamespace(drive=SimpleNamespace(scale=scale, by_voltage=by_voltage))
 
-    said = _with_the_constant_first(tie, offered, data).next_measurement
+    said = constant_first(tie.next_measurement, tie.tied, offered, data)
     assert tie.next_measurement is not None
     assert replace(tie.next_measurement, constant_first=expected) == said
 

@@ -139,12 +139,9 @@ def fitted_models(
         tell("the held-out part does not confirm it")
         refused, found, models = against, unconfirmed(found), replace(models, extended=paper)
         scored = _scored(models, "mechanical", data)
-    return _with_the_constant_first(found, offered, data), models, scored, refused
-
-
-def _with_the_constant_first(found: Attribution, offered: Sequence[Effect], data: FitData) -> Attribution:
-    """A tie of effects under load, with the torque constant open: its value may settle it."""
-    return replace(found, next_measurement=constant_first(found.next_measurement, found.tied, offered, data))
+    # Of a tie of effects under load, an open torque constant may settle it.
+    following = constant_first(found.next_measurement, found.tied, offered, data)
+    return replace(found, next_measurement=following), models, scored, refused
 
 
 def constant_first(
@@ -236,7 +233,9 @@ def better_sibling(plain: Model, models: Models) -> Sibling | None:
             continue
         model = loaded_model(model, rig)
         own = fit_data_of(data.drive, rig, model)
-        if not _separable(model, own):
+        try:
+            own.require_rank(model, name)
+        except InputError:  # Rows of one direction alone may not separate all of its coefficients.
             continue
         fit = refit(model, (), own)
         after = fit.residual_like(found)[rows]
@@ -245,15 +244,6 @@ def better_sibling(plain: Model, models: Models) -> Sibling | None:
         if interval[0] > 0.0 and improvement(smooth, below)[1][0] > 0.0:
             better.append(Sibling(name, rms(after), percent, interval))
     return min(better, key=lambda sibling: sibling.rmse, default=None)
-
-
-def _separable(model: Model, data: FitData) -> bool:
-    """Whether the training rows separate all coefficients of a model: one direction alone may not."""
-    try:
-        data.require_rank(model, model.name)
-    except InputError:
-        return False
-    return True
 
 
 def _case(model: Model) -> tuple[bool, bool]:
@@ -347,14 +337,13 @@ def range_checks(fit: Refit, parts: Parts, unit: str) -> tuple[RangeCheck, ...]:
         for effect, _ in fit.effects
         for known in (plausible.for_parts(parts) for plausible in effect.plausible)
         if np.isfinite(known.high)
-        and _in_its_unit(effect, known, unit)
+        and all(
+            in_drive_unit(q.unit, unit) == q.unit
+            for q in effect.parameters
+            if q.symbol in known.value.free_symbols
+        )
         and (check := _check(effect, known, fit)) is not None
     )
-
-
-def _in_its_unit(effect: Effect, known: Plausible, unit: str) -> bool:
-    own = [q for q in effect.parameters if q.symbol in known.value.free_symbols]
-    return all(in_drive_unit(q.unit, unit) == q.unit for q in own)
 
 
 def _check(effect: Effect, known: Plausible, fit: Refit) -> RangeCheck | None:

@@ -132,7 +132,10 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log", *, by_cu
     """
     whole = pose(channels, rig, model, by_current=by_current)
     problem = whole.without_current if by_current else whole
-    _require_rows(problem, where)
+    rows = problem.rows
+    least = rows.per_coefficient * (len(problem.coefficients) + len(problem.nonlinear))
+    require_rows(rows, "train", least, where)
+    require_rows(rows, "score", LEAST_HELD_OUT, where)
     paper, baseline = solved(problem, where, positive={"scale"}), problem.baseline
     solutions = {
         "linear": search(baseline),
@@ -208,7 +211,9 @@ def _judged(
     problems = {"linear": others.baseline, "paper": problem, "paper_unbounded": others}
     held_out = {name: problems[name].held_out(solution) for name, solution in solutions.items()}
     percent, interval = improvement(held_out["linear"][0], held_out["paper"][0])
-    band = _band(problem, paper)
+    drive, (residual, rows) = problem.aligned(paper.at), problem.compared(paper)
+    noise = white_noise(drive.torque(), drive.channels.time.segment)
+    band = band_of(residual, problem.moving(paper), rows, drive.channels, noise)
     # What follows from others by default (F_T) counts as known: the other factor is a parameter by itself.
     fixed = {*problem.drive.known, *(s.name for s in problem.nonlinear), *following_letters(problem.model)}
     said = [] if band is None or not band.filtered else [band.warning]
@@ -292,20 +297,6 @@ def _one_frequency(t: Array, speed: Array) -> float:
     if peak < limits.LEAST_CYCLES or about < limits.ONE_FREQUENCY * float(np.sum(power)):
         return 0.0
     return peak / float(t[-1] - t[0])
-
-
-def _band(problem: Problem, paper: Solution) -> Band | None:
-    drive = problem.aligned(paper.at)
-    noise = white_noise(drive.torque(), drive.channels.time.segment)
-    residual, rows = problem.compared(paper)
-    return band_of(residual, problem.moving(paper), rows, drive.channels, noise)
-
-
-def _require_rows(problem: Problem, where: str) -> None:
-    rows = problem.rows
-    least = rows.per_coefficient * (len(problem.coefficients) + len(problem.nonlinear))
-    require_rows(rows, "train", least, where)
-    require_rows(rows, "score", LEAST_HELD_OUT, where)
 
 
 def _estimates(

@@ -254,7 +254,9 @@ def search_all(
                 break
             trial = replace(electrical)  # taken over only with the search that goes with it
             again = _corrected(mechanical, trial, beside)
-            if not _differs(again, corrected, found):
+            # By more than the noise explains.
+            change, variance = again.target - corrected.target, found.best.score
+            if not change @ change > limits.CONFIRMED * variance / found.screen.effective(found.best):
                 break
             corrected, held, electrical.best = again, beside, trial.best
             found = with_flux(again, electrical)
@@ -421,13 +423,6 @@ def _beside(mechanical: Search, electrical: Search) -> list[Beside]:
     own.sort(key=lambda v: -screen.fit([other for other in best.variants if other is not v]).score)
     made = [(v, screen.columns(v)) for v in own]
     return [(columns, bounds_of(v.candidate, columns.shape[1])) for v, columns in made if columns.size]
-
-
-def _differs(new: BalanceDesign, old: BalanceDesign, found: Search) -> bool:
-    """Whether two corrected targets differ by more than the noise explains."""
-    change = new.target - old.target
-    variance = found.best.score / found.screen.effective(found.best)
-    return bool(change @ change > limits.CONFIRMED * variance)
 
 
 def _corrected(balance: BalanceDesign, electrical: Search, beside: Sequence[Beside] = ()) -> BalanceDesign:

@@ -250,7 +250,8 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
     ties = [(entry.family, one.alike) for one, entry in found if one.alike]
     # Several drifts in one balance make up the course of one that none of them has.
     for name in searches:
-        drifts = dict.fromkeys(e.family for one, e in found if one.balance == name and _drifts(one))
+        own = [e.family for a, e in found if a.balance == name and a.variant.candidate.variable == "time"]
+        drifts = dict.fromkeys(own)
         if len(drifts) > 1:
             ties.append((next(iter(drifts)), tuple(drifts)))
             found = [
@@ -269,11 +270,6 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
         ties = [(family, tie) for family, tie in ties if not declared.issuperset(tie)]
     tied = dict.fromkeys(other for _, tie in ties for other in tie)
     return [one for one, _ in found], [entry for _, entry in found], list(tied)
-
-
-def _drifts(one: Adopted) -> bool:
-    """Whether an effect is a course over the time of the log."""
-    return one.variant.candidate.variable == "time"
 
 
 def _ranked(candidate: Candidate, balance: str, search: Search, fitted: Fitted, probability: float) -> Ranked:
