@@ -96,7 +96,7 @@ class _Fit:
         count = len(data.signals.columns(setting.base))
         own = base_coefficients(setting.base, data.signals)[:count]
         self.names = [c.name for c in own]
-        self._roles = [(c.role, c.load) for c in data.signals.columns(setting.base)]
+        self.roles = [(c.role, c.load) for c in data.signals.columns(setting.base)]
         shapes = {
             s.quantity.name: before.values[s.quantity.name] for e, _ in before.effects for s in e.shapes
         }
@@ -125,12 +125,6 @@ class _Fit:
         omega = self.data.signals.values["omega_m"]
         return _Term(curve, self.data.rows.mean(curve.columns(signal, omega)))
 
-    def gram(self, terms: Sequence[_Term]) -> Gram:
-        """Normal equations of friction and terms, by blocks of the training part."""
-        design = np.column_stack([self.friction, *(term.columns for term in terms)])
-        weighted = design[self.train] * self.root[:, None]
-        return Gram.of(weighted, self.target[self.train] * self.root, self.block)
-
     def penalty(self, matrix: Array, terms: Sequence[_Term], stiff: float) -> tuple[Array, Array]:
         """What is added to the normal equations of all blocks."""
         first = len(self.names)
@@ -145,7 +139,9 @@ class _Fit:
 
     def solve(self, terms: Sequence[_Term], stiff: float) -> tuple[Array, Array]:
         """Coefficients (q,) of friction and terms, and the cross-validated loss of every group of blocks."""
-        gram = self.gram(terms)
+        design = np.column_stack([self.friction, *(term.columns for term in terms)])
+        weighted = design[self.train] * self.root[:, None]
+        gram = Gram.of(weighted, self.target[self.train] * self.root, self.block)
         matrix, vector = gram.matrix.sum(axis=0), gram.vector.sum(axis=0)
         more, pull = self.penalty(matrix, terms, stiff)
         lower = np.concatenate([np.zeros(len(self.names)), *(term.lower for term in terms)])
@@ -156,10 +152,6 @@ class _Fit:
         right = vector - sum_of_each(group, gram.vector) + pull
         each = bounded_solve_each(left, right, lower)
         return found, sum_of_each(group, gram.loss(each[group]))
-
-    def shifts(self) -> list[int]:
-        """The places of the constant dry friction, which takes what all coefficients of a curve share."""
-        return [k for k, (role, load) in enumerate(self._roles) if role is Role.COULOMB and load is Load.NONE]
 
 
 @dataclass(frozen=True)
@@ -271,7 +263,8 @@ def _made(fit: _Fit, choice: _Choice) -> Empirical | None:
     first, before = len(fit.names), fit.before
     friction, at = choice.coefficients[:first].copy(), first
     curves, values = [], []
-    dry = fit.shifts()
+    # The constant dry friction takes what all coefficients of a curve share.
+    dry = [k for k, own in enumerate(fit.roles) if own == (Role.COULOMB, Load.NONE)]
     for term in choice.terms:
         own = choice.coefficients[at : at + term.columns.shape[1]].copy()
         at += len(own)

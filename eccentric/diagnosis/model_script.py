@@ -211,19 +211,15 @@ def _placeholders(drive: Drive) -> set[str]:
     return unknown | ({"k_i"} if drive.channels.motor.measured_by == "torque" else set())
 
 
-def _base(found: Diagnosis) -> str:
-    """How the script loads the base model: by name, or from the script in the same folder."""
-    own = Path(found.asked.model)
-    return f"Path(__file__).with_name({own.name!r})" if own.suffix == ".py" else repr(found.models.base.name)
-
-
 def script(found: Diagnosis) -> str:
     """The text of model.py: the base model, the effects with their values, the fitted coefficients.
 
     It is an ordinary derivation: `python model.py` prints it, `eccentric emit model.py` emits it.
     """
     adopted, fitted = found.models.extended.effects, _fitted(found)
-    origin = plain(", ".join(found.asked.logs))
+    origin, base = plain(", ".join(found.asked.logs)), repr(found.models.base.name)
+    if found.asked.model.endswith(".py"):  # in the same folder
+        base = f"Path(__file__).with_name({Path(found.asked.model).name!r})"
     setting = pprint.pformat(found.setting, width=100, compact=True)
     # A set prints in a different order in every run.
     channels = found.setting.channels
@@ -257,7 +253,7 @@ from eccentric.model import load_model, with_values
 from eccentric.output import show
 
 # {found.rig.axis.text("The paper's model")}.
-model = load_model({_base(found)})
+model = load_model({base})
 {load[1]}
 # The span of the log, from which the ranges of the library of effects follow.
 setting = {setting}

@@ -214,7 +214,12 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
         return ()
     turning = channels.motion.theta_m * (1.0 if axis.wraps else known["mu"])
     spectra, variances = [], []
-    for rows in _stretches(channels.selection.usable, channels.time.segment, channels.motion.omega_m):
+    # A stretch has one direction, and no row in between that is not used.
+    forward = channels.motion.omega_m > 0.0
+    key = np.where(channels.selection.usable, 2 * channels.time.segment + forward, -1)
+    for rows in rows_of_each(key):
+        if key[rows[0]] < 0:
+            continue
         angle, y = turning[rows], target[rows]
         turns = abs(angle[-1] - angle[0]) / TURN
         if turns < limits.LEAST_TURNS or len(rows) < limits.ROWS_PER_CYCLE * limits.HIGHEST_ORDER * turns:
@@ -269,9 +274,3 @@ def _spectrum(angle: Array, y: Array) -> Array:
     alike = determinant < limits.ALIKE * len(y) ** 2
     power = np.where(alike, (yc**2 + ys**2) / len(y), power / np.where(alike, 1.0, determinant))
     return power / (y @ y)
-
-
-def _stretches(usable: Array, segment: Array, omega: Array) -> list[Array]:
-    """Rows of each stretch in one direction without an unused row in between."""
-    key = np.where(usable, 2 * segment + (omega > 0.0), -1)
-    return [rows for rows in rows_of_each(key) if key[rows[0]] >= 0]

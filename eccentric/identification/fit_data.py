@@ -217,7 +217,10 @@ def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
         bridged=_bridged(channels),
         by_row=Machine(model).along(known, channels.carried),
     )
-    gravity, slope = _gravity(model, signals)
+    # Its slope is that over the link angle.
+    torque = meaning(model.expand(model.balance("mechanical").sum_of("gravity")))
+    rising = sp.diff(torque, v.theta_m.symbol) / v.mu.symbol
+    gravity, slope = (compiled(model, x, signals)({}, {}) for x in (torque, rising))
     signals = replace(signals, open=drive.columns(gravity, slope))
     return FitData(drive, signals, rows_of(channels, rig), gravity)
 
@@ -240,13 +243,6 @@ def with_model_current(data: FitData, model: Model, friction: Array) -> FitData:
     torque = load_torque(model, signals) + base_columns(model, signals) @ friction
     current = data.drive.machine.current_of_torque(signals.known, torque)
     return replace(data, signals=replace(signals, values={**signals.values, "i": current}))
-
-
-def _gravity(model: Model, signals: Signals) -> tuple[Array, Array]:
-    """Gravity torque of the model on the motor side (samples,) [N m], its slope over the link angle."""
-    torque = meaning(model.expand(model.balance("mechanical").sum_of("gravity")))
-    slope = sp.diff(torque, v.theta_m.symbol) / v.mu.symbol
-    return compiled(model, torque, signals)({}, {}), compiled(model, slope, signals)({}, {})
 
 
 def drive_noise(data: FitData) -> float:
