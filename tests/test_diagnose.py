@@ -25,7 +25,7 @@ BUSY = {"case": "C1", "mu": 1.0, "log_type": "traj", "noise": 0.003}
 """What such a drive does from sample to sample is no noise: a fit below it may be the right one."""
 KINDS = {
     "friction": (9001, ("stribeck", 0.15), {}),
-    "electrical": (9002, ("current_bias", 0.15), {"case": "C1"}),
+    "electrical": (9002, ("current_bias", 0.15), {"case": "C1", "seconds": 20.0}),
     "temperature": (9003, ("viscosity_temperature", 0.15), {"temperature": True, "seconds": 60.0}),
     "busy drive": (2, ("current_bias", 0.05), BUSY),
 }
@@ -45,7 +45,7 @@ def test_finds_effects_of_several_kinds(kind: str, tmp_path: Path) -> None:
 
 def test_leaves_a_control_alone(tmp_path: Path) -> None:
     """Without an undeclared effect nothing is missing, and the emitted model is the paper's."""
-    log, rig = log_of(tmp_path, 9004)
+    log, rig = log_of(tmp_path, 9004, seconds=20.0)
     found = diagnose([log], rig)
 
     assert "nothing_missing" == found.attribution.verdict

@@ -172,15 +172,12 @@ def posed_for_motion(found: Fit, model: Model) -> tuple[Problem, Solution]:
     value = float(np.mean(paper.values[shared])) / per_unit
     known = dataclasses.replace(rig, known={**rig.known, letter: value})
     whole = pose(channels, known, model, by_current=True)
-    emf = Nonlinear(letter, _EMF_UNIT, 0.0, math.inf, (value,), max(value, 1e-6))
+    emf = Nonlinear(letter, "V s/rad", 0.0, math.inf, (value,), max(value, 1e-6))
     whole = dataclasses.replace(whole, rig=rig, nonlinear=(*whole.nonlinear, emf))
     start = _widened(paper, narrow, whole, {**paper.at, letter: value})
     friction = [narrow.coefficients[k].letter for k in shared]
     rest = np.array([c.letter not in friction for c in whole.coefficients])
     return whole, dataclasses.replace(start, values=np.where(rest, start.values, start.design.lower))
-
-
-_EMF_UNIT = "V s/rad"
 
 
 def _widened(solution: Solution, narrow: Problem, whole: Problem, at: Mapping[str, float]) -> Solution:

@@ -121,7 +121,7 @@ class Search:
 
     def _is_remainder(self, before: Fitted, after: Fitted) -> bool:
         """Whether what is added may be what the record of an effect beside it leaves out."""
-        added = {v.candidate.family for v in after.variants} - {v.candidate.family for v in before.variants}
+        added = after.families - before.families
         alike = any(added & set(v.candidate.evidence.second_order) for v in after.variants)
         least = limits.LEAST_PART_OF_SECOND_ORDER * (self.base.score - after.score)
         return alike and before.score - after.score <= least
@@ -252,7 +252,7 @@ class Search:
     def _chances(self, place: int) -> dict[str, float]:
         family, options = self.best.variants[place].candidate.family, self.alternatives[place]
         # A family beside it, found once more in its place, is no alternative to it.
-        beside = {v.candidate.family for v in self.best.variants} - {family}
+        beside = self.best.families - {family}
         open_to = {other: chance for other, (chance, _) in options.items() if other not in beside}
         if family in self.by_both:
             most = self.stability.most if self.stability.variants else 1.0
@@ -276,7 +276,7 @@ class Search:
         return tuple(
             other
             for other, (_, fitted) in self.alternatives[place].items()
-            if other not in {v.candidate.family for v in self.best.variants}
+            if other not in self.best.families
             and other not in self._agreeing(place)
             and not aliased(variant.candidate, fitted.last)
             and len(fitted.coefficients) == len(self.best.coefficients)
@@ -298,8 +298,9 @@ class Search:
 
         A declared value counts on top of the few effects that may be tied: one measurement settles it.
         """
-        beside = {variant.candidate.family for variant in self.best.variants}
-        beside |= {other for v in self.best.variants if v.candidate.family == family for other in v.covers}
+        beside = self.best.families | {
+            other for v in self.best.variants if v.candidate.family == family for other in v.covers
+        }
         declared = {c.family for c in self.screen.candidates if c.tolerance}
         least = limits.POSSIBLE * self.stability.variants
         found = self.stability.instead(family, beside, declared, limits.IN_PLACE)
@@ -328,8 +329,7 @@ class Search:
             earlier = [
                 step
                 for step in steps
-                if dropped.isdisjoint(v.candidate.family for v in step.variants)
-                and step.score < limits.SWAPPED * left.score
+                if dropped.isdisjoint(step.families) and step.score < limits.SWAPPED * left.score
             ]
             if earlier:
                 self.tried.append(self.best)

@@ -38,6 +38,11 @@ class Fitted:
         return float(self.cross.sum())
 
     @property
+    def families(self) -> frozenset[str]:
+        """The families of the variants."""
+        return frozenset(variant.candidate.family for variant in self.variants)
+
+    @property
     def last(self) -> Candidate:
         """The candidate that was added last."""
         return self.variants[-1].candidate

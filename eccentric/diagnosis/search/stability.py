@@ -135,19 +135,13 @@ def stability_of(screen: Screen, models: Sequence[Fitted]) -> Stability:
     weight = np.exp(log - log.max(axis=1, keepdims=True))
     weight /= weight.sum(axis=1, keepdims=True)
     # Model, then variant.
-    families = [
-        [_families(m) | moved for moved in every] for m, (_, every) in zip(models, found, strict=True)
-    ]
+    families = [[m.families | moved for moved in every] for m, (_, every) in zip(models, found, strict=True)]
     weights: dict[frozenset[str], float] = {}
     for own, shares in zip(families, weight.T, strict=True):
         for one, share in zip(own, shares, strict=True):
             weights[one] = weights.get(one, 0.0) + float(share) / len(shares)
     best = tuple(families[int(k)][variant] for variant, k in enumerate(np.argmax(log, axis=1)))
     return Stability(best, weights)
-
-
-def _families(fitted: Fitted) -> frozenset[str]:
-    return frozenset(variant.candidate.family for variant in fitted.variants)
 
 
 def _open(screen: Screen, candidate: Candidate) -> bool:
@@ -162,7 +156,7 @@ def _bonus(fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
     Special cases of what another model has speak for it, shapes and effects against it, and how many orders
     there are of which an effect is one. An effect more than were adopted has to gain what adoption requires.
     """
-    every = frozenset().union(*(_families(model) for model in models))
+    every = frozenset().union(*(model.families for model in models))
     own = [variant.candidate.evidence.special_of for variant in fitted.variants]
     special = sum(bool(every & set(general)) for general in own)
     orders = sum(float(np.log(variant.candidate.evidence.one_of)) for variant in fitted.variants)

@@ -110,7 +110,7 @@ def as_torques(electrical: Search) -> list[Candidate]:
     there: what is small beside the armature's voltage may be most of what the mechanical balance lacks.
     """
     adopted = [variant for variant in electrical.best.variants if variant.candidate.joint]
-    families = _families(electrical.best)
+    families = electrical.best.families
     return [
         *(v.candidate.in_the("mechanical", v.values) for v in adopted if v.candidate.also is not None),
         *(own.in_the("mechanical") for own in _with_torque(electrical) if own.family not in families),
@@ -178,7 +178,7 @@ def _deviance_in_the_circuit(mechanical: Search, fitted: Fitted, place: int, ele
 def _voltages(mechanical: Search, fitted: Fitted, electrical: Search) -> dict[int, Array]:
     """What the effects on the flux of a mechanical fit are in the circuit, by place: (rows,) [N m]."""
     known = {own.id: own for own in _with_torque(electrical)}
-    adopted = _families(electrical.best)
+    adopted = electrical.best.families
     return {
         place: electrical.screen.columns(Variant(known[variant.candidate.id], variant.values)) @ own
         for place, (variant, own) in enumerate(
@@ -196,10 +196,6 @@ def _likely(mechanical: Search, place: int, family: str) -> set[str]:
     """The families that may be in the place of an adopted one."""
     likely = {other for other, chance in mechanical.chances(place).items() if chance > limits.POSSIBLE}
     return (likely | set(mechanical.instead(family))) - {family}
-
-
-def _families(fitted: Fitted) -> set[str]:
-    return {variant.candidate.family for variant in fitted.variants}
 
 
 # The search on both balances.
