@@ -112,9 +112,29 @@ class Fit:
 
     @property
     def undetected(self) -> dict[str, Undetected]:
-        """Friction by F_N that the log does not show: its upper bounds, and what could have been seen."""
+        """Friction by F_N that the log does not show, by letter: its upper bounds, what could have been seen.
+
+        A coefficient whose interval reaches 0 is not detected, and its upper bound is the end of that
+        interval. Whether this is news depends on the value that one expects: z is that of the model (Table 1
+        of the paper, for the bundled models) in standard errors of the coefficient, with all others free and
+        no bounds. At z = 5 the log would have shown it nearly always, at z = 1 hardly ever.
+        """
+        problem, free = self.problem, self.solutions["paper_unbounded"]
         shown = {**self.coefficients, **self.combinations}
-        return undetected(self.problem, self.solutions["paper_unbounded"], shown)
+        error = free.spread([one for one in problem.nonlinear if one.name in free.at])
+        roles = {c.role: float(x) for c, x in zip(free.design.coefficients, free.values, strict=True)}
+        torque = problem.scale is None and problem.unit == "N m"
+        per_newton = roles.get("scale", 1.0 if torque else 0.0)
+        own = own_letters(problem.model) if per_newton > 0.0 else {}
+        found: dict[str, Undetected] = {}
+        for k, (columns, c) in enumerate(zip(problem.friction, problem.coefficients, strict=False)):
+            estimate = shown.get(c.letter)
+            if columns[0].load is not Load.NORMAL or estimate is None or estimate.interval[0] > 0.0:
+                continue
+            size, reference = float(np.sqrt(error.matrix[k, k])), own.get(c.letter)
+            z = reference * per_newton / size if reference and 0.0 < size < math.inf else None
+            found[c.letter] = Undetected(estimate.interval[1], estimate.unit, reference, z)
+        return found
 
     @property
     def bounds_active(self) -> list[str]:
@@ -240,7 +260,7 @@ def _judged(
         band,
         tuple(warnings),
         beside >= limits.LEAST_R_SQUARED,
-        free_cubic(problem, paper),
+        _free_cubic(problem, paper),
     )
 
 
@@ -344,43 +364,6 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
     return found
 
 
-# Friction by F_N that a log does not show: an upper bound, and what the log could have shown.
-#
-# A coefficient whose interval reaches 0 is not detected.  Its upper bound is the upper end of that interval.
-# Whether this is news depends on the value that one expects: z is that of the model (Table 1 of the paper,
-# for the bundled models) in standard errors of the coefficient, with all others free and no bounds.  At
-# z = 5 the log would have shown it nearly always, at z = 1 hardly ever.
-
-
-def undetected(
-    problem: Problem, unbounded: Solution, estimates: Mapping[str, Estimate]
-) -> dict[str, Undetected]:
-    """Coefficients of friction by F_N that a log does not show, by their letters.
-
-    Args:
-        problem: of the fit.
-        unbounded: its solution without bounds.
-        estimates: of the bounded fit, by letter, in newton metres where the log has a scale.
-    """
-    nonlinear = [one for one in problem.nonlinear if one.name in unbounded.at]
-    error, own = unbounded.spread(nonlinear), own_letters(problem.model)
-    roles = {c.role: float(x) for c, x in zip(unbounded.design.coefficients, unbounded.values, strict=True)}
-    torque = problem.scale is None and problem.unit == "N m"
-    per_newton = roles.get("scale", 1.0 if torque else 0.0)
-    found: dict[str, Undetected] = {}
-    for k, (columns, c) in enumerate(zip(problem.friction, problem.coefficients, strict=False)):
-        if columns[0].load is not Load.NORMAL or c.letter not in estimates:
-            continue
-        shown = estimates[c.letter]
-        if shown.interval[0] > 0.0:
-            continue
-        size = float(np.sqrt(error.matrix[k, k]))
-        reference = own.get(c.letter) if per_newton > 0.0 else None
-        z = None if not reference or not np.isfinite(size) or size <= 0.0 else reference * per_newton / size
-        found[c.letter] = Undetected(shown.interval[1], shown.unit, reference, z)
-    return found
-
-
 # The free cubic of a coast-down: c_0 + c_1 |w| + c_2 w^2 + c_3 |w|^3 against the motion, without bounds.
 #
 # Spin-down tests publish these four, and a coast-down on a level axis shows no more: the speed is its only
@@ -389,13 +372,8 @@ def undetected(
 _UNITS = ("N m", "N m s/rad", "N m s^2/rad^2", "N m s^3/rad^3")
 
 
-def free_cubic(problem: Problem, paper: Solution) -> dict[str, Estimate]:
-    """The coefficients c_0 to c_3, in the unit of the fit; none but of a coast-down in case C1.
-
-    Args:
-        problem: of the fit.
-        paper: its solution.
-    """
+def _free_cubic(problem: Problem, paper: Solution) -> dict[str, Estimate]:
+    """The coefficients c_0 to c_3, in the unit of the fit; none but of a coast-down in case C1."""
     drive, rows = problem.drive, problem.rows
     if not drive.channels.motor.coasting or problem.rig.case != "C1":
         return {}
