@@ -11,7 +11,18 @@ import pytest
 
 from eccentric.rigs import Alignment, read_rig
 from eccentric.signals import read_channels
-from tests.logged import MAPPED, PHASE, RATE, RIG, STANDARD, SWING, T, channels_of, log_file, rig_file
+from tests.logged import (
+    MAPPED,
+    PHASE,
+    RATE,
+    RIG,
+    STANDARD,
+    SWING,
+    T,
+    channels_of,
+    log_file,
+    rig_file,
+)
 
 
 def test_sinusoid_passes_with_the_gain_of_the_filter_and_without_phase(tmp_path: Path) -> None:

@@ -7,7 +7,10 @@ import pytest
 
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
-from tests.logged import SHARED, needs_shared
+from tests.logged import (
+    SHARED,
+    needs_shared,
+)
 
 PUBLISHED = {1: (0.00720, 0.00165), 2: (0.01768, 0.00598), 3: (0.00198, 0.00198), 4: (0.06651, 0.01152)}
 

@@ -9,7 +9,15 @@ import pytest
 
 from eccentric.core import InputError
 from eccentric.signals import read_channels
-from tests.logged import MAPPED, RIG, STANDARD, T, channels_of, log_file, rig_file
+from tests.logged import (
+    MAPPED,
+    RIG,
+    STANDARD,
+    T,
+    channels_of,
+    log_file,
+    rig_file,
+)
 
 
 def test_rows_that_are_not_numbers_are_dropped_counted_and_warned_of(tmp_path: Path) -> None:

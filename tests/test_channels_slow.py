@@ -10,7 +10,14 @@ import pytest
 
 from eccentric.rigs import read_rig
 from eccentric.signals import Channels, read_channels
-from tests.logged import RIG, RIGS, SHARED, SWING, channels_of, needs_shared
+from tests.logged import (
+    RIG,
+    RIGS,
+    SHARED,
+    SWING,
+    channels_of,
+    needs_shared,
+)
 
 SLOW_T = np.arange(0.0, 20.0, 0.025)
 

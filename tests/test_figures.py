@@ -8,7 +8,15 @@ import mpmath
 import numpy as np
 import pytest
 
-from eccentric.paper import Section, figure_2, figure_4, figure_5, friction_surface, sections, steady_curves
+from eccentric.paper import (
+    Section,
+    figure_2,
+    figure_4,
+    figure_5,
+    friction_surface,
+    sections,
+    steady_curves,
+)
 from tests import oracle, paper
 
 # Figure 4's caption holds with k_e in V s/rev, as Table 1 lists it (see `eccentric audit`, finding 3).

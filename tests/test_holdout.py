@@ -11,7 +11,16 @@ import pytest
 
 from eccentric.core import InputError
 from eccentric.signals import read_channels
-from tests.logged import PHASE, RIG, STANDARD, SWING, T, channels_of, log_file, rig_file
+from tests.logged import (
+    PHASE,
+    RIG,
+    STANDARD,
+    SWING,
+    T,
+    channels_of,
+    log_file,
+    rig_file,
+)
 
 
 def test_default_held_out_part_of_one_run(tmp_path: Path) -> None:

@@ -9,7 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.adaptation import CURRENT, Replay, replayed, require_logged
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, read_logs, sources_of
+from eccentric.api.inputs import (
+    LogSources,
+    ModelSource,
+    RigSource,
+    model_of,
+    read_logs,
+    sources_of,
+)
 from eccentric.api.result import Printed
 from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, given_path

@@ -8,7 +8,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, given_path, sources_of
+from eccentric.api.inputs import (
+    LogSources,
+    ModelSource,
+    RigSource,
+    by_name,
+    given_path,
+    sources_of,
+)
 from eccentric.api.result import Printed, fitted_model
 from eccentric.api.tables import ResultTable
 from eccentric.diagnosis import BASELINE, Contest, contest

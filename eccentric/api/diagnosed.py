@@ -9,7 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, names_given, sources_of
+from eccentric.api.inputs import (
+    LogSources,
+    ModelSource,
+    RigSource,
+    by_name,
+    names_given,
+    sources_of,
+)
 from eccentric.api.result import Result, fitted_model
 from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, given_path, whole_file, whole_folder

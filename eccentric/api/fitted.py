@@ -8,7 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, origin_of, sources_of
+from eccentric.api.inputs import (
+    LogSources,
+    ModelSource,
+    RigSource,
+    model_of,
+    origin_of,
+    sources_of,
+)
 from eccentric.api.result import Result, fitted_model
 from eccentric.api.tables import ResultTable, estimate_table
 from eccentric.emission import read_parameters, with_fitted

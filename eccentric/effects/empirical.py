@@ -16,8 +16,27 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.effects.effect import Effect, Setting, Words
-from eccentric.effects.forms import Column, addition, direction, gravity, omega_m, speed, theta_m, transmitted
-from eccentric.model import Backward, Bump, Clipped, Definition, Forward, FromTop, Quantity, Role, quantity
+from eccentric.effects.forms import (
+    Column,
+    addition,
+    direction,
+    gravity,
+    omega_m,
+    speed,
+    theta_m,
+    transmitted,
+)
+from eccentric.model import (
+    Backward,
+    Bump,
+    Clipped,
+    Definition,
+    Forward,
+    FromTop,
+    Quantity,
+    Role,
+    quantity,
+)
 from eccentric.model import vocabulary as v
 
 Array = NDArray[np.float64]

@@ -20,7 +20,16 @@ from eccentric.emission.compensate import gain_of, render_compensation, sure_sha
 from eccentric.emission.defaults import FittedValues, checked_name, document_of, read_parameters, with_fitted
 from eccentric.emission.hot import executed, executed_beside, load_module
 from eccentric.emission.inertial_loss import InertialLoss, inertial_loss, require_solvable
-from eccentric.emission.program import WHOLE, Arrays, Call, Choice, InSingle, Program, Routine, build_program
+from eccentric.emission.program import (
+    WHOLE,
+    Arrays,
+    Call,
+    Choice,
+    InSingle,
+    Program,
+    Routine,
+    build_program,
+)
 from eccentric.emission.render import render, render_code, render_program
 from eccentric.emission.templates import plain, template
 from eccentric.emission.write import complete, differences, write

@@ -22,7 +22,13 @@ from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, over
 from eccentric.logs.cells import EXACT, POINT, cells_to_column, is_number, plain_column, units_row
 from eccentric.logs.foreign import require_room_for_text
 from eccentric.logs.layout import Layout, layout_of, rows_of
-from eccentric.logs.limits import BATCH_ROWS, LAYOUT_LINES, MOST_BROKEN, MOST_CHARACTERS, SAMPLE_ROWS
+from eccentric.logs.limits import (
+    BATCH_ROWS,
+    LAYOUT_LINES,
+    MOST_BROKEN,
+    MOST_CHARACTERS,
+    SAMPLE_ROWS,
+)
 from eccentric.logs.topics import of_clocks, of_topics
 
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")

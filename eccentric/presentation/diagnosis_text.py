@@ -11,7 +11,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from eccentric.core import few
-from eccentric.diagnosis import PROVABLE, ROUNDING, Diagnosis, OverRuns, SearchRequest, only_below
+from eccentric.diagnosis import (
+    PROVABLE,
+    ROUNDING,
+    Diagnosis,
+    OverRuns,
+    SearchRequest,
+    only_below,
+)
 from eccentric.effects import Correction, Effect, Words
 from eccentric.identification import in_drive_unit
 from eccentric.model import spoken_quantity

@@ -21,7 +21,12 @@ from scipy.interpolate import make_interp_spline
 
 from eccentric.core import InputError, counted
 from eccentric.signals.finding import Finding
-from eccentric.signals.limits import CHANGED_TURN, FEWEST_TURNS, SAME_TURN, TURNS_SMOOTHER
+from eccentric.signals.limits import (
+    CHANGED_TURN,
+    FEWEST_TURNS,
+    SAME_TURN,
+    TURNS_SMOOTHER,
+)
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -13,7 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError
-from eccentric.signals.limits import LINE_ORDERS, LINE_POWER, LINE_REACH, LINE_TRACK, LINE_TURNS
+from eccentric.signals.limits import (
+    LINE_ORDERS,
+    LINE_POWER,
+    LINE_REACH,
+    LINE_TRACK,
+    LINE_TURNS,
+)
 
 Array = NDArray[np.float64]
 

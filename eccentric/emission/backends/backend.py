@@ -9,7 +9,13 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.emission.program import BITS, COSINE, LEADING_BITS, SINE_RATIO, Program
+from eccentric.emission.program import (
+    BITS,
+    COSINE,
+    LEADING_BITS,
+    SINE_RATIO,
+    Program,
+)
 from eccentric.emission.templates import plain
 from eccentric.model import Assignment, Input, Leading, Quantity
 

@@ -6,7 +6,14 @@ simulation then measures and corrects.
 """
 
 from eccentric.virtual_bench.effects import circuit, geometry, history, loads, speed, warmth
-from eccentric.virtual_bench.effects.record import Builder, Law, PlantedEffect, PlantSetting, Request, simply
+from eccentric.virtual_bench.effects.record import (
+    Builder,
+    Law,
+    PlantedEffect,
+    PlantSetting,
+    Request,
+    simply,
+)
 
 EFFECTS: dict[str, Builder] = {
     builder.__name__: builder
