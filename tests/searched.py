@@ -5,8 +5,6 @@ fit takes out the columns that it has, in sample and in cross-validation alike, 
 the squared amplitudes of all others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -32,8 +30,13 @@ def mixed(amplitudes: Mapping[int, float]) -> Array:
     return np.asarray(sum(a * COLUMNS[:, k] for k, a in amplitudes.items()), dtype=float)
 
 
-def design(amplitudes: Mapping[int, float], scale: float = 1e-3, independent: bool = True) -> BalanceDesign:
-    """A balance with column 0 as its base; the noise has amplitude 1 if not given."""
+def design(
+    amplitudes: Mapping[int, float],
+    scale: float = 1e-3,
+    independent: bool = True,
+    also: Array | float = 0.0,
+) -> BalanceDesign:
+    """A balance with column 0 as its base; the noise has amplitude 1 if not given, `also` is added."""
     every = np.ones(N, dtype=bool)
     rows = Rows(
         t=np.arange(N, dtype=float),
@@ -46,7 +49,7 @@ def design(amplitudes: Mapping[int, float], scale: float = 1e-3, independent: bo
         independent=independent,
     )
     base = COLUMNS[:, [BASE]]
-    target = mixed({NOISE: 1.0, **amplitudes})
+    target = mixed({NOISE: 1.0, **amplitudes}) + also
     return BalanceDesign(
         (Coefficient("C", "friction", "N m"),),
         target,

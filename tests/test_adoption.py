@@ -4,8 +4,6 @@ With the noise at 1, a fit that lacks amplitudes b, c, ... leaves N (1 + b^2 + c
 count as independent, so the deviance of an addition is N log(before/after).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -30,73 +28,63 @@ def amplitude(deviance: float, left: float = 1.0) -> float:
     return math.sqrt(left * math.expm1(deviance / N))
 
 
-def test_the_effect_that_is_there_is_adopted() -> None:
-    """One planted column is taken out, the other candidates are left alone."""
-    found = search({3: 1.0}, A, B, C)
+LARGE, FOUR = 100.0, tuple(candidate(name, {k: 1.0}) for k, name in enumerate("abcd", 2))
+SMALL = amplitude(1.5 * limits.LEAST_DEVIANCE)
+ADOPTED = {
+    "a planted column, the others left alone": ({3: 1.0}, (A, B, C), {}, "b"),
+    "nothing where nothing is missing": ({0: 3.0}, (A, B, C), {}, ""),
+    # Just below `LEAST_DEVIANCE` it may be chance.
+    "too small a deviance": ({2: amplitude(0.97 * limits.LEAST_DEVIANCE)}, (A,), {}, ""),
+    "deviance": ({2: amplitude(1.03 * limits.LEAST_DEVIANCE)}, (A,), {}, "a"),
+    # The RMS of an addition is held against `LEAST_SHARE` of the balance's scale.
+    "too small a share": ({2: 0.99 * 0.5}, (A,), {"scale": 0.5 / limits.LEAST_SHARE}, ""),
+    "share": ({2: 1.01 * 0.5}, (A,), {"scale": 0.5 / limits.LEAST_SHARE}, "a"),
+    # Beside a large effect its square is held against `LEAST_PART` of all that was found.
+    "too small a part": (
+        {2: LARGE, 3: LARGE * math.sqrt(0.97 * limits.LEAST_PART)},
+        (A, B),
+        {"floor": 1.0},
+        "a",
+    ),
+    "part": ({2: LARGE, 3: LARGE * math.sqrt(1.03 * limits.LEAST_PART)}, (A, B), {"floor": 1.0}, "ab"),
+    # A second effect takes out `CLEARS`, half, of what is left above the floor; the first need not.
+    "clears": ({2: 9.0, 3: 2.0, 7: 2.0 * 0.95}, (A, B), {"floor": 1.0}, "ab"),
+    "does not clear": ({2: 9.0, 3: 2.0, 7: 2.0 * 1.05}, (A, B), {"floor": 1.0}, "a"),
+    "the first need not clear": ({2: 1.0, 7: 3.0}, (A,), {"floor": 1.0}, "a"),
+    # What is left after the first effect is held against `AT_FLOOR` of the sensors' floor.
+    "at the floor": (
+        {2: 3.0, 3: SMALL},
+        (A, B),
+        {"floor": math.sqrt((1.0 + SMALL**2) / (0.999 * limits.AT_FLOOR))},
+        "a",
+    ),
+    "above the floor": (
+        {2: 3.0, 3: SMALL},
+        (A, B),
+        {"floor": math.sqrt((1.0 + SMALL**2) / (1.001 * limits.AT_FLOOR))},
+        "ab",
+    ),
+    # In which order the three are taken out, rounding decides.
+    "the three largest of four": ({2: 32.0, 3: 16.0, 4: 8.0, 5: 4.0}, FOUR, {}, "abc"),
+}
 
-    assert ["b"] == adopted(found)
-    assert found.best.score == pytest.approx(N, rel=1e-9)
 
+@pytest.mark.parametrize("case", ADOPTED)
+def test_what_is_adopted(case: str) -> None:
+    """Planted columns that gain enough, by every threshold; each is a letter."""
+    planted, candidates, options, expected = ADOPTED[case]
 
-def test_nothing_is_adopted_where_nothing_is_missing() -> None:
-    """Without a planted column there is the base alone, and no alternatives."""
-    found = search({0: 3.0}, A, B, C)
-
-    assert ([], []) == (adopted(found), found.alternatives)
-
-
-@pytest.mark.parametrize(("above", "expected"), [(0.97, []), (1.03, ["a"])])
-def test_an_addition_must_gain_the_least_deviance(above: float, expected: list[str]) -> None:
-    """Just below `LEAST_DEVIANCE` it may be chance."""
-    found = search({2: amplitude(above * limits.LEAST_DEVIANCE)}, A)
-
-    assert found.deviance(found.base, found.ranked[0]) == pytest.approx(
-        above * limits.LEAST_DEVIANCE, rel=1e-6
-    )
-    assert expected == adopted(found)
-
-
-@pytest.mark.parametrize(("above", "expected"), [(0.99, []), (1.01, ["a"])])
-def test_an_addition_must_take_out_the_least_share(above: float, expected: list[str]) -> None:
-    """Its RMS is held against `LEAST_SHARE` of the balance's scale."""
-    assert expected == adopted(search({2: above * 0.5}, A, scale=0.5 / limits.LEAST_SHARE))
-
-
-@pytest.mark.parametrize(("above", "expected"), [(0.97, ["a"]), (1.03, ["a", "b"])])
-def test_a_second_effect_must_be_a_part_of_the_structure(above: float, expected: list[str]) -> None:
-    """Beside a large effect its square is held against `LEAST_PART` of all that was found."""
-    large = 100.0
-    small = math.sqrt(above * limits.LEAST_PART) * large
-
-    assert expected == adopted(search({2: large, 3: small}, A, B, floor=1.0))
-
-
-@pytest.mark.parametrize(("unknown", "expected"), [(0.95, ["a", "b"]), (1.05, ["a"])])
-def test_a_second_effect_must_clear_what_is_left(unknown: float, expected: list[str]) -> None:
-    """It takes out `CLEARS`, half, of what is left above the floor."""
     assert limits.CLEARS == 0.5
-    assert expected == adopted(search({2: 9.0, 3: 2.0, 7: 2.0 * unknown}, A, B, floor=1.0))
+    assert expected == "".join(sorted(adopted(search(planted, *candidates, **options))))
 
 
-def test_the_first_effect_need_not_clear_it() -> None:
-    """The first effect is adopted also where more is left than it takes out."""
-    assert ["a"] == adopted(search({2: 1.0, 7: 3.0}, A, floor=1.0))
+def test_score_and_deviance_have_their_closed_forms() -> None:
+    """What is taken out leaves the noise alone; where nothing is adopted there are no alternatives."""
+    found, none = search({2: amplitude(30.0)}, A, B, C), search({0: 3.0}, A)
 
-
-@pytest.mark.parametrize(("above", "expected"), [(0.999, ["a"]), (1.001, ["a", "b"])])
-def test_nothing_further_is_looked_for_at_the_floor(above: float, expected: list[str]) -> None:
-    """What is left after the first effect is held against `AT_FLOOR` of the sensors' floor."""
-    small = amplitude(1.5 * limits.LEAST_DEVIANCE)
-    floor = math.sqrt((1.0 + small**2) / (above * limits.AT_FLOOR))
-
-    assert expected == adopted(search({2: 3.0, 3: small}, A, B, floor=floor))
-
-
-def test_at_most_three_effects_are_adopted() -> None:
-    """Of four planted columns the three largest are taken out; in which order, rounding decides."""
-    candidates = [candidate(name, {k: 1.0}) for k, name in enumerate("abcd", 2)]
-
-    assert ["a", "b", "c"] == sorted(adopted(search({2: 32.0, 3: 16.0, 4: 8.0, 5: 4.0}, *candidates)))
+    assert found.best.score == pytest.approx(N, rel=1e-9)
+    assert found.deviance(found.base, found.ranked[0]) == pytest.approx(30.0, rel=1e-6)
+    assert [] == none.alternatives
 
 
 def test_the_order_of_harmonics_is_free_and_others_are_alone_in_their_family() -> None:

@@ -1,7 +1,5 @@
 """`eccentric.diagnose`: the command's result as an object, with the extended model alive in it."""
 
-from __future__ import annotations
-
 import json
 import pickle
 import shutil
@@ -92,22 +90,30 @@ def test_the_live_model_is_the_one_of_the_script(result: DiagnosisResult, writte
     assert complete(loaded) == complete(result.model)
 
 
-def test_the_live_model_can_be_called_and_compiled(
+THETA, OMEGA = np.linspace(0.0, 6.0, 50), 20.0
+
+
+def test_the_live_model_can_be_called(result: DiagnosisResult) -> None:
+    """It is the paper's model, fitted, and the harmonic."""
+    p = result.module.Parameters()
+    harmonic = p.link_harmonic_c2 * np.cos(2 * p.mu * THETA) + p.link_harmonic_s2 * np.sin(2 * p.mu * THETA)
+    fitted = {field.name: getattr(p, field.name) for field in fields(c2_parallel.Parameters)}
+    plain = c2_parallel.mechanical_friction_torque(THETA, OMEGA, c2_parallel.Parameters(**fitted))
+
+    torque = result.module.mechanical_friction_torque(THETA, OMEGA)
+    np.testing.assert_allclose(plain + harmonic, torque, rtol=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_the_live_model_can_be_compiled(
     result: DiagnosisResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It is the paper's model, fitted, and the harmonic; C and NumPy agree to the last bit."""
-    p = result.module.Parameters()
-    theta, omega = np.linspace(0.0, 6.0, 50), 20.0
-    harmonic = p.link_harmonic_c2 * np.cos(2 * p.mu * theta) + p.link_harmonic_s2 * np.sin(2 * p.mu * theta)
-    fitted = {field.name: getattr(p, field.name) for field in fields(c2_parallel.Parameters)}
-    plain = c2_parallel.mechanical_friction_torque(theta, omega, c2_parallel.Parameters(**fitted))
-    torque = result.module.mechanical_friction_torque(theta, omega)
+    """C and NumPy agree to the last bit."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    one, other = (m.mechanical_friction_torque for m in (result.module, eccentric.compile(result.model)))
 
-    np.testing.assert_allclose(plain + harmonic, torque, rtol=1e-12)
-    if shutil.which("cc") is not None:
-        monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-        compiled = eccentric.compile(result.model)
-        np.testing.assert_array_equal(torque, compiled.mechanical_friction_torque(theta, omega))
+    np.testing.assert_array_equal(one(THETA, OMEGA), other(THETA, OMEGA))
 
 
 def test_the_live_model_can_be_derived_further(result: DiagnosisResult) -> None:
@@ -153,7 +159,8 @@ def test_the_errors_of_the_estimates_are_correlated(result: DiagnosisResult) -> 
 @pytest.fixture(scope="module")
 def again(result: DiagnosisResult) -> DiagnosisResult:
     """The same log with the extended model, alive, as the base model."""
-    return eccentric.diagnose(LOG, RIG, result.model)
+    families = "link_harmonic_friction", "motor_harmonic_friction", "kinematic_error", "stribeck"
+    return eccentric.diagnose(LOG, RIG, result.model, only=families)
 
 
 def test_a_live_model_is_diagnosed(result: DiagnosisResult, again: DiagnosisResult) -> None:
@@ -189,14 +196,8 @@ def test_a_live_model_that_ships_is_known_by_its_name() -> None:
 @pytest.mark.parametrize(
     ("family", "line"),
     [
-        (
-            "presliding",
-            "c2_parallel: diagnose requires a model without hidden states, got one with",
-        ),
-        (
-            "inverter_deadtime",
-            "diagnose requires a model with the paper's armature, got one extended",
-        ),
+        ("presliding", "c2_parallel: diagnose requires a model without hidden states, got one with"),
+        ("inverter_deadtime", "diagnose requires a model with the paper's armature, got one extended"),
         ("kt_saturation", "diagnose requires a model with the paper's armature, got one extended"),
         ("coulomb_temperature", "c2_parallel: diagnose requires a temperature in the log, got none"),
     ],

@@ -1,6 +1,7 @@
 """What the joints of an arm lack: family and joint, from Python and from the command line."""
 
 import json
+from collections.abc import Sequence
 from inspect import signature
 from pathlib import Path
 from typing import Any
@@ -39,15 +40,37 @@ inertia = { xx = "0.004 kg m^2", yy = "0.004 kg m^2", zz = "0.004 kg m^2" }
 """
 
 
-def diagnosed(friction: Friction, **more: Any) -> ArmDiagnosisResult:
+def files_in(folder: Path) -> set[str]:
+    """The files below a folder."""
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+
+
+RIVALS = ("stribeck", "quadratic_drag", "link_harmonic_friction", "cogging", "load_dependent", "presliding")
+
+
+def diagnosed(friction: Friction, only: Sequence[str] = (), **more: Any) -> ArmDiagnosisResult:
     """The diagnosis of a simulated log."""
-    return eccentric.diagnose_arm(arm_log_of(friction), arm_rig_of(planar_arm(), **more))
+    return eccentric.diagnose_arm(arm_log_of(friction), arm_rig_of(planar_arm(), **more), only=only)
 
 
 @pytest.fixture(scope="module")
 def stribeck() -> ArmDiagnosisResult:
     """Of a log with Stribeck friction in the elbow."""
-    return diagnosed(elbow_stribeck)
+    return diagnosed(elbow_stribeck, RIVALS)
+
+
+@pytest.fixture(scope="module")
+def folder(stribeck: ArmDiagnosisResult, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What is written of it."""
+    out = tmp_path_factory.mktemp("diagnosed") / "out"
+    stribeck.write(out)
+    return out
+
+
+@pytest.mark.slow
+def test_it_is_named_among_the_whole_library() -> None:
+    """As among a few rivals."""
+    assert ((2, "stribeck[d=2]"),) == diagnosed(elbow_stribeck).effects
 
 
 def test_effect_and_joint_are_named(stribeck: ArmDiagnosisResult) -> None:
@@ -123,28 +146,26 @@ def test_the_document_has_one_of_each_joint(stribeck: ArmDiagnosisResult) -> Non
     assert "Stribeck friction with exponent 2 (stribeck[d=2]) in joint 2 (held-out" in stribeck.sentence
 
 
-def test_the_folder_has_a_page_for_the_arm_and_for_each_joint(
-    stribeck: ArmDiagnosisResult, tmp_path: Path
-) -> None:
+def test_the_folder_has_a_page_for_the_arm_and_for_each_joint(folder: Path) -> None:
     """The model of the elbow is extended, a derivation of its own and emitted; loads are inputs."""
-    names = {path.relative_to(tmp_path).as_posix() for path in stribeck.write(tmp_path / "out")}
-    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    model = load_model(str(tmp_path / "out" / "joint_2" / "model.py"))
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    model = load_model(str(folder / "joint_2" / "model.py"))
 
-    assert {"out/report.html", "out/joint_1/report.html", "out/joint_2/planar_joint_2_extended.c"} <= names
+    assert {"report.html", "joint_1/report.html", "joint_2/planar_joint_2_extended.c"} <= files_in(folder)
     assert 'href="joint_2/report.html"' in page
     assert "stribeck[d=2]" in page
     assert model.name == "planar_joint_2_extended"
     assert {"load_N", "load_T", "load_M"} <= {q.name for q in model.inputs}
 
 
-def test_a_joint_is_called_with_the_loads_of_the_arm(stribeck: ArmDiagnosisResult, tmp_path: Path) -> None:
+def test_a_joint_is_called_with_the_loads_of_the_arm(
+    stribeck: ArmDiagnosisResult, folder: Path, tmp_path: Path
+) -> None:
     """The comment of an input names the value of bearing_loads, by label and place, as the arm has it."""
     (tmp_path / "planar.toml").write_text(ARM, encoding="utf-8")
     paths = eccentric.emit(tmp_path / "planar.toml", tmp_path / "arm", backend="numpy")
     arm = executed({path.name: path.read_text(encoding="utf-8") for path in paths}, "planar")
-    stribeck.write(tmp_path / "out")
-    header = (tmp_path / "out" / "joint_2" / "planar_joint_2_extended.h").read_text(encoding="utf-8")
+    header = (folder / "joint_2" / "planar_joint_2_extended.h").read_text(encoding="utf-8")
     place = arm.BEARING_LOADS.index("F_N_1")
 
     assert f"load_N  force across the axis of the joint: F_N_1 of bearing_loads, out[{place}] [N]" in header
@@ -152,10 +173,9 @@ def test_a_joint_is_called_with_the_loads_of_the_arm(stribeck: ArmDiagnosisResul
 
 
 def test_the_arm_as_a_whole_gives_the_torque_that_was_simulated(
-    stribeck: ArmDiagnosisResult, tmp_path: Path
+    stribeck: ArmDiagnosisResult, folder: Path
 ) -> None:
     """One call for bodies and friction, Stribeck's included: the formulas of the simulation, motor side."""
-    names = {path.relative_to(tmp_path).as_posix() for path in stribeck.write(tmp_path / "out")}
     arm = executed(stribeck.emitted(), "planar_extended")
     m = moved(np.arange(0.0, 20.0, 0.01), 77)  # a motion that is in no run of the log
     torque, friction = (np.array(MU) * x for x in (m.torque, elbow_stribeck(m)))
@@ -164,8 +184,8 @@ def test_the_arm_as_a_whole_gives_the_torque_that_was_simulated(
     found = arm.mechanical_friction_torque(*motion)
     missed = np.sqrt(np.mean((found - friction) ** 2, axis=0))
 
-    assert {f"out/planar_extended.{end}" for end in ("py", "h", "c")} <= names
-    assert "out/check/planar_extended_selftest.c" in names
+    whole = {f"planar_extended.{end}" for end in ("py", "h", "c")}
+    assert whole | {"check/planar_extended_selftest.c"} <= files_in(folder)
     np.testing.assert_allclose(arm.inverse_dynamics(*motion), torque, 1e-9, 1e-9)
     np.testing.assert_allclose(arm.motor_torque(*motion), arm.inverse_dynamics(*motion) + found, 1e-12, 1e-12)
     assert np.all(missed < 0.02 * np.sqrt(np.mean(friction**2, axis=0)))
@@ -175,8 +195,7 @@ def test_the_arm_as_a_whole_gives_the_torque_that_was_simulated(
 def test_an_arm_that_would_be_wrong_is_not_emitted(tmp_path: Path) -> None:
     """The log has currents and open bodies: no newton metre; it is said, and nothing is written."""
     log, rig = in_amperes()
-    half = {name: column[: len(column) // 2] for name, column in log.items()}
-    found = eccentric.diagnose_arm(half, rig | {"joints": {"inertial": "open"}}, only=["stribeck"])
+    found = eccentric.diagnose_arm(log, rig | {"joints": {"inertial": "open"}}, only=["stribeck"])
 
     assert {} == found.emitted()
     why = "friction has no scale in N m in joints 1, 2: give k_i in the [drives] of the rig"
@@ -197,7 +216,11 @@ def test_constants_that_nobody_knows_are_not_given(stribeck: ArmDiagnosisResult)
 
 def test_the_page_of_a_joint_repeats_the_diagnosis_of_the_arm(stribeck: ArmDiagnosisResult) -> None:
     """A joint has no rig and no model of its own that the command would take."""
-    assert "eccentric diagnose table --rig rig --out DIR" == stribeck.joint(2).data.source.command
+    command = stribeck.joint(2).data.source.command
+
+    assert command.replace("".join(f" --only {family}" for family in RIVALS), "") == (
+        "eccentric diagnose table --rig rig --out DIR"
+    )
 
 
 def test_a_diagnosis_is_no_fit(stribeck: ArmDiagnosisResult, tmp_path: Path) -> None:

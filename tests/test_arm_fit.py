@@ -25,6 +25,9 @@ from tests.arm_logs import LENGTHS, MASSES, MU, Friction, arm_log_of, arm_rig_of
 from tests.arm_logs import shoulder_by_load as by_load
 from tests.arms import random_chain
 
+SHORT = 4, 10.0
+"""Runs, and seconds of each: enough where only what is said of a log counts."""
+
 
 def fitted(friction: Friction, masses: tuple[float, float] = MASSES, **more: Any) -> ArmFit:
     """The fit of a simulated log."""
@@ -95,7 +98,7 @@ def test_without_friction_by_load_nothing_is_claimed() -> None:
 
 def test_of_a_log_that_does_not_fit_nothing_is_concluded() -> None:
     """Milliamperes read as amperes in the elbow: it is named with its R^2; of the shoulder all is said."""
-    log = arm_log_of(by_load)
+    log = arm_log_of(by_load, *SHORT)
     log["tau_Nm_2"] = 1e3 * log["tau_Nm_2"]
     found = fit_arm([log], read_arm_rig(arm_rig_of(planar_arm())), ["log"])
     *table, said = arm_fit_lines(found)
@@ -111,7 +114,7 @@ def test_an_arm_that_hangs_upwards_does_not_fit() -> None:
     """Gravity upside down in the arm file: of no joint anything is said to be enough."""
     right = planar_arm()
     chain = Chain("planar", right.joints, right.bodies, [-x for x in right.gravity])
-    found = fit_arm([arm_log_of(plain)], read_arm_rig(arm_rig_of(chain)), ["log"])
+    found = fit_arm([arm_log_of(plain, *SHORT)], read_arm_rig(arm_rig_of(chain)), ["log"])
 
     assert not found.fits_the_rig
     assert "This log does not fit the rig in joints 1 (R^2 " in arm_fit_lines(found)[-1]
@@ -132,7 +135,7 @@ def test_what_the_held_out_part_does_not_confirm_is_no_fact(known: ArmFit) -> No
 
 def in_amperes() -> tuple[dict[str, Any], dict[str, Any]]:
     """The log of friction by the load, with currents for torques, and its rig without k_i."""
-    log = arm_log_of(by_load)
+    log = arm_log_of(by_load, *SHORT)
     for j, k_i in enumerate((0.08, 0.05)):
         log[f"i_A_{j + 1}"] = log.pop(f"tau_Nm_{j + 1}") * MU[j] / k_i
     columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "current": "i_A_{j}"}
@@ -181,7 +184,7 @@ def test_the_summary_has_coefficients_and_gains(gained: ArmFit) -> None:
 
 def test_a_current_of_the_wrong_sign_is_told() -> None:
     """Not that its bodies need too little torque."""
-    log = arm_log_of(plain, runs=3, seconds=6.0)
+    log = arm_log_of(plain, 3, 6.0)
     for j in (1, 2):
         log[f"i_A_{j}"] = -log.pop(f"tau_Nm_{j}")
     columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "current": "i_A_{j}"}
@@ -196,7 +199,7 @@ def test_a_load_of_rounding_is_none() -> None:
     straight = planar_arm()
     turned = Joint(mu=MU[0], placement=Placement.turned((0, 0, 0), 3.7e-6, 0.0, 0.0), name="shoulder")
     chain = Chain("planar", [turned, straight.joints[1]], straight.bodies, straight.gravity)
-    found = fit_arm([arm_log_of(by_load)], read_arm_rig(arm_rig_of(chain)), ["log"])
+    found = fit_arm([arm_log_of(by_load, *SHORT)], read_arm_rig(arm_rig_of(chain)), ["log"])
 
     for joint in found.joints:
         assert {Load.NORMAL, Load.TRANSMITTED} >= set(joint.loads.present)
@@ -205,7 +208,7 @@ def test_a_load_of_rounding_is_none() -> None:
 
 def test_a_voltage_without_constants_is_refused() -> None:
     """One line names the first that is missing, and the joint."""
-    log = arm_log_of(plain, runs=3, seconds=6.0)
+    log = arm_log_of(plain, 3, 6.0)
     columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "voltage": "tau_Nm_{j}"}
     rig = arm_rig_of(planar_arm()) | {"drive": "voltage", "columns": columns}
 

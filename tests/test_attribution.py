@@ -1,7 +1,5 @@
 """Attribution finds planted effects, leaves a control alone, and gives no name to what no candidate holds."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
@@ -110,7 +108,7 @@ def test_two_planted_effects_are_both_named() -> None:
     assert ("named", {"stribeck", "harmonic"}) == (found.verdict, set(families(found)))
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_a_control_is_left_alone(seed: int) -> None:
     """Where nothing is missing nothing is adopted."""
     found = diagnose(np.zeros(len(S.t)), seed)

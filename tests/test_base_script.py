@@ -1,17 +1,17 @@
 """A live base model as base.py: the script makes the model that it was written from."""
 
-from __future__ import annotations
-
 import dataclasses
 import runpy
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import sympy as sp
 
-from eccentric.diagnosis import base_source
+from eccentric.diagnosis import base_source, is_result_name, result_name
 from eccentric.model import Definition, Model, load_model, model_names, quantity
-from tests.extended import BASE, CASES, effects
+from tests.extended import BASE, effects
 
 
 def parts(model: Model) -> dict[str, object]:
@@ -40,7 +40,7 @@ def test_a_derivation_comes_back(name: str, tmp_path: Path) -> None:
         assert one.right == other.right or sp.simplify(one.right - other.right) == 0
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", [pytest.param("C1", marks=pytest.mark.slow), "C2"])
 def test_every_family_comes_back(case: str, tmp_path: Path) -> None:
     """States, replaced quantities and scaled roles included: what the extensions are is a part of a model."""
     for effect in {effect.family: effect for effect in effects(case).values()}.values():
@@ -59,3 +59,35 @@ def test_letters_may_be_any(tmp_path: Path) -> None:
     model = dataclasses.replace(paper, definitions=(*taken, *paper.definitions))
 
     assert parts(model) == parts(made(model, tmp_path))
+
+
+# The name of a diagnosis' model says what was done to the base model.
+
+
+def found(base: str, effects: list[str], including: list[str]) -> Any:
+    """What a name depends on."""
+    models = SimpleNamespace(base=SimpleNamespace(name=base))
+    asked = SimpleNamespace(request=SimpleNamespace(including=including))
+    return SimpleNamespace(models=models, result=SimpleNamespace(effects=effects), asked=asked)
+
+
+@pytest.mark.parametrize(
+    ("base", "effects", "including", "expected"),
+    [
+        ("c2_parallel", ["stribeck"], [], "c2_parallel_extended"),
+        ("c2_parallel", [], ["stribeck"], "c2_parallel_extended"),
+        ("c2_parallel_extended", ["cogging"], [], "c2_parallel_extended_2"),
+        ("c2_parallel_extended_2", ["cogging"], [], "c2_parallel_extended_3"),
+        ("c2_parallel_fitted", ["cogging"], [], "c2_parallel_extended"),
+        ("c2_parallel", [], [], "c2_parallel_fitted"),
+        ("c2_parallel_fitted", [], [], "c2_parallel_fitted"),
+        ("c2_parallel_extended", [], [], "c2_parallel_extended"),
+    ],
+)
+def test_only_what_was_extended_is_called_so(
+    base: str, effects: list[str], including: list[str], expected: str
+) -> None:
+    """One suffix at most, with the number of the extension from the second on."""
+    name = result_name(found(base, effects, including))
+
+    assert (expected, True, False) == (name, is_result_name(name), is_result_name("my_arm"))

@@ -1,7 +1,5 @@
 """Voltage, current or torque identify what the rig leaves open; free swings separate k_e from friction."""
 
-from __future__ import annotations
-
 import dataclasses
 from pathlib import Path
 

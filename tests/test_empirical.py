@@ -18,10 +18,7 @@ from tests.extended import setting
 RNG = np.random.default_rng(5)
 THETA, OMEGA = RNG.uniform(-60.0, 60.0, 400), RNG.uniform(-90.0, 90.0, 400)
 MU = 0.2
-FRICTION = (
-    Curve("velocity", 2, 2.0, 70.0, bend=12.0),
-    Curve("link_angle", 3),
-)
+FRICTION = (Curve("velocity", 2, 2.0, 70.0, bend=12.0), Curve("link_angle", 3))
 BOTH_WAYS = (Curve("gravity_load", 2, -0.1, 0.2, each_way=True), Curve("motor_angle", 3, conservative=True))
 
 

@@ -1,7 +1,5 @@
 """An encoder off its centre: its balances to first order, what it resembles, and who decides."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,6 +28,7 @@ from tests.extended import (
     setting,
     with_effect,
 )
+from tests.identified import left_of
 from tests.searched import adopted, candidate, design, mixed
 from tests.virtual import drawn_scenario
 
@@ -90,12 +89,6 @@ def columns(where: str, theta: Array, w: Array) -> tuple[Array, Array]:
     return found[0], found[1]
 
 
-def left(y: Array, *others: Array) -> float:
-    """Return the part of y, by its norm, that a fit of the others leaves."""
-    x = np.column_stack(others)
-    return float(np.linalg.norm(y - x @ np.linalg.lstsq(x, y, rcond=None)[0]) / np.linalg.norm(y))
-
-
 def test_its_voltage_is_a_ripple_of_the_flux_and_its_torque_is_none() -> None:
     """k_e w cos and sin of the motor angle in both; inertia and current have not the same torque."""
     rng = np.random.default_rng(3)
@@ -103,8 +96,8 @@ def test_its_voltage_is_a_ripple_of_the_flux_and_its_torque_is_none() -> None:
     torque, voltage = columns("motor", theta, w)
     ripple = np.column_stack([np.cos(theta), np.sin(theta)])
 
-    assert left(voltage, ripple * w[:, None]) < 1e-12
-    assert left(torque, ripple * i[:, None]) > 0.3
+    assert left_of(voltage, ripple * w[:, None]) < 1e-12
+    assert left_of(torque, ripple * i[:, None]) > 0.3
 
 
 def test_at_one_speed_it_is_cogging_and_over_a_range_of_speeds_it_is_not() -> None:
@@ -114,8 +107,8 @@ def test_at_one_speed_it_is_cogging_and_over_a_range_of_speeds_it_is_not() -> No
     once, _ = columns("motor", theta, np.full(2000, 30.0))
     twice, _ = columns("motor", theta, np.linspace(30.0, 60.0, 2000))
 
-    assert left(once, cogging) < 1e-12
-    assert left(twice, cogging) > 0.2
+    assert left_of(once, cogging) < 1e-12
+    assert left_of(twice, cogging) > 0.2
 
 
 @every_case
@@ -127,11 +120,7 @@ def test_it_is_offered_once_where_motor_and_link_turn_alike_and_not_for_an_open_
         found = library(replace(given, **changes))
         return [effect.variant for effect in found if effect.family == "encoder_eccentricity"]
 
-    assert (["motor", "link"], ["motor"], []) == (
-        offered(),
-        offered(mu=1.0),
-        offered(left_open=("inertia",)),
-    )
+    assert (["motor", "link"], ["motor"], []) == (offered(), offered(mu=1.0), offered(left_open=("inertia",)))
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """A ripple near the Nyquist frequency: its product with a measured current has twice that frequency."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -85,7 +83,7 @@ def test_a_ripple_of_the_speed_is_none_of_the_torque_constant() -> None:
     assert (cosine, sine) == pytest.approx(expected, abs=0.1 * true["amplitude"])
 
 
-@pytest.mark.parametrize("seed", [7, 8])
+@pytest.mark.parametrize("seed", [7, pytest.param(8, marks=pytest.mark.slow)])
 def test_the_true_model_leaves_nothing_of_the_circuit_below_the_low_pass(seed: int) -> None:
     """Without noise, all that is left is ripple above it, which the filtered speed lacks."""
     _, found = refitted(seed, noise=0.0)

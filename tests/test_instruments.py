@@ -1,22 +1,19 @@
 """What a candidate gains must be there without the noise of its own signals: columns of known projection."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
-from eccentric.diagnosis.search import instruments_of, limits
+from eccentric.diagnosis.search import balances, instruments_of, limits
 from eccentric.diagnosis.search.candidate import Candidate
 from eccentric.effects import Shape
-from eccentric.identification import FitData, drive_of, fit_data_of
-from eccentric.logs import read_log
-from eccentric.model import Model, load_model, quantity
-from eccentric.rigs import read_rig
-from eccentric.signals import read_channels
-from eccentric.virtual_bench import BenchRun, simulate
+from eccentric.model import quantity
+from eccentric.virtual_bench import simulate
+from tests.identified import prepared
 from tests.searched import NOISE, SIZE, N, adopted, candidate, mixed, search
 from tests.virtual import drawn_scenario
 
@@ -27,13 +24,6 @@ def seen_through(share: float) -> Candidate:
     """A candidate whose instrument has this part of its squared length in the candidate's own column."""
     instrument = mixed({OWN: math.sqrt(share), OTHER: math.sqrt(1.0 - share)})[:, None]
     return replace(candidate("a", {OWN: 1.0}), instrument=lambda _: instrument)
-
-
-def fitted_data(run: BenchRun) -> tuple[FitData, Model]:
-    """What a fit of the rig's own model sees of a simulated log."""
-    channels = read_channels([read_log(run.columns)], read_rig(run.rig))
-    model = load_model(channels.rig.model)
-    return fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model), model
 
 
 def gained(amplitude: float, share: float) -> float:
@@ -154,7 +144,7 @@ def test_the_instruments_are_the_signals_that_the_motion_needs() -> None:
     found = {}
     for noise in (0.0, 0.03):
         run = simulate(drawn_scenario(5, log_type="traj", seconds=40.0, noise=noise))
-        data, model = fitted_data(run)
+        data, model = prepared(run.columns, run.rig)
         hidden = run.truth["hidden_parameters"]
         friction = np.array([hidden[c.name] for c in data.signals.columns(model)])
         signals = instruments_of(data, model, friction)
@@ -173,10 +163,36 @@ def test_the_instruments_are_the_signals_that_the_motion_needs() -> None:
 def test_the_instruments_keep_the_phase_of_a_ripple() -> None:
     """Behind a gear slow motion leaves out a part of a turn; order 6 stays within a tenth of a radian."""
     run = simulate(drawn_scenario(1, mu=1.0 / 30.0, log_type="traj", seconds=40.0))
-    data, model = fitted_data(run)
+    data, model = prepared(run.columns, run.rig)
     signals = instruments_of(data, model, np.zeros(len(data.signals.columns(model))))
     assert signals is not None
 
     rows = data.drive.channels.selection.usable
     missed = (signals.values["theta_m"] - run.columns["theta_m_rad"])[rows]
     assert 6.0 * np.sqrt(np.mean(missed**2)) < 0.1
+
+
+# The noise of the electrical balance is looked for where the current's lag is taken back.
+
+
+def test_a_lag_is_taken_back_within_a_segment() -> None:
+    """Each sample is that of `lag` rows later, NaN where its segment or the log has none."""
+    segment = np.array([0, 0, 0, 0, 1, 1, 1])
+    channels = cast("Any", SimpleNamespace(time=SimpleNamespace(segment=segment)))
+    signal = np.arange(7.0)
+
+    np.testing.assert_array_equal(
+        [2, 3, np.nan, np.nan, 6, np.nan, np.nan], balances._ahead(signal, channels, 2)
+    )
+    np.testing.assert_array_equal([np.nan, 0, 1, 2, np.nan, 4, 5], balances._ahead(signal, channels, -1))
+
+
+def test_lags_are_those_of_a_delayed_sensor() -> None:
+    """From 20 ms early to 70 ms late, no more of them at 10 kHz than are 2 ms apart."""
+
+    def at(step: float) -> list[int]:
+        return balances._lags(cast("Any", SimpleNamespace(time=SimpleNamespace(logged_step_s=step))))
+
+    fine = at(1e-4)
+    assert [*range(-5, 19)] == at(0.004)
+    assert (-200, 700, 20) == (fine[0], fine[-1], max(np.diff(fine)))

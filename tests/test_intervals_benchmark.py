@@ -1,20 +1,19 @@
 """The benchmark of intervals compares like with like: what is planted is what is fitted."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 from benchmarks import intervals
+from benchmarks.diagnosis_jobs import Job, Result
+from benchmarks.diagnosis_table import details, figures
 from benchmarks.intervals import counted, effect_of, run
-from eccentric.identification import FitData, drive_of, fit_data_of, refit
+from benchmarks.oracle import Oracle
+from eccentric.identification import FitData, refit
 from eccentric.identification.fit_data import Emitted
-from eccentric.logs import read_log
 from eccentric.model import load_model
-from eccentric.rigs import read_rig
-from eccentric.signals import read_channels
 from eccentric.virtual_bench import simulate
 from tests.extended import KNOWN, effects
+from tests.identified import prepared
 from tests.virtual import drawn_scenario
 
 FRICTION = {"C_m": 0.1, "B_m": 0.01, "C_lN": 0.02, "B_lN": 0.003}
@@ -54,9 +53,7 @@ def test_a_filter_that_changes_nothing_widens_no_interval(monkeypatch: pytest.Mo
     run = simulate(drawn_scenario(7, case="C1", log_type="traj", seconds=40.0))
     known = {key: x for key, x in run.rig["known"].items() if key != "J_l_kgm2"}
     rig = run.rig | {"known": known, "unknown": {"J_l": ["0 kg m^2", "1000 kg m^2"]}}
-    channels = read_channels([read_log(run.columns)], read_rig(rig))
-    model = load_model(channels.rig.model)
-    data = fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model)
+    data, model = prepared(run.columns, rig)
 
     errors = []
     for narrowed in (data, None):
@@ -90,3 +87,71 @@ def test_a_log_that_could_not_be_fitted_holds_no_truth(monkeypatch: pytest.Monke
     assert {"inertia": (0, 1), "friction": (0, 4), "effect": (0, 2)} == {
         kind: counted([result], kind) for kind in intervals.KINDS
     }
+
+
+# The benchmark of the diagnosis counts hits, false alarms, honest and dishonest answers.
+
+
+def result(
+    kind: str, truth: list[str], verdict: str, named: list[str] | None = None, **others: object
+) -> Result:
+    """Return what came of a log; the ranking is what was named."""
+    job = Job(kind, 0, tuple((family, 0.1) for family in truth))
+    named = named or []
+    return Result(job, verdict, truth, [0.1] * len(truth), named, named, probability=0.95, **others)  # pyright: ignore[reportArgumentType]
+
+
+RESULTS = [
+    result("single", ["stribeck"], "named", ["stribeck"]),
+    result("single", ["stribeck"], "named", ["cogging"]),
+    result("single", ["stribeck"], "unexplained", depends=["velocity"]),
+    result("single", ["backlash"], "nothing_missing"),
+    result("control", [], "nothing_missing"),
+    result("control", [], "unexplained"),
+    result("pair", ["stribeck", "cogging"], "named", ["cogging", "stribeck"]),
+    result("outside", ["velocity"], "unexplained", depends=["time", "velocity"]),
+    result("outside", ["velocity"], "unexplained", depends=["time", "link_angle", "velocity"]),
+    result("outside", ["velocity"], "named", ["stribeck"]),
+]
+LONG = [result("long", ["stribeck"], "named", ["stribeck"], seconds=3.0, memory=0.5)]
+
+
+def test_fractions_are_those_of_the_logs() -> None:
+    """One of four singles is right, one wrong; one control of two a false alarm; one of three honest."""
+    found = {key: one.value for key, one in figures(RESULTS, LONG).items()}
+
+    assert {"first": 0.25, "wrong": 0.25, "false alarms": 0.5, "both": 1.0, "outside": 1 / 3} == {
+        key: found[key] for key in ("first", "wrong", "false alarms", "both", "outside")
+    }
+    assert (2 / 3, 3.0, 0.5) == (found["sure"], found["seconds"], found["memory"])
+
+
+def test_faint_effects_count_where_the_truth_proves_them() -> None:
+    """Of two that a fit with the truth proves, one is named; a third, below z = 3, does not count."""
+    faint = [
+        result(
+            "faint",
+            ["stribeck"],
+            "named",
+            ["stribeck"],
+            oracle=Oracle("mechanical", 1.0, 9.0, 0.0, 9.0),
+            rmse={"mechanical": 1.0},
+        ),
+        result("faint", ["stribeck"], "nothing_missing", oracle=Oracle("mechanical", 1.0, 3.1, 0.0, 3.1)),
+        result("faint", ["stribeck"], "nothing_missing", oracle=Oracle("mechanical", 1.0, 2.9, 0.0, 2.9)),
+    ]
+
+    assert 0.5 == figures([*RESULTS, *faint], LONG)["faint"].value
+
+
+def test_misses_that_data_could_have_decided_are_counted() -> None:
+    """Of two wrong singles, a fit that knows the truth predicts better than one of the answers."""
+
+    def single(named: str, z: float) -> Result:
+        known = Oracle("mechanical", 1.0, 9.0, z, 9.0)
+        return result("single", ["stribeck"], "named", [named], oracle=known, rmse={"mechanical": 1.0})
+
+    lines = details([single("cogging", 3.1), single("cogging", 2.9), single("stribeck", 5.0)])
+    (line,) = (line for line in lines if line.startswith("| not first"))
+
+    assert "1/2" in line

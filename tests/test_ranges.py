@@ -1,7 +1,5 @@
 """Estimates beside what is known from elsewhere: figures, intervals and sentences by closed forms."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 from typing import Any, cast
@@ -11,7 +9,7 @@ import pytest
 import sympy as sp
 
 from eccentric.diagnosis import Diagnosis
-from eccentric.diagnosis.ranges import RangeCheck, range_checks
+from eccentric.diagnosis.models import RangeCheck, range_checks
 from eccentric.effects import Effect, Plausible
 from eccentric.presentation.ranges_text import outside_sentences, range_line, ruled_out_sentence
 from tests.extended import effects
@@ -99,11 +97,7 @@ def test_the_range_is_that_of_the_gear(
 
 @pytest.mark.parametrize(
     ("values", "errors", "unit"),
-    [
-        ({"load_eta": 0.2}, {"load_eta": math.inf}, "N m"),
-        ({"load_eta": 0.2}, {}, "N m"),
-        ({}, {}, "N m"),
-    ],
+    [({"load_eta": 0.2}, {"load_eta": math.inf}, "N m"), ({"load_eta": 0.2}, {}, "N m"), ({}, {}, "N m")],
     ids=["not determined", "not estimated", "not there"],
 )
 def test_nothing_is_said_of_what_the_log_does_not_show(

@@ -1,7 +1,5 @@
 """Every run left out once: the errors are those of least squares on the other runs' rows."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,13 +11,12 @@ import eccentric
 from eccentric.diagnosis import diagnose, leave_runs_out
 from eccentric.diagnosis.models import Models, confirms, contradiction
 from eccentric.diagnosis.score import BelowLowPass, Score, score
-from eccentric.identification import FitData, drive_of, fit_data_of, refit
-from eccentric.model import Model, load_model
+from eccentric.identification import FitData, refit
+from eccentric.model import Model
 from eccentric.presentation import diagnosis_sentence
-from eccentric.rigs import read_rig
-from eccentric.signals import read_channels
 from eccentric.virtual_bench import simulate
 from tests.extended import effects
+from tests.identified import prepared
 from tests.swing import Array, Swing, driven, sines, write_rig, write_runs
 from tests.virtual import drawn_scenario
 
@@ -44,10 +41,7 @@ def data(tmp_path: Path, runs: int, real: Swing = RIG) -> tuple[FitData, Model]:
     rng = np.random.default_rng(9)
     table = {f"run_{k}": driven(real, rng, noise_Nm=0.01) for k in range(runs)}
     log = write_runs(tmp_path / "log.csv", table, ("time_s", "theta_m_rad", "torque_Nm"))
-    rig = write_rig(tmp_path / "rig.toml", KNOWN, 'holdout_runs = ["run_2"]')
-    channels = read_channels([log], read_rig(rig))
-    model = load_model(channels.rig.model)
-    return fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model), model
+    return prepared(log, write_rig(tmp_path / "rig.toml", KNOWN, 'holdout_runs = ["run_2"]'))
 
 
 def columns(one: FitData, smooth: bool = False) -> tuple[Array, Array]:
@@ -177,12 +171,10 @@ def test_what_accelerates_the_drive_passes_the_low_pass_once(tmp_path: Path) -> 
     table = np.column_stack([t, theta, torque])
     np.savetxt(log, table, delimiter=",", header="time_s,theta_m_rad,torque_Nm", comments="")
     rig = write_rig(tmp_path / "rig.toml", KNOWN, "low_pass_hz = 25.0")
-    channels = read_channels([log], read_rig(rig))
-    model = load_model(channels.rig.model)
-    one = fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model)
+    one, model = prepared(log, rig)
     fit, rows = refit(model, (), one), one.rows.score
     whole, below = fit.residuals["mechanical"][rows], fit.smooth_residual()[rows]
-    twice = channels.smooth(fit.residuals["mechanical"])[rows]
+    twice = one.drive.channels.smooth(fit.residuals["mechanical"])[rows]
 
     assert 4.0 * np.std(below) < np.std(twice) < np.std(whole)
     band = eccentric.fit(log, rig).document["error_band"]

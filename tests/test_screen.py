@@ -1,7 +1,5 @@
 """Scores of candidates where every fit is known in closed form."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -117,26 +115,21 @@ def turned(values: Values) -> Array:
     return mixed({2: np.cos(values["angle"]), 3: np.sin(values["angle"])})[:, None]
 
 
-def test_a_shape_is_refined_between_its_grid_points() -> None:
+LOG = replace(ANGLE, low=0.05, high=1.5, scale="log")
+
+
+@pytest.mark.parametrize(("shape", "planted"), [(ANGLE, 0.731), (LOG, 0.3)], ids=["linear", "logarithmic"])
+def test_a_shape_is_refined_between_its_grid_points(shape: Shape, planted: float) -> None:
     """The direction of a column, planted off the grid, is found, and its amplitude."""
-    one = candidate("a", shapes=(ANGLE,), of=turned)
-    planted = 0.731
-    screen = Screen(design({2: 4.0 * np.cos(planted), 3: 4.0 * np.sin(planted)}), [one])
+    screen = Screen(
+        design({2: 4.0 * np.cos(planted), 3: 4.0 * np.sin(planted)}),
+        [candidate("a", shapes=(shape,), of=turned)],
+    )
     (best,) = screen.rank([])
 
     assert best.variants[0].values["angle"] == pytest.approx(planted, abs=2e-3)
     assert screen.own(best)[0] == pytest.approx([4.0], rel=1e-5)
     assert best.score == pytest.approx(N, rel=1e-4)
-
-
-def test_a_logarithmic_shape_is_refined_on_its_scale() -> None:
-    """The same where the range is spaced by factors."""
-    log = replace(ANGLE, low=0.05, high=1.5, scale="log", points=5)
-    one = candidate("a", shapes=(log,), of=turned)
-    screen = Screen(design({2: 4.0 * np.cos(0.3), 3: 4.0 * np.sin(0.3)}), [one])
-    (best,) = screen.rank([])
-
-    assert best.variants[0].values["angle"] == pytest.approx(0.3, abs=2e-3)
 
 
 def test_shapes_of_several_effects_are_refined_together() -> None:
@@ -146,9 +139,8 @@ def test_shapes_of_several_effects_are_refined_together() -> None:
         return mixed({2 + k: values["angle"] ** k for k in range(4)})[:, None]
 
     first, second = (candidate(name, shapes=(ANGLE,), of=of) for name in "ab")
-    balance = design({})
     planted = 30.0 * (of({"angle": 0.4}) + of({"angle": 0.9}))[:, 0]
-    screen = Screen(replace(balance, target=balance.target + planted), [first, second])
+    screen = Screen(design({}, also=planted), [first, second])
     coarse = screen.fit([Variant(first, {"angle": 0.1}), Variant(second, {"angle": 1.5})])
 
     assert screen.refine(coarse).loss.sum() == pytest.approx(N, rel=1e-2)
@@ -275,8 +267,7 @@ def test_blocks_are_predicted_from_the_others() -> None:
     """What only one block has is not predicted there: its cross-validated loss is that of no fit, or more."""
     inside = np.arange(N) < SIZE
     one = replace(candidate("a"), columns=lambda _: (inside * COLUMNS[:, 2])[:, None])
-    balance = design({})
-    screen = Screen(replace(balance, target=balance.target + 3.0 * inside * COLUMNS[:, 2]), [one])
+    screen = Screen(design({}, also=3.0 * inside * COLUMNS[:, 2]), [one])
     fitted = screen.fit([only(one)])
 
     assert fitted.loss[0] == pytest.approx(SIZE * 1.0, rel=1e-6)

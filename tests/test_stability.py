@@ -3,11 +3,11 @@
 See `searched`: a fit that has a column takes its amplitude out, in every draw of the blocks alike.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -17,8 +17,9 @@ from eccentric.diagnosis.search.attribution import Search
 from eccentric.diagnosis.search.candidate import Candidate, grid
 from eccentric.diagnosis.search.screen import Screen
 from eccentric.diagnosis.search.stability import Stability, stability_of
-from eccentric.diagnosis.search.verdict import decided
+from eccentric.diagnosis.search.verdict import Adopted, decided
 from eccentric.identification import BalanceDesign
+from eccentric.presentation import stability_words
 from tests.searched import BLOCKS, COLUMNS, SIZE, N, adopted, candidate, design, mixed, search
 
 A, B, C = candidate("a", {2: 1.0}), candidate("b", {3: 1.0}), candidate("c", {4: 1.0})
@@ -64,8 +65,7 @@ def deviance(chosen: np.ndarray, shown: np.ndarray, h: float) -> float:
 def test_an_effect_that_few_blocks_show_is_found_where_enough_of_them_are_drawn(shown: int) -> None:
     """As often as in 2000 draws of our own, for which the deviance is known in closed form."""
     held = np.arange(BLOCKS) < shown
-    balance = design({})
-    balance = replace(balance, target=balance.target + 3.0 * COLUMNS[:, 2] * np.repeat(held, SIZE))
+    balance = design({}, also=3.0 * COLUMNS[:, 2] * np.repeat(held, SIZE))
     rng = np.random.default_rng(20)
     draws = [
         np.sort(rng.permutation(BLOCKS)[: round(part * BLOCKS)]) for part in limits.PARTS for _ in range(1000)
@@ -229,8 +229,7 @@ def run(screen: Screen) -> Search:
 def test_an_effect_that_nothing_replaces_is_dropped_where_few_variants_find_it() -> None:
     """Three blocks show the second effect: the whole log proves it, and too few variants find it."""
     event = shown_by(3)
-    balance = design({2: 3.0})
-    balance = replace(balance, target=balance.target + 5.0 * event[:, 0])
+    balance = design({2: 3.0}, also=5.0 * event[:, 0])
     rare = candidate("rare", of=lambda _: event)
     screen = Screen(balance, [A, rare])
     found = run(screen)
@@ -243,8 +242,7 @@ def test_an_effect_that_nothing_replaces_is_dropped_where_few_variants_find_it()
 def test_a_form_that_was_right_beside_what_is_dropped_gives_way_to_that_of_an_earlier_step() -> None:
     """Two blocks show the rare effect, beside which the second form is better; alone, the first one is."""
     event = 12.0 * shown_by(2)
-    balance = design({2: 3.0})
-    balance = replace(balance, target=balance.target + event[:, 0])
+    balance = design({2: 3.0}, also=event[:, 0])
     first = candidate("a", {2: 3.0}, member="first")
     second = candidate("a", {2: 3.0, 4: 0.4, 5: 0.2}, member="second")
     rare = candidate("rare", of=lambda _: event - mixed({4: 0.4})[:, None])
@@ -260,8 +258,7 @@ def test_a_form_that_was_right_beside_what_is_dropped_gives_way_to_that_of_an_ea
 def test_a_comparison_that_brings_back_what_was_dropped_ends() -> None:
     """Where the rare effect takes the place of an earlier step again and again, it is dropped for good."""
     event = 12.0 * shown_by(2)
-    balance = design({2: 3.0})
-    balance = replace(balance, target=balance.target + event[:, 0])
+    balance = design({2: 3.0}, also=event[:, 0])
     rare = candidate("rare", of=lambda _: event)
     screen = Screen(balance, [A, rare])
     alone, both = (screen.fit([grid(c)[0] for c in effects]) for effects in ([A], [A, rare]))
@@ -284,11 +281,41 @@ def test_a_comparison_that_brings_back_what_was_dropped_ends() -> None:
 def test_an_effect_that_was_dropped_does_not_come_back_with_an_earlier_step() -> None:
     """The rare effect is found first, and few variants find it: the other one stays, which all find."""
     event = 12.0 * shown_by(2)
-    balance = design({2: 1.05})  # 1.0 would take out exactly half of what is left, the least that counts
-    balance = replace(balance, target=balance.target + event[:, 0])
+    balance = design(
+        {2: 1.05}, also=event[:, 0]
+    )  # 1.0 would take out exactly half of what is left, the least that counts
     screen = Screen(balance, [candidate("a", {2: 1.0}), candidate("rare", of=lambda _: event)])
     found = run(screen)
 
     assert ["rare"] == [v.candidate.id for v in found.steps[0].variants]
     assert ["a"] == adopted(found)
     assert "named" == decided({"mechanical": found}).verdict
+
+
+# What the answer says of how many resampled logs find an effect.
+
+
+@pytest.mark.parametrize(
+    ("own", "expected"),
+    [
+        (None, ""),
+        (Adopted("electrical", grid(A)[0], (), 0.1), "stability not checked (the log has too few blocks)"),
+        (Adopted("electrical", grid(A)[0], (), 0.1, 100, 100), "found in 100 of 100 resampled logs"),
+        (
+            Adopted("electrical", grid(A)[0], (), 0.1, 93, 100, {"b": 6}),
+            "found in 93 of 100 resampled logs (b in 6)",
+        ),
+        (
+            Adopted("electrical", grid(A)[0], (), 0.1, 62, 100, {"b": 30}, by_both=True),
+            (
+                "found in 62 of 100 resampled logs by the electrical balance alone (b in 30);"
+                " both balances together decide"
+            ),
+        ),
+    ],
+)
+def test_the_words_say_which_variants_find_it(own: Adopted | None, expected: str) -> None:
+    """And what takes its place in the others; too few are told with what decides instead."""
+    found = SimpleNamespace(attribution=SimpleNamespace(adopted_as={"a": own}.get))
+
+    assert stability_words(cast("Any", found), cast("Any", SimpleNamespace(id="a"))) == expected

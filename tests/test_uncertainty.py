@@ -1,7 +1,5 @@
 """Bounded least squares, standard errors and gains against closed forms."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 
@@ -9,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from eccentric.identification import bounded
+from eccentric.identification import Coefficient, Design
 from eccentric.identification.limits import FRACTION
 from eccentric.identification.uncertainty import (
     TWO_SIDED,
@@ -81,10 +79,11 @@ def test_bounds_of_orthogonal_columns_clip() -> None:
     q = np.linalg.qr(rng.standard_normal((1000, 4)))[0] * np.array([1.0, 1e3, 1e-3, 5.0])
     y = rng.standard_normal(1000)
     free = q.T @ y / np.sum(q * q, axis=0)
-    low, high = np.minimum(free, 0.0) * [1.0, 1.0, 0.5, 0.5], np.full(4, np.inf)
-    found = bounded(q, y, low - [1.0, 1.0, 0.0, 0.0], high)
-    expected = np.clip(free, low - [1.0, 1.0, 0.0, 0.0], high)
-    np.testing.assert_allclose(found.coefficients, expected, rtol=1e-9)
+    low = np.minimum(free, 0.0) * [1.0, 1.0, 0.5, 0.5] - [1.0, 1.0, 0.0, 0.0]
+    named = tuple(Coefficient(f"x_{k}", "friction", "", end) for k, end in enumerate(low))
+    found = Design(named, y, q, np.ones(1000, bool), np.ones(1000)).solve()
+    expected = np.maximum(free, low)
+    np.testing.assert_allclose(found.values, expected, rtol=1e-9)
     np.testing.assert_array_equal(found.active != 0, expected != free)
 
 

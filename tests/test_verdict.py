@@ -1,20 +1,19 @@
 """One verdict from searches whose every score is known in closed form; see `searched`."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from scipy.stats import chi2
 
 from eccentric.diagnosis import Diagnosis
-from eccentric.diagnosis.models import _with_the_constant_first
+from eccentric.diagnosis.models import closest_effect, constant_first
 from eccentric.diagnosis.search import Attribution, limits, unconfirmed
 from eccentric.diagnosis.search.candidate import Candidate
-from eccentric.diagnosis.search.verdict import NextMeasurement, decided, next_measurement
+from eccentric.diagnosis.search.verdict import NextMeasurement, _outlines, decided, next_measurement
 from eccentric.effects import LOAD, Evidence, Kin, Words
 from eccentric.model import TURNING
 from eccentric.presentation.measurement_text import measurement_sentence
@@ -168,21 +167,24 @@ def test_one_family_is_never_tied_with_nothing() -> None:
 
 
 @pytest.mark.parametrize(("first", "expected"), [(0.0, "not_identifiable"), (4.0, "named")])
-def test_which_declared_value_is_off_may_stay_open_beside_a_name(first: float, expected: str) -> None:
-    """A tie of corrections alone takes no name from an effect that nothing else explains, and is reported."""
-    mass, inertia = (
-        replace(one, tolerance=1e-9) for one in (candidate("inertia", {2: 1.0}), rival("mass", 0.7))
-    )
-    found = verdict({2: 3.0, 3: first}, B, mass, inertia)
+@pytest.mark.parametrize("other", ["mass", "gear"], ids=["which value is off", "whether one is off"])
+def test_a_declared_value_may_stay_open_beside_a_name(other: str, first: float, expected: str) -> None:
+    """Its tie, with another value or with an effect, takes no name from an effect that nothing else explains.
+
+    It is reported, and beside that name an effect in the tie leaves undecided whether a value is off at all.
+    """
+    inertia = replace(candidate("inertia", {2: 1.0}), tolerance=1e-9)
+    tied = rival(other, 0.7) if other == "gear" else replace(rival(other, 0.7), tolerance=1e-9)
+    found = verdict({2: 3.0, 3: first}, B, inertia, tied)
+    corrected = found.adopted_as("inertia")
 
     assert expected == found.verdict
-    assert (() if first else ("inertia", "mass")) == found.tied
+    assert (() if first else ("inertia", other)) == found.tied
     assert (["b", "inertia"] if first else ["inertia"]) == [
         one.variant.candidate.family for one in found.adopted
     ]
-    corrected = found.adopted_as("inertia")
     assert corrected is not None
-    assert (("inertia", "mass"), False) == (corrected.alike, corrected.undecided)
+    assert (("inertia", other), other == "gear" and bool(first)) == (corrected.alike, corrected.undecided)
 
 
 @pytest.mark.parametrize(("variable", "expected"), [("time", "not_identifiable"), ("velocity", "named")])
@@ -194,19 +196,6 @@ def test_two_drifts_are_the_course_of_one(variable: str, expected: str) -> None:
     assert expected == found.verdict
     assert {"a", "b"} == {one.variant.candidate.family for one in found.adopted}
     assert ({"a", "b"} if variable == "time" else set()) == set(found.tied)
-
-
-@pytest.mark.parametrize(("first", "expected"), [(0.0, "not_identifiable"), (4.0, "named")])
-def test_whether_a_declared_value_is_off_may_stay_open_beside_a_name(first: float, expected: str) -> None:
-    """A correction that is tied with an effect takes no name from another effect that is clear."""
-    inertia = replace(candidate("inertia", {2: 1.0}), tolerance=1e-9)
-    found = verdict({2: 3.0, 3: first}, B, inertia, rival("gear", 0.7))
-    corrected = found.adopted_as("inertia")
-
-    assert expected == found.verdict
-    assert (() if first else ("inertia", "gear")) == found.tied
-    assert corrected is not None
-    assert (("inertia", "gear"), bool(first)) == (corrected.alike, corrected.undecided)
 
 
 @pytest.mark.parametrize(
@@ -230,19 +219,17 @@ def test_what_a_smooth_term_still_takes_out_refuses_a_name(part: float, runs: in
         assert NextMeasurement("vary", "of_smooth:x") == found.next_measurement
 
 
-def test_a_smooth_term_alone_leaves_the_log_unexplained() -> None:
-    """Structure without any effect: no name, and the variable that it follows."""
-    found = verdict({7: 2.0}, A, smooth=candidate("smooth:x", {7: 1.0}))
-
-    assert ("unexplained", (), ("of_smooth:x",)) == (found.verdict, found.adopted, found.depends_on)
+TRACE = math.sqrt(math.expm1(0.9 * limits.LEAST_DEVIANCE / N))
 
 
-def test_a_smooth_term_that_gains_by_chance_is_no_structure() -> None:
-    """It must be worth it like an effect: its part of a trace does not count."""
-    small = math.sqrt(math.expm1(0.9 * limits.LEAST_DEVIANCE / N))
-    found = verdict({7: small}, A, smooth=candidate("smooth:x", {7: 1.0}))
+@pytest.mark.parametrize(
+    ("size", "expected"), [(2.0, ("unexplained", ("of_smooth:x",))), (TRACE, ("nothing_missing", ()))]
+)
+def test_a_smooth_term_alone_leaves_the_log_unexplained(size: float, expected: tuple[str, Any]) -> None:
+    """Structure without any effect: no name, and its variable. A trace that gains by chance is none."""
+    found = verdict({7: size}, A, smooth=candidate("smooth:x", {7: 1.0}))
 
-    assert ("nothing_missing", ()) == (found.verdict, found.depends_on)
+    assert (*expected, ()) == (found.verdict, found.depends_on, found.adopted)
 
 
 def test_the_residual_follows_the_stronger_variable_first() -> None:
@@ -411,7 +398,7 @@ def test_a_tie_under_load_asks_for_an_open_torque_constant_first(
     offered: Any = [SimpleNamespace(family=f, words=Words(kin=k)) for f, k in zip("ab", kins, strict=True)]
     data: Any = SimpleNamespace(drive=SimpleNamespace(scale=scale, by_voltage=by_voltage))
 
-    said = _with_the_constant_first(tie, offered, data).next_measurement
+    said = constant_first(tie.next_measurement, tie.tied, offered, data)
     assert tie.next_measurement is not None
     assert replace(tie.next_measurement, constant_first=expected) == said
 
@@ -451,3 +438,78 @@ def test_an_alias_that_the_record_names_is_no_tie() -> None:
     other = replace(B, columns=A.columns, evidence=replace(B.evidence, aliases=("a",), one_of=24))
 
     assert "named" == verdict({2: 3.0}, A, other).verdict
+
+
+# Two laws of one variable that only outline its curve are no name; two orders of one family are.
+
+
+def _variant(family: str, variable: str = "time") -> SimpleNamespace:
+    return SimpleNamespace(candidate=SimpleNamespace(family=family, variable=variable))
+
+
+@pytest.mark.parametrize(
+    ("families", "variable", "best", "smooth", "outlines"),
+    [
+        (("wear_runin", "time_drift"), "time", 5.0, 1.2, True),
+        (("wear_runin", "time_drift"), "velocity", 5.0, 1.2, False),
+        (("cogging", "cogging"), "time", 5.0, 1.2, False),
+        (("wear_runin",), "time", 5.0, 1.2, False),
+        (("wear_runin", "time_drift"), "time", 1.9, 1.0, False),
+        (("wear_runin", "time_drift"), "time", 5.0, 3.5, False),
+    ],
+)
+def test_what_two_laws_leave_is_a_curve_of_their_variable(
+    families: tuple[str, ...], variable: str, best: float, smooth: float, outlines: bool
+) -> None:
+    """More than twice the noise is left, and a free curve of the same variable takes most of the excess."""
+    search = SimpleNamespace(
+        best=SimpleNamespace(score=best, variants=[_variant(family) for family in families]),
+        screen=SimpleNamespace(floor=1.0),
+    )
+    curve = SimpleNamespace(score=smooth, last=SimpleNamespace(variable=variable))
+    assert _outlines(search, curve) is outlines  # pyright: ignore[reportArgumentType]
+
+
+# The effect that is shown where none is adopted: the best one whose fit on the emitted module settles.
+
+
+FIRST, SECOND = candidate("first", {2: 1.0}), candidate("second", {3: 1.0})
+
+
+def fit(left: float, settled: bool = True) -> Any:
+    """A fit that leaves a row of this size, before the low pass and below it."""
+    rows = SimpleNamespace(score=np.ones(64, bool), operator="averages")
+    data = SimpleNamespace(rows=rows, drive=SimpleNamespace(channels=SimpleNamespace(rig=None)))
+    residual = left * np.random.default_rng(1).normal(size=64)
+    return SimpleNamespace(
+        settled=settled, data=data, residuals={"mechanical": residual}, residual_like=lambda *_: residual
+    )
+
+
+@pytest.mark.parametrize(
+    ("settled", "expected"),
+    [
+        ({"first": True, "second": True}, "first"),
+        ({"first": False, "second": True}, "second"),
+        ({"first": False, "second": False}, None),
+    ],
+)
+def test_an_effect_whose_fit_does_not_settle_is_passed_over(
+    monkeypatch: pytest.MonkeyPatch, settled: dict[str, bool], expected: str | None
+) -> None:
+    """Of two effects that the search ranks, the first one that settles is shown, with its own gain."""
+    left = {"first": 0.5, "second": 0.8}
+    found = decided({"mechanical": search({2: 3.0, 3: 2.0}, FIRST, SECOND)})
+    offered: Any = [SimpleNamespace(id=name) for name in left]
+    models: Any = SimpleNamespace(adopted=False, fits_the_rig=True, base=None, paper=fit(1.0))
+
+    def refit(_: Any, effects: Any, __: Any) -> Any:
+        ((effect, _),) = effects
+        return fit(left[effect.id], settled[effect.id])
+
+    monkeypatch.setattr("eccentric.diagnosis.models.refit", refit)
+    shown = closest_effect(found, offered, models)
+
+    assert expected == (None if shown is None else shown.effect.id)
+    if shown is not None:
+        assert 100.0 * (1.0 - left[shown.effect.id]) == pytest.approx(shown.percent)

@@ -3,8 +3,8 @@
     loop          logs, rig -> Diagnosis, everything that was found: every stage in order
     search        what a model lacks: candidates, null level, verdict
     stage         the request; what a log offers to a base model before the search; runs that differ
-    models        the models after the search; the best effect or shipped model where none is adopted
-    ranges        what was found beside what is known of it from elsewhere
+    models        the models after the search; the best effect or shipped model where none is adopted; what
+                  was found beside what is known of it from elsewhere
     score         held-out errors before and after, run by run where there are enough; what is left there
                   that is periodic in the motor angle
     empirical     a term without a cause: which variables it follows, how many pieces, its coefficients
@@ -21,8 +21,7 @@ from eccentric.diagnosis.empirical import Empirical, fit_empirical, variables_fo
 from eccentric.diagnosis.limits import PROVABLE, ROUNDING
 from eccentric.diagnosis.loop import BASE, Asked, Diagnosis, diagnose, diagnosed, staged_log
 from eccentric.diagnosis.model_script import base_source, extended_model, is_result_name, result_name, script
-from eccentric.diagnosis.models import constant_first
-from eccentric.diagnosis.ranges import RangeCheck
+from eccentric.diagnosis.models import RangeCheck, constant_first
 from eccentric.diagnosis.score import OverRuns, leave_runs_out, only_below, orders_of
 from eccentric.diagnosis.search import (
     IN_A_DRAW,

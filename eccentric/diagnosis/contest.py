@@ -6,7 +6,7 @@ A model is a derivation, extended or not by effects of the library: "c2_parallel
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -72,23 +72,6 @@ class Contest:
     fits: Mapping[str, Refit] = field(default_factory=dict, repr=False)
 
 
-@dataclass
-class _Field:
-    """The log as each base model sees it; every base model is prepared once."""
-
-    logs: Sequence[Log]
-    rig: Rig
-    effects: Path | None
-    stages: dict[int, Stage] = field(default_factory=dict)
-
-    def stage(self, model: Model) -> Stage:
-        if id(model) not in self.stages:
-            where = ", ".join(log_names(self.logs))
-            channels = read_channels(self.logs, self.rig)
-            self.stages[id(model)] = stage_of(channels, model, self.effects, where)
-        return self.stages[id(model)]
-
-
 def contest(
     logs: Sequence[Log], rig: Rig, models: Sequence[str | Model], effects: Path | None = None
 ) -> Contest:
@@ -103,42 +86,25 @@ def contest(
         raise InputError("models", "at least one model", "none")
     if twice := [name for k, name in enumerate(names) if name in names[:k]]:
         raise InputError("models", "each model", f"{twice[0]} twice", why="only once")
-    given = _Field(logs, rig, effects)
     channels = read_channels(logs, rig)
-    own = given.stage(load_model(channels.rig.model))
+
+    stages: dict[int, Stage] = {}
+
+    def stage(model: Model) -> Stage:
+        """The log as a base model sees it; every base model is prepared once."""
+        if id(model) not in stages:
+            stages[id(model)] = stage_of(read_channels(logs, rig), model, effects, ", ".join(log_names(logs)))
+        return stages[id(model)]
+
+    own = stage(load_model(channels.rig.model))
     linear = refit(own.base, (), own.data, linear=True)
-    fits = [_fitted(given, model) for model in models]
-    scored = _scored_rows(linear)
+    fits = {BASELINE: linear, **{name: _fitted(stage, one) for name, one in zip(names, models, strict=True)}}
+    # In volts or amperes, only rows with the motor on.
+    rows = own.data.rows.score
+    scored = rows if linear.scale is None else rows & ~own.data.off
     target = _in_drive_unit(linear, own.data.rows.mean(own.data.drive.driven_by(linear.values)))[scored]
     before = _residual(linear)[scored]
-    entries = [
-        Entry(
-            BASELINE,
-            (),
-            rms(before),
-            _below(linear, scored),
-            None,
-            r_squared(before, target),
-            len(linear.estimates),
-            0.0,
-            (0.0, 0.0),
-        )
-    ]
-    for name, fit in zip(names, fits, strict=True):
-        after = _residual(fit)[scored]
-        effects_of = tuple(effect.id for effect, _ in fit.effects)
-        entries.append(
-            Entry(
-                name,
-                effects_of,
-                rms(after),
-                _below(fit, scored),
-                _circuit(fit),
-                r_squared(after, target),
-                len(fit.estimates),
-                *improvement(before, after),
-            )
-        )
+    entries = [_entry(name, fit, scored, target, before) for name, fit in fits.items()]
     drive = own.data.drive
     return Contest(
         log_names(logs),
@@ -151,14 +117,30 @@ def contest(
         tuple(sorted(entries, key=lambda entry: (entry.rmse, entry.circuit or 0.0))),
         (*channels.intake.warnings, *drive.warnings),
         channels.excerpt,
-        {BASELINE: linear, **dict(zip(names, fits, strict=True))},
+        fits,
     )
 
 
-def _fitted(given: _Field, model: str | Model) -> Refit:
+def _entry(name: str, fit: Refit, scored: np.ndarray, target: np.ndarray, before: np.ndarray) -> Entry:
+    """A fit on the scored rows; target and Coulomb + viscous friction's residual `before` are of these."""
+    after = _residual(fit)[scored]
+    averaged = fit.data.rows.operator is not None
+    return Entry(
+        name,
+        tuple(effect.id for effect, _ in fit.effects),
+        rms(after),
+        None if averaged else rms(_in_drive_unit(fit, fit.smooth_residual())[scored]),
+        fit.held_out("electrical") if "electrical" in fit.residuals and name != BASELINE else None,
+        r_squared(after, target),
+        len(fit.estimates),
+        *improvement(before, after),
+    )
+
+
+def _fitted(stage_with: Callable[[Model], Stage], model: str | Model) -> Refit:
     """A model, extended by the effects that its name has after a plus sign."""
     name, effects = _parts(model) if isinstance(model, str) else (model, [])
-    stage = given.stage(load_model(name) if isinstance(name, str) else name)
+    stage = stage_with(load_model(name) if isinstance(name, str) else name)
     chosen = stage.chosen(f"model {model}", effects) if effects else []
     stage.data.require_rank(stage.base, f"model {model}")
     return refit(stage.base, tuple((effect, shapes) for effect, shapes, _ in chosen), stage.data)
@@ -171,24 +153,8 @@ def _parts(name: str) -> tuple[str, list[str]]:
     return f"{script}{dot}{head}" if dot else head, effects
 
 
-def _scored_rows(fit: Refit) -> np.ndarray:
-    """The held-out rows (rows,) of the contest: in volts or amperes, only those with the motor on."""
-    rows = fit.data.rows
-    return rows.score if fit.scale is None else rows.score & ~fit.data.off
-
-
 def _residual(fit: Refit) -> np.ndarray:
     return _in_drive_unit(fit, fit.residuals["mechanical"])
-
-
-def _below(fit: Refit, scored: np.ndarray) -> float | None:
-    """The held-out RMSE below the low pass; None where rows are averages."""
-    averaged = fit.data.rows.operator is not None
-    return None if averaged else rms(_in_drive_unit(fit, fit.smooth_residual())[scored])
-
-
-def _circuit(fit: Refit) -> float | None:
-    return fit.held_out("electrical") if "electrical" in fit.residuals else None
 
 
 def _in_drive_unit(fit: Refit, torque: np.ndarray) -> np.ndarray:

@@ -18,18 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from eccentric.diagnosis.limits import (
-    EMPIRICAL_CLEARLY,
-    EMPIRICAL_GROUPS,
-    EMPIRICAL_LEAST,
-    EMPIRICAL_MOST,
-    EMPIRICAL_NOTHING,
-    EMPIRICAL_PIECES,
-    EMPIRICAL_RANGE,
-    EMPIRICAL_STIFF,
-    EMPIRICAL_TURN,
-    EMPIRICAL_WITHIN,
-)
+from eccentric.diagnosis import limits
 from eccentric.diagnosis.search import Gram, bounded_solve, bounded_solve_each, sum_of_each
 from eccentric.effects import ANGLES, Curve, Effect, Setting, empirical_term, variable_of
 from eccentric.identification import FitData, Refit, base_coefficients, compiled, improvement
@@ -107,7 +96,7 @@ class _Fit:
         count = len(data.signals.columns(setting.base))
         own = base_coefficients(setting.base, data.signals)[:count]
         self.names = [c.name for c in own]
-        self._roles = [(c.role, c.load) for c in data.signals.columns(setting.base)]
+        self.roles = [(c.role, c.load) for c in data.signals.columns(setting.base)]
         shapes = {
             s.quantity.name: before.values[s.quantity.name] for e, _ in before.effects for s in e.shapes
         }
@@ -136,12 +125,6 @@ class _Fit:
         omega = self.data.signals.values["omega_m"]
         return _Term(curve, self.data.rows.mean(curve.columns(signal, omega)))
 
-    def gram(self, terms: Sequence[_Term]) -> Gram:
-        """Normal equations of friction and terms, by blocks of the training part."""
-        design = np.column_stack([self.friction, *(term.columns for term in terms)])
-        weighted = design[self.train] * self.root[:, None]
-        return Gram.of(weighted, self.target[self.train] * self.root, self.block)
-
     def penalty(self, matrix: Array, terms: Sequence[_Term], stiff: float) -> tuple[Array, Array]:
         """What is added to the normal equations of all blocks."""
         first = len(self.names)
@@ -156,27 +139,24 @@ class _Fit:
 
     def solve(self, terms: Sequence[_Term], stiff: float) -> tuple[Array, Array]:
         """Coefficients (q,) of friction and terms, and the cross-validated loss of every group of blocks."""
-        gram = self.gram(terms)
+        design = np.column_stack([self.friction, *(term.columns for term in terms)])
+        weighted = design[self.train] * self.root[:, None]
+        gram = Gram.of(weighted, self.target[self.train] * self.root, self.block)
         matrix, vector = gram.matrix.sum(axis=0), gram.vector.sum(axis=0)
         more, pull = self.penalty(matrix, terms, stiff)
         lower = np.concatenate([np.zeros(len(self.names)), *(term.lower for term in terms)])
         found = bounded_solve(matrix + more, vector + pull, lower)
         count = len(gram.square)
-        group = np.arange(count) * min(count, EMPIRICAL_GROUPS) // count
+        group = np.arange(count) * min(count, limits.EMPIRICAL_GROUPS) // count
         left = matrix - sum_of_each(group, gram.matrix) + more
         right = vector - sum_of_each(group, gram.vector) + pull
         each = bounded_solve_each(left, right, lower)
         return found, sum_of_each(group, gram.loss(each[group]))
 
-    def shifts(self) -> list[int]:
-        """The places of the constant dry friction, which takes what all coefficients of a curve share."""
-        return [k for k, (role, load) in enumerate(self._roles) if role is Role.COULOMB and load is Load.NONE]
-
 
 @dataclass(frozen=True)
 class _Choice:
     terms: tuple[_Term, ...]
-    stiff: float
     coefficients: Array
     cross: Array
 
@@ -224,7 +204,7 @@ def fit_empirical(
     fit = _Fit(before, data, setting)
     names = variables_followed(data, setting) if variables is None else variables
     offers = {name: list(_offers(fit, name)) for name in names}
-    plain = fit.solve((), EMPIRICAL_STIFF[0])[1]
+    plain = fit.solve((), limits.EMPIRICAL_STIFF[0])[1]
     best = None
     for _ in range(2):
         grown = _best(fit, offers, () if best is None else best.terms)
@@ -242,20 +222,20 @@ def _best(fit: _Fit, offers: Mapping[str, Sequence[_Term]], beside: tuple[_Term,
             if (term.curve.variable, term.curve.conservative) in taken:
                 continue
             terms = (*beside, term)
-            if sum(t.columns.shape[1] for t in terms) > EMPIRICAL_MOST:
+            if sum(t.columns.shape[1] for t in terms) > limits.EMPIRICAL_MOST:
                 continue
-            tried += [_Choice(terms, stiff, *fit.solve(terms, stiff)) for stiff in EMPIRICAL_STIFF]
+            tried += [_Choice(terms, *fit.solve(terms, stiff)) for stiff in limits.EMPIRICAL_STIFF]
     if not tried:
         return None
     best = min(tried, key=lambda one: one.score)
-    near = [one for one in tried if one.score <= (1.0 + EMPIRICAL_WITHIN) * best.score]
+    near = [one for one in tried if one.score <= (1.0 + limits.EMPIRICAL_WITHIN) * best.score]
     return min(near, key=lambda one: (one.count, one.score))
 
 
 def _clearly(before: Array, after: Array) -> bool:
     """Whether the losses of groups fall by more than chance would let them, and by what is worth it."""
     gain, chance = before - after, np.sqrt(len(before)) * np.std(before - after, ddof=1)
-    return bool(gain.sum() > max(EMPIRICAL_CLEARLY * chance, EMPIRICAL_LEAST * before.sum()))
+    return bool(gain.sum() > max(limits.EMPIRICAL_CLEARLY * chance, limits.EMPIRICAL_LEAST * before.sum()))
 
 
 def _offers(fit: _Fit, name: str) -> Iterator[_Term]:
@@ -263,16 +243,16 @@ def _offers(fit: _Fit, name: str) -> Iterator[_Term]:
     signal = fit.signal(name)
     rows = fit.data.rows.plain_mean(signal)[fit.train]
     if name in ANGLES:
-        for pieces in EMPIRICAL_TURN:
+        for pieces in limits.EMPIRICAL_TURN:
             for conservative in (False, True):
                 yield fit.term(Curve(name, pieces, conservative=conservative), signal)
         return
-    low, high = map(float, np.quantile(rows, EMPIRICAL_RANGE))
-    if not high - low > EMPIRICAL_NOTHING * max(abs(low), abs(high)):
+    low, high = map(float, np.quantile(rows, limits.EMPIRICAL_RANGE))
+    if not high - low > limits.EMPIRICAL_NOTHING * max(abs(low), abs(high)):
         return
     bends = (0.0, 0.2 * high) if name == "velocity" else (0.0,)
     ways = (False, True) if name == "velocity" else (False,)
-    for pieces in EMPIRICAL_PIECES:
+    for pieces in limits.EMPIRICAL_PIECES:
         for bend in bends:
             for each_way in ways:
                 yield fit.term(Curve(name, pieces, low, high, bend, each_way), signal)
@@ -283,7 +263,8 @@ def _made(fit: _Fit, choice: _Choice) -> Empirical | None:
     first, before = len(fit.names), fit.before
     friction, at = choice.coefficients[:first].copy(), first
     curves, values = [], []
-    dry = fit.shifts()
+    # The constant dry friction takes what all coefficients of a curve share.
+    dry = [k for k, own in enumerate(fit.roles) if own == (Role.COULOMB, Load.NONE)]
     for term in choice.terms:
         own = choice.coefficients[at : at + term.columns.shape[1]].copy()
         at += len(own)
@@ -292,7 +273,7 @@ def _made(fit: _Fit, choice: _Choice) -> Empirical | None:
         elif dry:
             friction[dry] += own.min()
             own -= own.min()
-        kept = np.flatnonzero(np.abs(own) > EMPIRICAL_NOTHING * np.max(np.abs(own), initial=0.0))
+        kept = np.flatnonzero(np.abs(own) > limits.EMPIRICAL_NOTHING * np.max(np.abs(own), initial=0.0))
         if len(kept):
             curves.append(replace(term.curve, kept=tuple(map(int, kept))))
             values += own[kept].tolist()

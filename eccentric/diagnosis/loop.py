@@ -28,8 +28,16 @@ import numpy as np
 from eccentric.core import InputError
 from eccentric.diagnosis.empirical import Empirical, fit_empirical
 from eccentric.diagnosis.limits import LEAST_ZERO_RAD
-from eccentric.diagnosis.models import Closest, Models, Sibling, better_sibling, closest_effect, fitted_models
-from eccentric.diagnosis.ranges import RangeCheck, range_checks
+from eccentric.diagnosis.models import (
+    Closest,
+    Models,
+    RangeCheck,
+    Sibling,
+    better_sibling,
+    closest_effect,
+    fitted_models,
+    range_checks,
+)
 from eccentric.diagnosis.score import Order, Score, orders_of
 from eccentric.diagnosis.search import (
     AT_FLOOR,
@@ -213,7 +221,10 @@ def diagnose(
     tell(f"{channels.counts['used']} rows used of {channels.intake.read}")
     stage = stage_of(channels, plain, effects, ", ".join(names))
     if request.including:
-        given = _including(stage, request.including)
+        given = stage.plain
+        for effect, shapes, coefficients in stage.chosen("including", request.including):
+            # What enters linearly is fitted with the rest, if it is friction.
+            given = effect.extend(given, shapes | coefficients)
         tell(f"with {', '.join(request.including)} from the start")
         try:
             stage = stage_of(channels, given, effects, ", ".join(names))
@@ -347,11 +358,3 @@ def _with_friction_of(found: Attribution, stage: Stage, asked: Asked) -> Stage |
     before, after = ({effect.id: effect for effect in one.offered} for one in (stage, again))
     adopted = {variant.candidate.id for variant in best.variants}
     return None if all(before.get(name) == after.get(name) for name in adopted) else again
-
-
-def _including(stage: Stage, names: Sequence[str]) -> Model:
-    """The base model with these effects: what enters linearly is fitted with the rest, if it is friction."""
-    model = stage.plain
-    for effect, shapes, coefficients in stage.chosen("including", names):
-        model = effect.extend(model, shapes | coefficients)
-    return model

@@ -146,21 +146,20 @@ def is_result_name(name: str) -> bool:
 
 def extended_model(found: Diagnosis) -> Model:
     """The extended model with the fitted values as its defaults: the one that the script builds."""
-    fitted = _fitted(found)
-    model, name = found.result.model, result_name(found)
-    drive = found.data.drive
-    return with_values(
-        model,
-        fitted.values,
-        name,
-        fitted.notes,
-        fitted.title,
-        "diagnosis",
-        drive.back_emf_in_friction,
-        drive.current_known,
-        drive.voltage_known,
-        drive.emitted_unit,
-    )
+    fitted, model = _fitted(found), found.result.model
+    said = result_name(found), fitted.notes, fitted.title, "diagnosis"
+    return with_values(model, fitted.values, *said, **_options(found.data.drive))
+
+
+def _options(drive: Drive) -> dict[str, Any]:
+    """What `with_values` takes of a drive, without what is so by default."""
+    said = {
+        "back_emf_in_friction": (drive.back_emf_in_friction, False),
+        "current_known": (drive.current_known, True),
+        "voltage_known": (drive.voltage_known, True),
+        "torque_unit": (drive.emitted_unit, "N m"),
+    }
+    return {name: value for name, (value, default) in said.items() if value != default}
 
 
 @dataclass(frozen=True)
@@ -212,19 +211,15 @@ def _placeholders(drive: Drive) -> set[str]:
     return unknown | ({"k_i"} if drive.channels.motor.measured_by == "torque" else set())
 
 
-def _base(found: Diagnosis) -> str:
-    """How the script loads the base model: by name, or from the script in the same folder."""
-    own = Path(found.asked.model)
-    return f"Path(__file__).with_name({own.name!r})" if own.suffix == ".py" else repr(found.models.base.name)
-
-
 def script(found: Diagnosis) -> str:
     """The text of model.py: the base model, the effects with their values, the fitted coefficients.
 
     It is an ordinary derivation: `python model.py` prints it, `eccentric emit model.py` emits it.
     """
     adopted, fitted = found.models.extended.effects, _fitted(found)
-    origin = plain(", ".join(found.asked.logs))
+    origin, base = plain(", ".join(found.asked.logs)), repr(found.models.base.name)
+    if found.asked.model.endswith(".py"):  # in the same folder
+        base = f"Path(__file__).with_name({Path(found.asked.model).name!r})"
     setting = pprint.pformat(found.setting, width=100, compact=True)
     # A set prints in a different order in every run.
     channels = found.setting.channels
@@ -234,11 +229,7 @@ def script(found: Diagnosis) -> str:
     load = ("", "")
     if any(extension.name == constant_load.id for extension in found.models.base.extensions):
         load = (", with_constant_load", "model = with_constant_load(model)\n")
-    drive = found.data.drive
-    log = "\n    back_emf_in_friction=True," if drive.back_emf_in_friction else ""
-    log += "" if drive.current_known else "\n    current_known=False,"
-    log += "" if drive.voltage_known else "\n    voltage_known=False,"
-    log += "" if drive.emitted_unit == "N m" else f"\n    torque_unit={drive.emitted_unit!r},"
+    log = "".join(f"\n    {name}={value!r}," for name, value in _options(found.data.drive).items())
     own = ""
     if found.asked.effects is not None:
         own = f"\noffered += load_effects(Path(__file__).with_name({found.asked.effects.name!r}), setting)"
@@ -262,7 +253,7 @@ from eccentric.model import load_model, with_values
 from eccentric.output import show
 
 # {found.rig.axis.text("The paper's model")}.
-model = load_model({_base(found)})
+model = load_model({base})
 {load[1]}
 # The span of the log, from which the ranges of the library of effects follow.
 setting = {setting}

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import sympy as sp
+from scipy.stats import norm
 
 from eccentric.core import InputError
 from eccentric.diagnosis.limits import FITTED, MOST_APART, OF_THE_MOTION
 from eccentric.diagnosis.score import BelowLowPass, Score, below_low_pass, leave_runs_out, score
 from eccentric.diagnosis.search import Attribution, NextMeasurement, unconfirmed
-from eccentric.effects import LOAD, Effect
+from eccentric.effects import LOAD, Effect, Plausible
 from eccentric.identification import (
     LEAST_R_SQUARED,
     FitData,
     Refit,
     fit_data_of,
     improvement,
+    in_drive_unit,
     loaded_model,
     r_squared,
     refit,
     rms,
 )
-from eccentric.model import Model, load_model, model_names
+from eccentric.model import Model, Parts, load_model, model_names
 from eccentric.signals import LEAST_HELD_OUT
 
 
@@ -136,12 +139,9 @@ def fitted_models(
         tell("the held-out part does not confirm it")
         refused, found, models = against, unconfirmed(found), replace(models, extended=paper)
         scored = _scored(models, "mechanical", data)
-    return _with_the_constant_first(found, offered, data), models, scored, refused
-
-
-def _with_the_constant_first(found: Attribution, offered: Sequence[Effect], data: FitData) -> Attribution:
-    """A tie of effects under load, with the torque constant open: its value may settle it."""
-    return replace(found, next_measurement=constant_first(found.next_measurement, found.tied, offered, data))
+    # Of a tie of effects under load, an open torque constant may settle it.
+    following = constant_first(found.next_measurement, found.tied, offered, data)
+    return replace(found, next_measurement=following), models, scored, refused
 
 
 def constant_first(
@@ -233,7 +233,9 @@ def better_sibling(plain: Model, models: Models) -> Sibling | None:
             continue
         model = loaded_model(model, rig)
         own = fit_data_of(data.drive, rig, model)
-        if not _separable(model, own):
+        try:
+            own.require_rank(model, name)
+        except InputError:  # Rows of one direction alone may not separate all of its coefficients.
             continue
         fit = refit(model, (), own)
         after = fit.residual_like(found)[rows]
@@ -242,15 +244,6 @@ def better_sibling(plain: Model, models: Models) -> Sibling | None:
         if interval[0] > 0.0 and improvement(smooth, below)[1][0] > 0.0:
             better.append(Sibling(name, rms(after), percent, interval))
     return min(better, key=lambda sibling: sibling.rmse, default=None)
-
-
-def _separable(model: Model, data: FitData) -> bool:
-    """Whether the training rows separate all coefficients of a model: one direction alone may not."""
-    try:
-        data.require_rank(model, model.name)
-    except InputError:
-        return False
-    return True
 
 
 def _case(model: Model) -> tuple[bool, bool]:
@@ -306,3 +299,85 @@ def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models
         *improvement(before, after),
         below_low_pass(paper, with_it, balance),
     )
+
+
+# Estimates beside what is known from elsewhere: outside such a range, a name is not the whole story.
+
+
+@dataclass(frozen=True)
+class RangeCheck:
+    """A figure of an effect beside the range that it is known to have.
+
+    Attributes:
+        effect: id of the effect.
+        known: the range, for the parts that the rig has, with its source.
+        value, interval: the figure with its 95 % interval, in its unit.
+    """
+
+    effect: str
+    known: Plausible
+    value: float
+    interval: tuple[float, float]
+
+    @property
+    def outside(self) -> str:
+        """Where all of the interval lies: "above" or "below" the range, "" for neither."""
+        low, high = self.interval
+        return "above" if low > self.known.high else "below" if high < self.known.low else ""
+
+
+def range_checks(fit: Refit, parts: Parts, unit: str) -> tuple[RangeCheck, ...]:
+    """The figures of the effects of a fit that are known from elsewhere and that the log determines.
+
+    A figure is left out where it takes a quantity that the rig does not have, or a torque that is known in
+    the `unit` of the drive only.
+    """
+    return tuple(
+        check
+        for effect, _ in fit.effects
+        for known in (plausible.for_parts(parts) for plausible in effect.plausible)
+        if np.isfinite(known.high)
+        and all(
+            in_drive_unit(q.unit, unit) == q.unit
+            for q in effect.parameters
+            if q.symbol in known.value.free_symbols
+        )
+        and (check := _check(effect, known, fit)) is not None
+    )
+
+
+def _check(effect: Effect, known: Plausible, fit: Refit) -> RangeCheck | None:
+    letters = sorted(known.value.free_symbols, key=lambda letter: letter.name)
+    if not {letter.name for letter in letters} <= set(fit.values):
+        return None
+    at: dict[sp.Basic, float] = {letter: fit.values[letter.name] for letter in letters}
+    value = float(known.value.subs(at))
+    own = [letter for letter in letters if letter.name in fit.estimates]
+    if not own:
+        return None
+    interval = _of_one(known, own[0], at, fit) if len(own) == 1 else _of_several(known, own, at, fit)
+    if not all(map(np.isfinite, (value, *interval))):
+        return None
+    return RangeCheck(effect.id, known, value, interval)
+
+
+def _of_one(
+    known: Plausible, letter: sp.Basic, at: Mapping[sp.Basic, float], fit: Refit
+) -> tuple[float, float]:
+    """The ends of the interval of one parameter, carried over: figures rise or fall with it."""
+    ends = fit.estimates[str(letter)].interval
+    if not all(map(np.isfinite, ends)):
+        return np.nan, np.nan
+    low, high = sorted(float(known.value.subs({**at, letter: end})) for end in ends)
+    return low, high
+
+
+def _of_several(
+    known: Plausible, own: list[sp.Basic], at: Mapping[sp.Basic, float], fit: Refit
+) -> tuple[float, float]:
+    """The interval by the slopes of the figure and the covariance of its parameters."""
+    value, names = float(known.value.subs(at)), list(fit.estimates)
+    places = [names.index(str(letter)) for letter in own]
+    slope = np.array([float(sp.diff(known.value, letter).subs(at)) for letter in own])
+    spread = norm.ppf(0.975) * np.sqrt(slope @ fit.covariance[np.ix_(places, places)] @ slope)
+    return value - spread, value + spread

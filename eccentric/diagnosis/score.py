@@ -8,22 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import median_filter
+from scipy.signal import find_peaks
 
-from eccentric.diagnosis.limits import (
-    ABOVE,
-    ALIKE,
-    ALONE,
-    AROUND,
-    FEWEST_RUNS,
-    HIGHEST_ORDER,
-    LEAST_SHARE,
-    LEAST_STRETCHES,
-    LEAST_TURNS,
-    LOWEST_ORDER,
-    NEIGHBOURS,
-    ORDER_STEP,
-    ROWS_PER_CYCLE,
-)
+from eccentric.diagnosis import limits
+from eccentric.diagnosis.search import unexplained
 from eccentric.effects import Effect
 from eccentric.identification import FitData, Refit, improvement, improvement_over_runs, refit, rms
 from eccentric.model import Model
@@ -153,7 +141,7 @@ def leave_runs_out(base: Model, extended: Refit, data: FitData, bounds: bool = T
     rows = data.rows
     used = rows.train | rows.score
     runs = np.unique(rows.run[used])
-    if len(runs) < FEWEST_RUNS or data.drive.measured_twice:
+    if len(runs) < limits.FEWEST_RUNS or data.drive.measured_twice:
         return None
     shapes = tuple(
         (e, {s.quantity.name: own[s.quantity.name] for s in e.shapes}) for e, own in extended.effects
@@ -194,7 +182,7 @@ def leave_runs_out(base: Model, extended: Refit, data: FitData, bounds: bool = T
 
 
 TURN = 2.0 * np.pi
-_GRID = np.arange(LOWEST_ORDER, HIGHEST_ORDER, ORDER_STEP)
+_GRID = np.arange(limits.LOWEST_ORDER, limits.HIGHEST_ORDER, limits.ORDER_STEP)
 """Orders of the spectra."""
 
 
@@ -226,34 +214,43 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
         return ()
     turning = channels.motion.theta_m * (1.0 if axis.wraps else known["mu"])
     spectra, variances = [], []
-    for rows in _stretches(channels.selection.usable, channels.time.segment, channels.motion.omega_m):
+    # A stretch has one direction, and no row in between that is not used.
+    forward = channels.motion.omega_m > 0.0
+    key = np.where(channels.selection.usable, 2 * channels.time.segment + forward, -1)
+    for rows in rows_of_each(key):
+        if key[rows[0]] < 0:
+            continue
         angle, y = turning[rows], target[rows]
         turns = abs(angle[-1] - angle[0]) / TURN
-        if turns < LEAST_TURNS or len(rows) < ROWS_PER_CYCLE * HIGHEST_ORDER * turns:
+        if turns < limits.LEAST_TURNS or len(rows) < limits.ROWS_PER_CYCLE * limits.HIGHEST_ORDER * turns:
             continue
         # What is smooth over the stretch or follows the speed is not a ripple.
         t = np.linspace(-1.0, 1.0, len(rows))
         slow = np.column_stack([np.ones_like(t), t, t**2, channels.motion.omega_m[rows]])
-        rest = y - slow @ np.linalg.lstsq(slow, y, rcond=None)[0]
+        rest = unexplained(slow, y)
         if np.std(rest) <= 1e-12 * max(np.std(y), 1e-300):
             continue
         spectra.append(_spectrum(angle, rest))
         variances.append(float(np.var(rest)))
-    if len(spectra) < LEAST_STRETCHES:
+    if len(spectra) < limits.LEAST_STRETCHES:
         return ()
     every = np.array(spectra)
     mean = every.mean(axis=0)
-    around = median_filter(mean, AROUND, mode="nearest")
-    local = median_filter(every, (1, AROUND), mode="nearest")
+    around = median_filter(mean, limits.AROUND, mode="nearest")
+    local = median_filter(every, (1, limits.AROUND), mode="nearest")
     found = []
-    for k in _peaks(mean, np.maximum(LEAST_SHARE, ABOVE * around)):
-        near = every[:, max(k - NEIGHBOURS, 0) : k + NEIGHBOURS + 1].max(axis=1)
+    least = np.maximum(limits.LEAST_SHARE, limits.ABOVE * around)
+    for k in find_peaks(mean, height=least, distance=limits.ALONE)[0].tolist():
+        near = every[:, max(k - limits.NEIGHBOURS, 0) : k + limits.NEIGHBOURS + 1].max(axis=1)
         share = float(near.mean())
         # Leakage from one frequency in time is not a peak in the neighbouring orders.
-        peak = near >= every[:, max(k - ALONE, 0) : k + ALONE + 1].max(axis=1)
-        seen = int(np.count_nonzero(peak & (near > ABOVE * local[:, k])))
+        peak = near >= every[:, max(k - limits.ALONE, 0) : k + limits.ALONE + 1].max(axis=1)
+        seen = int(np.count_nonzero(peak & (near > limits.ABOVE * local[:, k])))
         amplitude = float(np.sqrt(np.mean(2.0 * near * np.array(variances))))
-        found.append(Order(_centre(_GRID, mean, k), amplitude, share, seen, len(every)))
+        # The peak lies between the orders: on a parabola through its neighbours.
+        left, top, right = mean[k - 1 : k + 2]
+        centre = _GRID[k] + 0.5 * (left - right) / (left - 2.0 * top + right) * (_GRID[1] - _GRID[0])
+        found.append(Order(float(centre), amplitude, share, seen, len(every)))
     return tuple(sorted((o for o in found if 2 * o.seen > o.stretches), key=lambda o: -o.share))
 
 
@@ -266,7 +263,7 @@ def _spectrum(angle: Array, y: Array) -> Array:
     fine = 20
     coarse = _GRID[::fine]
     one = np.exp(1j * np.outer(angle, coarse))
-    other = np.exp(1j * np.outer(angle, ORDER_STEP * np.arange(fine)))
+    other = np.exp(1j * np.outer(angle, limits.ORDER_STEP * np.arange(fine)))
     along = ((one.T * y) @ other).ravel()[: len(_GRID)]
     twice = ((one.T**2) @ other**2).ravel()[: len(_GRID)]
     # Sums of y cos, y sin, cos^2, sin^2 and sin cos: the normal equations of each order.
@@ -274,32 +271,6 @@ def _spectrum(angle: Array, y: Array) -> Array:
     cc, ss, cs = (0.5 * x for x in (len(y) + np.real(twice), len(y) - np.real(twice), np.imag(twice)))
     determinant, power = cc * ss - cs**2, yc**2 * ss - 2.0 * yc * ys * cs + ys**2 * cc
     # On an even grid of angles sine and cosine of an order may be one column, or nothing.
-    alike = determinant < ALIKE * len(y) ** 2
+    alike = determinant < limits.ALIKE * len(y) ** 2
     power = np.where(alike, (yc**2 + ys**2) / len(y), power / np.where(alike, 1.0, determinant))
     return power / (y @ y)
-
-
-def _peaks(power: Array, least: Array) -> list[int]:
-    """Local maxima above `least`, in order; of those closer than `ALONE` to each other the highest."""
-    middle = power[1:-1]
-    places = 1 + np.flatnonzero((middle > power[:-2]) & (middle >= power[2:]) & (middle >= least[1:-1]))
-    found: list[int] = []
-    for k in places[np.argsort(-power[places], kind="stable")].tolist():
-        if all(abs(k - other) >= ALONE for other in found):
-            found.append(k)
-    return sorted(found)
-
-
-def _centre(grid: Array, power: Array, k: int) -> float:
-    """The peak between the orders, by a parabola through its neighbours."""
-    if not 0 < k < len(grid) - 1:
-        return float(grid[k])
-    left, top, right = power[k - 1 : k + 2]
-    shift = 0.5 * (left - right) / (left - 2.0 * top + right)
-    return float(grid[k] + shift * (grid[1] - grid[0]))
-
-
-def _stretches(usable: Array, segment: Array, omega: Array) -> list[Array]:
-    """Rows of each stretch in one direction without an unused row in between."""
-    key = np.where(usable, 2 * segment + (omega > 0.0), -1)
-    return [rows for rows in rows_of_each(key) if key[rows[0]] >= 0]

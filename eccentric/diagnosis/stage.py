@@ -209,7 +209,8 @@ def staged(plain: Model, base: Model, data: FitData, effects: Path | None, where
     drive, rig = data.drive, data.drive.channels.rig
     require_rows(data.rows, "score", LEAST_HELD_OUT, where)
     balances, noise = balances_of(data, rig, base)
-    friction = _first_friction(balances)
+    mechanical = next(balance for balance in balances if balance.name == "mechanical")
+    friction = mechanical.solve().values
     # As for a fit: with fewer rows than this for each coefficient, chance decides.
     require_rows(data.rows, "train", data.rows.per_coefficient * len(friction), where)
     if not drive.measured_twice:
@@ -218,7 +219,6 @@ def staged(plain: Model, base: Model, data: FitData, effects: Path | None, where
     names = {balance.name for balance in balances}
     every = offered(setting, effects, data, rig, base, names)
     instruments = instruments_of(data, base, friction)
-    mechanical = next(balance for balance in balances if balance.name == "mechanical")
     differing = runs_that_differ(
         mechanical, drive.torque(), friction, drive.channels.time.run_names, rig.axis
     )
@@ -226,41 +226,33 @@ def staged(plain: Model, base: Model, data: FitData, effects: Path | None, where
 
 
 def _require_supported(model: Model, channels: Channels) -> None:
-    if model.tilted and channels.rig.case == "C1":
+    rig, name = channels.rig, model.name
+    own, states = rig.axis.term("the paper's"), ", ".join(state.quantity.name for state in model.states)
+    mechanical = model.balance("mechanical")
+    used = model.expand(mechanical.sum_of("friction", "conservative", "actuator")).free_symbols
+    if model.tilted and rig.case == "C1":
+        level = f"got case C1; {rig.model} is its model"
+        raise InputError(name, problem=f"diagnose requires a plane of motion that is not level, {level}")
+    if states:
         raise InputError(
-            model.name,
-            problem=f"diagnose requires a plane of motion that is not level, got case C1;"
-            f" {channels.rig.model} is its model",
-        )
-    if model.states:
-        names = ", ".join(state.quantity.name for state in model.states)
-        raise InputError(
-            model.name,
-            problem=f"diagnose requires a model without hidden states, got one with {names}"
+            name,
+            problem=f"diagnose requires a model without hidden states, got one with {states}"
             " (diagnose adds the effect that has them itself)",
         )
-    own = channels.rig.axis.term("the paper's")
     if any("electrical" in extension.change.terms for extension in model.extensions):
         raise InputError(
-            model.name,
+            name,
             problem=f"diagnose requires a model with {own} armature, got one extended by an electrical"
             " effect (diagnose adds it itself)",
         )
-    mechanical = model.balance("mechanical")
-    used = model.expand(mechanical.sum_of("friction", "conservative", "actuator")).free_symbols
     if {v.i.symbol, v.u.symbol} & used:
         raise InputError(
-            model.name,
+            name,
             problem="diagnose requires a model without effects of current or voltage, got one"
             " with some (diagnose adds them itself)",
         )
     if v.temperature.symbol in used and channels.temperature is None:
-        raise InputError(model.name, problem="diagnose requires a temperature in the log, got none")
-
-
-def _first_friction(balances: Sequence[BalanceDesign]) -> Array:
-    """Coefficients of the mechanical balance's base, friction within its bounds: (columns,)."""
-    return next(b for b in balances if b.name == "mechanical").solve().values
+        raise InputError(name, problem="diagnose requires a temperature in the log, got none")
 
 
 # Recordings that differ: level of friction and gain of the drive, run by run, before they are pooled.

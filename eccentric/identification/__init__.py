@@ -6,18 +6,19 @@ Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`,
 
     expressions  smooth signals, compiled expressions, hidden states along a log, and the columns of a base
                  with their coefficients
-    machine      motor, armature and inertia as numbers
-    drive        the drive torque of a log, the columns that its rig leaves open, external loads on a joint
+    drive        motor, armature and inertia as numbers; the drive torque of a log, the columns that its rig
+                 leaves open, external loads on a joint
     columns      the coefficients of a fit: names, roles, units, bounds; which parameters the rig gives
     problem      drive, rig and model as a linear problem for given nonlinear values
-    identify     its solution for `eccentric fit`, and as the drive of a log for `eccentric diagnose`
+    identify     its solution for `eccentric fit`; upper bounds of friction by F_N that a log does not show,
+                 and the free cubic of a coast-down
+    first_fit    its solution as the drive of a log, for `eccentric diagnose`
     fit_data     the log with this drive, prepared for any model; the residuals of an emitted module on it,
                  and their columns: the design of every fit
     extended     a model with effects as a linear problem at a point
     refitting    its solution, and the estimates
     regression   the regression of a balance: target, columns, named coefficients with bounds and roles; least
                  squares, iterations around it, and the search over nonlinear values
-    detection    upper bounds of friction by F_N that a log does not show
     uncertainty  intervals of the estimates; the gain of one model over another
     limits       every threshold, with its reason
 
@@ -33,12 +34,12 @@ from eccentric.identification.columns import (
     require_case,
     with_own,
 )
-from eccentric.identification.detection import Undetected, detection_power
 from eccentric.identification.drive import (
     DRIVE_UNITS,
     LOAD,
     NO_BACK_EMF,
     Drive,
+    Machine,
     MetAlong,
     in_drive_unit,
     load_gain,
@@ -53,6 +54,7 @@ from eccentric.identification.expressions import (
     load_torque,
     state_series,
 )
+from eccentric.identification.first_fit import drive_of
 from eccentric.identification.fit_data import (
     Emitted,
     FitData,
@@ -61,9 +63,15 @@ from eccentric.identification.fit_data import (
     fit_data_of,
     with_model_current,
 )
-from eccentric.identification.identify import Fit, drive_of, fit, posed_for_motion, with_solution
+from eccentric.identification.identify import (
+    Fit,
+    Undetected,
+    detection_power,
+    fit,
+    posed_for_motion,
+    with_solution,
+)
 from eccentric.identification.limits import LEAST_GAIN_PERCENT, LEAST_R_SQUARED, MOST_POINTS
-from eccentric.identification.machine import Machine
 from eccentric.identification.problem import Problem
 from eccentric.identification.refitting import Refit, refit, residual_samples
 from eccentric.identification.regression import (
@@ -74,7 +82,6 @@ from eccentric.identification.regression import (
     Nonlinear,
     Solution,
     balance_design,
-    bounded,
     inseparable,
     iterate,
     merged,

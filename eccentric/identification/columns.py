@@ -23,7 +23,7 @@ from eccentric.rigs import KNOWNS, Rig
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from eccentric.identification.machine import Machine
+    from eccentric.identification.drive import Machine
 
 
 Array = NDArray[np.float64]
@@ -51,11 +51,6 @@ class Combination(Coefficient):
 def as_text(expression: sp.Expr) -> str:
     """Return an expression as a person would write it."""
     return str(expression).replace("**", "^")
-
-
-def known_inertia(rig: Rig, machine: Machine) -> float | None:
-    """Return the total inertia [kg m^2] if the rig has all its parts, else None."""
-    return machine.inertia(rig.known) if machine.inertia_letters <= set(rig.known) else None
 
 
 def scale_of(drive: str, rig: Rig, machine: Machine) -> sp.Expr | None:
@@ -113,7 +108,7 @@ def combinations_of(drive: Drive, rig: Rig, model: Model, scale: sp.Expr | None)
                 "[known] k_e",
                 "none",
                 why=(
-                    f"by {model.name}, which has no viscous friction in proportion to the"
+                    f"for {model.name}, which has no viscous friction in proportion to the"
                     f" {rig.axis.term('motor velocity')} that would include the back-EMF"
                 ),
                 letter="k_e",
@@ -127,7 +122,7 @@ def combinations_of(drive: Drive, rig: Rig, model: Model, scale: sp.Expr | None)
     def add(value: sp.Expr, **fields: Any) -> None:
         found.append(Combination(name=as_text(value), expression=value, meaning=value, **fields))
 
-    inertia = known_inertia(rig, machine)
+    inertia = machine.inertia(rig.known) if machine.inertia_letters <= set(rig.known) else None
     s_low, s_high = _scale_range(rig, scale)
     if inertia is None:
         low, high = _inertia_range(rig, machine)
@@ -284,8 +279,7 @@ def require_case(rig: Rig, model: Model) -> None:
     if rig.case != case:
         received = f"case {rig.case}" if rig.case else "a tilted plane (no case)"
         raise InputError(
-            rig.path,
-            problem=f"model {model.name} requires case {case}, got {received}; {rig.model} fits it",
+            rig.path, problem=f"model {model.name} requires case {case}, got {received}; {rig.model} fits it"
         )
 
 

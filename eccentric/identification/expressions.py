@@ -17,8 +17,8 @@ import numpy as np
 import sympy as sp
 from scipy.linalg.lapack import dtbtrs
 
+from eccentric.identification.drive import evaluated
 from eccentric.identification.limits import AT_ONCE, KEPT_STEPS, MOST_KEPT
-from eccentric.identification.machine import evaluated
 from eccentric.identification.regression import Coefficient
 from eccentric.model import (
     Column,

@@ -16,7 +16,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.emission import load_module
-from eccentric.identification.drive import Drive
+from eccentric.identification.drive import Drive, Machine
 from eccentric.identification.expressions import (
     Signals,
     base_coefficients,
@@ -27,7 +27,6 @@ from eccentric.identification.expressions import (
     state_series,
 )
 from eccentric.identification.limits import MOSTLY_OFF
-from eccentric.identification.machine import Machine
 from eccentric.identification.regression import require_rank
 from eccentric.model import Model, meaning
 from eccentric.model import vocabulary as v
@@ -108,8 +107,6 @@ class Residuals:
     def rows(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The residual of a balance on the rows [N m], optionally with a different current."""
         filtered = self._drive.filtered(balance, self._machine, values)
-        if balance == "mechanical" and not self._drive.back_emf_in_friction:
-            filtered += self._drive.back_emf(values)
         return self._rows.once(self.samples(balance, values, current), filtered)
 
     def samples(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
@@ -220,7 +217,10 @@ def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
         bridged=_bridged(channels),
         by_row=Machine(model).along(known, channels.carried),
     )
-    gravity, slope = _gravity(model, signals)
+    # Its slope is that over the link angle.
+    torque = meaning(model.expand(model.balance("mechanical").sum_of("gravity")))
+    rising = sp.diff(torque, v.theta_m.symbol) / v.mu.symbol
+    gravity, slope = (compiled(model, x, signals)({}, {}) for x in (torque, rising))
     signals = replace(signals, open=drive.columns(gravity, slope))
     return FitData(drive, signals, rows_of(channels, rig), gravity)
 
@@ -243,13 +243,6 @@ def with_model_current(data: FitData, model: Model, friction: Array) -> FitData:
     torque = load_torque(model, signals) + base_columns(model, signals) @ friction
     current = data.drive.machine.current_of_torque(signals.known, torque)
     return replace(data, signals=replace(signals, values={**signals.values, "i": current}))
-
-
-def _gravity(model: Model, signals: Signals) -> tuple[Array, Array]:
-    """Gravity torque of the model on the motor side (samples,) [N m], its slope over the link angle."""
-    torque = meaning(model.expand(model.balance("mechanical").sum_of("gravity")))
-    slope = sp.diff(torque, v.theta_m.symbol) / v.mu.symbol
-    return compiled(model, torque, signals)({}, {}), compiled(model, slope, signals)({}, {})
 
 
 def drive_noise(data: FitData) -> float:

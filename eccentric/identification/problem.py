@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +23,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.core import InputError, MissingValueError, few
+from eccentric.identification import limits
 from eccentric.identification.columns import (
     Combination,
     bounded_letters,
@@ -32,23 +33,22 @@ from eccentric.identification.columns import (
     scale_of,
     with_own,
 )
-from eccentric.identification.drive import DRIVE_UNITS, LOAD, PER_INERTIA, Drive, inputs_of, load_gain
+from eccentric.identification.drive import (
+    DRIVE_UNITS,
+    LOAD,
+    PER_INERTIA,
+    Drive,
+    Machine,
+    inputs_of,
+    load_gain,
+)
 from eccentric.identification.expressions import alike, seen_columns
 from eccentric.identification.fit_data import Emitted, Residuals
-from eccentric.identification.limits import (
-    ANGLE_STEP,
-    DELAYS,
-    LONGEST_DELAY_S,
-    LONGEST_DELAY_STEPS,
-    STARTS,
-    STEPS_OF_A_RANGE,
-)
-from eccentric.identification.machine import Machine
-from eccentric.identification.regression import ColumnRole, Design, Nonlinear, Solution
-from eccentric.model import Column, Load, Model, Role, regressor
+from eccentric.identification.regression import ColumnRole, Design, Nonlinear, Solution, require_rank, search
+from eccentric.model import AxisKind, Column, Load, Model, Role, regressor
 from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS, Rig
-from eccentric.signals import Channels, Rows, fit_rows, rows_of
+from eccentric.signals import Channels, Rows, fit_rows, rows_of, with_doubts
 
 # The nonlinear values of a fit: their ranges, where their search starts, and typical steps.
 
@@ -65,15 +65,18 @@ def nonlinear_of(channels: Channels, rig: Rig, model: Model, needed: set[str]) -
     )
     found: list[Nonlinear] = []
     if "input_delay_s" in rig.estimate and channels.motor.measured_by == "voltage":
-        starts, most = tuple(k * step for k in DELAYS), max(LONGEST_DELAY_S, LONGEST_DELAY_STEPS * step)
+        starts, most = (
+            tuple(k * step for k in limits.DELAYS),
+            max(limits.LONGEST_DELAY_S, limits.LONGEST_DELAY_STEPS * step),
+        )
         found.append(Nonlinear("input_delay_s", "s", 0.0, most, starts, step))
     if "theta_zero_rad" in rig.estimate and turning:
-        found.append(Nonlinear("theta_zero_rad", "rad", -math.pi, math.pi, (0.0,), ANGLE_STEP))
+        found.append(Nonlinear("theta_zero_rad", "rad", -math.pi, math.pi, (0.0,), limits.ANGLE_STEP))
     for letter, (low, high) in rig.unknown.items():
         if letter in needed:
             starts, step = (
-                tuple(low + part * (high - low) for part in STARTS),
-                (high - low) / STEPS_OF_A_RANGE,
+                tuple(low + part * (high - low) for part in limits.STARTS),
+                (high - low) / limits.STEPS_OF_A_RANGE,
             )
             found.append(Nonlinear(letter, _UNITS[letter], low, high, starts, step))
     return found
@@ -147,7 +150,8 @@ class Problem:
     @property
     def without_current(self) -> Problem:
         """The problem without friction that follows the current, which no regression on the drive shows."""
-        kept = [k for k, (column, *_) in enumerate(self.friction) if not _follows_current(self.model, column)]
+        bases = [self.model.expand(column.basis) for column, *_ in self.friction]
+        kept = [k for k, basis in enumerate(bases) if v.i.symbol not in basis.free_symbols]
         bench = self.coefficients[len(self.friction) :]
         return dataclasses.replace(
             self,
@@ -224,10 +228,6 @@ class Problem:
         given = {**self.drive.machine.absent, **self.drive.known}
         unfitted = dict.fromkeys((q.name for q in self.model.friction_parameters), 0.0)
         return {**given, **self.drive.scaled(), **at, **unfitted, LOAD: 0.0}
-
-
-def _follows_current(model: Model, column: Column) -> bool:
-    return v.i.symbol in model.expand(column.basis).free_symbols
 
 
 def pose(channels: Channels, rig: Rig, model: Model, *, by_current: bool = False) -> Problem:
@@ -309,3 +309,39 @@ def _posed(channels: Channels, rig: Rig, machine: Machine, scale: sp.Expr | None
         return Drive(machine, channels, rig.known, None, PER_INERTIA if rig.per_inertia else "N m")
     per_volt = machine.torque(rig.known, machine.current({**machine.absent, **rig.known}, 1.0, 0.0))
     return Drive(machine, channels, rig.known, 1.0 / float(per_volt), "N m")
+
+
+def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> Solution:
+    """The best solution; `where` opens a message, coefficients of `positive` roles have to be above zero.
+
+    Raises InputError for columns that are dependent on this log, and for a drive that contradicts the motion.
+    """
+    found = search(problem)
+    axis = problem.rig.axis
+    names = [axis.named(c.name) for c in problem.coefficients]
+    with with_doubts(problem.drive.channels.intake.findings):
+        require_rank(found.design.columns[problem.rows.train], names, where, axis)
+        for c, value in zip(problem.coefficients, found.values, strict=True):
+            if c.role in positive and value <= 0.0:
+                load = f", and that of {axis.named(LOAD)}" if problem.rig.known.get(LOAD) else ""
+                by = axis.named(problem.drive.channels.motor.measured_by)
+                signs = f"do the signs of {by} and {axis.term('angle')} agree{load}?"
+                why = delay_or_inertia(found.at, axis) if c.role == "inertia" else ""
+                raise InputError(
+                    where,
+                    f"{axis.named(c.name)} ({axis.term(c.role)} of the drive) above 0",
+                    f"{value:.3g}: {why or signs}",
+                )
+    return found
+
+
+def delay_or_inertia(at: Mapping[str, float], axis: AxisKind) -> str:
+    """That an estimated delay takes the place of an inertia, "" where none is estimated."""
+    if not at.get("input_delay_s"):
+        return ""
+    inertia = axis.term("inertia")
+    return (
+        f"beside it input_delay_s = {at['input_delay_s']:.3g} s is estimated, and at one frequency a delay"
+        f" and an {inertia} cannot be told apart: declare the {inertia} or the delay, or log several"
+        " frequencies"
+    )

@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.effects import Effect, Shape
-from eccentric.identification.drive import in_drive_unit
+from eccentric.identification import limits
+from eccentric.identification.drive import Machine, in_drive_unit
 from eccentric.identification.expressions import alike, base_coefficients
 from eccentric.identification.extended import Extended, Step
 from eccentric.identification.fit_data import FitData, Values, drive_noise
-from eccentric.identification.limits import AT_END, CONVERGED, FIRST_PART, HALVINGS, LEAST_TILT, SHAPE_STEP
-from eccentric.identification.machine import Machine
 from eccentric.identification.regression import Coefficient, Nonlinear, slopes_between
 from eccentric.identification.uncertainty import TWO_SIDED, Estimate, rms
 from eccentric.model import Model
@@ -59,56 +58,51 @@ def _of_balance(
     own = {balance} | ({"electrical"} if drive.by_voltage else set())
     shapes = {s.quantity.name: s for e, _ in fit.effects if e.balance in own for s in e.shapes}
     solution = replace(
-        solution,
-        at={name: point.values[name] for name in shapes},
-        slopes=_slopes(fit, step, balance, shapes),
+        solution, at={name: point.values[name] for name in shapes}, slopes=_slopes(fit, step, balance, shapes)
     )
     # A shape is free in its error even at an end of its range, where its estimate says so.
     error = solution.spread(
         [Nonlinear(n, "", -np.inf, np.inf, (), 0.0) for n in shapes],
         None if narrowed is None else (fit.design(balance, point), narrowed.design(balance, point)),
     )
-    names = [c.name for c in solution.design.coefficients]
+    coefficients, values = solution.design.coefficients, point.values
     units = {q.name: in_drive_unit(q.unit, drive.unit) for q in fit.model.parameters}
-    unit = np.eye(len(names) + len(shapes))
+    unit = np.eye(len(coefficients) + len(shapes))
     # All torques are divided by the scale, so that its error is theirs as well.
-    roles = [c.role for c in solution.design.coefficients]
+    roles = [c.role for c in coefficients]
     scaled = drive.adjusts == "scale" and "gravity" in roles
     shared = unit[roles.index("gravity")] if scaled else np.zeros(len(unit))
     found: dict[str, Estimate] = {}
     slopes: list[Array] = []
-    for k, c in enumerate(solution.design.coefficients):
-        value = point.values.get(c.name, 0.0)
+    for k, c in enumerate(coefficients):
+        name, ends, active = c.name, (c.lower, c.upper), int(solution.active[k])
         if c.role == "inertia" and drive.rotor is not None:
-            letters = point.values
-            gear = machine.inertia_per(machine.link, letters)
-            slope = (unit[k] - machine.inertia({**letters, machine.rotor: drive.rotor}) * shared) / gear
-            found[machine.link] = error.estimate(
-                letters[machine.link], slope, units[machine.link], (c.lower, c.upper)
-            )
-            slopes.append(slope)
-        elif c.name in units:
-            slope = unit[k] - value * shared
-            ends = (c.lower, c.upper)
-            found[c.name] = error.estimate(value, slope, units[c.name], ends, int(solution.active[k]))
-            slopes.append(slope)
+            # The rotor is known: what is free is the link's.
+            name = machine.link
+            whole = machine.inertia({**values, machine.rotor: drive.rotor})
+            slope = (unit[k] - whole * shared) / machine.inertia_per(name, values)
+            found[name] = error.estimate(values[name], slope, units[name], ends)
+        elif name in units:
+            slope = unit[k] - values[name] * shared
+            found[name] = error.estimate(values[name], slope, units[name], ends, active)
         else:
-            shown, value, factor, of = _outside(c, fit, step)
-            if shown == "phi":
-                first, last = drive.channels.rig.unknown["phi"]
-                ends, cosine = (math.cos(last), math.cos(first)), math.cos(value)
-                estimate = error.estimate(cosine, cosine * unit[k], "", ends, int(solution.active[k]))
-                found[shown] = _tilt(estimate, (first, last))
-            else:
-                found[shown] = error.estimate(value, factor * unit[k], of)
-            slopes.append(factor * unit[k])
-    for k, (name, shape) in enumerate(shapes.items(), start=len(names)):
+            name, value, factor, of = _outside(c, fit, step)
+            slope = factor * unit[k]
+            found[name] = error.estimate(value, slope, of)
+        if name == "phi":
+            first, last = drive.channels.rig.unknown[name]
+            cosine, ends = math.cos(values[name]), (math.cos(last), math.cos(first))
+            found[name] = _tilt(error.estimate(cosine, cosine * unit[k], "", ends, active), (first, last))
+        slopes.append(slope)
+    for k, (name, shape) in enumerate(shapes.items(), start=len(coefficients)):
         ends, value = (shape.low, shape.high), point.values[name]
         if shape.jumps:
             low, high = _profile(fit, step, balance, shape)
             found[name] = Estimate(value, (high - low) / (2.0 * TWO_SIDED), (low, high), units[name])
         else:
-            found[name] = error.estimate(value, unit[k], units[name], ends, _end_of(shape, value))
+            place = shape.place_of(value)
+            at_end = int(place > 1.0 - limits.AT_END) - int(place < limits.AT_END)
+            found[name] = error.estimate(value, unit[k], units[name], ends, at_end)
         slopes.append(unit[k])
     gradient, endless = np.array(slopes), np.isinf(np.diag(error.matrix))
     covariance = gradient[:, ~endless] @ error.matrix[np.ix_(~endless, ~endless)] @ gradient[:, ~endless].T
@@ -137,12 +131,6 @@ def _tilt(cosine: Estimate, ends: tuple[float, float]) -> Estimate:
     return Estimate(inside(value), error, (inside(high), inside(low)), "rad", side, widened)
 
 
-def _end_of(shape: Shape, value: float) -> int:
-    """-1 for a shape at the lower end of its range, 1 at the upper, 0 in between."""
-    place = shape.place_of(value)
-    return int(place > 1.0 - AT_END) - int(place < AT_END)
-
-
 def _profile(fit: Extended, step: Step, balance: str, shape: Shape) -> tuple[float, float]:
     """The 95 % interval of a shape without a slope: where the sum of squares rises by what chance allows.
 
@@ -159,14 +147,14 @@ def _profile(fit: Extended, step: Step, balance: str, shape: Shape) -> tuple[flo
     most = least * (1.0 + TWO_SIDED**2 / len(np.unique(rows.block[train])))
     found = []
     for way, last in ((-1.0, 0.0), (1.0, 1.0)):
-        inside, distance = start, FIRST_PART
+        inside, distance = start, limits.FIRST_PART
         while (outside := start + way * distance) * way < last * way and loss(outside) <= most:
             inside, distance = outside, 2.0 * distance
         outside = min(max(outside, 0.0), 1.0)
         if loss(outside) <= most:
             found.append(outside)
             continue
-        for _ in range(HALVINGS):
+        for _ in range(limits.HALVINGS):
             middle = 0.5 * (inside + outside)
             inside, outside = (middle, outside) if loss(middle) <= most else (inside, middle)
         found.append(outside)
@@ -194,7 +182,10 @@ def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]
     """Slopes (rows, q) of prediction minus target by each shape, by forward differences; 0 without one."""
     point = step.point
     ends = {
-        name: (x := point.values[name], x + SHAPE_STEP * (s.high - s.low if s.scale == "linear" else x))
+        name: (
+            x := point.values[name],
+            x + limits.SHAPE_STEP * (s.high - s.low if s.scale == "linear" else x),
+        )
         for name, s in shapes.items()
         if not s.jumps
     }
@@ -216,7 +207,7 @@ def _outside(c: Coefficient, fit: Extended, step: Step) -> tuple[str, float, flo
         value = point.values[drive.adjusts]
         if drive.adjusts == "phi":
             # Of d cos(phi) = -sin(phi) d phi, for correlations; finite in an upright plane.
-            return "phi", value, -math.cos(value) / max(math.sin(value), LEAST_TILT), "rad"
+            return "phi", value, -math.cos(value) / max(math.sin(value), limits.LEAST_TILT), "rad"
         units = {q.name: q.unit for q in fit.model.parameters}
         return drive.adjusts, value, value, units[drive.adjusts]
     if c.role == "back_emf":
@@ -287,7 +278,7 @@ class Refit:
     @property
     def settled(self) -> bool:
         """Whether another step would not change the digits that are shown."""
-        return self.change < CONVERGED
+        return self.change < limits.CONVERGED
 
     def held_out(self, balance: str) -> float:
         """Held-out RMSE of a balance [N m]."""
@@ -311,15 +302,8 @@ class Refit:
         )
 
     def _filtered(self, balance: str) -> Array:
-        """What of a residual (n,) [N m] follows the motion, which has passed the low pass already.
-
-        In the mechanical balance it is what accelerates the drive: its inertia, and the other bodies of a
-        chain; with the torque from the voltage, the back-EMF as well.
-        """
-        drive = self.data.drive
-        parts = drive.filtered(balance, Machine(self.model), self.values)
-        if balance == "mechanical" and not drive.back_emf_in_friction:
-            parts += drive.back_emf(self.values)
+        """What of a residual (n,) [N m] follows the motion, which has passed the low pass already."""
+        parts = self.data.drive.filtered(balance, Machine(self.model), self.values)
         return np.sum([part.value for part in parts], axis=0)
 
     @property

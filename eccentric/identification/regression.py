@@ -19,57 +19,14 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares, lsq_linear
 
 from eccentric.core import InputError
-from eccentric.identification.limits import (
-    BLOCK_ROWS,
-    COST_CHANGE,
-    LEAST_PART,
-    LEAST_SLOPE,
-    MEMBER_PART,
-    MOST_EVALUATIONS,
-    NEAR_END,
-    NO_INFLUENCE,
-    PROFILE_POINTS,
-    ROUNDING,
-    SLOPE_STEP,
-    VALUE_CHANGE,
-)
+from eccentric.identification import limits
 from eccentric.identification.uncertainty import Estimate, Spread, rms, spread
 from eccentric.model import TURNING, AxisKind
 from eccentric.signals import Filtered, Rows
 
-# Weighted linear least squares with bounds, and the rank of its design.
-
-
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class Linear:
-    """Coefficients (k,), and for each whether its lower (-1), upper (1) or no (0) bound is active."""
-
-    coefficients: Array
-    active: NDArray[np.int64]
-
-
-def bounded(design: Array, target: Array, lower: Array, upper: Array) -> Linear:
-    """Minimise |design @ x - target| over lower <= x <= upper; design (m, k), others (m,) and (k,).
-
-    The bounded-variable algorithm of Stark and Parker (1995) is exact: a bound is active or it is not.
-    """
-    size = np.linalg.norm(design, axis=0)
-    size = np.where(size > 0.0, size, 1.0)
-    triangle = triangle_of(np.column_stack([design / size, target]))
-    free = bool(np.all(np.isinf(lower)) and np.all(np.isinf(upper)))
-    if free:
-        scaled = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=None)[0]
-        return Linear(scaled / size, np.zeros(len(scaled), dtype=np.int64))
-    found = lsq_linear(
-        triangle[:, :-1], triangle[:, -1], (lower * size, upper * size), method="bvls", tol=ROUNDING
-    )
-    return Linear(found.x / size, np.asarray(found.active_mask, dtype=np.int64))
-
 
 # Sums of a design as triangles: R of the QR decomposition of its rows [X y].
 #
@@ -83,8 +40,8 @@ def triangle_of(rows: Array) -> Array:
     By blocks, then once more for the blocks' triangles: a single tall decomposition uses threads that cost
     more than they gain, and a search needs hundreds.
     """
-    block = np.arange(len(rows)) // BLOCK_ROWS
-    return merged(triangles(rows, block, -(-len(rows) // BLOCK_ROWS)))
+    block = np.arange(len(rows)) // limits.BLOCK_ROWS
+    return merged(triangles(rows, block, -(-len(rows) // limits.BLOCK_ROWS)))
 
 
 def triangles(rows: Array, block: Integers, count: int) -> Array:
@@ -129,7 +86,7 @@ def require_rank(design: Array, names: Sequence[str], where: str, axis: AxisKind
 
 
 def inseparable(
-    design: Array, member: float = MEMBER_PART, nothing: float = 0.0
+    design: Array, member: float = limits.MEMBER_PART, nothing: float = 0.0
 ) -> tuple[list[int], list[int]]:
     """Places of the columns of a design or its triangle that are zero, else of those that the rest makes up.
 
@@ -139,7 +96,7 @@ def inseparable(
     if len(zero := np.flatnonzero(size <= nothing * np.max(size, initial=0.0))):
         return zero.tolist(), []
     found = np.linalg.svd(design / size, full_matrices=False)
-    weak = np.abs(found.Vh[found.S < LEAST_PART * found.S[0]])
+    weak = np.abs(found.Vh[found.S < limits.LEAST_PART * found.S[0]])
     return [], np.flatnonzero(np.max(weak, axis=0, initial=0.0) > member).tolist()
 
 
@@ -230,14 +187,25 @@ class Design:
         return dataclasses.replace(self, coefficients=freed)
 
     def solve(self) -> Solution:
-        """Minimise the weighted squares on the fitted rows."""
+        """Minimise the weighted squares on the fitted rows.
+
+        The bounded-variable algorithm of Stark and Parker (1995) is exact: a bound is active or it is not.
+        """
         root = np.sqrt(self.weights[self.train])
         rows, target = self.columns[self.train] * root[:, None], self.target[self.train] * root
-        low, high = self.lower, self.upper
-        found = bounded(rows, target, low, high)
+        low, high, size = self.lower, self.upper, np.linalg.norm(rows, axis=0)
+        size = np.where(size > 0.0, size, 1.0)
+        triangle = triangle_of(np.column_stack([rows / size, target]))
+        inner, right, active = triangle[:, :-1], triangle[:, -1], np.zeros(len(size), np.int64)
+        if np.all(np.isinf(low)) and np.all(np.isinf(high)):
+            values = np.linalg.lstsq(inner, right, rcond=None)[0] / size
+        else:
+            found = lsq_linear(inner, right, (low * size, high * size), method="bvls", tol=limits.ROUNDING)
+            values, active = found.x / size, np.asarray(found.active_mask, dtype=np.int64)
+        left = target - rows @ values
         # A value with an active bound is the bound, free of rounding.
-        values = np.where(found.active < 0, low, np.where(found.active > 0, high, found.coefficients))
-        return Solution(self, values, found.active, target - rows @ found.coefficients)
+        values = np.where(active < 0, low, np.where(active > 0, high, values))
+        return Solution(self, values, active, left)
 
 
 @dataclass(frozen=True)
@@ -315,7 +283,7 @@ class Solution:
         train, tangents = design.train, self._tangents(design)
         left = (design.columns @ self.values - design.target)[train] * np.sqrt(design.weights[train])
         size, moved = np.linalg.norm(tangents, axis=0), np.zeros(len(free))
-        seen = free & (size > NO_INFLUENCE)
+        seen = free & (size > limits.NO_INFLUENCE)
         moved[seen] = -np.linalg.lstsq(tangents[:, seen] / size[seen], left, rcond=None)[0] / size[seen]
         return moved
 
@@ -424,14 +392,14 @@ def search(
             best,
             bounds=([s.lower for s in searched], [s.upper for s in searched]),
             x_scale=[s.step for s in searched],
-            xtol=VALUE_CHANGE,
-            ftol=COST_CHANGE,
-            gtol=LEAST_SLOPE,
-            max_nfev=MOST_EVALUATIONS,
+            xtol=limits.VALUE_CHANGE,
+            ftol=limits.COST_CHANGE,
+            gtol=limits.LEAST_SLOPE,
+            max_nfev=limits.MOST_EVALUATIONS,
         ).x
         # The algorithm stays inside the range; this close to an end counts as the end.
         ends = np.array([[s.lower, s.upper] for s in searched])
-        near = NEAR_END * (ends[:, 1] - ends[:, 0])
+        near = limits.NEAR_END * (ends[:, 1] - ends[:, 0])
         best = np.where(best <= ends[:, 0] + near, ends[:, 0], best)
         best = np.where(best >= ends[:, 1] - near, ends[:, 1], best)
     at, found = named(best), solved(best)
@@ -445,7 +413,7 @@ def search(
 
 def profile(problem: Searched, solution: Solution, one: Nonlinear) -> Profile:
     """Fit at evenly spaced values of one searched value over its range."""
-    points = np.linspace(one.lower, one.upper, PROFILE_POINTS)
+    points = np.linspace(one.lower, one.upper, limits.PROFILE_POINTS)
     design = solution.design
     found = [search(problem, fixed={one.name: float(v)}, start=solution.at) for v in points]
     weight = float(np.sum(design.weights[design.train]))
@@ -488,7 +456,7 @@ def _around(nonlinear: Sequence[Nonlinear], at: Mapping[str, float]) -> dict[str
     """
     ends: dict[str, tuple[float, float]] = {}
     for s in nonlinear:
-        half = SLOPE_STEP * s.step
+        half = limits.SLOPE_STEP * s.step
         low, high = (min(max(at[s.name] + d, s.lower), s.upper) for d in (-half, half))
         ends[s.name] = low, high
     return ends

@@ -24,23 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtri, ndtri_exp, stdtrit
 
-from eccentric.identification.limits import (
-    BLOCKS,
-    DEPENDENT,
-    DRAWS,
-    FRACTION,
-    LITTLE,
-    LITTLE_STEP,
-    NO_INFLUENCE,
-    PART_OF_IT,
-    REPLACED,
-)
+from eccentric.identification import limits
 
 Array = NDArray[np.float64]
 
-TWO_SIDED = 1.9600 + 2.9694 * FRACTION + 0.4160 * FRACTION**2 - 0.5324 * FRACTION**3
+TWO_SIDED = 1.9600 + 2.9694 * limits.FRACTION + 0.4160 * limits.FRACTION**2 - 0.5324 * limits.FRACTION**3
 """Standard errors from the value to either end of a 95 % interval: Kiefer and Vogelsang's 97.5 % quantile."""
-ONE_SIDED = 1.6449 + 2.1859 * FRACTION + 0.3142 * FRACTION**2 - 0.3427 * FRACTION**3
+ONE_SIDED = 1.6449 + 2.1859 * limits.FRACTION + 0.3142 * limits.FRACTION**2 - 0.3427 * limits.FRACTION**3
 """Standard errors to the end of a one-sided 95 % interval: their 95 % quantile."""
 
 
@@ -100,7 +90,7 @@ class Spread:
         side = {-1: "lower", 0: None, 1: "upper"}[active]
         interval = float(max(low, bounds[0])), float(min(high, bounds[1]))
         # Without an end of its own, a bound is all that there is of it.
-        widened = bool(np.sum(np.abs(moved)) > LITTLE * reach) or not math.isfinite(error)
+        widened = bool(np.sum(np.abs(moved)) > limits.LITTLE * reach) or not math.isfinite(error)
         return Estimate(value, error, interval, unit, side, widened)
 
 
@@ -114,14 +104,14 @@ def spread(
     bound, the log does not see it leave the bound: it may go as far as all bounds let it, the others with it.
     """
     size = np.linalg.norm(design, axis=0)
-    seen = size > NO_INFLUENCE
+    seen = size > limits.NO_INFLUENCE
     free, held = np.flatnonzero((active == 0) & seen), np.flatnonzero((active != 0) & seen)
     count = len(active)
     matrix, alone, moves = np.zeros((count, count)), np.zeros(count), np.zeros((len(held), count))
     matrix[np.ix_(free, free)] = covariance(design[:, free], residual)
     for row, k in enumerate(held):
         follow = np.linalg.lstsq(design[:, free] / size[free], design[:, k], rcond=None)[0] / size[free]
-        if np.linalg.norm(design[:, k] - design[:, free] @ follow) < REPLACED * size[k]:
+        if np.linalg.norm(design[:, k] - design[:, free] @ follow) < limits.REPLACED * size[k]:
             step = np.zeros(count)
             step[k], step[free] = -active[k], active[k] * follow
             alone[k], moves[row] = math.inf, _as_far(values, step, lower, upper)
@@ -137,7 +127,7 @@ def spread(
 
 def _as_far(values: Array, step: Array, lower: Array, upper: Array) -> Array:
     """The longest move (p,) of values along a step within their bounds, infinite where none ends it."""
-    moving = np.abs(step) > LITTLE_STEP * np.max(np.abs(step))
+    moving = np.abs(step) > limits.LITTLE_STEP * np.max(np.abs(step))
     ends = np.where(step > 0.0, upper, lower)[moving]
     reach = max(0.0, float(np.min((ends - values[moving]) / step[moving])))
     move = np.zeros(len(values))
@@ -167,17 +157,17 @@ def covariance(design: Array, residual: Array) -> Array:
     size = np.linalg.norm(design, axis=0)
     scaled = design / size
     scores = scaled * residual[:, None]
-    span = max(1, round(FRACTION * rows))
+    span = max(1, round(limits.FRACTION * rows))
     # Sums over all windows of `span` rows, including those over the ends, give exactly Bartlett's weights.
     padding = np.zeros((span, count))
     totals = np.cumsum(np.concatenate([padding, scores, padding]), axis=0)
     sums = totals[span:] - totals[:-span]
     omega = sums.T @ sums / span * rows / (rows - count)
     _, singular, axes = np.linalg.svd(scaled, full_matrices=False)
-    weak = singular < DEPENDENT * singular[0] if count else np.zeros(0, bool)
+    weak = singular < limits.DEPENDENT * singular[0] if count else np.zeros(0, bool)
     bread = axes[~weak].T @ (axes[~weak] / singular[~weak, None] ** 2)
     found = bread @ omega @ bread / np.outer(size, size)
-    lost = np.any(np.abs(axes[weak]) > PART_OF_IT, axis=0)
+    lost = np.any(np.abs(axes[weak]) > limits.PART_OF_IT, axis=0)
     found[lost], found[:, lost] = 0.0, 0.0
     found[lost, lost] = math.inf
     return found
@@ -213,17 +203,17 @@ def improvement(worse: Array, better: Array) -> tuple[float, tuple[float, float]
     """
     rows = len(worse)
     squares = np.column_stack([worse**2, better**2])
-    length = max(1, rows // BLOCKS)
+    length = max(1, rows // limits.BLOCKS)
     blocks = -(-rows // length)
     totals = np.concatenate([np.zeros((1, 2)), np.cumsum(np.concatenate([squares, squares]), axis=0)])
-    starts = np.random.default_rng(1).integers(0, rows, (DRAWS, blocks))
+    starts = np.random.default_rng(1).integers(0, rows, (limits.DRAWS, blocks))
     return _stretched(squares.sum(axis=0), (totals[starts + length] - totals[starts]).sum(axis=1), blocks)
 
 
 def improvement_over_runs(worse: Array, better: Array) -> tuple[float, tuple[float, float]]:
     """Return the same for sums of squares per run (n,): a bootstrap that draws whole runs."""
     squares = np.column_stack([worse, better])
-    drawn = np.random.default_rng(1).integers(0, len(worse), (DRAWS, len(worse)))
+    drawn = np.random.default_rng(1).integers(0, len(worse), (limits.DRAWS, len(worse)))
     return _stretched(squares.sum(axis=0), squares[drawn].sum(axis=1), len(worse))
 
 

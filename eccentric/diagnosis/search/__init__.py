@@ -26,6 +26,7 @@ from eccentric.diagnosis.search.crossval import (
     bounded_solve,
     bounded_solve_each,
     sum_of_each,
+    unexplained,
 )
 from eccentric.diagnosis.search.from_effect import candidate_of, offered
 from eccentric.diagnosis.search.limits import (

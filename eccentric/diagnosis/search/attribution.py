@@ -22,7 +22,7 @@ from scipy.special import expit
 from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.candidate import Candidate, Variant, instrument_of
 from eccentric.diagnosis.search.screen import Fitted, Screen
-from eccentric.diagnosis.search.stability import Stability, beats_chance, null_quantile, stability_of
+from eccentric.diagnosis.search.stability import Stability, beats_chance, stability_of
 from eccentric.identification import BalanceDesign
 
 Array = np.ndarray
@@ -66,7 +66,9 @@ class Search:
             tried = [self.swapped(self.screen.refine(fitted)) for fitted in leaders]
             if len(self.best.variants) == 1:
                 tried += self.pairs()
-            tried = [f for f in tried if self.confirmed(f) and self._keeps_all_names(f)]
+            tried = [f for f in tried if self.confirmed(f)]
+            # No variant may have lost to those beside it what names it.
+            tried = [f for f in tried if all(self.screen.itself(f, k) for k in range(len(f.variants)))]
             tried = [f for f in tried if not self._is_remainder(self.best, f)]
             self.tried += tried
             tried = [f for f in tried if self.worth_it(self.best, f) and self.clears(self.best, f)]
@@ -119,7 +121,7 @@ class Search:
 
     def _is_remainder(self, before: Fitted, after: Fitted) -> bool:
         """Whether what is added may be what the record of an effect beside it leaves out."""
-        added = {v.candidate.family for v in after.variants} - {v.candidate.family for v in before.variants}
+        added = after.families - before.families
         alike = any(added & set(v.candidate.evidence.second_order) for v in after.variants)
         least = limits.LEAST_PART_OF_SECOND_ORDER * (self.base.score - after.score)
         return alike and before.score - after.score <= least
@@ -130,10 +132,6 @@ class Search:
             self._gained(_without(fitted, place), variant, fitted, self.screen)
             for place, variant in enumerate(fitted.variants)
         )
-
-    def _keeps_all_names(self, fitted: Fitted) -> bool:
-        """Whether no variant has lost to those beside it what names it."""
-        return all(self.screen.itself(fitted, place) for place in range(len(fitted.variants)))
 
     def explains(self, before: Fitted, after: Fitted) -> bool:
         """Whether a smooth term takes something out that is there without the noise of its signals too.
@@ -182,10 +180,6 @@ class Search:
             if len(found) == limits.TRIED:
                 break
         return found
-
-    def null_level(self) -> float:
-        """The deviance that the best effect of the library reaches by chance on this log, 99 % quantile."""
-        return null_quantile(self.screen, self.best)
 
     def clears(self, before: Fitted, after: Fitted) -> bool:
         """Whether a further effect explains enough of what the first ones leave above the noise floor."""
@@ -258,7 +252,7 @@ class Search:
     def _chances(self, place: int) -> dict[str, float]:
         family, options = self.best.variants[place].candidate.family, self.alternatives[place]
         # A family beside it, found once more in its place, is no alternative to it.
-        beside = {v.candidate.family for v in self.best.variants} - {family}
+        beside = self.best.families - {family}
         open_to = {other: chance for other, (chance, _) in options.items() if other not in beside}
         if family in self.by_both:
             most = self.stability.most if self.stability.variants else 1.0
@@ -282,7 +276,7 @@ class Search:
         return tuple(
             other
             for other, (_, fitted) in self.alternatives[place].items()
-            if other not in {v.candidate.family for v in self.best.variants}
+            if other not in self.best.families
             and other not in self._agreeing(place)
             and not aliased(variant.candidate, fitted.last)
             and len(fitted.coefficients) == len(self.best.coefficients)
@@ -304,8 +298,9 @@ class Search:
 
         A declared value counts on top of the few effects that may be tied: one measurement settles it.
         """
-        beside = {variant.candidate.family for variant in self.best.variants}
-        beside |= {other for v in self.best.variants if v.candidate.family == family for other in v.covers}
+        beside = self.best.families | {
+            other for v in self.best.variants if v.candidate.family == family for other in v.covers
+        }
         declared = {c.family for c in self.screen.candidates if c.tolerance}
         least = limits.POSSIBLE * self.stability.variants
         found = self.stability.instead(family, beside, declared, limits.IN_PLACE)
@@ -334,8 +329,7 @@ class Search:
             earlier = [
                 step
                 for step in steps
-                if dropped.isdisjoint(v.candidate.family for v in step.variants)
-                and step.score < limits.SWAPPED * left.score
+                if dropped.isdisjoint(step.families) and step.score < limits.SWAPPED * left.score
             ]
             if earlier:
                 self.tried.append(self.best)

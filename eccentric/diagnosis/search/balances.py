@@ -9,28 +9,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import median_filter
 
+from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.candidate import Variables
-from eccentric.diagnosis.search.limits import (
-    AROUND_A_PEAK,
-    BINS_PER_TURN,
-    FEW_TURNS,
-    GRAVITY_ORDERS,
-    LAGS,
-    LEAST_LOSS_W,
-    LEAST_MOTION,
-    LINK_ORDERS,
-    LOWEST_BAND_HZ,
-    MOST_PEAKS,
-    MOST_TURNS,
-    MOTOR_ORDERS,
-    PADDED,
-    SLOWEST,
-    SLOWEST_PART,
-    SPEED_RANGE,
-    STANDS_OUT,
-    TOP_CURRENT,
-    TOP_SPEED,
-)
+from eccentric.diagnosis.search.crossval import unexplained
 from eccentric.effects import CURRENT_DELAYS_S, HIGHEST_ORDER, Setting
 from eccentric.identification import (
     BalanceDesign,
@@ -73,9 +54,9 @@ def standing_orders(
     if not len(theta_m):
         return 0.0, ()
     turns = _turns(theta_m)
-    if not 1.0 < turns < MOST_TURNS:
+    if not 1.0 < turns < limits.MOST_TURNS:
         return turns, ()
-    if turns < FEW_TURNS:
+    if turns < limits.FEW_TURNS:
         strongest = _best_fit(theta_m, omega_m, residual, gravity)
     else:
         orders, power = _spectrum(theta_m, omega_m, residual, gravity)
@@ -101,11 +82,12 @@ def _spectrum(
     is as narrow as the range of the angle is long, so that neighbouring orders stay apart.
     """
     angle = (theta_m - np.min(theta_m)) / (2.0 * np.pi)
-    known = _known(theta_m, omega_m, without)
-    against = np.sign(omega_m) * (residual - known @ np.linalg.lstsq(known, residual, rcond=None)[0])
-    bins = np.bincount((angle * BINS_PER_TURN).astype(int), against)
-    power = np.abs(np.fft.rfft(bins, PADDED * len(bins))) ** 2
-    return np.arange(len(power)) * BINS_PER_TURN / (PADDED * len(bins)), power / np.sum(against**2)
+    against = np.sign(omega_m) * unexplained(_known(theta_m, omega_m, without), residual)
+    bins = np.bincount((angle * limits.BINS_PER_TURN).astype(int), against)
+    power = np.abs(np.fft.rfft(bins, limits.PADDED * len(bins))) ** 2
+    return np.arange(len(power)) * limits.BINS_PER_TURN / (limits.PADDED * len(bins)), power / np.sum(
+        against**2
+    )
 
 
 def _best_fit(theta_m: Array, omega_m: Array, residual: Array, without: Sequence[float]) -> list[float]:
@@ -115,20 +97,22 @@ def _best_fit(theta_m: Array, omega_m: Array, residual: Array, without: Sequence
     at a sampled time the motion may always be at the same few angles.
     """
     turns, way = _turns(theta_m), np.sign(omega_m)
-    place = ((theta_m - np.min(theta_m)) / (2.0 * np.pi) * BINS_PER_TURN).astype(int) * 2 + (way > 0.0)
+    place = ((theta_m - np.min(theta_m)) / (2.0 * np.pi) * limits.BINS_PER_TURN).astype(int) * 2 + (way > 0.0)
     number = np.bincount(place)
     there = number > 0
     angle, speed, mean = (np.bincount(place, x)[there] / number[there] for x in (theta_m, omega_m, residual))
     weight, way = np.sqrt(number[there])[:, None], np.where(np.flatnonzero(there) % 2, 1.0, -1.0)[:, None]
-    orders = np.arange(PADDED, HIGHEST_ORDER * PADDED * turns) / (PADDED * turns)
+    orders = np.arange(limits.PADDED, HIGHEST_ORDER * limits.PADDED * turns) / (limits.PADDED * turns)
     waves = [weight * way * np.column_stack([np.cos(nu * angle), np.sin(nu * angle)]) for nu in orders]
     known, target = weight * _known(angle, speed, without), weight[:, 0] * mean
     gains, _ = _gains(waves, known, target)
     best = int(np.argmax(gains))
     # A wide peak has no floor beside it: that of the spectrum without it is taken.
     rest, noise = _gains(waves, np.hstack([known, waves[best]]), target)
-    around = rest[np.abs(orders - orders[best]) <= 0.5 * AROUND_A_PEAK]
-    return [float(orders[best])] if gains[best] > STANDS_OUT * max(np.median(around), 2.0 * noise) else []
+    around = rest[np.abs(orders - orders[best]) <= 0.5 * limits.AROUND_A_PEAK]
+    return (
+        [float(orders[best])] if gains[best] > limits.STANDS_OUT * max(np.median(around), 2.0 * noise) else []
+    )
 
 
 def _gains(waves: Sequence[Array], known: Array, target: Array) -> tuple[Array, float]:
@@ -156,10 +140,10 @@ def _peaks(orders: Array, power: Array, turns: float, where: Array) -> list[floa
     """The orders that stand out of those around them, and of white noise; the strongest first."""
     one = round(1.0 / orders[1])
     orders, power = orders[where], power[where]
-    around = median_filter(power, 2 * round(0.5 * AROUND_A_PEAK * one) + 1, mode="nearest")
+    around = median_filter(power, 2 * round(0.5 * limits.AROUND_A_PEAK * one) + 1, mode="nearest")
     found: list[float] = []
-    rest = np.where(power > STANDS_OUT * np.maximum(around, 1.0), power, 0.0)
-    while len(found) < MOST_PEAKS and np.any(rest):
+    rest = np.where(power > limits.STANDS_OUT * np.maximum(around, 1.0), power, 0.0)
+    while len(found) < limits.MOST_PEAKS and np.any(rest):
         k = int(np.argmax(rest))
         found.append(float(orders[k]))
         rest[np.abs(orders - orders[k]) < 2.0 / turns] = 0.0
@@ -175,8 +159,7 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
     known, torque = signals.known, drive.torque()
     target = torque - load_torque(model, signals)
     coefficients, columns = base_coefficients(model, signals), base_columns(model, signals)
-    rows, emf = search_rows(channels, rig), drive.back_emf({"k_e": 0.0, **known, **drive.scaled()})
-    filtered = [*drive.filtered("mechanical", drive.machine, known), *emf]
+    rows, filtered = search_rows(channels, rig), drive.filtered("mechanical", drive.machine, known)
     mechanical = balance_design("mechanical", rows, coefficients, target, columns, target, filtered)
     # What the rig leaves open is as good as known, whatever its sign.
     balances = [mechanical.without_bounds(but=("friction",))]
@@ -203,7 +186,7 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
 def _lags(channels: Channels) -> list[int]:
     """Lags of the measured current to try, in rows: those that `sensor_delay` knows."""
     first, last = (lag / channels.time.logged_step_s for lag in CURRENT_DELAYS_S)
-    return sorted({round(lag) for lag in np.linspace(first, last, LAGS)})
+    return sorted({round(lag) for lag in np.linspace(first, last, limits.LAGS)})
 
 
 def _ahead(signal: Array, channels: Channels, lag: int) -> Array:
@@ -240,7 +223,12 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
     # With a voltage alone, effects of the armature show in the torque computed from it.
     present |= {"current", "voltage"} if data.drive.by_voltage else set()
     present |= {"temperature"} if warm is not None else set()
-    highest = float(np.quantile(speed, TOP_SPEED))
+    # A joint of an arm has a load on its bearing, and open bodies leave these of each joint open.
+    along, bodies, force = data.drive.along, set[str](), 0.0
+    if along is not None:
+        bodies = {"inertia", "gravity", "theta_zero_rad"} if along.open else bodies
+        force = float(np.mean(along.signals[along.force][rows])) if along.force else force
+    highest = float(np.quantile(speed, limits.TOP_SPEED))
     turns, orders = 0.0, ()
     # Orders are per turn of the motor: the position of a carriage has none.
     if channels.phased and model.axis.wraps:
@@ -248,19 +236,24 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         angle, turning = channels.motion.theta_m, channels.motion.omega_m
         mu = signals.known["mu"]
         harmonics = sorted(
-            {*(n * mu for n in range(1, LINK_ORDERS + 1)), *map(float, range(1, MOTOR_ORDERS + 1))}
+            {
+                *(n * mu for n in range(1, limits.LINK_ORDERS + 1)),
+                *map(float, range(1, limits.MOTOR_ORDERS + 1)),
+            }
         )
-        gravity = [n * mu for n in range(1, GRAVITY_ORDERS + 1)]
+        gravity = [n * mu for n in range(1, limits.GRAVITY_ORDERS + 1)]
         turns, orders = standing_orders(angle[rows], turning[rows], left[rows], harmonics, gravity)
     return Setting(
         base=model,
         mu=signals.known["mu"],
         known=dict(signals.known),
-        w_min=max(SLOWEST_PART * float(np.quantile(speed, SLOWEST)), highest / SPEED_RANGE),
+        w_min=max(
+            limits.SLOWEST_PART * float(np.quantile(speed, limits.SLOWEST)), highest / limits.SPEED_RANGE
+        ),
         w_max=highest,
-        current_max=float(np.quantile(np.abs(current[rows]), TOP_CURRENT)),
+        current_max=float(np.quantile(np.abs(current[rows]), limits.TOP_CURRENT)),
         duration_s=float(np.max(channels.time.elapsed)),
-        mean_loss_W=max(float(loss), LEAST_LOSS_W),
+        mean_loss_W=max(float(loss), limits.LEAST_LOSS_W),
         mean_square_A2=float(np.mean(current[rows] ** 2)),
         temperature_mid=None if warm is None else float(np.median(warm[rows])),
         channels=frozenset(present),
@@ -268,26 +261,12 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         by_voltage=data.drive.by_voltage,
         scaled=data.drive.scale is None and channels.motor.measured_by in {"current", "voltage"},
         masses=bool(channels.carried),
-        left_open=tuple(sorted({*(c.role for c in data.drive.open), *channels.rig.estimate, *_bodies(data)})),
-        mean_force=_mean_force(data),
+        left_open=tuple(sorted({*(c.role for c in data.drive.open), *channels.rig.estimate, *bodies})),
+        mean_force=force,
         turns=turns,
         orders=orders,
         lines=channels.lines,
     )
-
-
-def _mean_force(data: FitData) -> float:
-    """Mean normal force on the bearing of a joint of an arm [N]; 0 for a single link."""
-    along = data.drive.along
-    if along is None or not along.force:
-        return 0.0
-    return float(np.mean(along.signals[along.force][data.drive.channels.selection.fit_rows]))
-
-
-def _bodies(data: FitData) -> set[str]:
-    """What open bodies of a chain leave open of each joint."""
-    along = data.drive.along
-    return {"inertia", "gravity", "theta_zero_rad"} if along is not None and along.open else set()
 
 
 def variables_of(data: FitData, instruments: Signals | None = None) -> Variables:
@@ -391,11 +370,11 @@ def _slow_motion(data: FitData) -> tuple[float, dict[str, Array]] | None:
     """The least frequency [Hz] that holds the motion; speed and acceleration (samples,) below it."""
     channels = data.drive.channels
     rows, speed = channels.selection.fit_rows, channels.motion.omega_m
-    cut = LOWEST_BAND_HZ
+    cut = limits.LOWEST_BAND_HZ
     while cut < channels.rig.sampling.low_pass_hz:
         found, _ = motion_of(channels.time.t, channels.motion.theta_m, channels.time.segment, cut)
         missed = np.sum((found[1] - speed)[rows] ** 2) / np.sum(speed[rows] ** 2)
-        if missed < 1.0 - LEAST_MOTION:
+        if missed < 1.0 - limits.LEAST_MOTION:
             return cut, {"omega_m": found[1], "alpha_m": found[2]}
         cut *= 2.0
     return None

@@ -15,20 +15,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.optimize import least_squares, minimize
 
-from eccentric.diagnosis.search.limits import (
-    DERIVATIVE_STEP,
-    INSIDE,
-    KNOTS,
-    LINK_ORDERS,
-    LOSS_TOLERANCE,
-    MOTOR_ORDERS,
-    NEIGHBOUR,
-    NO_RANGE,
-    PIECES,
-    RIDGE,
-    SHAPE_TOLERANCE,
-    SIMPLEX_STEPS,
-)
+from eccentric.diagnosis.search import limits
 from eccentric.effects import Evidence, Shape, Words
 from eccentric.model import Role
 
@@ -221,9 +208,9 @@ def refined(
         return residual(at(place))
 
     start = np.array([_place(shape, variants[k].values) for k, shape in shapes])
-    beside = np.diag([NEIGHBOUR / max(shape.points - 1, 2) for _, shape in shapes])
+    beside = np.diag([limits.NEIGHBOUR / max(shape.points - 1, 2) for _, shape in shapes])
     # The slope at the first point may lead out of a cell that is better further inside.
-    places = np.clip([start, *(start + beside), *(start - beside)], 1.0 + INSIDE, 2.0 - INSIDE)
+    places = np.clip([start, *(start + beside), *(start - beside)], 1.0 + limits.INSIDE, 2.0 - limits.INSIDE)
 
     def loss(place: Array) -> float:
         return float(np.sum(left(place) ** 2))
@@ -235,10 +222,10 @@ def refined(
         left,
         best,
         bounds=(1.0, 2.0),
-        diff_step=DERIVATIVE_STEP,
+        diff_step=limits.DERIVATIVE_STEP,
         x_scale=np.diag(beside),
-        xtol=SHAPE_TOLERANCE,
-        ftol=LOSS_TOLERANCE,
+        xtol=limits.SHAPE_TOLERANCE,
+        ftol=limits.LOSS_TOLERANCE,
         max_nfev=steps,
     )
     return at(found.x)
@@ -254,9 +241,9 @@ def _without_slopes(loss: Callable[[Array], float], start: Array, beside: Array,
         bounds=[(1.0, 2.0)] * len(start),
         options={
             "initial_simplex": [start, *(start + inward[:, None] * beside)],
-            "maxfev": SIMPLEX_STEPS * steps,
-            "xatol": SHAPE_TOLERANCE,
-            "fatol": LOSS_TOLERANCE * loss(start),
+            "maxfev": limits.SIMPLEX_STEPS * steps,
+            "xatol": limits.SHAPE_TOLERANCE,
+            "fatol": limits.LOSS_TOLERANCE * loss(start),
         },
     )
     return np.asarray(found.x)
@@ -315,7 +302,7 @@ def smooth_terms(variables: Variables, balance: str, valid: Array) -> list[Candi
             evidence=Evidence((name,)),
             columns=lambda _, columns=columns: columns,
             instrument=None if clean is None else lambda _, columns=instruments[name]: columns,
-            ridge=RIDGE,
+            ridge=limits.RIDGE,
         )
         for name, columns in _terms(variables, balance, valid).items()
         if columns.shape[1]
@@ -331,27 +318,31 @@ def _terms(variables: Variables, balance: str, valid: Array) -> dict[str, Array]
         return np.hstack([columns, columns * sign])
 
     terms: dict[str, Array] = {
-        "velocity": _spline(np.abs(omega), PIECES["velocity"], valid) * sign,
-        "direction": np.hstack([np.ones_like(sign), _spline(np.abs(omega), PIECES["direction"], valid)]),
+        "velocity": _spline(np.abs(omega), limits.PIECES["velocity"], valid) * sign,
+        "direction": np.hstack(
+            [np.ones_like(sign), _spline(np.abs(omega), limits.PIECES["direction"], valid)]
+        ),
     }
     if not variables.averaged:
         elapsed = variables.t - variables.t[0]
-        slope = _spline(elapsed, PIECES["slope"], valid) * omega[:, None]
-        terms["acceleration"] = _spline(variables.alpha_m, PIECES["acceleration"], valid)
-        terms["time"] = np.hstack([both(_spline(elapsed, PIECES["time"], valid)), slope])
+        slope = _spline(elapsed, limits.PIECES["slope"], valid) * omega[:, None]
+        terms["acceleration"] = _spline(variables.alpha_m, limits.PIECES["acceleration"], valid)
+        terms["time"] = np.hstack([both(_spline(elapsed, limits.PIECES["time"], valid)), slope])
     if variables.theta_m is not None:
-        terms["motor_angle"] = _fourier(variables.theta_m, range(1, MOTOR_ORDERS + 1))
+        terms["motor_angle"] = _fourier(variables.theta_m, range(1, limits.MOTOR_ORDERS + 1))
     if balance == "mechanical":
         if variables.theta_m is not None:
-            terms["link_angle"] = both(_fourier(variables.mu * variables.theta_m, range(1, LINK_ORDERS + 1)))
+            terms["link_angle"] = both(
+                _fourier(variables.mu * variables.theta_m, range(1, limits.LINK_ORDERS + 1))
+            )
         if np.any(variables.gravity):
-            terms["gravity_load"] = both(_spline(variables.gravity, PIECES["gravity_load"], valid))
+            terms["gravity_load"] = both(_spline(variables.gravity, limits.PIECES["gravity_load"], valid))
     if variables.current is not None:
-        terms["current"] = _spline(variables.current, PIECES["current"], valid)
+        terms["current"] = _spline(variables.current, limits.PIECES["current"], valid)
     if variables.voltage is not None and balance == "electrical":
-        terms["voltage"] = _spline(variables.voltage, PIECES["voltage"], valid)
+        terms["voltage"] = _spline(variables.voltage, limits.PIECES["voltage"], valid)
     if variables.temperature is not None:
-        warm = _spline(variables.temperature, PIECES["temperature"], valid)
+        warm = _spline(variables.temperature, limits.PIECES["temperature"], valid)
         terms["temperature"] = np.hstack([warm, warm * sign, warm * omega[:, None]])
     return terms
 
@@ -362,10 +353,10 @@ def _spline(x: Array, pieces: int, valid: Array) -> Array:
     Half of the knots are at quantiles, half are evenly spaced within the 0.2 to 99.8 % range of the valid
     samples: a log dwells at few speeds, and what happens between them counts as well.
     """
-    low, high = np.quantile(x[valid], KNOTS)
+    low, high = np.quantile(x[valid], limits.KNOTS)
     share = np.linspace(0.0, 1.0, pieces + 1)
     knots = 0.5 * (np.clip(np.quantile(x[valid], share), low, high) + low + (high - low) * share)
-    if high - low <= NO_RANGE * max(1.0, abs(low), abs(high)):
+    if high - low <= limits.NO_RANGE * max(1.0, abs(low), abs(high)):
         return np.empty((len(x), 0))
     full = np.r_[[knots[0]] * 3, knots, [knots[-1]] * 3]
     return BSpline.design_matrix(np.clip(x, knots[0], knots[-1]), full, 3).toarray()[:, 1:]

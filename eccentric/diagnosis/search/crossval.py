@@ -14,14 +14,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import lsq_linear, nnls
 
-from eccentric.diagnosis.search.limits import (
-    ALIASED,
-    CLEARLY,
-    KEPT_BY_INSTRUMENTS,
-    MOST_GROUPS,
-    MOST_LAGS,
-    ROWS_FOR_ONE,
-)
+from eccentric.diagnosis.search import limits
 
 Array = np.ndarray
 
@@ -121,13 +114,13 @@ def _scaled(matrix: Array, ridge: Array | float) -> tuple[Array, Array]:
     scale = np.sqrt(np.maximum(np.diagonal(matrix, axis1=-2, axis2=-1), 1e-200))
     scaled = matrix / (scale[..., :, None] * scale[..., None, :])
     diagonal = np.arange(matrix.shape[-1])
-    scaled[..., diagonal, diagonal] += ALIASED + ridge
+    scaled[..., diagonal, diagonal] += limits.ALIASED + ridge
     return scaled, scale
 
 
 def groups_of(blocks: int) -> Array:
     """What is left out together (blocks,): each block by itself, or neighbours where there are many."""
-    return np.arange(blocks) * min(blocks, MOST_GROUPS) // blocks
+    return np.arange(blocks) * min(blocks, limits.MOST_GROUPS) // blocks
 
 
 def sum_of_each(group: Array, values: Array, axis: int = 0) -> Array:
@@ -205,26 +198,31 @@ def exogenous(target: Array, base: Array, own: Array, instruments: Array) -> boo
     Of the torque that least squares gives the candidate, the instruments must find most, and more than three
     standard errors of it. False where the instruments do not determine the coefficients.
     """
-    y, x, z = (_without(base, a) for a in (target[:, None], own, instruments))
+    y, x, z = (unexplained(base, a) for a in (target[:, None], own, instruments))
     try:
         squares, found = np.linalg.lstsq(x, y, rcond=None)[0], np.linalg.solve(z.T @ x, z.T @ y)
         inverse = np.linalg.inv(z.T @ x)
     except np.linalg.LinAlgError:
         return False
     rest = y - x @ found
-    variance = ROWS_FOR_ONE * float(rest[:, 0] @ rest[:, 0]) / len(rest)
+    variance = limits.ROWS_FOR_ONE * float(rest[:, 0] @ rest[:, 0]) / len(rest)
     along = x.T @ (x @ squares)  # the estimate that is to be found again, weighted by the torque it makes
     whole = float((squares.T @ along).item())
     if whole <= 0.0:
         return False
     error = float(np.sqrt(variance * (along.T @ inverse @ (z.T @ z) @ inverse.T @ along).item()))
     again = float((found.T @ along).item())
-    return again > KEPT_BY_INSTRUMENTS * whole and again > CLEARLY * error
+    return again > limits.KEPT_BY_INSTRUMENTS * whole and again > limits.CLEARLY * error
 
 
-def _without(base: Array, columns: Array) -> Array:
-    """The columns without what the base explains of them."""
+def unexplained(base: Array, columns: Array) -> Array:
+    """Columns (rows, k), or one (rows,), without what least squares on a base (rows, p) explains of them."""
     return columns - base @ np.linalg.lstsq(base, columns, rcond=None)[0] if base.shape[1] else columns
+
+
+def spans(base: Array, columns: Array) -> bool:
+    """Whether columns are combinations of those of a base."""
+    return bool(np.linalg.norm(unexplained(base, columns)) < limits.TINY_COLUMN * np.linalg.norm(columns))
 
 
 # How many rows a residual counts as: rows that follow each other repeat a part of what they say.
@@ -240,13 +238,13 @@ def inflation(residual: Array, block: Array) -> float:
     if variance <= 0.0:
         return 1.0
     total = 1.0
-    for lag in range(1, min(MOST_LAGS, len(r) - 1) + 1):
+    for lag in range(1, min(limits.MOST_LAGS, len(r) - 1) + 1):
         near = block[lag:] - block[:-lag] <= 1
         rho = float(np.sum(r[lag:] * r[:-lag] * near)) / (len(r) * variance)
-        total += 2.0 * (1.0 - lag / (MOST_LAGS + 1)) * rho
+        total += 2.0 * (1.0 - lag / (limits.MOST_LAGS + 1)) * rho
     return max(1.0, total)
 
 
 def correlated(residual: Array, block: Array, independent: bool) -> float:
     """How many rows count as one: at least two, since windows overlap by half; one if each row is a run."""
-    return 1.0 if independent else max(ROWS_FOR_ONE, inflation(residual, block))
+    return 1.0 if independent else max(limits.ROWS_FOR_ONE, inflation(residual, block))

@@ -52,7 +52,10 @@ def candidate_of(
     extended = effect.extend(model)
     names = tuple(shape.quantity.name for shape in effect.shapes)
     states = States(extended, effect.change.states, signals, names)
-    seen, flux = signals, _on_flux(effect)
+    # On the flux: it adds a torque, and a voltage that depends on the speed.
+    circuit = effect.change.terms.get("electrical", ())
+    emf = any(v.omega_m.symbol in term.basis.free_symbols for term in circuit)
+    seen, flux = signals, emf and "mechanical" in effect.change.terms
     if current is not None and flux:
         seen = replace(signals, values={**signals.values, "i": current})
     load = {"mechanical": sp.Integer(1), "electrical": model.torque_per_volt}
@@ -152,13 +155,6 @@ def _tolerance(effect: Effect, signals: Signals) -> float:
     at = {coefficient: 0.0, **{letter: signals.known[letter.name] for letter in letters}}
     declared, slope = (abs(float(x.subs(at))) for x in (wrong.value, sp.diff(wrong.value, coefficient)))
     return wrong.tolerance * declared / slope if slope else 0.0
-
-
-def _on_flux(effect: Effect) -> bool:
-    """Whether the effect adds a torque, and a voltage that depends on the speed."""
-    circuit = effect.change.terms.get("electrical", ())
-    emf = any(v.omega_m.symbol in term.basis.free_symbols for term in circuit)
-    return emf and "mechanical" in effect.change.terms
 
 
 def _collected(terms: Sequence[Any], coefficient: sp.Symbol) -> sp.Expr:

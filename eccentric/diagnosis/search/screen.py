@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.candidate import Candidate, Variant, bounds_of, grid, instrument_of, refined
 from eccentric.diagnosis.search.crossval import (
     Gram,
@@ -15,18 +16,6 @@ from eccentric.diagnosis.search.crossval import (
     correlated,
     cross_validate,
     exogenous,
-)
-from eccentric.diagnosis.search.limits import (
-    BELOW_NOISE,
-    CONFIRMED,
-    EXTRAPOLATED,
-    FIRST_STEPS,
-    LEADERS,
-    LEAST_DEVIANCE,
-    MOST_KEPT,
-    NOTHING,
-    STEPS,
-    TOGETHER,
 )
 from eccentric.identification import BalanceDesign
 from eccentric.model import Role
@@ -47,6 +36,11 @@ class Fitted:
     def score(self) -> float:
         """Cross-validated sum of squares."""
         return float(self.cross.sum())
+
+    @property
+    def families(self) -> frozenset[str]:
+        """The families of the variants."""
+        return frozenset(variant.candidate.family for variant in self.variants)
 
     @property
     def last(self) -> Candidate:
@@ -80,7 +74,7 @@ class Screen:
         for points, known in zip(every, first, strict=True):
             for variant in points:
                 z = known if variant is points[0] else self._mean_columns(variant)
-                if not np.all(np.isfinite(z)) or np.any(np.sum(z**2, axis=0) < NOTHING**2 * self.rows):
+                if not np.all(np.isfinite(z)) or np.any(np.sum(z**2, axis=0) < limits.NOTHING**2 * self.rows):
                     continue
                 self.points.append(variant)
                 self.where.append(slice(at, at + z.shape[1]))
@@ -119,7 +113,7 @@ class Screen:
         if key in self._index and self._library is not None:
             return self._library[:, self.where[self._index[key]]]
         if key not in self._kept:
-            if len(self._kept) > MOST_KEPT:
+            if len(self._kept) > limits.MOST_KEPT:
                 self._kept.clear()
             samples = candidate.columns(variant.values)
             for other in scaling:
@@ -146,7 +140,7 @@ class Screen:
             return 0.0, self.balance.columns
         key = tuple(variant.key for variant in changing)
         if key not in self._changed:
-            if len(self._changed) > MOST_KEPT:
+            if len(self._changed) > limits.MOST_KEPT:
                 self._changed.clear()
             replacing = [v for v in changing if v.candidate.scales is None]
             known, samples = self._replaced(replacing)
@@ -181,7 +175,7 @@ class Screen:
         cross = cross_validate(gram, lower, ridge)
         if np.any(ridge):
             without = self.fit([v for v in variants if not v.candidate.ridge]).cross
-            cross = np.where(cross > EXTRAPOLATED * without, without, cross)
+            cross = np.where(cross > limits.EXTRAPOLATED * without, without, cross)
         return Fitted(tuple(variants), coefficients, gram.loss(coefficients), cross)
 
     def ridge(self, variants: Sequence[Variant]) -> Array:
@@ -259,7 +253,7 @@ class Screen:
                 losses[places] = total + np.sum(c * ((matrix @ c[..., None])[..., 0] - 2.0 * vector), axis=1)
         return losses
 
-    def rank(self, variants: Sequence[Variant], leaders: int = LEADERS) -> list[Fitted]:
+    def rank(self, variants: Sequence[Variant], leaders: int = limits.LEADERS) -> list[Fitted]:
         """Every candidate added to `variants`, best cross-validated score first.
 
         The leaders' shapes are refined, those of the best few together with the shapes of `variants`; what
@@ -267,13 +261,13 @@ class Screen:
         """
         look = self.first_look(variants)[: 4 * leaders]
         fitted = [self.fit([*variants, self.points[number]]) for _, number in look]
-        fitted = [f if f.last.changes is None else self.refine(f, True, FIRST_STEPS) for f in fitted]
+        fitted = [f if f.last.changes is None else self.refine(f, True, limits.FIRST_STEPS) for f in fitted]
         fitted.sort(key=lambda f: f.score)
         head = sorted((self.refine(f, only_last=True) for f in fitted[:leaders]), key=lambda f: f.score)
         if any(variant.candidate.shapes for variant in variants):
             # A smooth term would bend the effects beside it to itself.
-            few = [f if f.last.ridge else self.refine(f) for f in head[:TOGETHER]]
-            head = [*few, *head[TOGETHER:]]
+            few = [f if f.last.ridge else self.refine(f) for f in head[: limits.TOGETHER]]
+            head = [*few, *head[limits.TOGETHER :]]
         honest = [
             f
             for f in [*head, *fitted[leaders:]]
@@ -308,7 +302,7 @@ class Screen:
             rest, free = target - design[:, beyond] @ held[beyond], design[:, ~beyond]
             held[~beyond] = bounded_solve(free.T @ free, free.T @ rest, lower[~beyond])
         left = target - design @ held
-        return bool(self.effective(fitted) * np.log(left @ left / fitted.loss.sum()) < CONFIRMED)
+        return bool(self.effective(fitted) * np.log(left @ left / fitted.loss.sum()) < limits.CONFIRMED)
 
     def _ranges(self, fitted: Fitted) -> tuple[Array, Array]:
         """Lowest and highest value of each coefficient of a fit, base first (q,)."""
@@ -324,7 +318,7 @@ class Screen:
 
         A fit far below the sensors' noise must have that noise on both sides, or be free of it for certain.
         """
-        if fitted.loss.sum() > BELOW_NOISE * self.floor:
+        if fitted.loss.sum() > limits.BELOW_NOISE * self.floor:
             return True
         return self.exogenous(fitted.variants[:-1], fitted.variants[-1])
 
@@ -359,9 +353,9 @@ class Screen:
         )
         others = [v for v in fitted.variants if v is not variant]
         without = self.fit([*others, Variant(rest, variant.values)])
-        return self.deviance(without, fitted) > LEAST_DEVIANCE
+        return self.deviance(without, fitted) > limits.LEAST_DEVIANCE
 
-    def refine(self, fitted: Fitted, only_last: bool = False, steps: int = STEPS) -> Fitted:
+    def refine(self, fitted: Fitted, only_last: bool = False, steps: int = limits.STEPS) -> Fitted:
         """Shapes improved by nonlinear least squares: of all variants together, or of the last."""
         first = len(fitted.variants) - 1 if only_last else 0
         kept, turning = fitted.variants[:first], fitted.variants[first:]
@@ -381,9 +375,7 @@ class Screen:
 
 
 def fitted_variants(
-    balances: Sequence[BalanceDesign],
-    pools: Sequence[Sequence[Candidate]],
-    noise: Mapping[str, float],
+    balances: Sequence[BalanceDesign], pools: Sequence[Sequence[Candidate]], noise: Mapping[str, float]
 ) -> list[tuple[Variant, tuple[float, ...]] | None]:
     """For each pool its best variant beside those of the other pools, with the coefficients of its columns.
 

@@ -30,19 +30,13 @@ import numpy as np
 
 from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.candidate import Candidate, Variant
-from eccentric.diagnosis.search.crossval import Gram, cross_validate_each, groups_of, inverses, sum_of_each
-from eccentric.diagnosis.search.limits import (
-    AT_ONCE,
-    CHANCE,
-    COLUMNS_AT_ONCE,
-    DRAWS,
-    EXTRAPOLATED,
-    LEAST_BLOCKS,
-    LEVEL,
-    SIGNS,
-    TAIL,
-    TINY_COLUMN,
-    WITH_NOISE,
+from eccentric.diagnosis.search.crossval import (
+    Gram,
+    cross_validate_each,
+    groups_of,
+    inverses,
+    spans,
+    sum_of_each,
 )
 from eccentric.diagnosis.search.screen import Fitted, Screen
 from eccentric.signals import blocks_of
@@ -141,9 +135,7 @@ def stability_of(screen: Screen, models: Sequence[Fitted]) -> Stability:
     weight = np.exp(log - log.max(axis=1, keepdims=True))
     weight /= weight.sum(axis=1, keepdims=True)
     # Model, then variant.
-    families = [
-        [_families(m) | moved for moved in every] for m, (_, every) in zip(models, found, strict=True)
-    ]
+    families = [[m.families | moved for moved in every] for m, (_, every) in zip(models, found, strict=True)]
     weights: dict[frozenset[str], float] = {}
     for own, shares in zip(families, weight.T, strict=True):
         for one, share in zip(own, shares, strict=True):
@@ -152,16 +144,10 @@ def stability_of(screen: Screen, models: Sequence[Fitted]) -> Stability:
     return Stability(best, weights)
 
 
-def _families(fitted: Fitted) -> frozenset[str]:
-    return frozenset(variant.candidate.family for variant in fitted.variants)
-
-
 def _open(screen: Screen, candidate: Candidate) -> bool:
     """Whether the base has the column of a declared value already: the rig file leaves it to be estimated."""
     _, base, _ = screen.design([])
-    column = screen.columns(Variant(candidate, {}))
-    left = column - base @ np.linalg.lstsq(base, column, rcond=None)[0] if base.shape[1] else column
-    return bool(np.linalg.norm(left) < limits.TINY_COLUMN * np.linalg.norm(column))
+    return spans(base, screen.columns(Variant(candidate, {})))
 
 
 def _bonus(fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
@@ -170,7 +156,7 @@ def _bonus(fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
     Special cases of what another model has speak for it, shapes and effects against it, and how many orders
     there are of which an effect is one. An effect more than were adopted has to gain what adoption requires.
     """
-    every = frozenset().union(*(_families(model) for model in models))
+    every = frozenset().union(*(model.families for model in models))
     own = [variant.candidate.evidence.special_of for variant in fitted.variants]
     special = sum(bool(every & set(general)) for general in own)
     orders = sum(float(np.log(variant.candidate.evidence.one_of)) for variant in fitted.variants)
@@ -278,7 +264,7 @@ def flipped_null(residual: Array, columns: Array, block: Array) -> Array:
     rng = np.random.default_rng(5)
     starts = np.flatnonzero(np.r_[True, block[1:] != block[:-1]])
     per_block = np.add.reduceat(columns * residual[:, None], starts, axis=0)
-    signs = rng.choice([-1.0, 1.0], size=(DRAWS, len(starts)))
+    signs = rng.choice([-1.0, 1.0], size=(limits.DRAWS, len(starts)))
     return np.max((signs @ per_block) ** 2, axis=1) / float(np.mean(residual**2))
 
 
@@ -287,17 +273,17 @@ def null_quantile(screen: Screen, fitted: Fitted) -> float:
     residual = screen.residual(fitted)
     _, design, _ = screen.design(fitted.variants)
     q, _ = np.linalg.qr(design)
-    gain = np.zeros(DRAWS)
+    gain = np.zeros(limits.DRAWS)
     # A few columns at a time: copies of the library would be most of the memory of a long log.
-    for start in range(0, screen.library.shape[1], COLUMNS_AT_ONCE):
-        some = screen.library[:, start : start + COLUMNS_AT_ONCE]
+    for start in range(0, screen.library.shape[1], limits.COLUMNS_AT_ONCE):
+        some = screen.library[:, start : start + limits.COLUMNS_AT_ONCE]
         left = some - q @ (q.T @ some)
         length = np.linalg.norm(left, axis=0)
-        kept = length > TINY_COLUMN * np.linalg.norm(some, axis=0)
+        kept = length > limits.TINY_COLUMN * np.linalg.norm(some, axis=0)
         if np.any(kept):
             own = flipped_null(residual, left[:, kept] / length[kept], screen.block)
             gain = np.maximum(gain, own)
-    return float(np.quantile(gain, LEVEL)) * screen.effective(fitted) / screen.rows
+    return float(np.quantile(gain, limits.LEVEL)) * screen.effective(fitted) / screen.rows
 
 
 def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
@@ -314,25 +300,25 @@ def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
     since = rows.t - rows.t[np.searchsorted(block, block)]
     second = np.arange(screen.rows) if rows.independent else blocks_of(since, block, since)
     count = int(second[-1]) + 1
-    if count < LEAST_BLOCKS:
+    if count < limits.LEAST_BLOCKS:
         return True
     residual = screen.residual(before)
     predicted = screen.balance.target - residual
     small, large = (_Drawn.of(screen, fitted, predicted, residual, second) for fitted in (before, after))
     gain, rng, drawn = np.log(before.score / after.score), np.random.default_rng(5), []
-    for _ in range(SIGNS // AT_ONCE):
-        signs = rng.choice([-1.0, 1.0], size=(count, AT_ONCE))
+    for _ in range(limits.SIGNS // limits.AT_ONCE):
+        signs = rng.choice([-1.0, 1.0], size=(count, limits.AT_ONCE))
         first, then = small.losses(signs), large.losses(signs)
         if after.last.ridge:
-            then = np.where(then > EXTRAPOLATED * first, first, then)
+            then = np.where(then > limits.EXTRAPOLATED * first, first, then)
         drawn.append(np.log(first.sum(axis=0) / then.sum(axis=0)))
         if np.any(drawn[-1] >= gain):
             return False
     every = np.concatenate(drawn)
-    if after.last.variable not in WITH_NOISE:
+    if after.last.variable not in limits.WITH_NOISE:
         return True
-    high = np.quantile(every, 1.0 - TAIL)
-    return bool(gain > high + np.mean(every[every > high] - high) * np.log(TAIL / CHANCE))
+    high = np.quantile(every, 1.0 - limits.TAIL)
+    return bool(gain > high + np.mean(every[every > high] - high) * np.log(limits.TAIL / limits.CHANCE))
 
 
 @dataclass(frozen=True)

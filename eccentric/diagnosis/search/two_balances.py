@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.attribution import Search
 from eccentric.diagnosis.search.candidate import (
     Candidate,
@@ -25,16 +26,7 @@ from eccentric.diagnosis.search.candidate import (
     refined,
     smooth_terms,
 )
-from eccentric.diagnosis.search.crossval import bounded_solve
-from eccentric.diagnosis.search.limits import (
-    CONFIRMED,
-    HINTED,
-    LEAST_DEVIANCE,
-    MOST_BESIDE,
-    POSSIBLE,
-    STEPS,
-    TINY_COLUMN,
-)
+from eccentric.diagnosis.search.crossval import bounded_solve, spans, unexplained
 from eccentric.diagnosis.search.screen import Fitted, Screen
 from eccentric.identification import BalanceDesign, Coefficient
 
@@ -61,7 +53,7 @@ class BothBalances:
         self.variants = list(found.variants)
         # Coefficients of its own in each balance: the weights do not depend on how well the shapes agree.
         design, target = np.hstack([self._also(self.variants), self._base]), mechanical.target
-        rest = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
+        rest = unexplained(design, target)
         self._weights = screen.rows / found.loss.sum(), len(rest) / float(rest @ rest)
 
     def run(self) -> list[Array]:
@@ -74,7 +66,7 @@ class BothBalances:
 
         if shown:
             own = [self.variants[k] for k in shown]
-            self.variants = placed(refined(own, lambda v: self._solved(placed(v))[0], STEPS))
+            self.variants = placed(refined(own, lambda v: self._solved(placed(v))[0], limits.STEPS))
         widths = [self._screen.columns(variant).shape[1] for variant in self.variants]
         ends = self._screen.balance.columns.shape[1] + np.cumsum([0, *widths])
         return np.split(self._solved(self.variants)[1], ends)[1:-1]
@@ -118,7 +110,7 @@ def as_torques(electrical: Search) -> list[Candidate]:
     there: what is small beside the armature's voltage may be most of what the mechanical balance lacks.
     """
     adopted = [variant for variant in electrical.best.variants if variant.candidate.joint]
-    families = _families(electrical.best)
+    families = electrical.best.families
     return [
         *(v.candidate.in_the("mechanical", v.values) for v in adopted if v.candidate.also is not None),
         *(own.in_the("mechanical") for own in _with_torque(electrical) if own.family not in families),
@@ -138,7 +130,7 @@ def contradicted(mechanical: Search, electrical: Search) -> str | None:
                 gains.get(own, 0.0), _deviance_in_the_circuit(mechanical, fitted, where, electrical)
             )
     least = min(gains, key=lambda own: gains[own], default=None)
-    return least if least is not None and gains[least] < -HINTED else None
+    return least if least is not None and gains[least] < -limits.HINTED else None
 
 
 def weigh_with_the_circuit(mechanical: Search, electrical: Search) -> None:
@@ -149,7 +141,7 @@ def weigh_with_the_circuit(mechanical: Search, electrical: Search) -> None:
     for place, variant in enumerate(mechanical.best.variants):
         family, options = variant.candidate.family, mechanical.alternatives[place]
         circuit = _deviance_in_the_circuit(mechanical, mechanical.best, place, electrical)
-        if circuit <= HINTED or mechanical.clear(place):
+        if circuit <= limits.HINTED or mechanical.clear(place):
             continue
         rivals = _likely(mechanical, place, family)
         if not rivals or not rivals <= set(options) or any(options[r][1].last.joint for r in rivals):
@@ -157,7 +149,7 @@ def weigh_with_the_circuit(mechanical: Search, electrical: Search) -> None:
         if not mechanical.stability.nearly_all(family, *rivals):
             continue
         torque = min(mechanical.deviance(options[r][1], mechanical.best) for r in rivals)
-        if circuit + torque > LEAST_DEVIANCE:
+        if circuit + torque > limits.LEAST_DEVIANCE:
             mechanical.by_both[family] = circuit + torque
 
 
@@ -186,7 +178,7 @@ def _deviance_in_the_circuit(mechanical: Search, fitted: Fitted, place: int, ele
 def _voltages(mechanical: Search, fitted: Fitted, electrical: Search) -> dict[int, Array]:
     """What the effects on the flux of a mechanical fit are in the circuit, by place: (rows,) [N m]."""
     known = {own.id: own for own in _with_torque(electrical)}
-    adopted = _families(electrical.best)
+    adopted = electrical.best.families
     return {
         place: electrical.screen.columns(Variant(known[variant.candidate.id], variant.values)) @ own
         for place, (variant, own) in enumerate(
@@ -202,12 +194,8 @@ def _with_torque(electrical: Search) -> Sequence[Candidate]:
 
 def _likely(mechanical: Search, place: int, family: str) -> set[str]:
     """The families that may be in the place of an adopted one."""
-    likely = {other for other, chance in mechanical.chances(place).items() if chance > POSSIBLE}
+    likely = {other for other, chance in mechanical.chances(place).items() if chance > limits.POSSIBLE}
     return (likely | set(mechanical.instead(family))) - {family}
-
-
-def _families(fitted: Fitted) -> set[str]:
-    return {variant.candidate.family for variant in fitted.variants}
 
 
 # The search on both balances.
@@ -219,7 +207,7 @@ def search_all(
     variables: Variables,
     noise: Mapping[str, float],
     progress: Callable[[str], None],
-    required: float = LEAST_DEVIANCE,
+    required: float = limits.LEAST_DEVIANCE,
 ) -> dict[str, Search]:
     """Run the search on every balance, by name; arguments as in `verdict.attribute`."""
 
@@ -256,13 +244,15 @@ def search_all(
     if misread is None:
         corrected, held = _corrected(mechanical, electrical), ()
         found = with_flux(corrected, electrical)
-        for count in range(1, MOST_BESIDE + 1):
+        for count in range(1, limits.MOST_BESIDE + 1):
             beside = _beside(found, electrical)[:count]
             if _in_the_circuit(found, circuit) is not None or not beside:
                 break
             trial = replace(electrical)  # taken over only with the search that goes with it
             again = _corrected(mechanical, trial, beside)
-            if not _differs(again, corrected, found):
+            # By more than the noise explains.
+            change, variance = again.target - corrected.target, found.best.score
+            if not change @ change > limits.CONFIRMED * variance / found.screen.effective(found.best):
                 break
             corrected, held, electrical.best = again, beside, trial.best
             found = with_flux(again, electrical)
@@ -276,7 +266,7 @@ def search_all(
                 ]
                 # Without a family that could be in its place, nothing is compared.
                 least = min((found.deviance(rival.best, found.best) for rival in rivals), default=0.0)
-                if least > LEAST_DEVIANCE:
+                if least > limits.LEAST_DEVIANCE:
                     electrical.by_both[family] = least
             weigh_with_the_circuit(found, electrical)
             return {"electrical": electrical, "mechanical": found}
@@ -290,7 +280,7 @@ def search_all(
     # Beside what else was found there: a large effect would hide the difference.
     screen, others = electrical.screen, _others(electrical, misread)
     read_right = replace(circuit, target=circuit.target - misread.columns @ misread.coefficients)
-    if electrical.deviance(Screen(read_right, ()).fit(others), screen.fit(others)) < CONFIRMED:
+    if electrical.deviance(Screen(read_right, ()).fit(others), screen.fit(others)) < limits.CONFIRMED:
         clean = searched(read_right)
         found = with_flux(_corrected(mechanical, clean), clean)
         if len(_others(clean, misread)) < len(clean.best.variants):
@@ -330,7 +320,9 @@ def _in_place(electrical: Search, place: int) -> list[Search]:
     """
     family = electrical.best.variants[place].candidate.family
     options = {f: fitted for f, (_, fitted) in electrical.alternatives[place].items() if f != family}
-    likely = {f for f, chance in electrical.chances(place).items() if chance > POSSIBLE and f in options}
+    likely = {
+        f for f, chance in electrical.chances(place).items() if chance > limits.POSSIBLE and f in options
+    }
     likely |= set(electrical.instead(family)) & set(options)
     likely = likely or set([*sorted(options, key=lambda f: options[f].score)][:1])
     with_torque = [f for f in likely if options[f].last.also is not None]
@@ -385,11 +377,11 @@ def _misread(
                 continue
             samples = candidate.also({})
             added = rows.mean(samples)
-            if not _spans(added, electrical.columns(variant)):
+            if not spans(added, electrical.columns(variant)):
                 continue
             other = screen.fit([Variant(replace(variant.candidate, columns=torque), variant.values)])
             own = screen.fit([Variant(candidate, {})])
-            if screen.deviance(other, own) > CONFIRMED:
+            if screen.deviance(other, own) > limits.CONFIRMED:
                 return _Misread(candidate.family, samples, added, screen.own(own)[0])
     return None
 
@@ -408,13 +400,7 @@ def _free_to_err(circuit: BalanceDesign, misread: _Misread) -> BalanceDesign:
 def _others(electrical: Search, misread: _Misread) -> list[Variant]:
     """What was found in the electrical balance but has other columns there than the misread angle."""
     screen = electrical.screen
-    return [v for v in electrical.best.variants if not _spans(misread.columns, screen.columns(v))]
-
-
-def _spans(columns: Array, others: Array) -> bool:
-    """Whether the other columns are combinations of these."""
-    left = others - columns @ np.linalg.lstsq(columns, others, rcond=None)[0]
-    return bool(np.linalg.norm(left) < TINY_COLUMN * np.linalg.norm(others))
+    return [v for v in electrical.best.variants if not spans(misread.columns, screen.columns(v))]
 
 
 def _beside(mechanical: Search, electrical: Search) -> list[Beside]:
@@ -433,13 +419,6 @@ def _beside(mechanical: Search, electrical: Search) -> list[Beside]:
     own.sort(key=lambda v: -screen.fit([other for other in best.variants if other is not v]).score)
     made = [(v, screen.columns(v)) for v in own]
     return [(columns, bounds_of(v.candidate, columns.shape[1])) for v, columns in made if columns.size]
-
-
-def _differs(new: BalanceDesign, old: BalanceDesign, found: Search) -> bool:
-    """Whether two corrected targets differ by more than the noise explains."""
-    change = new.target - old.target
-    variance = found.best.score / found.screen.effective(found.best)
-    return bool(change @ change > CONFIRMED * variance)
 
 
 def _corrected(balance: BalanceDesign, electrical: Search, beside: Sequence[Beside] = ()) -> BalanceDesign:

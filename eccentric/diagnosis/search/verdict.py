@@ -19,6 +19,7 @@ from eccentric.diagnosis.search import limits
 from eccentric.diagnosis.search.attribution import Search
 from eccentric.diagnosis.search.candidate import Candidate, Variables, Variant
 from eccentric.diagnosis.search.screen import Fitted
+from eccentric.diagnosis.search.stability import null_quantile
 from eccentric.diagnosis.search.two_balances import search_all
 from eccentric.effects import Words
 from eccentric.identification import BalanceDesign
@@ -172,7 +173,7 @@ def decided(searches: dict[str, Search], runs: int = 1) -> Attribution:
     listed = [*leading, *_runners_up(searches, {entry.family for entry in leading}, set(about))]
     follows = tuple(dict.fromkeys([*depends, *(variable for variable, _ in left)]))
     deviance = {
-        name: (search.deviance(search.base, search.ranked[0]), search.null_level())
+        name: (search.deviance(search.base, search.ranked[0]), null_quantile(search.screen, search.best))
         for name, search in searches.items()
         if search.ranked
     }
@@ -249,7 +250,8 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
     ties = [(entry.family, one.alike) for one, entry in found if one.alike]
     # Several drifts in one balance make up the course of one that none of them has.
     for name in searches:
-        drifts = dict.fromkeys(e.family for one, e in found if one.balance == name and _drifts(one))
+        own = [e.family for a, e in found if a.balance == name and a.variant.candidate.variable == "time"]
+        drifts = dict.fromkeys(own)
         if len(drifts) > 1:
             ties.append((next(iter(drifts)), tuple(drifts)))
             found = [
@@ -268,11 +270,6 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
         ties = [(family, tie) for family, tie in ties if not declared.issuperset(tie)]
     tied = dict.fromkeys(other for _, tie in ties for other in tie)
     return [one for one, _ in found], [entry for _, entry in found], list(tied)
-
-
-def _drifts(one: Adopted) -> bool:
-    """Whether an effect is a course over the time of the log."""
-    return one.variant.candidate.variable == "time"
 
 
 def _ranked(candidate: Candidate, balance: str, search: Search, fitted: Fitted, probability: float) -> Ranked:
