@@ -65,12 +65,12 @@ def test_a_rig_that_names_an_arm_is_known_as_one() -> None:
         ),
         (
             {"drives": {"k_i": ["0.1 Nm/A"]}},
-            r"\[drives\] k_i: one value, or one for each of 2 joints, is requ",
+            r"\[drives\] k_i: expected one value, or one for each of 2 joints, got",
         ),
         ({"drives": {"k_i": "0.1 V"}}, r"rig: \[drives\] k_i: "),
-        ({"drives": {"gear": "harmonic"}}, r"rig: gear: one of strain wave, planetary, worm, "),
+        ({"drives": {"gear": "harmonic"}}, r"rig: gear: expected one of strain wave, planetary, worm, "),
         ({"drives": {"mu": 0.1}}, r"\[drives\]: unknown key 'mu'"),
-        ({"joints": {"inertial": "closed"}}, r'\[joints\] inertial: "known", "open" or a list of mass, cen'),
+        ({"joints": {"inertial": "closed"}}, r'\[joints\] inertial: expected "known", "open" or a list of mass, cen'),
         (
             {"joints": {"inertial": ["centre"]}},
             r"expected mass before centre before inertia, got cent",
@@ -83,22 +83,22 @@ def test_a_rig_that_names_an_arm_is_known_as_one() -> None:
         ),
         (
             {"known": {"M": "1 kg"}},
-            r"rig: \[known\]: bodies and gear ratios in the arm file, k_i, R and k_e in \[drives\] are requ",
+            r"rig: \[known\]: expected bodies and gear ratios in the arm file, k_i, R and k_e in \[drives\]",
         ),
         (
             {"columns": {"time": "t_s", "omega_l": "w_{j}", "torque_l": "tau_Nm_{j}"}},
-            r"\[columns\]: the angle of every joint is required, as in theta_l = \"q_rad_\{j\}\", recei",
+            r"\[columns\]: expected the angle of every joint, as in theta_l = \"q_rad_\{j\}\", got",
         ),
         (
             {"columns": {"time": "t_s", "theta_l": "q_{j}"}, "drive": "current"},
-            r"what measures the drive of every joint is required, such as current = \"current_\{j\}\", recei",
+            r"expected what measures the drive of every joint, such as current = \"current_\{j\}\", got",
         ),
         (
             {"columns": {"time": "t_s", "theta_l": "q_{j}", "current": "i_{j}"}},
-            r"what measures the drive of every joint is required, such as torque_l = \"torque_l_\{j\}\"",
+            r"expected what measures the drive of every joint, such as torque_l = \"torque_l_\{j\}\"",
         ),
         ({"arm": "nope.toml"}, r"^rig: arm: nope.toml: no such file$"),
-        ({"arm": 3}, r"rig: arm: the path of an arm"),
+        ({"arm": 3}, r"rig: arm: expected the path of an arm"),
     ],
 )
 def test_bad_input_is_one_line(more: dict[str, Any], message: str) -> None:

@@ -306,7 +306,7 @@ def test_the_papers_terms_have_their_roles_and_loads() -> None:
         ({"role": "viscous"}, "term x: role: expected one of Role.NONE, .*, got 'viscous'"),
         (
             {"role": Role.DRAG, "load": "F_N"},
-            "term x: load: one of Load.NONE, .* required, got 'F_N'",
+            "term x: load: expected one of Load.NONE, .*, got 'F_N'",
         ),
         ({"role": Role.DRAG, "joint": -1}, "term x: joint: expected 0 or above, got -1"),
         ({"role": Role.DRAG, "kind": "actuator"}, "only friction has a role, got drag of kind actuator"),

@@ -308,7 +308,7 @@ def _axis(content: Mapping[str, Any], where: str) -> AxisKind:
     """Return the kind of axis that the rig names, by default one that turns."""
     kind = content.get("kind", TURNING.name)
     if "kind" not in content and (own := _of_a_carriage_alone(content)):
-        raise InputError(f"{where}: {own}", 'kind = "linear"', "no kind", why="with it")
+        raise InputError(f"{where}: {own}", 'kind = "linear"', "no kind", why="with this key")
     if not isinstance(kind, str) or kind not in AXES:
         raise InputError(
             f"{where}: kind",
