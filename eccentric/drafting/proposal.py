@@ -67,15 +67,19 @@ class RigLine:
     guessed: bool = False
 
 
+def known_asked(key: str, typical: str, evidence: str, *, needed: bool = False) -> RigLine:
+    """A question about a value of [known], with a typical one."""
+    return RigLine("known", key, f'"{typical}"', evidence, asked=True, needed=needed)
+
+
 _USUAL = {"motor": "brushless", "bearing": "ball", "lubricant": "grease"}
 
 
 def asked_parts(gear: str) -> list[RigLine]:
     """Questions about what the drive is made of, with this gear as a typical one: no log shows it."""
+    usual = {"gear": gear, **_USUAL}
     return [
-        RigLine(
-            "", kind, json.dumps({"gear": gear, **_USUAL}[kind]), f"{kind}: {', '.join(words)}", asked=True
-        )
+        RigLine("", kind, json.dumps(usual[kind]), f"{kind}: {', '.join(words)}", asked=True)
         for kind, words in DRIVE_PARTS.items()
     ]
 
