@@ -48,7 +48,7 @@ from eccentric.drafting.drives import (
 from eccentric.drafting.joints import joint_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
-from eccentric.drafting.questions import entries_of, facts_of, one_way
+from eccentric.drafting.questions import entries_of, facts_of, line_asked, one_way, turns_asked
 from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, find_clock, find_runs, readings
 from eccentric.drafting.words import of_a_carriage
 from eccentric.logs import Log, number_of
@@ -120,6 +120,9 @@ def draft_of(log: Log) -> Draft:
     left = {name: c for name, c in columns.items() if run is None or name != run.column}
     clock = find_clock({n: c for n, c in left.items() if not c.is_flag}, ends, log.path, texts)
     left.pop(clock.proposal.column)
+    if not left:
+        hint = 'where each row is the time of one turn, write a rig file with events = "revolution"'
+        raise InputError(log.path, "an angle or a speed", "the time alone", hint=hint)
     grid = grid_of(clock.raw * SECONDS[clock.unit], clock.breaks)
     if not grid.parts:
         raise InputError(log.path, problem="expected a stretch of more rows without a gap in time")
@@ -196,7 +199,11 @@ def draft_of(log: Log) -> Draft:
         largest = float(np.quantile(np.abs(drive.values), 0.999)) if drive else 0.0
         entries = carriage_entries(evidence, moving, drives, largest, one_way(motion))
     else:
-        entries = entries_of(found[0], evidence, gravity, gear.mu, drives)
+        entries = [
+            *turns_asked(clock.raw, clock.breaks, evidence),
+            *line_asked(grid, evidence, found[0].speed, drive),
+            *entries_of(found[0], evidence, gravity, gear.mu, drives),
+        ]
     if not drives:
         why = "expected a current, a torque or a voltage, and no column follows the motion as one does"
         line = RigLine("columns", "current", '"its column"', why, asked=True, needed=True)

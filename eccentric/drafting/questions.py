@@ -6,14 +6,18 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from eccentric.core import counted
+from eccentric.core import InputError, counted
 from eccentric.drafting import limits
 from eccentric.drafting.balance import SHORT, Explained, Moved
-from eccentric.drafting.columns import Grid, nice_counts
+from eccentric.drafting.columns import Grid, LoggedColumn, nice_counts
 from eccentric.drafting.proposal import Proposal, RigLine, asked_parts, computed_by, known_asked
 from eccentric.drafting.units import Reading, Shown
+from eccentric.logs import parse_unit
+from eccentric.signals import turn_line
 
+Array = NDArray[np.float64]
 TURN = 2.0 * math.pi
 
 
@@ -126,6 +130,61 @@ def _case(given: Shown, balance: Explained | None) -> RigLine:
     if given.angle is None:
         doubt = "without an angle gravity cannot be seen"
     return RigLine("known", "case", '"C1"', why, doubt)
+
+
+def turns_asked(t: Array, breaks: NDArray[np.bool_], given: Shown) -> list[RigLine]:
+    """Whether each row is the time of one turn: steps of time are uneven, and turn with the speed.
+
+    Args:
+        t, breaks: the time of the rows (n,) and the ends of stretches (n-1,).
+        given: its angle counts turns, or its speed is the inverse of the step of time, as a mean over a turn.
+    """
+    steps = np.diff(t)
+    inside = ~breaks & (steps > 0.0)
+    low, high = np.quantile(steps[inside], [0.1, 0.9])
+    if high < limits.UNEVEN * low:
+        return []
+    if given.angle is not None:
+        changes = np.abs(np.diff(given.angle.values)[inside])
+        if not given.angle.is_whole or np.mean(changes > 1.0) > limits.FEW_STEPS:
+            return []
+        why = f"{given.angle.text} counts up by one, at uneven times"
+    elif given.speed is not None:
+        turn = np.abs(given.speed.values[1:] * steps)[inside]
+        low, middle, high = np.quantile(turn, [0.1, 0.5, 0.9])
+        if high - low > limits.ONE_TURN * middle:
+            return []
+        why = f"the way from row to row is always the same, by {given.speed.text}"
+    else:
+        return []
+    return [RigLine("", "events", '"revolution"', f"{why}: is each row the time of one turn?", asked=True)]
+
+
+def line_asked(grid: Grid, given: Shown, unit: str, drive: LoggedColumn | None) -> list[RigLine]:
+    """Whether the angle is the phase of a line in the drive signal, where none is logged.
+
+    Args:
+        grid: of the log; its longest stretch is looked at.
+        given: without an angle, its speed nearly constant; `unit` is that of the speed.
+        drive: the signal, None without any.
+    """
+    speed = given.speed
+    if given.angle is not None or speed is None or drive is None or speed.varies > limits.HARDLY:
+        return []
+    t, even, rows = max(grid.parts, key=lambda part: len(part[1]))
+    in_si = parse_unit(unit, "").factor
+    signal, omega = (np.interp(even, t, c.values[rows]) for c in (drive, speed))
+    try:
+        line = turn_line(even, signal, in_si * omega)
+    except InputError:
+        return []
+    often = "once" if line.order == 1 else f"{line.order} times"
+    why = (
+        f"no angle is logged, and {drive.text} has a line {often} per turn, at"
+        f" {line.order * line.frequency:.4g} Hz: is its phase the angle, in place of the integral of the"
+        " speed?"
+    )
+    return [RigLine("", "angle", '"line"', why, asked=True)]
 
 
 ONE_WAY = "one direction only: Coulomb friction and a constant load are one and the same there"
