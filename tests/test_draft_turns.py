@@ -1,4 +1,4 @@
-"""A log of times of turns, or of a line once per turn and no angle: the draft asks, and the answer fits."""
+"""Logs of turns, of a line once per turn, and of masses by run: the draft asks, and the answer fits."""
 
 from __future__ import annotations
 
@@ -109,3 +109,17 @@ def test_without_a_line_or_beside_an_angle_none_is_asked_about() -> None:
 
     assert '"line"' not in eccentric.draft_rig(motor(0.0)).text
     assert '"line"' not in eccentric.draft_rig(angle).text
+
+
+def test_masses_by_run_are_asked_about_as_added() -> None:
+    """The least mass is that of the link; what the other runs carry beside it are the answers."""
+    bench = eccentric.bench([], case="C2", mu=0.2, log_type="traj", seconds=20.0, seed=5).log
+    columns = {name: np.tile(np.asarray(values), 3) for name, values in bench.columns.items()}
+    numbers = np.repeat([1.0, 2.0, 3.0], bench.rows)
+    text = eccentric.draft_rig(
+        log_of(**columns, run=numbers, **{"load [g]": 200.0 + 150.0 * (numbers - 1.0)})
+    ).text
+
+    assert ['#? "2" = "150 g"', '#? "3" = "300 g"'] == text.split("\n[added]\n")[1].splitlines()[1::2]
+    rig = read_rig(tomllib.loads(answered(text, '"2"', '"3"', "M", "L", "M_l")))
+    assert {"2": pytest.approx(0.15), "3": pytest.approx(0.3)} == rig.added_kg

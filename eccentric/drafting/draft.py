@@ -48,9 +48,9 @@ from eccentric.drafting.drives import (
 from eccentric.drafting.joints import joint_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
-from eccentric.drafting.questions import entries_of, facts_of, line_asked, one_way, turns_asked
+from eccentric.drafting.questions import added_asked, entries_of, facts_of, line_asked, one_way, turns_asked
 from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, find_clock, find_runs, readings
-from eccentric.drafting.words import of_a_carriage
+from eccentric.drafting.words import is_mass, of_a_carriage
 from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
 
@@ -211,6 +211,10 @@ def draft_of(log: Log) -> Draft:
             why = "a coast-down, if nothing drove it; without J_m and J_l it shows friction over inertia"
             line = RigLine("", "drive", '"none"', "", why)
         entries = [line, *entries]
+    by_run = [left[n] for n, why in left_out.items() if why == _BY_RUN and is_mass(left[n].name.unit)]
+    if run is not None and by_run and not carried:
+        names = texts[run.column] if run.column in texts else columns[run.column].values
+        entries += added_asked(names.tolist(), by_run[0])
     facts, axis = [*facts_of(grid, motion), *ripple], LINEAR if carried else TURNING
     return Draft(log.path, tuple(proposals), tuple(entries), left_out, tuple(facts), axis)
 

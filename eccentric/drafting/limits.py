@@ -22,7 +22,7 @@ jitter, and a shaft that never changes its speed by so much has nothing to fit."
 FEW_STEPS = 0.02
 """Part of the rows that may count up by more than one where rows are turns: some events are missed."""
 ONE_TURN = 0.1
-"""Scatter (deciles, relative) of speed times step of time up to which that is one turn: speeds are rounded."""
+"""Relative scatter (deciles) of speed times step of time up to which it is one turn: speeds are rounded."""
 
 # Moved.
 SMOOTH_S, SMOOTH_ROWS = 0.08, 9

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 
@@ -158,6 +159,24 @@ def turns_asked(t: Array, breaks: NDArray[np.bool_], given: Shown) -> list[RigLi
     else:
         return []
     return [RigLine("", "events", '"revolution"', f"{why}: is each row the time of one turn?", asked=True)]
+
+
+def added_asked(run: Sequence[object], mass: LoggedColumn) -> list[RigLine]:
+    """What each run carries beside the least, by a column of masses that is constant in it.
+
+    Args:
+        run: the run of each row (n,).
+        mass: the column (n,), with a unit of mass.
+    """
+    least, unit = float(np.min(mass.values)), mass.name.unit
+    why = f"M is {least:g} {unit}, if {mass.text} is all of it"
+    entries: list[RigLine] = []
+    for name, value in dict(zip(run, mass.values.tolist(), strict=True)).items():
+        if value > least:
+            key = json.dumps(f"{name:.12g}" if isinstance(name, float) else str(name), ensure_ascii=False)
+            entries.append(RigLine("added", key, f'"{value - least:g} {unit}"', why, asked=True))
+            why = "as above"
+    return entries
 
 
 def line_asked(grid: Grid, given: Shown, unit: str, drive: LoggedColumn | None) -> list[RigLine]:
