@@ -70,17 +70,14 @@ def test_a_rig_that_names_an_arm_is_known_as_one() -> None:
         ({"drives": {"k_i": "0.1 V"}}, r"rig: \[drives\] k_i: "),
         ({"drives": {"gear": "harmonic"}}, r"rig: gear: expected one of strain wave, planetary, worm, "),
         ({"drives": {"mu": 0.1}}, r"\[drives\]: unknown key 'mu'"),
-        ({"joints": {"inertial": "closed"}}, r'\[joints\] inertial: expected "known", "open" or a list of mass, cen'),
         (
-            {"joints": {"inertial": ["centre"]}},
-            r"expected mass before centre before inertia, got cent",
+            {"joints": {"inertial": "closed"}},
+            r'\[joints\] inertial: expected "known", "open" or a list of mass, cen',
         ),
+        ({"joints": {"inertial": ["centre"]}}, r"expected mass before centre before inertia, got cent"),
         ({"joints": {"inertial": ["mass", "inertia"]}}, r"got mass, inertia without what comes before"),
         ({"joints": {"inertial": ["mas"]}}, r"\[joints\] inertial: unknown key 'mas'"),
-        (
-            {"joints": {"first": -1}},
-            r"\[joints\] first: expected a whole number of 0 or above, got -1",
-        ),
+        ({"joints": {"first": -1}}, r"\[joints\] first: expected a whole number of 0 or above, got -1"),
         (
             {"known": {"M": "1 kg"}},
             r"rig: \[known\]: expected bodies and gear ratios in the arm file, k_i, R and k_e in \[drives\]",
@@ -118,8 +115,7 @@ def test_a_column_for_some_joints_only_is_refused(log: dict[str, Any]) -> None:
     some = {name: values for name, values in log.items() if name != "tau_Nm_2"}
 
     with pytest.raises(
-        InputError,
-        match=r"torque_l: expected column 'tau_Nm_2' for joint 2 of planar .*, got 1 of 2 joints",
+        InputError, match=r"torque_l: expected column 'tau_Nm_2' for joint 2 of planar .*, got 1 of 2 joints"
     ):
         read_joints([some], read_arm_rig(arm_rig_of(ARM)))
 

@@ -43,15 +43,9 @@ ARM_FILES = {
         ),
     ),
     "joints that are no tables": ("joint = 3", "expected joints, each as [[joint]], got 3"),
-    "a joint without a name": (
-        f"[[joint]]\n{MASS}",
-        "joint 1: expected a name on one line, not 'payload',",
-    ),
+    "a joint without a name": (f"[[joint]]\n{MASS}", "joint 1: expected a name on one line, not 'payload',"),
     "two of one name": ((ELBOW + MASS) * 2, "expected joints of different names, got 'elbow' twice"),
-    "a joint without a body": (
-        ELBOW,
-        'elbow: expected a body, such as body = { mass = "2 kg" }, got',
-    ),
+    "a joint without a body": (ELBOW, 'elbow: expected a body, such as body = { mass = "2 kg" }, got'),
     "a body without a mass": (body(""), "elbow: expected mass, got none"),
     "the last body without a mass": (
         body("mass = 0"),
@@ -93,10 +87,7 @@ ARM_FILES = {
         "expected an arm file, got the rig of an arm, whose key `arm` names the arm file",
     ),
     "mass true": (body("mass_kg = true"), "elbow: mass_kg: expected a number, got True"),
-    "mass twice": (
-        body('mass = "1 kg", mass_kg = 1'),
-        "expected mass only once, got mass and mass_kg",
-    ),
+    "mass twice": (body('mass = "1 kg", mass_kg = 1'), "expected mass only once, got mass and mass_kg"),
     "an unknown key of a body": (body('mas = "1 kg"'), "elbow: unknown key 'mas'; did you mean 'mass'?"),
     "a centre of two": (
         body("mass_kg = 1, centre_m = [1, 2]"),
@@ -131,19 +122,16 @@ ARM_FILES = {
         "elbow: kind: expected one of revolute, prismatic, got 'ball'",
     ),
     "a gear that turns nothing": (f"{ELBOW}mu = 0\n{MASS}", "elbow: mu: expected a positive gear ratio"),
-    "a gear with a colon": (f'{ELBOW}mu = "1:50"\n{MASS}', "elbow: mu: expected a ratio with '/', as in '1/5'"),
+    "a gear with a colon": (
+        f'{ELBOW}mu = "1:50"\n{MASS}',
+        "elbow: mu: expected a ratio with '/', as in '1/5'",
+    ),
     "a slide with the gear of a turn": (
         f'{ELBOW}kind = "prismatic"\nmu = 0.1\n{MASS}',
         'elbow: mu: expected a text with a unit, as in "0.1 m/rad", got 0.1',
     ),
-    "a rotor below zero": (
-        f"{ELBOW}J_m_kgm2 = -1\n{MASS}",
-        "elbow: J_m: expected 0 or above, got -1",
-    ),
-    "angles in metres": (
-        f'{ELBOW}rpy = ["1 m", 0, 0]\n{MASS}',
-        "elbow: rpy: expected a unit like deg, rad",
-    ),
+    "a rotor below zero": (f"{ELBOW}J_m_kgm2 = -1\n{MASS}", "elbow: J_m: expected 0 or above, got -1"),
+    "angles in metres": (f'{ELBOW}rpy = ["1 m", 0, 0]\n{MASS}', "elbow: rpy: expected a unit like deg, rad"),
     "two rotations": (
         f"{ELBOW}rpy_rad = [0, 0, 0]\nrotation = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n{MASS}",
         "elbow: expected only one of rpy and rotation, got both",
@@ -213,10 +201,7 @@ URDFS = {
         WHOLE.replace("continuous", "floating"),
         "joint 'turn': expected type revolute, continuous, prismatic or fixed, got 'floating'",
     ),
-    "a joint without a type": (
-        WHOLE.replace(' type="continuous"', ""),
-        "<joint>: expected a type, got",
-    ),
+    "a joint without a type": (WHOLE.replace(' type="continuous"', ""), "<joint>: expected a type, got"),
     "a joint without a child": (
         WHOLE.replace('<child link="hand"/>', ""),
         "line 2: <joint>: expected a child link, got none",
@@ -298,10 +283,7 @@ def test_the_line_of_malformed_xml_is_named(tmp_path: Path) -> None:
     [
         ("hnd", "expected a link of this file as tip, got 'hnd'; did you mean 'hand'?"),
         ("base", "expected a joint that moves before link 'base', got none"),
-        (
-            "right finger",
-            "joint 'right': expected a drive of its own, got a joint that follows 'left'",
-        ),
+        ("right finger", "joint 'right': expected a drive of its own, got a joint that follows 'left'"),
     ],
 )
 def test_a_tip_that_cannot_be_is_refused(tip: str, expected: str, tmp_path: Path) -> None:

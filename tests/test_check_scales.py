@@ -160,10 +160,7 @@ def test_a_decimal_comma_of_a_bare_number_is_named_with_its_line(tmp_path: Path)
     ("line", "wanted"),
     [
         ("M = 0.5 kg", 'expected a value with its unit in quotes, M = "0.5 kg"'),
-        (
-            "J = 1.2e-4 kg m^2  # the rotor",
-            'expected a value with its unit in quotes, J = "1.2e-4 kg m^2"',
-        ),
+        ("J = 1.2e-4 kg m^2  # the rotor", 'expected a value with its unit in quotes, J = "1.2e-4 kg m^2"'),
         ("k_i = .05N m/A", 'expected a value with its unit in quotes, k_i = ".05N m/A"'),
         ("case = C2", 'expected a text in quotes, case = "C2"'),
         ("motor_off = True", "expected true or false in small letters, motor_off = true"),

@@ -76,12 +76,7 @@ def _as_found(
 
 @pytest.mark.parametrize(
     ("beside", "expected"),
-    [
-        ({}, True),
-        ({"balance": "electrical"}, True),
-        ({"corrects": "J"}, True),
-        (None, False),
-    ],
+    [({}, True), ({"balance": "electrical"}, True), ({"corrects": "J"}, True), (None, False)],
     ids=["another of friction", "one of the motor", "a wrong declaration", "the motor's alone"],
 )
 def test_one_effect_of_the_friction_is_enough(

@@ -71,10 +71,7 @@ def changed(**entries: Any) -> dict[str, Any]:
         (changed(encoder_counts_per_rev=100), "rig: unknown key 'encoder_counts_per_rev'"),
         (changed(encoder_step_m=0), "rig: encoder_step_m: expected a finite number above 0, got 0"),
         (changed(moving_threshold_m_s=-1), "rig: moving_threshold_m_s: "),
-        (
-            changed(drive="torque"),
-            "rig: drive: expected one of current, voltage, force, none, got 'torque'",
-        ),
+        (changed(drive="torque"), "rig: drive: expected one of current, voltage, force, none, got 'torque'"),
     ],
     ids=lambda x: x[:60] if isinstance(x, str) else "",
 )

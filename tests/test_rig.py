@@ -270,10 +270,7 @@ def test_bad_json_is_refused(tmp_path: Path) -> None:
     for text, expected in (
         ('{"known": ', r"not valid JSON: Expecting value: line 1 column 11"),
         ("[1]", r"expected a table, got \[1\]"),
-        (
-            '{"drive": "current", "drive": "voltage"}',
-            "expected each key only once, got 'drive' twice",
-        ),
+        ('{"drive": "current", "drive": "voltage"}', "expected each key only once, got 'drive' twice"),
     ):
         with pytest.raises(InputError, match=expected):
             read_rig(written(tmp_path, text, "rig.json"))

@@ -56,10 +56,7 @@ def test_a_rig_is_its_own_rig() -> None:
     ("content", "line"),
     [
         (3, "rig: expected a path, a mapping or a Rig, got int"),
-        (
-            {"known": {"case": "C2", "M": object()}},
-            "rig: expected the content of a JSON file (got object)",
-        ),
+        ({"known": {"case": "C2", "M": object()}}, "rig: expected the content of a JSON file (got object)"),
         ({"known": {"case": "C3"}}, "rig: [known] case: expected C1 or C2, got 'C3'"),
         ({"knwon": {}}, "rig: unknown key 'knwon'; did you mean 'known'?"),
     ],

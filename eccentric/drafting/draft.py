@@ -21,12 +21,7 @@ from eccentric.drafting.balance import (
     gear_of,
     motion_from,
 )
-from eccentric.drafting.carriage import (
-    carriage_channels,
-    carriage_entries,
-    driven,
-    is_carriage,
-)
+from eccentric.drafting.carriage import carriage_channels, carriage_entries, driven, is_carriage
 from eccentric.drafting.columns import (
     Grid,
     LoggedColumn,
@@ -37,14 +32,7 @@ from eccentric.drafting.columns import (
     step_of,
     wrap_of,
 )
-from eccentric.drafting.drives import (
-    CONSTANT,
-    KINDS,
-    UNSIGNED,
-    coasts,
-    find_drives,
-    without_sign,
-)
+from eccentric.drafting.drives import CONSTANT, KINDS, UNSIGNED, coasts, find_drives, without_sign
 from eccentric.drafting.joints import joint_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine

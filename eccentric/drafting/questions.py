@@ -23,11 +23,7 @@ TURN = 2.0 * math.pi
 
 
 def entries_of(
-    best: Reading,
-    given: Shown,
-    balance: Explained | None,
-    gear: RigLine,
-    drives: Sequence[Proposal],
+    best: Reading, given: Shown, balance: Explained | None, gear: RigLine, drives: Sequence[Proposal]
 ) -> list[RigLine]:
     """The lines of the rig file; `gear` is that of mu."""
     kinds = {p.channel for p in drives}

@@ -122,10 +122,7 @@ def by_rate(log: Log, rate_hz: float) -> Log:
 
 
 def find_clock(
-    columns: Mapping[str, LoggedColumn],
-    ends: NDArray[np.bool_],
-    where: str,
-    texts: Iterable[str] = (),
+    columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_], where: str, texts: Iterable[str] = ()
 ) -> Clock:
     """The clock among the columns; `ends` (n-1,) are those of named runs, `texts` columns of text.
 

@@ -251,11 +251,7 @@ def spelled(text: str) -> str:
     return one
 
 
-_ENDS = (
-    r"[\s_.-]+([^\s_.-]+_[^\s_.-]+)$",
-    r"[\s_.-]+([^\s_.-]+)$",
-    r"(?<=[a-z])([A-Z][a-z]+|[A-Z]{2,})$",
-)
+_ENDS = (r"[\s_.-]+([^\s_.-]+_[^\s_.-]+)$", r"[\s_.-]+([^\s_.-]+)$", r"(?<=[a-z])([A-Z][a-z]+|[A-Z]{2,})$")
 
 
 def _suffix(text: str) -> tuple[str, str]:

@@ -70,10 +70,7 @@ def _comments(evidence: Iterable[str], doubt: str) -> Iterator[str]:
     for mark, text in (("# ", "; ".join(evidence)), ("# ? ", doubt)):
         if text:
             yield from textwrap.wrap(
-                " ".join(_line(text).split()),
-                _WIDTH,
-                initial_indent=mark,
-                subsequent_indent="#   ",
+                " ".join(_line(text).split()), _WIDTH, initial_indent=mark, subsequent_indent="#   "
             )
 
 
