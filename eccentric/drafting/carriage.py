@@ -102,7 +102,7 @@ def driven(
             said = tuple(one.replace("torque by its name", "force by its name") for one in drive.evidence)
             kept.append(replace(drive, evidence=said))
         elif carriage and channels == {"voltage"}:
-            kept.append(replace(drive, doubt="; ".join(filter(None, (drive.doubt, _REFERENCE)))))
+            kept.append(drive.doubted(_REFERENCE))
         else:
             kept.append(drive)
     return kept, left_out

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from eccentric.model import DRIVE_PARTS
 
@@ -36,6 +36,10 @@ class Proposal:
     reads: tuple[str, ...] = ()
     constant: tuple[str, str] = ("", "")
     by_gravity: tuple[str, ...] = ()
+
+    def doubted(self, doubt: str) -> Proposal:
+        """The same with one more doubt, if there is one."""
+        return replace(self, doubt="; ".join(filter(None, (self.doubt, doubt))))
 
     @property
     def column(self) -> str:
