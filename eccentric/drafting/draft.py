@@ -93,9 +93,7 @@ def draft_of(log: Log) -> Draft:
     """
     opened = opened_to_draft(log)
     columns, texts, run, ends, clock = opened.columns, opened.texts, opened.run, opened.ends, opened.clock
-    left = {
-        n: c for n, c in columns.items() if n != clock.proposal.column and (run is None or n != run.column)
-    }
+    left = {n: c for n, c in columns.items() if n not in {clock.proposal.column, run and run.column}}
     if not left:
         hint = 'where each row is the time of one turn, write a rig file with events = "revolution"'
         raise InputError(log.path, "an angle or a speed", "the time alone", hint=hint)

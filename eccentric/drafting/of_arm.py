@@ -144,11 +144,12 @@ def _sides(chosen: Sequence[Proposal], log: Log, chain: Chain, first: int) -> li
             continue
         side = read_name(p.source.replace(NUMBER, "1")).side
         motor = side == "m" or (not side and far and kind != "torque")
+        doubt = ""
         if not side and not direct:
             why = "it travels further than a joint does: the motor's" if motor else "taken as the joint's"
-            p = p.doubted(f"no name says which side of the gear: {why}")
+            doubt = f"no name says which side of the gear: {why}"
         of_motor = "" if kind == "torque" else "_m"
-        found.append(replace(p, channel=f"{kind}{of_motor if motor else '_l'}"))
+        found.append(replace(p, channel=f"{kind}{of_motor if motor else '_l'}").doubted(doubt))
     return found
 
 

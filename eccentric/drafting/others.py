@@ -67,11 +67,8 @@ def find_voltage(columns: Sequence[LoggedColumn], supply: LoggedColumn | None) -
         said, sure_of, reads = "a duty cycle by its name", 0.4, (duty.text,)
     else:
         text += f" * {quoted(supply.text)}" + (" / 1000" if supply.name.unit == "mV" else "")
-        said, sure_of, reads = (
-            "duty cycle times supply, by their names",
-            0.9 if sure else 0.7,
-            (duty.text, supply.text),
-        )
+        said, reads = "duty cycle times supply, by their names", (duty.text, supply.text)
+        sure_of = 0.9 if sure else 0.7
     found = Proposal("voltage", text, "V", (said,), sure_of, "" if sure else doubt, reads=reads)
     return found if supply else found.doubted("times the supply voltage, which the log does not hold")
 
