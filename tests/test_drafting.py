@@ -31,9 +31,11 @@ BENCH = {
 }
 
 
-def bench_log(seed: int, case: str = "C2", mu: float = 0.2, log_type: str = "traj") -> BenchResult:
+def bench_log(
+    seed: int, case: str = "C2", mu: float = 0.2, log_type: str = "traj", seconds: float = 30.0
+) -> BenchResult:
     """A log of the virtual bench."""
-    return eccentric.bench([], case=case, mu=mu, log_type=log_type, seconds=30.0, seed=seed)
+    return eccentric.bench([], case=case, mu=mu, log_type=log_type, seconds=seconds, seed=seed)
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +109,7 @@ def test_units_without_names_follow_from_physics(arm: BenchResult) -> None:
 @pytest.mark.parametrize(("case", "mu"), [("C2", 0.2), ("C2", 1.0), ("C2", 0.1), ("C1", 0.2)])
 def test_case_and_gear_are_those_of_the_bench(case: str, mu: float) -> None:
     """Gravity repeats once per turn of the link, which shows case and gear; without it there is no gear."""
-    draft = draft_of(bench_log(21, case, mu).log)
+    draft = draft_of(bench_log(21, case, mu, seconds=20.0).log)
     said = {e.key: e for e in draft.entries}
     over, _, under = said["mu"].value.strip('"').partition("/")
 
