@@ -74,10 +74,14 @@ def test_samples_of_the_same_wheel_are_not_asked_about() -> None:
         assert "events" not in eccentric.draft_rig(log).text
 
 
-def test_times_alone_are_refused_with_the_key() -> None:
-    """Nothing shows what they are of."""
+def test_times_alone_are_refused_with_the_key_and_checked_with_it() -> None:
+    """Nothing shows what they are of; a rig that says so needs no other column."""
+    log = log_of(time_s=turns())
+    known = {"case": "C1", "mu": 1, "M": "0 kg", "L": "0 m"}
+    rig = {"drive": "none", "events": "revolution", "columns": {"time": "time_s"}, "known": known}
     with pytest.raises(InputError, match=r'got the time alone; where each row .* events = "revolution"'):
-        eccentric.draft_rig(log_of(time_s=turns()))
+        eccentric.draft_rig(log)
+    assert () == eccentric.check_rig(log, rig).complaints
 
 
 def motor(amplitude: float) -> Log:
