@@ -96,7 +96,7 @@ def test_a_line_once_per_turn_is_asked_about_and_is_the_angle() -> None:
     """With the answer, the angle is that of the motor, whatever the speed says."""
     log = motor(0.05)
     draft = eccentric.draft_rig(log)
-    assert "a line once per turn, at 13.33 Hz" in " ".join(draft.text.replace("#", "").split())
+    assert "current_A repeats 1/turn, at 13.33 Hz" in " ".join(draft.text.replace("#", "").split())
 
     text = answered(draft.text, "angle", "M", "L", "k_i")
     channels = read_channels([log], read_rig(tomllib.loads(text)))

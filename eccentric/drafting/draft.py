@@ -95,8 +95,12 @@ def draft_of(log: Log) -> Draft:
     columns, texts, run, ends, clock = opened.columns, opened.texts, opened.run, opened.ends, opened.clock
     left = {n: c for n, c in columns.items() if n not in {clock.proposal.column, run and run.column}}
     if not left:
-        hint = 'where each row is the time of one turn, write a rig file with events = "revolution"'
-        raise InputError(log.path, "an angle or a speed", "the time alone", hint=hint)
+        raise InputError(
+            log.path,
+            "an angle or a speed",
+            "the time alone",
+            hint='where each row is the time of one turn, write a rig file with events = "revolution"',
+        )
     grid = grid_of(clock.raw * SECONDS[clock.unit], clock.breaks)
     if not grid.parts:
         raise InputError(log.path, problem="expected a stretch of more rows without a gap in time")

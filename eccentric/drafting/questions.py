@@ -96,9 +96,9 @@ def _known(
         )
         entries.append(RigLine("unknown", "k_i", '["0.001 N m/A", "20 N m/A"]', why))
     if "voltage" in kinds:
-        both = "current" in kinds
-        resistance = "diagnose requires it" if both else "with k_i it gives the current"
-        back_emf = "diagnose requires it" if both else "it tells the back-EMF from friction"
+        use = "diagnose requires it" if "current" in kinds else ""
+        resistance = use or "with k_i it gives the current"
+        back_emf = use or "it tells the back-EMF from friction"
         entries += [
             known_asked("R", "1 ohm", f"resistance of the armature (data sheet); {resistance}"),
             known_asked(
@@ -141,20 +141,18 @@ def turns_asked(t: Array, breaks: NDArray[np.bool_], given: Shown) -> list[RigLi
     low, high = np.quantile(steps[inside], [0.1, 0.9])
     if high < limits.UNEVEN * low:
         return []
-    if given.angle is not None:
-        changes = np.abs(np.diff(given.angle.values)[inside])
-        if not given.angle.is_whole or np.mean(changes > 1.0) > limits.FEW_STEPS:
-            return []
-        why = f"{given.angle.text} counts up by one, at uneven times"
-    elif given.speed is not None:
-        turn = np.abs(given.speed.values[1:] * steps)[inside]
-        low, middle, high = np.quantile(turn, [0.1, 0.5, 0.9])
-        if high - low > limits.ONE_TURN * middle:
-            return []
-        why = f"the way from row to row is always the same, by {given.speed.text}"
-    else:
+    column = given.angle or given.speed
+    if column is None:
         return []
-    return [RigLine("", "events", '"revolution"', f"{why}: is each row the time of one turn?", asked=True)]
+    if column is given.angle:
+        changes = np.abs(np.diff(column.values)[inside])
+        of_turns = column.is_whole and np.mean(changes > 1.0) <= limits.FEW_STEPS
+    else:
+        way = np.abs(column.values[1:] * steps)[inside]
+        low, middle, high = np.quantile(way, [0.1, 0.5, 0.9])
+        of_turns = high - low <= limits.ONE_TURN * middle
+    why = f"{column.text} goes with uneven steps of time as turns do: is each row the time of one turn?"
+    return [RigLine("", "events", '"revolution"', why, asked=True)] if of_turns else []
 
 
 def added_asked(run: Sequence[object], mass: LoggedColumn) -> list[RigLine]:
@@ -193,12 +191,8 @@ def line_asked(grid: Grid, given: Shown, unit: str, drive: LoggedColumn | None) 
         line = turn_line(even, signal, in_si * omega)
     except InputError:
         return []
-    often = "once" if line.order == 1 else f"{line.order} times"
-    why = (
-        f"no angle is logged, and {drive.text} has a line {often} per turn, at"
-        f" {line.order * line.frequency:.4g} Hz: is its phase the angle, in place of the integral of the"
-        " speed?"
-    )
+    hertz = line.order * line.frequency
+    why = f"{drive.text} repeats {line.order}/turn, at {hertz:.4g} Hz: is its phase the angle of the drive?"
     return [RigLine("", "angle", '"line"', why, asked=True)]
 
 

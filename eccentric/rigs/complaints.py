@@ -186,11 +186,11 @@ def arm_rig_complaints(
     Raises:
         InputError: the file cannot be read at all.
     """
-    content, where, *names = arm_content(source)
+    content, where, name, folder = arm_content(source)
 
     def read(content: Mapping[str, Any]) -> ArmRig | InputError:
         try:
-            return arm_rig_of(content, where, *names)
+            return arm_rig_of(content, where, name, folder)
         except InputError as error:
             return error
 
