@@ -12,12 +12,7 @@ import pytest
 from eccentric.rigs import Rig, read_rig
 from eccentric.virtual_bench import FleetJoint, FleetPlan, fleet_plan
 
-COLUMNS = {
-    "time": "time_s",
-    "theta_m": "theta_m_rad",
-    "current": "current_A",
-    "temperature": "temperature_C",
-}
+COLUMNS = {"time": "time_s", "theta_m": "theta_m_rad", "current": "current_A", "temperature": "temperature_C"}
 KEYS = {"M": "M_kg", "M_l": "M_l_kg", "L": "L_m", "mu": "mu", "k_i": "k_i_Nm_per_A"} | {
     "J_m": "J_m_kgm2",
     "J_l": "J_l_kgm2",

@@ -1,11 +1,16 @@
-"""The rig of an arm: columns by pattern, drives per joint; one clear line for each kind of bad input."""
+"""The rig of an arm: columns by pattern, drives per joint, one line for each bad input; and its check."""
 
+from __future__ import annotations
+
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import eccentric
+from eccentric.cli import main
 from eccentric.core import InputError
 from eccentric.model import Chain, Joint
 from eccentric.rigs import names_arm, read_arm_rig, read_rig
@@ -13,6 +18,7 @@ from eccentric.signals import read_joints
 from tests.arm_logs import MU, arm_log_of, arm_rig_of, plain, planar_arm
 
 ARM = planar_arm()
+LOG = arm_log_of(plain, runs=3, seconds=10.0)
 
 
 def test_each_joint_is_a_rig_of_its_own() -> None:
@@ -65,40 +71,37 @@ def test_a_rig_that_names_an_arm_is_known_as_one() -> None:
         ),
         (
             {"drives": {"k_i": ["0.1 Nm/A"]}},
-            r"\[drives\] k_i: one value, or one for each of 2 joints, is requ",
+            r"\[drives\] k_i: expected one value, or one for each of 2 joints, got",
         ),
         ({"drives": {"k_i": "0.1 V"}}, r"rig: \[drives\] k_i: "),
-        ({"drives": {"gear": "harmonic"}}, r"rig: gear: one of strain wave, planetary, worm, "),
+        ({"drives": {"gear": "harmonic"}}, r"rig: gear: expected one of strain wave, planetary, worm, "),
         ({"drives": {"mu": 0.1}}, r"\[drives\]: unknown key 'mu'"),
-        ({"joints": {"inertial": "closed"}}, r'\[joints\] inertial: "known", "open" or a list of mass, cen'),
         (
-            {"joints": {"inertial": ["centre"]}},
-            r"expected mass before centre before inertia, got cent",
+            {"joints": {"inertial": "closed"}},
+            r'\[joints\] inertial: expected "known", "open" or a list of mass, cen',
         ),
+        ({"joints": {"inertial": ["centre"]}}, r"expected mass before centre before inertia, got cent"),
         ({"joints": {"inertial": ["mass", "inertia"]}}, r"got mass, inertia without what comes before"),
         ({"joints": {"inertial": ["mas"]}}, r"\[joints\] inertial: unknown key 'mas'"),
-        (
-            {"joints": {"first": -1}},
-            r"\[joints\] first: expected a whole number of 0 or above, got -1",
-        ),
+        ({"joints": {"first": -1}}, r"\[joints\] first: expected a whole number of 0 or above, got -1"),
         (
             {"known": {"M": "1 kg"}},
-            r"rig: \[known\]: bodies and gear ratios in the arm file, k_i, R and k_e in \[drives\] are requ",
+            r"rig: \[known\]: expected bodies and gear ratios in the arm file, k_i, R and k_e in \[drives\]",
         ),
         (
             {"columns": {"time": "t_s", "omega_l": "w_{j}", "torque_l": "tau_Nm_{j}"}},
-            r"\[columns\]: the angle of every joint is required, as in theta_l = \"q_rad_\{j\}\", recei",
+            r"\[columns\]: expected the angle of every joint, as in theta_l = \"q_rad_\{j\}\", got",
         ),
         (
             {"columns": {"time": "t_s", "theta_l": "q_{j}"}, "drive": "current"},
-            r"what measures the drive of every joint is required, such as current = \"current_\{j\}\", recei",
+            r"expected what measures the drive of every joint, such as current = \"current_\{j\}\", got",
         ),
         (
             {"columns": {"time": "t_s", "theta_l": "q_{j}", "current": "i_{j}"}},
-            r"what measures the drive of every joint is required, such as torque_l = \"torque_l_\{j\}\"",
+            r"expected what measures the drive of every joint, such as torque_l = \"torque_l_\{j\}\"",
         ),
         ({"arm": "nope.toml"}, r"^rig: arm: nope.toml: no such file$"),
-        ({"arm": 3}, r"rig: arm: the path of an arm"),
+        ({"arm": 3}, r"rig: arm: expected the path of an arm"),
     ],
 )
 def test_bad_input_is_one_line(more: dict[str, Any], message: str) -> None:
@@ -110,7 +113,7 @@ def test_bad_input_is_one_line(more: dict[str, Any], message: str) -> None:
 @pytest.fixture(scope="module")
 def log() -> dict[str, Any]:
     """Three short runs of the arm."""
-    return arm_log_of(plain, runs=3, seconds=6.0)
+    return LOG
 
 
 def test_a_column_for_some_joints_only_is_refused(log: dict[str, Any]) -> None:
@@ -118,8 +121,7 @@ def test_a_column_for_some_joints_only_is_refused(log: dict[str, Any]) -> None:
     some = {name: values for name, values in log.items() if name != "tau_Nm_2"}
 
     with pytest.raises(
-        InputError,
-        match=r"torque_l: expected column 'tau_Nm_2' for joint 2 of planar .*, got 1 of 2 joints",
+        InputError, match=r"torque_l: expected column 'tau_Nm_2' for joint 2 of planar .*, got 1 of 2 joints"
     ):
         read_joints([some], read_arm_rig(arm_rig_of(ARM)))
 
@@ -193,3 +195,80 @@ def test_all_joints_pass_one_low_pass(log: dict[str, Any]) -> None:
     channels = read_joints([coarse], read_arm_rig(arm_rig_of(ARM)))
 
     assert channels[0].rig.sampling.low_pass_hz == channels[1].rig.sampling.low_pass_hz < 25.0
+
+
+# `eccentric rig --check` for an arm: all that is wrong at once, or what the log determines.
+
+
+def test_a_rig_without_faults_is_fitted() -> None:
+    """The friction of each joint with its interval, which holds what was put in, on the motor side."""
+    found = eccentric.check_rig(LOG, arm_rig_of(ARM))
+
+    assert found.complaints == ()
+    for joint, C in (("1", 0.30 * float(ARM.joints[0].mu)), ("2", 0.12 * float(ARM.joints[1].mu))):
+        (line,) = (x for x in found.estimated if x.split()[:1] == [joint] and " C_m " in x)
+        assert float(line.split(" C_m ")[1].split()[0]) == pytest.approx(C, rel=0.02)
+
+
+def test_every_fault_is_listed_once() -> None:
+    """Faults of every table, each once, and nothing that only follows from leaving one of them out."""
+    rig = arm_rig_of(ARM, drives={"k_i": ["0.1 Nm/A"], "RR": 1}, joints={"first": -1}, known={"M": "1 kg"})
+    rig["columns"]["speed"], rig["low_pass_hz"] = "x", "a"
+    found = eccentric.check_rig(LOG, rig).complaints
+
+    said = [
+        "[known]",
+        "[joints] first",
+        "[drives]: unknown key 'RR'",
+        "[drives] k_i",
+        "key 'speed'",
+        "low_pass_hz",
+    ]
+    assert len(found) == len(said)
+    assert all(sum(words in line for line in found) == 1 for words in said)
+
+
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [
+        ({"theta_l": "qq_{j}", "torque_l": "tau_Nm_{j}"}, ["no column 'qq_1'", "no column 'qq_2'"]),
+        ({"theta_l": 3, "torque_l": "tau_Nm_{j}"}, ["[columns] theta_l"]),
+        ({"theta_l": "q_rad_{j}"}, ["expected what measures the drive of every joint"]),
+    ],
+)
+def test_columns_are_held_against_the_log(columns: dict[str, Any], words: list[str]) -> None:
+    """Those of each joint that the log lacks; what is no column at all; what is not there."""
+    own = {"time": "t_s", "run": "run", **columns}
+    found = eccentric.check_rig(LOG, {**arm_rig_of(ARM), "columns": own}).complaints
+
+    assert len(found) == len(words)
+    assert all(word in line for word, line in zip(words, found, strict=True))
+
+
+def test_a_log_of_another_arm_does_not_fit() -> None:
+    """Torques of both joints swapped: the loads of the arm do not explain them, and that is the complaint."""
+    swapped = {**LOG, "tau_Nm_1": LOG["tau_Nm_2"], "tau_Nm_2": LOG["tau_Nm_1"]}
+    (line,) = eccentric.check_rig(swapped, arm_rig_of(ARM)).complaints
+
+    assert line.startswith("rig: ")
+    assert "R^2" in line
+
+
+def test_the_command_lists_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """From files: the arm beside the rig, status 1, each complaint with the path of the rig file."""
+    arm = tmp_path / "arm.toml"
+    arm.write_text(
+        'gravity = [0, "-9.81 m/s^2", 0]\n[[joint]]\nname = "base"\naxis = [0, 0, 1]\nmu = "1/9"\n'
+        'body = { mass = "0.8 kg", centre = [0, "-0.3 m", 0] }\n',
+        encoding="utf-8",
+    )
+    log, rig = tmp_path / "log.csv", tmp_path / "rig.json"
+    table = np.column_stack([LOG[name] for name in ("t_s", "q_rad_1", "tau_Nm_1")])
+    np.savetxt(log, table, delimiter=",", header="t_s,q_rad_1,tau_Nm_1", comments="")
+    columns = {"time": "t_s", "theta_l": "q_rad_{j}", "torque_l": "torque_{j}"}
+    rig.write_text(json.dumps({"arm": "arm.toml", "drive": "torque", "columns": columns, "name": 7}))
+
+    assert main(["rig", str(log), "--check", str(rig)]) == 1
+    found = capsys.readouterr().out.splitlines()
+    assert any("no column 'torque_1'" in line for line in found)
+    assert all(str(rig) in line for line in found)

@@ -236,9 +236,12 @@ def test_an_arm_file_gives_a_urdf_its_drives(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ('[[joint]]\nname = "trn"', "expected the URDF, got 'trn'; did you mean 'turn'?"),
+        (
+            '[[joint]]\nname = "trn"',
+            "expected a joint of the arm in the URDF, got 'trn'; did you mean 'turn'?",
+        ),
         ('[[joint]]\nname = "turn"\naxis = [0, 0, 1]', "turn: unknown key 'axis'; known are name, mu, J_m"),
-        ('[[joint]]\nname = "lift"\nmu = 2', 'lift: mu: a text with a unit is required, as in "0.1 m/rad"'),
+        ('[[joint]]\nname = "lift"\nmu = 2', 'lift: mu: expected a text with a unit, as in "0.1 m/rad"'),
     ],
     ids=["an unknown joint", "what the URDF says", "the gear of a slide"],
 )

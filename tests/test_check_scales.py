@@ -159,13 +159,10 @@ def test_a_decimal_comma_of_a_bare_number_is_named_with_its_line(tmp_path: Path)
 @pytest.mark.parametrize(
     ("line", "wanted"),
     [
-        ("M = 0.5 kg", 'a value with its unit in quotes is required, M = "0.5 kg"'),
-        (
-            "J = 1.2e-4 kg m^2  # the rotor",
-            'a value with its unit in quotes is required, J = "1.2e-4 kg m^2"',
-        ),
-        ("k_i = .05N m/A", 'a value with its unit in quotes is required, k_i = ".05N m/A"'),
-        ("case = C2", 'a text in quotes is required, case = "C2"'),
+        ("M = 0.5 kg", 'expected a value with its unit in quotes, M = "0.5 kg"'),
+        ("J = 1.2e-4 kg m^2  # the rotor", 'expected a value with its unit in quotes, J = "1.2e-4 kg m^2"'),
+        ("k_i = .05N m/A", 'expected a value with its unit in quotes, k_i = ".05N m/A"'),
+        ("case = C2", 'expected a text in quotes, case = "C2"'),
         ("motor_off = True", "expected true or false in small letters, motor_off = true"),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 
 import numpy as np
@@ -18,7 +19,7 @@ def swing(angle: str, scale: float, *, counts: bool = False, turns: float = 1.0)
 
     What looks like gravity repeats after these turns.
     """
-    t = np.arange(0.0, 60.0, 0.004)
+    t = np.arange(0.0, 30.0, 0.004)
     ways = [(0.55, 0.4), (0.15, 1.1)]
     theta = np.sum([a * np.sin(TURN * f * t) for a, f in ways], axis=0)
     omega = np.sum([a * TURN * f * np.cos(TURN * f * t) for a, f in ways], axis=0)
@@ -53,7 +54,7 @@ def test_counts_by_a_part_of_a_period_are_told_as_a_guess_by_the_check(
     assert doubted == any("encoder_counts_per_rev" in line for line in found.doubts)
 
 
-@pytest.mark.parametrize(("every", "kept"), [(10_000, True), (3, False)])
+@pytest.mark.parametrize(("every", "kept"), [(5000, True), (3, False)])
 def test_a_column_with_a_text_in_it_is_told_with_the_place(every: int, kept: bool) -> None:
     """Here and there it costs its rows, which the fit counts; in a third of them, the column."""
     log = swing("q_rad", 1.0)
@@ -98,15 +99,8 @@ def test_a_torque_constant_that_gravity_does_not_allow_is_doubted(factor: float,
     assert all("N m/A by gravity and 0.072 by the rig" in line for line in found.doubts)
 
 
-@pytest.mark.parametrize(
-    ("k_i", "heavier", "said"),
-    [
-        (1.4, 1.0, 'write k_i = "0.0599 N m/A"'),
-        (0.75, 1.0, 'write k_i = "0.0599 N m/A"'),
-        (1.0, 1.4, "check M and L"),
-    ],
-)
-def test_a_doubt_is_about_what_differs(k_i: float, heavier: float, said: str) -> None:
+@pytest.mark.parametrize(("k_i", "heavier"), [(1.4, 1.0), (0.75, 1.0), (1.0, 1.4)])
+def test_a_doubt_is_about_what_differs(k_i: float, heavier: float) -> None:
     """Inertia and gravity that are off by one factor are the constant's; gravity alone is the mass's."""
     log = swing("q_rad", 1.0)
     log["current_A"] = log.pop("torque_Nm") / 0.06
@@ -116,8 +110,10 @@ def test_a_doubt_is_about_what_differs(k_i: float, heavier: float, said: str) ->
     columns = {"time": "t_s", "theta_m": "q_rad", "current": "current_A"}
     (doubt,) = eccentric.check_rig(log, {"columns": columns, "known": known}).doubts
 
-    assert said in doubt
-    assert ("k_i" in doubt) == ("k_i" in said)
+    written = [float(value) for value in re.findall(r'write k_i = "([\d.]+) N m/A"', doubt)]
+    assert written == ([] if k_i == 1.0 else [pytest.approx(0.06, rel=0.01)])
+    assert ("check M and L" in doubt) == (heavier != 1.0)
+    assert ("k_i" in doubt) == (k_i != 1.0)
 
 
 @pytest.mark.parametrize(
@@ -181,7 +177,7 @@ def test_another_column_of_the_angle_has_counts_of_its_own() -> None:
 @pytest.mark.parametrize(("counts", "gear"), [(4096, 16), (500, 4), (1000, 100)])
 def test_counts_behind_a_gear_are_not_contradicted_by_gravity(counts: int, gear: int) -> None:
     """The log shows their product; neither is refused."""
-    t = np.arange(0.0, 60.0, 0.004)
+    t = np.arange(0.0, 30.0, 0.004)
     theta = 9.0 * np.sin(0.7 * t) + 2.0 * np.sin(2.9 * t)
     omega = 9.0 * 0.7 * np.cos(0.7 * t) + 2.0 * 2.9 * np.cos(2.9 * t)
     torque = 0.02 * np.sign(omega) + 0.01 * omega + 0.33 * np.sin(theta)

@@ -69,10 +69,10 @@ def test_the_scatter_of_the_fleet_is_found(prior: float, variance: float) -> Non
 
 
 def test_p_values_of_healthy_joints_are_not_too_small() -> None:
-    """Of 800 healthy series, no larger part than p has a p-value below p, for 6 and 12 periods."""
+    """Of 400 healthy series, no larger part than p has a p-value below p, for 6 and 12 periods."""
     random = np.random.default_rng(4)
     for periods in (6, 12):
-        p = np.array([c.p for c in changes(_fleet(random, 800, periods), 0.05)])
+        p = np.array([c.p for c in changes(_fleet(random, 400, periods), 0.05)])
 
         for level in (0.1, 0.01):
             assert np.mean(p < level) < level + 3.0 * math.sqrt(level / len(p))

@@ -76,12 +76,7 @@ def _as_found(
 
 @pytest.mark.parametrize(
     ("beside", "expected"),
-    [
-        ({}, True),
-        ({"balance": "electrical"}, True),
-        ({"corrects": "J"}, True),
-        (None, False),
-    ],
+    [({}, True), ({"balance": "electrical"}, True), ({"corrects": "J"}, True), (None, False)],
     ids=["another of friction", "one of the motor", "a wrong declaration", "the motor's alone"],
 )
 def test_one_effect_of_the_friction_is_enough(
@@ -99,18 +94,18 @@ def test_one_effect_of_the_friction_is_enough(
     assert expected == word.friction
 
 
-def _drifting(joint: Suspect) -> Suspect:
+@pytest.fixture
+def suspect() -> Suspect:
+    """A joint whose residual changed."""
     series = Series("J", "residual", "1", ("a",), *(np.zeros(1) for _ in range(3)), torque=1.0, least=0.15)
     change = FleetChange(series, "step", "2025-05", 0.3, 1.0, 1e-5, True)
-    return replace(joint, changes=(change,))
+    return replace(_suspect(rig_of(one_joint()[1])), changes=(change,))
 
 
 def test_the_gain_of_old_effects_is_not_that_of_a_new_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suspect: Suspect
 ) -> None:
     """Of 0.10 the past's Stribeck effect takes 0.05, a new one 0.001: that is not named as the cause."""
-    _, joint = one_joint()
-    suspect = _drifting(_suspect(rig_of(joint)))
     can_be_in_the_model = True
 
     def diagnosed(_: Rig, __: object, when: str, including: Sequence[str] = ()) -> Any:
@@ -155,11 +150,9 @@ def test_what_is_kept_of_a_suspect_is_made_of_its_own_result(monkeypatch: pytest
 
 
 def test_a_new_effect_with_a_gain_of_its_own_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suspect: Suspect
 ) -> None:
     """A past without effects: 0.10 becomes 0.05 by the new one, which is the answer, also in the next run."""
-    _, joint = one_joint()
-    suspect = _drifting(_suspect(rig_of(joint)))
     made = {"past": _as_found([], 0.05, 0.05), "recent": _as_found(["cogging"], 0.1, 0.05)}
     monkeypatch.setattr(api, "_diagnosed", lambda rig, sample, when, including=(): made[when])
 
@@ -172,10 +165,10 @@ def test_a_new_effect_with_a_gain_of_its_own_is_named(
     assert api._known(tmp_path, suspect) == word
 
 
-def test_a_wrong_declaration_is_not_friction(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_declaration_is_not_friction(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suspect: Suspect
+) -> None:
     """Another load, or another torque constant, is found like friction, and counted apart."""
-    _, joint = one_joint()
-    suspect = _drifting(_suspect(rig_of(joint)))
     for family, corrects in (("cogging", None), ("inertia_mismatch", "J")):
         made = {
             "past": _as_found([], 0.05, 0.05),
@@ -189,11 +182,9 @@ def test_a_wrong_declaration_is_not_friction(tmp_path: Path, monkeypatch: pytest
 
 
 def test_effects_that_the_log_does_not_distinguish_are_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suspect: Suspect
 ) -> None:
     """A tie is no name, and not the same as a change that nothing explains."""
-    _, joint = one_joint()
-    suspect = _drifting(_suspect(rig_of(joint)))
     made = {"past": _as_found([], 0.05, 0.05), "recent": _as_found([], 0.1, 0.05, ("stribeck", "presliding"))}
     monkeypatch.setattr(api, "_diagnosed", lambda rig, sample, when, including=(): made[when])
 
@@ -208,11 +199,9 @@ def test_effects_that_the_log_does_not_distinguish_are_told(
 
 
 def test_a_joint_that_was_not_diagnosed_is_not_called_unexplained(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suspect: Suspect
 ) -> None:
     """A diagnosis that fails, in whatever way, is told in its place, and the other joints are diagnosed."""
-    _, joint = one_joint()
-    suspect = _drifting(_suspect(rig_of(joint)))
     fails = [OSError("disk full"), InputError("no log")]
 
     def diagnosed(*_: object) -> Any:

@@ -130,7 +130,9 @@ def test_a_value_that_is_wrong_names_the_joint(tmp_path: Path) -> None:
     (tmp_path / "arm.toml").write_text(RIG)
     (tmp_path / "rigs.csv").write_text("joint,rig,M_kg\nA,arm.toml,-1\n")
 
-    with pytest.raises(InputError, match=r"rigs.csv \(joint A\): \[known\] M_kg: a value at least 0"):
+    with pytest.raises(
+        InputError, match=r"rigs.csv \(joint A\): \[known\] M_kg: expected a value at least 0"
+    ):
         Assigned(str(tmp_path / "rigs.csv")).rig("A")
 
 

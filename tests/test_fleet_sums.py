@@ -15,7 +15,14 @@ from eccentric.identification import merged, triangles
 from eccentric.logs import Log
 from eccentric.rigs import Rig
 from eccentric.signals import Table, read_table
+from eccentric.virtual_bench import FleetJoint
 from tests.fleets import one_joint, rig_of, write_log
+
+
+def swung() -> tuple[FleetJoint, dict[str, np.ndarray]]:
+    """A joint and its log of 40 s."""
+    plan, joint = one_joint()
+    return joint, {name: np.asarray(x, float) for name, x in plan.log(joint, 0).items()}
 
 
 def _values(sums: FileSums, columns: Columns) -> dict[str, float]:
@@ -107,10 +114,9 @@ def test_intervals_hold_for_noise_that_lasts() -> None:
 @pytest.mark.parametrize("rows", [997, 3000])
 def test_sums_do_not_depend_on_the_size_of_a_batch(rows: int, tmp_path: Path) -> None:
     """Of a log with a gap and an angle that wraps at every turn, read whole and in small parts, to 1e-9."""
-    plan, joint = one_joint()
-    log = plan.log(joint, 0)
+    joint, log = swung()
     log["theta_m_rad"] = np.mod(log["theta_m_rad"], 2.0 * np.pi)
-    kept = np.r_[0:3333, 3600 : plan.rows]
+    kept = np.r_[0:3333, 3600 : len(log["time_s"])]
     path = write_log(tmp_path / "log.parquet", {k: x[kept] for k, x in log.items()}, group=500)
     columns = Columns(rig_of(joint))
 
@@ -125,8 +131,7 @@ def test_sums_do_not_depend_on_the_size_of_a_batch(rows: int, tmp_path: Path) ->
 @pytest.mark.parametrize("rows", [5000, 2**20])
 def test_standstill_is_not_motion(idle_s: float, rows: int, tmp_path: Path) -> None:
     """Before 40 s of motion a joint stands still with a noisy angle: none of that counts, in any batch."""
-    plan, joint = one_joint()
-    log = {name: np.asarray(x, float) for name, x in plan.log(joint, 0).items()}
+    joint, log = swung()
     rig = rig_of(joint)
     columns = Columns(replace(rig, log=replace(rig.log, counts_per_rev=None)))
     alone = write_log(tmp_path / "alone.parquet", log)
@@ -147,9 +152,8 @@ def test_standstill_is_not_motion(idle_s: float, rows: int, tmp_path: Path) -> N
 
 def test_an_encoder_that_jitters_at_rest_does_not_move(tmp_path: Path) -> None:
     """Of a file without any motion, the step of the encoder tells so: it has no second of motion."""
-    plan, joint = one_joint()
-    log = plan.log(joint, 0)
-    jitter = 2.0 * np.pi / 32768 * np.random.default_rng(8).integers(0, 2, plan.rows)
+    joint, log = swung()
+    jitter = 2.0 * np.pi / 32768 * np.random.default_rng(8).integers(0, 2, len(log["time_s"]))
     path = write_log(tmp_path / "log.parquet", log | {"theta_m_rad": jitter})
 
     assert sums_of(path, Columns(rig_of(joint))).coverage.seconds == 0.0
@@ -158,8 +162,7 @@ def test_an_encoder_that_jitters_at_rest_does_not_move(tmp_path: Path) -> None:
 @pytest.mark.parametrize("suffix", [".csv", ".csv.gz", ".parquet"])
 def test_a_file_is_read_in_parts(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of text as of Parquet at most as many rows as are asked for are in memory; the sums are the same."""
-    plan, joint = one_joint()
-    log = plan.log(joint, 0)
+    joint, log = swung()
     expected = sums_of(write_log(tmp_path / "all.parquet", log), Columns(rig_of(joint)))
     path = tmp_path / f"log{suffix}"
     if suffix == ".parquet":
@@ -177,7 +180,7 @@ def test_a_file_is_read_in_parts(suffix: str, tmp_path: Path, monkeypatch: pytes
     sums = sums_of(path, Columns(rig_of(joint)), 1000)
 
     assert max(lengths) <= 1000
-    assert sum(lengths) == 2 * plan.rows  # once for the threshold of motion, once for the sums
+    assert sum(lengths) == 2 * len(log["time_s"])  # once for the threshold of motion, once for the sums
     np.testing.assert_allclose(merged(sums.triangles), merged(expected.triangles), rtol=1e-8, atol=1e-8)
 
 
@@ -204,8 +207,7 @@ def test_coefficients_are_those_of_the_bench(tmp_path: Path) -> None:
 @pytest.mark.parametrize("drive", ["torque", "torque_l", "voltage"])
 def test_every_measure_of_the_drive_gives_the_same_torque(drive: str, tmp_path: Path) -> None:
     """A torque of either side, or the voltage of a known armature, gives the coefficients of the current."""
-    plan, joint = one_joint()
-    log = plan.log(joint, 0)
+    joint, log = swung()
     k_i, mu, t = joint.known["k_i"], joint.known["mu"], log["time_s"]
     speed = np.gradient(log["theta_m_rad"], t)
     current = np.asarray(log["current_A"], float)
@@ -226,8 +228,8 @@ def test_every_measure_of_the_drive_gives_the_same_torque(drive: str, tmp_path: 
 
 def test_an_unknown_inertia_is_a_column(tmp_path: Path) -> None:
     """Without J_m in the rig, the total inertia at the motor is found; gravity stays the scale."""
-    plan, joint = one_joint()
-    path = write_log(tmp_path / "log.parquet", plan.log(joint, 0))
+    joint, log = swung()
+    path = write_log(tmp_path / "log.parquet", log)
     rig = rig_of(joint)
     known = {k: x for k, x in rig.known.items() if k not in {"J_m", "J_l"}}
     columns = Columns(replace(rig, known=known))
@@ -240,8 +242,7 @@ def test_an_unknown_inertia_is_a_column(tmp_path: Path) -> None:
 
 def test_rows_that_the_rig_leaves_out_do_not_count(tmp_path: Path) -> None:
     """Rows not in use, or with the motor off, may hold any current."""
-    plan, joint = one_joint()
-    log = plan.log(joint, 0)
+    joint, log = swung()
     off = (log["time_s"] > 10.0) & (log["time_s"] < 15.0)
     spoilt = log | {"current_A": np.where(off, 50.0, log["current_A"]), "bad": off.astype(float)}
     path = write_log(tmp_path / "log.parquet", spoilt)
@@ -273,9 +274,8 @@ def test_the_end_of_a_batch_joins_the_next_in_all_that_a_table_has() -> None:
 
 def test_a_drive_that_is_stuck_is_refused(tmp_path: Path) -> None:
     """A current that stays where it is says nothing of friction."""
-    plan, joint = one_joint()
-    log = plan.log(joint, 0)
-    path = write_log(tmp_path / "log.parquet", log | {"current_A": np.full(plan.rows, 0.7)})
+    joint, log = swung()
+    path = write_log(tmp_path / "log.parquet", log | {"current_A": np.full(len(log["time_s"]), 0.7)})
 
     with pytest.raises(InputError, match="repeats its value in 100% of the moving rows"):
         sums_of(path, Columns(rig_of(joint)))

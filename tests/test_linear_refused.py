@@ -28,7 +28,7 @@ def changed(**entries: Any) -> dict[str, Any]:
     [
         (
             {key: x for key, x in RIG.items() if key != "kind"},
-            'rig: force: kind = "linear" is required with it',
+            'rig: force: expected kind = "linear" with this key',
         ),
         (changed(kind="liner"), "rig: kind: expected one of turning, linear, got 'liner'; did you"),
         (changed(kind=3), "rig: kind: expected one of turning, linear, got 3"),
@@ -52,15 +52,15 @@ def changed(**entries: Any) -> dict[str, Any]:
             changed(force={"column": "u_V", "gain": "35 Nm/V"}),
             "rig: [columns] force gain: expected a unit like N/V, got 'Nm/V'",
         ),
-        (changed(force={"column": "u_V", "gain": 35}), 'a gain with its unit is required, as in "35 N/V"'),
+        (changed(force={"column": "u_V", "gain": 35}), 'expected a gain with its unit, as in "35 N/V"'),
         (changed(force={"column": "u_V", "gain": "0 N/V"}), "expected a gain other than 0"),
         (
             changed(force={"column": "u_V", "unit": "A", "gain": "35 N/V"}),
-            "force gain: a unit like N/A",
+            "force gain: expected a unit like N/A",
         ),
         (changed(position={**MM, "gain": "2 N/V"}), "[columns] position: unknown key 'gain'"),
         (changed(known={"mass": "95 Nm"}), "rig: [known] mass: expected a unit like kg, g, got 'Nm'"),
-        (changed(known={"mass": 95}), 'rig: [known] mass: a text with a unit is required, as in mass = "0.1'),
+        (changed(known={"mass": 95}), 'rig: [known] mass: expected a text with a unit, as in mass = "0.1'),
         (changed(known={"mass_kg": -1}), "rig: [known] mass_kg: expected a value at least 0 kg"),
         (changed(known={"pitch": "0 mm"}), "rig: [known] pitch: expected a value above 0 m"),
         (changed(known={"J_m_kgm2": 1}), "rig: [known]: unknown key 'J_m_kgm2'"),
@@ -71,10 +71,7 @@ def changed(**entries: Any) -> dict[str, Any]:
         (changed(encoder_counts_per_rev=100), "rig: unknown key 'encoder_counts_per_rev'"),
         (changed(encoder_step_m=0), "rig: encoder_step_m: expected a finite number above 0, got 0"),
         (changed(moving_threshold_m_s=-1), "rig: moving_threshold_m_s: "),
-        (
-            changed(drive="torque"),
-            "rig: drive: expected one of current, voltage, force, none, got 'torque'",
-        ),
+        (changed(drive="torque"), "rig: drive: expected one of current, voltage, force, none, got 'torque'"),
     ],
     ids=lambda x: x[:60] if isinstance(x, str) else "",
 )
@@ -90,7 +87,7 @@ def test_a_bad_rig_is_refused_in_one_line(rig: dict[str, Any], message: str) -> 
 def test_keys_of_a_linear_axis_are_none_of_a_turning_one() -> None:
     """Without its kind, a rig of a carriage is told to name it; with the other one, its keys are unknown."""
     rig = {"known": {"case": "C1"}, "columns": RIG["columns"]}
-    with pytest.raises(InputError, match=r'rig: force: kind = "linear" is required with it'):
+    with pytest.raises(InputError, match=r'rig: force: expected kind = "linear" with this key'):
         read_rig(rig)
     with pytest.raises(InputError, match=r"\[columns\]: unknown key 'position'"):
         read_rig({**rig, "kind": "turning"})
@@ -126,8 +123,8 @@ def test_a_wrong_unit_is_one_complaint() -> None:
     del rig["known"]
     (missing,) = eccentric.check_rig(log, rig).complaints
 
-    assert "[known] k_f: a unit like N/A" in found
-    assert missing.startswith('rig: [known] k_f is required, as in k_f = "0.05 N/A"')
+    assert "[known] k_f: expected a unit like N/A" in found
+    assert missing.startswith('rig: expected [known] k_f, as in k_f = "0.05 N/A"')
 
 
 def test_messages_of_a_fit_have_the_words_of_the_axis() -> None:

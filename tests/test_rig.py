@@ -1,11 +1,15 @@
-"""A rig file says what is known of the bench; what it cannot mean is refused in one line."""
+"""A rig file says what is known of the bench, as one in memory does; what it cannot mean is refused."""
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
+import tomllib
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from eccentric.core import InputError
@@ -192,65 +196,74 @@ def test_estimate_is_kept_for_the_fit(tmp_path: Path) -> None:
     assert rig.estimate == {"theta_zero_rad"}
 
 
+C2 = '[known]\ncase = "C2"\n'
+BAD_BELOW = {
+    "M_kg = -0.5": "M_kg: expected a value at least 0 kg, got -0.5",
+    "mu = 0": "mu: expected a value above 0, got 0",
+    "mu = -0.2": "mu: expected a value above 0",
+    "R_ohm = 0.0": "R_ohm: expected a value above 0 ohm, got 0.0",
+    "k_i_Nm_per_A = 0.0": "k_i_Nm_per_A: expected a value above 0 N m/A",
+    "J_m_kgm2 = nan": "J_m_kgm2: expected a finite number, got nan",
+    "L_m = inf": "L_m: expected a finite number, got inf",
+    "L_m = true": "L_m: expected a number, got True",
+    "L_m = [1]": "L_m: expected a number, got [1]",
+    "k_e = 0.2": 'expected a text with a unit, as in k_e = "0.1 V s/rad", got 0.2',
+    'k_e = "0.2 V"': "k_e: expected a unit like",
+    'k_e = "0.2 V s/furlong"': "is unknown at 'furlong'",
+    "M_g = 500": "[known]: unknown key 'M_g'; did you mean 'M_kg'?",
+    'M_kg = 0.5\nM = "0.5 kg"': "expected M only once, got twice",
+    "M_kg = 0.5\n[unknown]\nM_kg = [0.0, 1.0]": "expected M only once",
+    "[unknown]\nM_l_kg = 0.2": "expected a range of two values, [lower, upper],",
+    "[unknown]\nM_l_kg = [0.2, 0.1]": "expected a range with lower below upper",
+    "[unknown]\nM_l_kg = [-0.2, 0.1]": "expected a value at least 0 kg, got -0.2",
+    'Mass = "489 g"': "[known]: unknown key 'Mass'; known are M, M_l, L, mu",
+    'mu = "1:5"': "mu: expected a ratio with '/', as in '1/5', got '1:5'",
+    "zz = 3": "'zz'; known are M_kg, M_l_kg, L_m, mu, R_ohm, k_i_Nm_per_A",
+    'zz = "3 kg"': "'zz'; known are M, M_l, L, mu, R, k_i, k_e, J_m, J_l, g, F_T",
+    '[columns]\nspeed = "n"': "[columns]: unknown key 'speed'",
+    "[columns]\ntime = 3": "[columns] time: expected a table, got 3",
+    '[columns]\ntime = {unit = "s"}': "expected a column name or arithmetic, got None",
+    '[columns]\ntime = {column = "t", unit = "V"}': "time: expected a unit like s, ms, us",
+    '[columns]\ntime = {column = "t", units = "s"}': "'units'; did you mean 'unit'?",
+    '[columns]\nrun = {column = "t", unit = "s"}': "run: expected no unit",
+    '[columns]\ntheta_m = {column = "q", unit = "counts"}': "encoder_counts_per_rev",
+    '[columns]\ntheta_m = "a"\ntheta_l = "b"': "expected only one of theta_m and theta_l",
+    '[columns]\ncurrent = "a"\nvoltage = "a"': "expected a column of its own for current",
+}
+"""Entries of [known], and tables below it."""
+BAD_ABOVE = {
+    "holdout = 3": "unknown key 'holdout'; did you mean 'holdout_runs'?",
+    'drive = "steam"': "expected one of current, voltage, torque, none",
+    'drive = ["current"]': "expected one of current, voltage, torque, none, got ['current']",
+    "input_delay_s = -0.1": "input_delay_s: expected a finite number of at least 0",
+    'input_delay_s = "guess"': 'input_delay_s: expected a number or "estimate"',
+    "holdout_intervals_s = [[2.0, 1.0]]": "expected intervals with start before end",
+    "holdout_intervals_s = [1.0]": "a range of two values",
+    'holdout_runs = "a"': "holdout_runs: expected a list of names, got 'a'",
+    'runs = "a"': "runs: expected a list of names, got 'a'",
+    "average_over = 0": "average_over: expected a finite number above 0, got 0",
+    'average_over = "0.1 kg"': "average_over: expected a unit like s",
+    'average_over = "-0.1 s"': "expected a finite number above 0, got -0.1",
+    'average_over = "log"': "average_over: ",
+    "encoder_counts_per_rev = 0": "expected a finite number above 0, got 0",
+    'gear = "harmonic"': "gear: expected one of strain wave, planetary, worm, ",
+    'motor = "coreles"': "got 'coreles'; did you mean 'coreless'?",
+    'bearing = ["ball"]': "bearing: expected one of ball, roller, plain, air, none",
+    'gear = "worm + none"': "or several joined by +, got",
+}
+"""Entries at the top."""
 BAD = {
     "": "expected [known] case (C1 or C2) or the tilt phi",
     '[known]\ncase = "C3"': "case: expected C1 or C2, got 'C3'",
     '[known]\ncase = "C1"\nphi = "10 deg"': "case C1 means phi = 90 deg",
     "[known]\nphi_rad = 2.0": "phi_rad: expected a value at least 0 and at most 1.5708 rad, got 2.0",
-    '[known]\ncase = "C2"\nM_kg = -0.5': "M_kg: expected a value at least 0 kg, got -0.5",
-    '[known]\ncase = "C2"\nmu = 0': "mu: expected a value above 0, got 0",
-    '[known]\ncase = "C2"\nmu = -0.2': "mu: a value above 0",
-    '[known]\ncase = "C2"\nR_ohm = 0.0': "R_ohm: expected a value above 0 ohm, got 0.0",
-    '[known]\ncase = "C2"\nk_i_Nm_per_A = 0.0': "k_i_Nm_per_A: a value above 0 N m/A",
-    '[known]\ncase = "C2"\nJ_m_kgm2 = nan': "J_m_kgm2: expected a finite number, got nan",
-    '[known]\ncase = "C2"\nL_m = inf': "L_m: expected a finite number, got inf",
-    '[known]\ncase = "C2"\nL_m = true': "L_m: expected a number, got True",
-    '[known]\ncase = "C2"\nL_m = [1]': "L_m: expected a number, got [1]",
-    '[known]\ncase = "C2"\nk_e = 0.2': 'required, as in k_e = "0.1 V s/rad", got 0.2',
-    '[known]\ncase = "C2"\nk_e = "0.2 V"': "k_e: a unit like",
-    '[known]\ncase = "C2"\nk_e = "0.2 V s/furlong"': "is unknown at 'furlong'",
-    '[known]\ncase = "C2"\nM_g = 500': "[known]: unknown key 'M_g'; did you mean 'M_kg'?",
-    '[known]\ncase = "C2"\nM_kg = 0.5\nM = "0.5 kg"': "expected M only once, got twice",
-    '[known]\ncase = "C2"\nM_kg = 0.5\n[unknown]\nM_kg = [0.0, 1.0]': "expected M only once",
-    '[known]\ncase = "C2"\n[unknown]\nM_l_kg = 0.2': "expected a range of two values, [lower, upper],",
-    '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [0.2, 0.1]': "expected a range with lower below upper",
-    '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [-0.2, 0.1]': "expected at least 0 kg, got -0.2",
-    'holdout = 3\n[known]\ncase = "C2"': "unknown key 'holdout'; did you mean 'holdout_runs'?",
-    '[known]\ncase = "C2"\nMass = "489 g"': "[known]: unknown key 'Mass'; known are M, M_l, L, mu",
-    '[known]\ncase = "C2"\nmu = "1:5"': "mu: expected a ratio with '/', as in '1/5', got '1:5'",
-    '[known]\ncase = "C2"\nzz = 3': "'zz'; known are M_kg, M_l_kg, L_m, mu, R_ohm, k_i_Nm_per_A",
-    '[known]\ncase = "C2"\nzz = "3 kg"': "'zz'; known are M, M_l, L, mu, R, k_i, k_e, J_m, J_l, g, F_T",
     "known = 3\n": "[known]: expected a table, got 3",
-    'drive = "steam"\n[known]\ncase = "C2"': "expected one of current, voltage, torque, none",
-    'drive = ["current"]\n[known]\ncase = "C2"': "expected torque, none, got ['current']",
-    'input_delay_s = -0.1\n[known]\ncase = "C2"': "input_delay_s: expected a finite number of at least 0",
-    'input_delay_s = "guess"\n[known]\ncase = "C2"': 'input_delay_s: expected a number or "estimate"',
-    'holdout_intervals_s = [[2.0, 1.0]]\n[known]\ncase = "C2"': "expected start before end",
-    'holdout_intervals_s = [1.0]\n[known]\ncase = "C2"': "a range of two values",
-    'holdout_runs = "a"\n[known]\ncase = "C2"': "holdout_runs: expected a list of names, got 'a'",
-    'runs = "a"\n[known]\ncase = "C2"': "runs: expected a list of names, got 'a'",
-    'average_over = 0\n[known]\ncase = "C2"': "average_over: expected a finite number above 0, got 0",
-    'average_over = "0.1 kg"\n[known]\ncase = "C2"': "average_over: a unit like s",
-    'average_over = "-0.1 s"\n[known]\ncase = "C2"': "expected a finite number above 0, got -0.1",
-    'average_over = "log"\n[known]\ncase = "C2"': "average_over: ",
-    'encoder_counts_per_rev = 0\n[known]\ncase = "C2"': "expected a finite number above 0, got 0",
-    'gear = "harmonic"\n[known]\ncase = "C2"': "gear: one of strain wave, planetary, worm, ",
-    'motor = "coreles"\n[known]\ncase = "C2"': "got 'coreles'; did you mean 'coreless'?",
-    'bearing = ["ball"]\n[known]\ncase = "C2"': "bearing: expected one of ball, roller, plain, air, none",
-    'gear = "worm + none"\n[known]\ncase = "C2"': "expected or several joined by +, got",
     'gear = "none"\n[known]\ncase = "C2"\nmu = "1/5"': "gear: expected a gear with mu = 0.2, got",
-    '[known]\ncase = "C2"\n[columns]\nspeed = "n"': "[columns]: unknown key 'speed'",
-    '[known]\ncase = "C2"\n[columns]\ntime = 3': "[columns] time: expected a table, got 3",
-    '[known]\ncase = "C2"\n[columns]\ntime = {unit = "s"}': "expected arithmetic, got None",
-    '[known]\ncase = "C2"\n[columns]\ntime = {column = "t", unit = "V"}': "time: a unit like s, ms, us",
-    '[known]\ncase = "C2"\n[columns]\ntime = {column = "t", units = "s"}': "'units'; did you mean 'unit'?",
-    '[known]\ncase = "C2"\n[columns]\nrun = {column = "t", unit = "s"}': "run: no unit",
-    '[known]\ncase = "C2"\n[columns]\ntheta_m = {column = "q", unit = "counts"}': "encoder_counts_per_rev",
-    '[known]\ncase = "C2"\n[columns]\ntheta_m = "a"\ntheta_l = "b"': "expected one of theta_m and theta_l",
-    '[known]\ncase = "C2"\n[columns]\ncurrent = "a"\nvoltage = "a"': "expected of its own for current",
     "[known\n": "rig.toml: not valid TOML: ",
-    "\nname = bench\n": 'rig.toml: a text in quotes is required, name = "bench", got',
+    "\nname = bench\n": 'rig.toml: expected a text in quotes, name = "bench", got',
     "\nname = bench x\n": "rig.toml: not valid TOML: Invalid value (at line 2, column 8)",
+    **{C2 + below: said for below, said in BAD_BELOW.items()},
+    **{f"{above}\n{C2}": said for above, said in BAD_ABOVE.items()},
 }
 
 
@@ -270,10 +283,7 @@ def test_bad_json_is_refused(tmp_path: Path) -> None:
     for text, expected in (
         ('{"known": ', r"not valid JSON: Expecting value: line 1 column 11"),
         ("[1]", r"expected a table, got \[1\]"),
-        (
-            '{"drive": "current", "drive": "voltage"}',
-            "expected each key only once, got 'drive' twice",
-        ),
+        ('{"drive": "current", "drive": "voltage"}', "expected each key only once, got 'drive' twice"),
     ):
         with pytest.raises(InputError, match=expected):
             read_rig(written(tmp_path, text, "rig.json"))
@@ -285,7 +295,7 @@ def test_missing_file_directory_and_suffix_are_refused(tmp_path: Path) -> None:
     for name, expected in (
         ("none.toml", "no such file"),
         ("folder.toml", "expected a regular file, got a directory"),
-        ("rig.yaml", "required"),
+        ("rig.yaml", "expected a rig file .toml or .json, got '.yaml'"),
     ):
         with pytest.raises(InputError, match=expected):
             read_rig(tmp_path / name)
@@ -314,3 +324,62 @@ def test_example_rigs_are_read(path: Path) -> None:
     rigs = read_arm_rig(path).joints if names_arm(path) else (read_rig(path),)
 
     assert {()} == {rig.warnings for rig in rigs}
+
+
+# A rig in memory says what its file would say.
+
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+FILES = [
+    path
+    for path in [*sorted(EXAMPLES.rglob("*.toml")), EXAMPLES / "bench" / "bench.json"]
+    if path.parent.name != "arms" and not names_arm(path)
+]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_the_content_of_a_file_is_the_same_rig(path: Path) -> None:
+    """Every rig of the examples, parsed and handed over, is the rig that its file is, name and path apart."""
+    text = path.read_text(encoding="utf-8")
+    content = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
+    expected, actual = (dataclasses.replace(read_rig(x), path="", name="") for x in (path, content))
+
+    assert expected == actual
+    assert ("rig", content.get("name", "rig")) == (read_rig(content).path, read_rig(content).name)
+
+
+def test_tuples_and_numbers_of_numpy_are_those_of_a_file() -> None:
+    """Python types other than lists and floats mean the same."""
+    plain = {"known": {"case": "C2", "mu": 0.2}, "holdout_intervals_s": [[1.0, 2.0]], "runs": ["a", "b"]}
+    rich = {
+        "known": {"case": "C2", "mu": np.float32(0.5) * np.float64(0.4)},
+        "holdout_intervals_s": np.array([[1, 2]]),
+        "runs": ("a", "b"),
+    }
+
+    assert read_rig(plain) == read_rig(rich)
+
+
+def test_a_rig_is_its_own_rig() -> None:
+    """What was read once is not read again."""
+    rig = read_rig({"known": {"case": "C1"}})
+
+    assert rig is read_rig(rig)
+
+
+@pytest.mark.parametrize(
+    ("content", "line"),
+    [
+        (3, "rig: expected a path, a mapping or a Rig, got int"),
+        ({"known": {"case": "C2", "M": object()}}, "rig: expected the content of a JSON file (got object)"),
+        ({"known": {"case": "C3"}}, "rig: [known] case: expected C1 or C2, got 'C3'"),
+        ({"knwon": {}}, "rig: unknown key 'knwon'; did you mean 'known'?"),
+    ],
+    ids=["number", "object", "case", "key"],
+)
+def test_what_is_no_rig_is_refused_in_one_line(content: Any, line: str) -> None:
+    """As with a file, in place of whose path the line begins with "rig"."""
+    with pytest.raises(InputError) as error:
+        read_rig(content)
+
+    assert line == str(error.value)

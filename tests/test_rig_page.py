@@ -54,10 +54,7 @@ def test_the_rig_of_the_page_fits_a_log_in_its_units(tmp_path: Path) -> None:
     (warning,) = found.warnings
     assert warning.startswith("the angle is wrapped at one turn of the link")
     expected = fitted(
-        BENCH / "bench.csv.gz",
-        BENCH / "bench.json",
-        holdout=named.holdout,
-        sampling=named.sampling,
+        BENCH / "bench.csv.gz", BENCH / "bench.json", holdout=named.holdout, sampling=named.sampling
     )
     for name, e in expected.coefficients.items():
         assert found.coefficients[name].value == pytest.approx(e.value, rel=1e-5)

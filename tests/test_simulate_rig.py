@@ -72,7 +72,7 @@ def log() -> dict[str, np.ndarray]:
     }
 
 
-def closed(content: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def closed(content: dict[str, Any], step: float = 1e-3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Time, span and simulated angle of both runs, with the controller of a rig, from rest at 0."""
     channels = read_channels([log()], read_rig(content))
     given = recording_of(channels)
@@ -80,9 +80,8 @@ def closed(content: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     given = dataclasses.replace(given, theta_m=rest, omega_m=rest)
     assert channels.rig.controller is not None
     servo = Servo(channels.rig.controller, channels, given.zero)
-    found = integrate(
-        plant("c1_perpendicular", J_m=J), given, whole_runs(given), servo, longest_step_s=2.5e-4
-    )
+    model = plant("c1_perpendicular", J_m=J)
+    found = integrate(model, given, whole_runs(given), servo, longest_step_s=step)
     return given.t[found.rows], found.span, found.theta_m
 
 
@@ -170,12 +169,17 @@ def test_no_gain_is_no_controller() -> None:
 # Parameters refined on the simulated motion.
 
 
-def test_a_refined_fit_moves_closer_and_keeps_its_values() -> None:
-    """On the bundled log, extended, refining lowers the training error and keeps what the fit has found."""
-    found = eccentric.diagnose(LOG, RIG)
-    plain = eccentric.fit(LOG, RIG, found.model)
+@pytest.fixture(scope="module")
+def diagnosed() -> eccentric.DiagnosisResult:
+    """The bundled log."""
+    return eccentric.diagnose(LOG, RIG)
 
-    refined = eccentric.fit(LOG, RIG, found.model, simulated=True)
+
+def test_a_refined_fit_moves_closer_and_keeps_its_values(diagnosed: eccentric.DiagnosisResult) -> None:
+    """On the bundled log, extended, refining lowers the training error and keeps what the fit has found."""
+    plain = eccentric.fit(LOG, RIG, diagnosed.model)
+
+    refined = eccentric.fit(LOG, RIG, diagnosed.model, simulated=True)
 
     said = refined.document["simulated"]
     assert said["training"]["after"] < said["training"]["before"]
@@ -235,10 +239,9 @@ def test_a_hobby_servo_moves_within_33_mrad() -> None:
 # Parameter sets.
 
 
-def test_parameter_sets_have_the_joint_uncertainty() -> None:
+def test_parameter_sets_have_the_joint_uncertainty(diagnosed: eccentric.DiagnosisResult) -> None:
     """95 % of the draws lie in each interval, correlated as the estimates, and the same for one seed."""
-    found = eccentric.diagnose(LOG, RIG)
-
+    found = diagnosed
     sets = found.samples(4000, seed=3)
 
     assert {len(x) for x in sets.values()} == {4000}
@@ -253,9 +256,15 @@ def test_parameter_sets_have_the_joint_uncertainty() -> None:
     assert np.all(sets["M"] == 0.489)
 
 
-def test_parameter_sets_lie_within_bounds() -> None:
+@pytest.fixture(scope="module")
+def fitted() -> eccentric.FitResult:
+    """The bundled log with the paper's model."""
+    return eccentric.fit(LOG, RIG)
+
+
+def test_parameter_sets_lie_within_bounds(fitted: eccentric.FitResult) -> None:
     """Friction is never negative, though its interval ends at 0; the emitted Parameters take each set."""
-    found = eccentric.fit(LOG, RIG)
+    found = fitted
     assert found.estimates["B_m"].interval[0] == 0.0
 
     sets = found.samples(500)
@@ -266,7 +275,7 @@ def test_parameter_sets_lie_within_bounds() -> None:
 
 
 @pytest.mark.parametrize("n", [0, -1, 1.5, True, "2"])
-def test_a_number_of_sets_is_a_whole_number(n: Any) -> None:
+def test_a_number_of_sets_is_a_whole_number(n: Any, fitted: eccentric.FitResult) -> None:
     """Anything else is refused."""
     with pytest.raises(InputError, match="a whole number of at least 1"):
-        eccentric.fit(LOG, RIG).samples(n)
+        fitted.samples(n)

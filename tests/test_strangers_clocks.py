@@ -207,7 +207,7 @@ def test_the_draft_of_a_log_without_a_time(tmp_path: Path) -> None:
         path, content, delimiter=",", header="angle_rad,speed_rad_s,current_A", comments="", fmt="%.6f"
     )
     with pytest.raises(
-        InputError, match=r"expected the time, .*\(angle_rad, speed_rad_s, .*--rate 500 .sample"
+        InputError, match=r"rises from row to row, the time, .*\(angle_rad, speed_rad_s, .*--rate 500 .sample"
     ):
         eccentric.draft_rig(path)
     assert 0 == cli.main(["rig", str(path), "--rate", "500", "--out", str(tmp_path / "rig.toml")])

@@ -19,8 +19,8 @@ rig its value or a question (`RigLine`), each with its evidence in words and any
     against     a rig file checked against the draft
     limits      every threshold, with its reason
 
-May import: `logs`, `rigs`, and `model` for the chain of an arm. Names are evidence among others; nothing is
-fitted here.
+May import: `logs`, `rigs`, `signals` for a line in the drive, `model` for the chain of an arm. Nothing is
+fitted here, and names are evidence among others.
 """
 
 from eccentric.drafting.against import log_complaints

@@ -12,7 +12,7 @@ from eccentric.drafting.draft import Draft
 from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.words import read_name
 from eccentric.logs import Log, evaluate, parse_unit
-from eccentric.rigs import CHANNELS, COASTING, Complaint, Rig, channels_of, gain_of
+from eccentric.rigs import CHANNELS, COASTING, ColumnSource, Complaint, Rig, channels_of, gain_of
 
 _SIDES = ({"theta_m", "theta_l"}, {"omega_m", "omega_l"}, {"torque", "torque_l"})
 
@@ -69,6 +69,8 @@ def _missing(rig: Rig, log: Log, told: Collection[Complaint]) -> Iterator[Compla
         names = [rig.axis.named(channel) for channel in choice if channel in channels_of(rig.axis)]
         if choice == ("time",) and rig.log.sample_rate_hz is not None:
             continue
+        if "theta_m" in choice and rig.log.events:
+            continue  # each row is a turn
         if choice[0] == "current" and rig.log.drive == COASTING:
             continue
         if refused.isdisjoint(names) and not any(channel in sources for channel in choice):
@@ -106,30 +108,24 @@ def _contradicted(rig: Rig, draft: Draft, told: Collection[str]) -> Iterator[Com
         if proposal is None or proposal.doubt or here(channel) in told:
             continue
         if not _same(channel, proposal.channel):
-            yield Complaint(
-                f"{rig.path}: [columns] {here(channel)} = {json.dumps(source.text)}:"
-                f" the log shows {here(proposal.channel)} there"
-                f" ({'; '.join(proposal.evidence)}): write {_line(proposal, here(proposal.channel))}",
-                "columns",
-                here(channel),
-            )
+            right, seen = here(proposal.channel), f"{here(proposal.channel)} there"
+            said = f" = {json.dumps(source.text)}:"
+        elif CHANNELS[channel][1] and not _same_unit(source, proposal, rig.log.counts_per_rev):
+            right, seen = here(channel), proposal.unit
+            unit = source.unit.text if source.unit is not None else here(CHANNELS[channel][1])
+            said = f": {source.text!r} is read in {unit},"
+        else:
             continue
-        if not CHANNELS[channel][1]:
-            continue
-        counts = rig.log.counts_per_rev
-        theirs = parse_unit(proposal.unit, "", counts or 1.0)
-        own = source.unit.factor if source.unit is not None else 1.0
-        if proposal.unit.startswith("counts") and counts is None:
-            continue
-        if not math.isclose(own, theirs.factor, rel_tol=0.01):
-            said = source.unit.text if source.unit is not None else here(CHANNELS[channel][1])
-            yield Complaint(
-                f"{rig.path}: [columns] {here(channel)}: {source.text!r} is read in {said},"
-                f" the log shows {proposal.unit}"
-                f" ({'; '.join(proposal.evidence)}): write {_line(proposal, here(channel))}",
-                "columns",
-                here(channel),
-            )
+        seen = f"the log shows {seen} ({'; '.join(proposal.evidence)}): write {_line(proposal, right)}"
+        yield Complaint(f"{rig.path}: [columns] {here(channel)}{said} {seen}", "columns", here(channel))
+
+
+def _same_unit(source: ColumnSource, proposal: Proposal, counts: float | None) -> bool:
+    """Whether a column is read in the unit that the log shows, as far as it shows one."""
+    if proposal.unit.startswith("counts") and counts is None:
+        return True
+    own = source.unit.factor if source.unit is not None else 1.0
+    return math.isclose(own, parse_unit(proposal.unit, "", counts or 1.0).factor, rel_tol=0.01)
 
 
 def _same(channel: str, other: str) -> bool:

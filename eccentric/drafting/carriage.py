@@ -10,7 +10,7 @@ from dataclasses import replace
 from eccentric.core import InputError
 from eccentric.drafting import limits
 from eccentric.drafting.columns import LoggedColumn
-from eccentric.drafting.proposal import Proposal, RigLine, asked_parts, computed_by
+from eccentric.drafting.proposal import Proposal, RigLine, asked_parts, computed_by, known_asked
 from eccentric.drafting.questions import ONE_WAY
 from eccentric.drafting.units import Shown
 from eccentric.drafting.words import of_a_carriage
@@ -102,7 +102,7 @@ def driven(
             said = tuple(one.replace("torque by its name", "force by its name") for one in drive.evidence)
             kept.append(replace(drive, evidence=said))
         elif carriage and channels == {"voltage"}:
-            kept.append(replace(drive, doubt="; ".join(filter(None, (drive.doubt, _REFERENCE)))))
+            kept.append(drive.doubted(_REFERENCE))
         else:
             kept.append(drive)
     return kept, left_out
@@ -140,20 +140,21 @@ def carriage_entries(
         entries.append(RigLine("", "encoder_step_m", f"{step:.6g}", why))
     entries += asked_parts("screw")
     why = "travel per turn of the screw; with it, effects over a turn are tried"
-    entries.append(RigLine("known", "pitch", '"10 mm"', why, asked=True))
-    entries.append(RigLine("known", "mass", '"95 kg"', "moving mass; estimated unless given", asked=True))
+    entries += [
+        known_asked("pitch", "10 mm", why),
+        known_asked("mass", "95 kg", "moving mass; estimated unless given"),
+    ]
     if "current" in kinds:
         why = "the force constant (data sheet): the log cannot show it"
-        asked = RigLine("known", "k_f", '"50 N/A"', why, asked=True, needed=True)
-        entries.append(computed_by(drives, asked))
+        entries.append(computed_by(drives, known_asked("k_f", "50 N/A", why, needed=True)))
     if "voltage" in kinds:
         why = "resistance of the armature (data sheet), with k_e and k_f for a voltage at the motor"
         entries += [
-            RigLine("known", "R", '"1 ohm"', why, asked=True),
-            RigLine("known", "k_e", '"50 V s/m"', "back-EMF constant (data sheet)", asked=True),
+            known_asked("R", "1 ohm", why),
+            known_asked("k_e", "50 V s/m", "back-EMF constant (data sheet)"),
         ]
         if "current" not in kinds:
-            entries.append(RigLine("known", "k_f", '"50 N/A"', "force constant (data sheet)", asked=True))
+            entries.append(known_asked("k_f", "50 N/A", "force constant (data sheet)"))
     force = next((p for p in drives if p.channel == "torque"), None)
     end = f"{float(f'{largest:.1g}'):g} {force.unit}" if force and largest else "1000 N"
     why = "a constant force against positive motion: a part of the weight; an amplifier's offset looks alike"

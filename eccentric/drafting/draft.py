@@ -21,36 +21,15 @@ from eccentric.drafting.balance import (
     gear_of,
     motion_from,
 )
-from eccentric.drafting.carriage import (
-    carriage_channels,
-    carriage_entries,
-    driven,
-    is_carriage,
-)
-from eccentric.drafting.columns import (
-    Grid,
-    LoggedColumn,
-    Pair,
-    columns_of,
-    grid_of,
-    pairs_of,
-    step_of,
-    wrap_of,
-)
-from eccentric.drafting.drives import (
-    CONSTANT,
-    KINDS,
-    UNSIGNED,
-    coasts,
-    find_drives,
-    without_sign,
-)
+from eccentric.drafting.carriage import carriage_channels, carriage_entries, driven, is_carriage
+from eccentric.drafting.columns import Grid, LoggedColumn, Pair, grid_of, pairs_of, step_of, wrap_of
+from eccentric.drafting.drives import CONSTANT, KINDS, UNSIGNED, coasts, find_drives, without_sign
 from eccentric.drafting.joints import joint_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
-from eccentric.drafting.questions import entries_of, facts_of, one_way
-from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, find_clock, find_runs, readings
-from eccentric.drafting.words import of_a_carriage
+from eccentric.drafting.questions import added_asked, entries_of, facts_of, line_asked, one_way, turns_asked
+from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, opened_to_draft, readings
+from eccentric.drafting.words import is_mass, of_a_carriage
 from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
 
@@ -112,14 +91,16 @@ def draft_of(log: Log) -> Draft:
     Raises:
         InputError: it has no column that rises like a time, too few rows, or nothing that moves.
     """
-    rows = slice(0, min(log.rows, limits.MOST_ROWS))
-    if log.rows < limits.FEWEST_ROWS:
-        raise InputError(log.path, f"at least {limits.FEWEST_ROWS} rows", log.rows, why="to draft a rig")
-    columns, texts = columns_of(log, rows)
-    run, ends = find_runs(columns, texts, rows.stop)
-    left = {name: c for name, c in columns.items() if run is None or name != run.column}
-    clock = find_clock({n: c for n, c in left.items() if not c.is_flag}, ends, log.path, texts)
-    left.pop(clock.proposal.column)
+    opened = opened_to_draft(log)
+    columns, texts, run, ends, clock = opened.columns, opened.texts, opened.run, opened.ends, opened.clock
+    left = {n: c for n, c in columns.items() if n not in {clock.proposal.column, run and run.column}}
+    if not left:
+        raise InputError(
+            log.path,
+            "an angle or a speed",
+            "the time alone",
+            hint='where each row is the time of one turn, write a rig file with events = "revolution"',
+        )
     grid = grid_of(clock.raw * SECONDS[clock.unit], clock.breaks)
     if not grid.parts:
         raise InputError(log.path, problem="expected a stretch of more rows without a gap in time")
@@ -196,7 +177,11 @@ def draft_of(log: Log) -> Draft:
         largest = float(np.quantile(np.abs(drive.values), 0.999)) if drive else 0.0
         entries = carriage_entries(evidence, moving, drives, largest, one_way(motion))
     else:
-        entries = entries_of(found[0], evidence, gravity, gear.mu, drives)
+        entries = [
+            *turns_asked(clock.raw, clock.breaks, evidence),
+            *line_asked(grid, evidence, found[0].speed, drive),
+            *entries_of(found[0], evidence, gravity, gear.mu, drives),
+        ]
     if not drives:
         why = "expected a current, a torque or a voltage, and no column follows the motion as one does"
         line = RigLine("columns", "current", '"its column"', why, asked=True, needed=True)
@@ -204,6 +189,10 @@ def draft_of(log: Log) -> Draft:
             why = "a coast-down, if nothing drove it; without J_m and J_l it shows friction over inertia"
             line = RigLine("", "drive", '"none"', "", why)
         entries = [line, *entries]
+    by_run = [left[n] for n, why in left_out.items() if why == _BY_RUN and is_mass(left[n].name.unit)]
+    if run is not None and by_run and not carried:
+        names = texts[run.column] if run.column in texts else columns[run.column].values
+        entries += added_asked(names.tolist(), by_run[0])
     facts, axis = [*facts_of(grid, motion), *ripple], LINEAR if carried else TURNING
     return Draft(log.path, tuple(proposals), tuple(entries), left_out, tuple(facts), axis)
 
@@ -400,14 +389,14 @@ def _with_duty(
     if voltage.source in {p.source for p in drives}:
         return drives, balances
     if any(without_sign(c, motion) for n, c in left.items() if n in voltage.reads[:1]):
-        voltage = replace(voltage, doubt="; ".join(filter(None, (voltage.doubt, UNSIGNED))))
+        voltage = voltage.doubted(UNSIGNED)
     balance = balance_of(motion, y, periodic=lasting)
     if balance is not None:
         return [*drives, voltage], {**balances, "voltage": balance}
     if drives or not np.any(y):
         return drives, balances
     constant = f"constant, {y[0]:.4g} in all rows: friction and inertia cannot be told apart from one step"
-    return [replace(voltage, doubt="; ".join(filter(None, (voltage.doubt, constant))))], balances
+    return [voltage.doubted(constant)], balances
 
 
 def _channels(

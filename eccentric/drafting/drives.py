@@ -107,8 +107,8 @@ def find_drives(
         if _role(one.column.name) > _role(first.column.name):
             left_out[one.column.text] = f"another {one.kind}: {first.column.text} is measured by its name"
             continue
-        said = proposals[one.kind].doubt, f"{one.column.text} could be this {one.kind} as well"
-        proposals[one.kind] = dataclasses.replace(proposals[one.kind], doubt="; ".join(filter(None, said)))
+        doubt = f"{one.column.text} could be this {one.kind} as well"
+        proposals[one.kind] = proposals[one.kind].doubted(doubt)
         left_out[one.column.text] = (
             f"another {one.kind}; {proposals[one.kind].column} follows the motion better"
         )
@@ -250,27 +250,16 @@ def _kind(column: LoggedColumn, balance: Explained) -> Driven:
         f"motion explains {balance.r2:.0%} of it",
         *((f"follows {', '.join(told)} (standard deviations over its own{opposed})",) if told else ()),
     )
-    named = column.name.quantity
-    if named in KINDS:
-        said = (f"{named} by its name", *evidence)
-        if (
-            named != "voltage"
-            and shares["speed"] > limits.LIKE_VOLTAGE
-            and shares["speed"] > limits.OVER_THE_REST * (shares["friction"] + shares["inertia"])
-        ):
-            return Driven(column, named, balance, said, "it follows the speed as a voltage does", 0.8)
-        return Driven(column, named, balance, said, "", 0.98)
-    rest = shares["friction"] + shares["inertia"] + shares["gravity"]
-    if shares["speed"] > limits.BACK_EMF * (shares["speed"] + rest):
-        return Driven(
-            column,
-            "voltage",
-            balance,
-            evidence,
-            "no name; viscous friction could do the same to a current",
-            0.7,
-        )
-    return Driven(column, "current", balance, evidence, "no name; a torque would look the same", 0.6)
+    kind, speed, rest = column.name.quantity, shares["speed"], shares["friction"] + shares["inertia"]
+    if kind in KINDS:
+        evidence, doubt, sure = (f"{kind} by its name", *evidence), "", 0.98
+        if kind != "voltage" and speed > max(limits.LIKE_VOLTAGE, limits.OVER_THE_REST * rest):
+            doubt, sure = "it follows the speed as a voltage does", 0.8
+    elif speed > limits.BACK_EMF * (speed + rest + shares["gravity"]):
+        kind, doubt, sure = "voltage", "no name; viscous friction could do the same to a current", 0.7
+    else:
+        kind, doubt, sure = "current", "no name; a torque would look the same", 0.6
+    return Driven(column, kind, balance, evidence, doubt, sure)
 
 
 def _voltage_among(kept: list[Driven]) -> list[Driven]:

@@ -16,6 +16,13 @@ USUAL_HZ, USUAL_DECADES = 300.0, 0.8
 """Rates that loggers of drives have, and their spread: 50 Hz to 2 kHz are within one."""
 GAP = 20.0
 """Time steps above so many usual ones end a stretch."""
+UNEVEN = 1.2
+"""Ratio of long to short time steps (deciles) from which rows may be events: sampled rows are even, but for
+jitter, and a shaft that never changes its speed by so much has nothing to fit."""
+FEW_STEPS = 0.02
+"""Part of the rows that may count up by more than one where rows are turns: some events are missed."""
+ONE_TURN = 0.1
+"""Relative scatter (deciles) of speed times step of time up to which it is one turn: speeds are rounded."""
 
 # Moved.
 SMOOTH_S, SMOOTH_ROWS = 0.08, 9

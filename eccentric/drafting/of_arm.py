@@ -15,11 +15,9 @@ from dataclasses import replace
 import numpy as np
 
 from eccentric.core import InputError, counted, few
-from eccentric.drafting import limits
-from eccentric.drafting.columns import columns_of
 from eccentric.drafting.draft import Draft, draft_of
 from eccentric.drafting.proposal import Proposal, RigLine, asked_parts
-from eccentric.drafting.units import find_clock, find_runs
+from eccentric.drafting.units import opened_to_draft
 from eccentric.drafting.words import read_name
 from eccentric.logs import Log
 from eccentric.model import Chain
@@ -102,13 +100,8 @@ def _patterns(log: Log, count: int) -> tuple[int, list[str]]:
 
 def _clock(log: Log, common: Sequence[str]) -> tuple[Proposal, Proposal | None]:
     """The time and the runs, among the columns that are one for all joints."""
-    stop = min(log.rows, limits.MOST_ROWS)
-    if log.rows < limits.FEWEST_ROWS:
-        raise InputError(log.path, f"at least {limits.FEWEST_ROWS} rows", log.rows, why="to draft a rig")
-    columns, texts = columns_of(_part(log, common), slice(0, stop))
-    run, ends = find_runs(columns, texts, stop)
-    left = {n: c for n, c in columns.items() if not c.is_flag and (run is None or n != run.column)}
-    return find_clock(left, ends, log.path).proposal, run
+    found = opened_to_draft(_part(log, common))
+    return found.clock.proposal, found.run
 
 
 def _part(log: Log, names: Sequence[str]) -> Log:
@@ -151,14 +144,12 @@ def _sides(chosen: Sequence[Proposal], log: Log, chain: Chain, first: int) -> li
             continue
         side = read_name(p.source.replace(NUMBER, "1")).side
         motor = side == "m" or (not side and far and kind != "torque")
-        doubt = p.doubt
+        doubt = ""
         if not side and not direct:
             why = "it travels further than a joint does: the motor's" if motor else "taken as the joint's"
-            doubt = "; ".join(filter(None, (p.doubt, f"no name says which side of the gear: {why}")))
-        channel = {"theta": "theta_", "omega": "omega_"}.get(kind, "torque") + (
-            ("" if motor else "_l") if kind == "torque" else ("m" if motor else "l")
-        )
-        found.append(replace(p, channel=channel, doubt=doubt))
+            doubt = f"no name says which side of the gear: {why}"
+        of_motor = "" if kind == "torque" else "_m"
+        found.append(replace(p, channel=f"{kind}{of_motor if motor else '_l'}").doubted(doubt))
     return found
 
 

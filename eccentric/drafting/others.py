@@ -61,33 +61,16 @@ def find_voltage(columns: Sequence[LoggedColumn], supply: LoggedColumn | None) -
     largest = float(np.max(np.abs(duty.values)))
     full = 100.0 if duty.name.unit == "%" else max(1.0, largest)
     sure = duty.name.unit == "%" or largest <= 1.0
-    doubt = (
-        "" if sure else f"full scale is taken as the largest duty seen, {largest:g}: put the converter's own"
-    )
-    over = "" if full == 1.0 else f" / {full:g}"
+    doubt = f"full scale is taken as the largest duty seen, {largest:g}: put the converter's own"
+    text = quoted(duty.text) + ("" if full == 1.0 else f" / {full:g}")
     if supply is None:
-        doubt = "; ".join(filter(None, (doubt, "times the supply voltage, which the log does not hold")))
-        return Proposal(
-            "voltage",
-            f"{quoted(duty.text)}{over}",
-            "V",
-            ("a duty cycle by its name",),
-            0.4,
-            doubt,
-            reads=(duty.text,),
-        )
-    text = f"{quoted(duty.text)}{over} * {quoted(supply.text)}"
-    if supply.name.unit == "mV":
-        text += " / 1000"
-    return Proposal(
-        "voltage",
-        text,
-        "V",
-        ("duty cycle times supply, by their names",),
-        0.9 if sure else 0.7,
-        doubt,
-        reads=(duty.text, supply.text),
-    )
+        said, sure_of, reads = "a duty cycle by its name", 0.4, (duty.text,)
+    else:
+        text += f" * {quoted(supply.text)}" + (" / 1000" if supply.name.unit == "mV" else "")
+        said, reads = "duty cycle times supply, by their names", (duty.text, supply.text)
+        sure_of = 0.9 if sure else 0.7
+    found = Proposal("voltage", text, "V", (said,), sure_of, "" if sure else doubt, reads=reads)
+    return found if supply else found.doubted("times the supply voltage, which the log does not hold")
 
 
 def find_flags(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from eccentric.model import DRIVE_PARTS
 
@@ -37,6 +37,10 @@ class Proposal:
     constant: tuple[str, str] = ("", "")
     by_gravity: tuple[str, ...] = ()
 
+    def doubted(self, doubt: str) -> Proposal:
+        """The same with one more doubt, if there is one."""
+        return replace(self, doubt="; ".join(filter(None, (self.doubt, doubt))))
+
     @property
     def column(self) -> str:
         """As a rig file names it."""
@@ -67,15 +71,19 @@ class RigLine:
     guessed: bool = False
 
 
+def known_asked(key: str, typical: str, evidence: str, *, needed: bool = False) -> RigLine:
+    """A question about a value of [known], with a typical one."""
+    return RigLine("known", key, f'"{typical}"', evidence, asked=True, needed=needed)
+
+
 _USUAL = {"motor": "brushless", "bearing": "ball", "lubricant": "grease"}
 
 
 def asked_parts(gear: str) -> list[RigLine]:
     """Questions about what the drive is made of, with this gear as a typical one: no log shows it."""
+    usual = {"gear": gear, **_USUAL}
     return [
-        RigLine(
-            "", kind, json.dumps({"gear": gear, **_USUAL}[kind]), f"{kind}: {', '.join(words)}", asked=True
-        )
+        RigLine("", kind, json.dumps(usual[kind]), f"{kind}: {', '.join(words)}", asked=True)
         for kind, words in DRIVE_PARTS.items()
     ]
 

@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from eccentric.core import counted
+from eccentric.core import InputError, counted
 from eccentric.drafting import limits
 from eccentric.drafting.balance import SHORT, Explained, Moved
-from eccentric.drafting.columns import Grid, nice_counts
-from eccentric.drafting.proposal import Proposal, RigLine, asked_parts, computed_by
+from eccentric.drafting.columns import Grid, LoggedColumn, nice_counts
+from eccentric.drafting.proposal import Proposal, RigLine, asked_parts, computed_by, known_asked
 from eccentric.drafting.units import Reading, Shown
+from eccentric.logs import parse_unit
+from eccentric.signals import turn_line
 
+Array = NDArray[np.float64]
 TURN = 2.0 * math.pi
 
 
 def entries_of(
-    best: Reading,
-    given: Shown,
-    balance: Explained | None,
-    gear: RigLine,
-    drives: Sequence[Proposal],
+    best: Reading, given: Shown, balance: Explained | None, gear: RigLine, drives: Sequence[Proposal]
 ) -> list[RigLine]:
     """The lines of the rig file; `gear` is that of mu."""
     kinds = {p.channel for p in drives}
@@ -37,30 +38,20 @@ def entries_of(
 def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[RigLine]:
     if given.angle is None:
         return []
+    key = "encoder_counts_per_rev"
     if best.angle == "counts":
-        if best.counts:
-            why = "; ".join(w for w in best.why["angle"] if "counts" in w)
-            by_gravity = not given.wrap and not given.factor
-            doubt = SHORT if by_gravity and balance is not None and balance.turns < 1.0 else ""
-            counts = f"{best.counts:g}"
-            return [RigLine("", "encoder_counts_per_rev", counts, why, doubt, guessed=bool(doubt))]
-        return [
-            RigLine(
-                "", "encoder_counts_per_rev", "4096", "counts of the angle per turn of its shaft", asked=True
-            )
-        ]
+        if not best.counts:
+            return [RigLine("", key, "4096", "counts of the angle per turn of its shaft", asked=True)]
+        why = "; ".join(w for w in best.why["angle"] if "counts" in w)
+        by_gravity = not given.wrap and not given.factor
+        doubt = SHORT if by_gravity and balance is not None and balance.turns < 1.0 else ""
+        return [RigLine("", key, f"{best.counts:g}", why, doubt, guessed=bool(doubt))]
     unit = {"rad": 1.0, "deg": TURN / 360.0, "rev": TURN, "mrad": 1e-3}[best.angle]
     if given.step:
         counts = TURN / (given.step * unit)
         if 90.0 < counts < 2e7 and (nice := nice_counts(counts, 2e-3)):
-            return [
-                RigLine(
-                    "",
-                    "encoder_counts_per_rev",
-                    f"{nice:g}",
-                    f"the smallest step of the angle, {given.step:.6g} {best.angle}",
-                )
-            ]
+            why = f"the smallest step of the angle, {given.step:.6g} {best.angle}"
+            return [RigLine("", key, f"{nice:g}", why)]
     return []
 
 
@@ -68,28 +59,16 @@ def _alignment(balance: Explained | None, kinds: set[str]) -> list[RigLine]:
     entries: list[RigLine] = []
     if balance is not None and balance.period:
         zero = TURN * balance.zero / balance.period
-        entries.append(
-            RigLine(
-                "",
-                "theta_zero_rad",
-                '"estimate"',
-                f"gravity vanishes at {zero:+.3f} rad of the link: the fit refines it",
-            )
-            if abs(zero) > 0.01
-            else RigLine("", "theta_zero_rad", "0", f"gravity vanishes at {zero:+.3f} rad of the link")
-        )
+        why, value = f"gravity vanishes at {zero:+.3f} rad of the link", "0"
+        if abs(zero) > 0.01:
+            why, value = f"{why}: the fit refines it", '"estimate"'
+        entries.append(RigLine("", "theta_zero_rad", value, why))
     if kinds == {"voltage"}:
         why = "a logged voltage is a command; it acts later, and only the fit shows by how much"
         entries.append(RigLine("", "input_delay_s", '"estimate"', why))
         if balance is not None and abs(balance.offset) > 0.02:
-            entries.append(
-                RigLine(
-                    "",
-                    "voltage_offset_V",
-                    '"estimate"',
-                    f"mean beyond motion: {balance.offset:+.3f} of its scatter",
-                )
-            )
+            why = f"mean beyond motion: {balance.offset:+.3f} of its scatter"
+            entries.append(RigLine("", "voltage_offset_V", '"estimate"', why))
     return entries
 
 
@@ -98,68 +77,18 @@ def _known(
 ) -> list[RigLine]:
     """[known] and [unknown]: the case and the gear as the log shows them, the rest as questions."""
     gravity, kinds = balance is not None and balance.period > 0.0, {p.channel for p in drives}
-    entries: list[RigLine] = []
-    if gravity and balance is not None:
-        share, turns = balance.shares["gravity"], balance.turns
-        part = min(share, 1.0)
-        why = (
-            f"gravity in the plane of motion: {part:.0%} of the drive's scatter repeats with the angle,"
-            f" {turns:.1f} periods"
-        )
-        doubt = (
-            "" if turns > 1.0 else "less than one period was seen: it may be a spring, or a load that drifts"
-        )
-        entries.append(RigLine("known", "case", '"C2"', why, doubt))
-    elif balance is not None:
-        why = "no gravity: nothing in the drive repeats with the angle in both directions"
-        doubt = "" if given.angle is not None else "without an angle gravity cannot be seen"
-        entries.append(
-            RigLine(
-                "known",
-                "case",
-                '"C1"',
-                why,
-                doubt or "a light mass or a barely moving axis would look the same in the log",
-            )
-        )
-    else:
-        entries.append(
-            RigLine(
-                "known",
-                "case",
-                '"C2"',
-                "gravity in the plane of motion; C1: perpendicular to it",
-                asked=True,
-                needed=True,
-            )
-        )
-    entries.append(gear)
-    entries += [
-        RigLine("known", "M", '"0.5 kg"', "the unbalanced mass: weigh it", asked=True, needed=True),
-        RigLine(
-            "known",
-            "L",
-            '"0.3 m"',
-            "from the axis to the centre of that mass: measure it",
-            asked=True,
-            needed=True,
-        ),
+    entries = [
+        _case(given, balance),
+        gear,
+        known_asked("M", "0.5 kg", "the unbalanced mass: weigh it", needed=True),
+        known_asked("L", "0.3 m", "from the axis to the centre of that mass: measure it", needed=True),
     ]
     if gravity or balance is None:
-        entries.append(
-            RigLine(
-                "known",
-                "M_l",
-                '"0.2 kg"',
-                "the link without the unbalanced mass: weigh it",
-                asked=True,
-                needed=True,
-            )
-        )
+        why = "the link without the unbalanced mass: weigh it"
+        entries.append(known_asked("M_l", "0.2 kg", why, needed=True))
     if "current" in kinds and not gravity:
         why = "the torque constant (data sheet): without gravity the log cannot show it"
-        asked = RigLine("known", "k_i", '"0.05 N m/A"', why, asked=True, needed=True)
-        entries.append(computed_by(drives, asked))
+        entries.append(computed_by(drives, known_asked("k_i", "0.05 N m/A", why, needed=True)))
     elif "current" in kinds:
         why = (
             "the torque constant, which gravity identifies; better the data sheet's, under [known] in place"
@@ -167,37 +96,104 @@ def _known(
         )
         entries.append(RigLine("unknown", "k_i", '["0.001 N m/A", "20 N m/A"]', why))
     if "voltage" in kinds:
-        use = "diagnose requires it" if "current" in kinds else "it tells the back-EMF from friction"
-        resistance = "diagnose requires it" if "current" in kinds else "with k_i it gives the current"
+        use = "diagnose requires it" if "current" in kinds else ""
+        resistance = use or "with k_i it gives the current"
+        back_emf = use or "it tells the back-EMF from friction"
         entries += [
-            RigLine(
-                "known",
-                "R",
-                '"1 ohm"',
-                f"resistance of the armature (data sheet); {resistance}",
-                asked=True,
-            ),
-            RigLine(
-                "known",
-                "k_e",
-                '"0.05 V s/rad"',
-                f"back-EMF constant (data sheet), in SI equal to k_i; {use}",
-                asked=True,
+            known_asked("R", "1 ohm", f"resistance of the armature (data sheet); {resistance}"),
+            known_asked(
+                "k_e", "0.05 V s/rad", f"back-EMF constant (data sheet), in SI equal to k_i; {back_emf}"
             ),
         ]
-    entries += [
-        RigLine(
-            "known",
-            "J_m",
-            '"1000 g cm^2"',
-            "inertia of the rotor (data sheet); without it the sum J_m + mu^2 J_l is estimated",
-            asked=True,
-        ),
-        RigLine(
-            "known", "J_l", '"0.05 kg m^2"', "inertia of the link about its axis, M L^2 included", asked=True
-        ),
-    ]
+    rotor = "inertia of the rotor (data sheet); without it the sum J_m + mu^2 J_l is estimated"
+    link = "inertia of the link about its axis, M L^2 included"
+    return [*entries, known_asked("J_m", "1000 g cm^2", rotor), known_asked("J_l", "0.05 kg m^2", link)]
+
+
+def _case(given: Shown, balance: Explained | None) -> RigLine:
+    if balance is None:
+        why = "gravity in the plane of motion; C1: perpendicular to it"
+        return known_asked("case", "C2", why, needed=True)
+    if balance.period > 0.0:
+        part, turns = min(balance.shares["gravity"], 1.0), balance.turns
+        why = (
+            f"gravity in the plane of motion: {part:.0%} of the drive's scatter repeats with the angle,"
+            f" {turns:.1f} periods"
+        )
+        short = "less than one period was seen: it may be a spring, or a load that drifts"
+        return RigLine("known", "case", '"C2"', why, "" if turns > 1.0 else short)
+    why = "no gravity: nothing in the drive repeats with the angle in both directions"
+    doubt = "a light mass or a barely moving axis would look the same in the log"
+    if given.angle is None:
+        doubt = "without an angle gravity cannot be seen"
+    return RigLine("known", "case", '"C1"', why, doubt)
+
+
+def turns_asked(t: Array, breaks: NDArray[np.bool_], given: Shown) -> list[RigLine]:
+    """Whether each row is the time of one turn: steps of time are uneven, and turn with the speed.
+
+    Args:
+        t, breaks: the time of the rows (n,) and the ends of stretches (n-1,).
+        given: its angle counts turns, or its speed is the inverse of the step of time, as a mean over a turn.
+    """
+    steps = np.diff(t)
+    inside = ~breaks & (steps > 0.0)
+    low, high = np.quantile(steps[inside], [0.1, 0.9])
+    if high < limits.UNEVEN * low:
+        return []
+    column = given.angle or given.speed
+    if column is None:
+        return []
+    if column is given.angle:
+        changes = np.abs(np.diff(column.values)[inside])
+        of_turns = column.is_whole and np.mean(changes > 1.0) <= limits.FEW_STEPS
+    else:
+        way = np.abs(column.values[1:] * steps)[inside]
+        low, middle, high = np.quantile(way, [0.1, 0.5, 0.9])
+        of_turns = high - low <= limits.ONE_TURN * middle
+    why = f"{column.text} goes with uneven steps of time as turns do: is each row the time of one turn?"
+    return [RigLine("", "events", '"revolution"', why, asked=True)] if of_turns else []
+
+
+def added_asked(run: Sequence[object], mass: LoggedColumn) -> list[RigLine]:
+    """What each run carries beside the least, by a column of masses that is constant in it.
+
+    Args:
+        run: the run of each row (n,).
+        mass: the column (n,), with a unit of mass.
+    """
+    least, unit = float(np.min(mass.values)), mass.name.unit
+    why = f"M is {least:g} {unit}, if {mass.text} is all of it"
+    entries: list[RigLine] = []
+    for name, value in dict(zip(run, mass.values.tolist(), strict=True)).items():
+        if value > least:
+            key = json.dumps(f"{name:.12g}" if isinstance(name, float) else str(name), ensure_ascii=False)
+            entries.append(RigLine("added", key, f'"{value - least:g} {unit}"', why, asked=True))
+            why = "as above"
     return entries
+
+
+def line_asked(grid: Grid, given: Shown, unit: str, drive: LoggedColumn | None) -> list[RigLine]:
+    """Whether the angle is the phase of a line in the drive signal, where none is logged.
+
+    Args:
+        grid: of the log; its longest stretch is looked at.
+        given: without an angle, its speed nearly constant; `unit` is that of the speed.
+        drive: the signal, None without any.
+    """
+    speed = given.speed
+    if given.angle is not None or speed is None or drive is None or speed.varies > limits.HARDLY:
+        return []
+    t, even, rows = max(grid.parts, key=lambda part: len(part[1]))
+    in_si = parse_unit(unit, "").factor
+    signal, omega = (np.interp(even, t, c.values[rows]) for c in (drive, speed))
+    try:
+        line = turn_line(even, signal, in_si * omega)
+    except InputError:
+        return []
+    hertz = line.order * line.frequency
+    why = f"{drive.text} repeats {line.order}/turn, at {hertz:.4g} Hz: is its phase the angle of the drive?"
+    return [RigLine("", "angle", '"line"', why, asked=True)]
 
 
 ONE_WAY = "one direction only: Coulomb friction and a constant load are one and the same there"

@@ -99,13 +99,37 @@ def clock_in(log: Log) -> Clock:
     Raises:
         InputError: no column rises from row to row.
     """
-    log = upright(log)
-    columns, texts = columns_of(log, slice(0, log.rows))
-    run, ends = find_runs(columns, texts, log.rows)
-    named = "" if run is None else run.column
-    return find_clock(
-        {n: c for n, c in columns.items() if n != named and not c.is_flag}, ends, log.path, texts
-    )
+    return opened(upright(log), log.rows).clock
+
+
+@dataclass(frozen=True)
+class Opened:
+    """The columns of a log: numbers and text by name, its runs and the ends of these (n-1,), its clock."""
+
+    columns: Mapping[str, LoggedColumn]
+    texts: Mapping[str, NDArray[np.str_]]
+    run: Proposal | None
+    ends: NDArray[np.bool_]
+    clock: Clock
+
+
+def opened(log: Log, rows: int) -> Opened:
+    """Return the columns of the first rows of a log.
+
+    Raises:
+        InputError: no column rises from row to row.
+    """
+    columns, texts = columns_of(log, slice(0, rows))
+    run, ends = find_runs(columns, texts, rows)
+    could = {n: c for n, c in columns.items() if not c.is_flag and (run is None or n != run.column)}
+    return Opened(columns, texts, run, ends, find_clock(could, ends, log.path, texts))
+
+
+def opened_to_draft(log: Log) -> Opened:
+    """Return as many rows of a log as a draft looks at. InputError for too few, and as for `opened`."""
+    if log.rows < limits.FEWEST_ROWS:
+        raise InputError(log.path, f"at least {limits.FEWEST_ROWS} rows", log.rows, why="to draft a rig")
+    return opened(log, min(log.rows, limits.MOST_ROWS))
 
 
 def by_rate(log: Log, rate_hz: float) -> Log:
@@ -122,10 +146,7 @@ def by_rate(log: Log, rate_hz: float) -> Log:
 
 
 def find_clock(
-    columns: Mapping[str, LoggedColumn],
-    ends: NDArray[np.bool_],
-    where: str,
-    texts: Iterable[str] = (),
+    columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_], where: str, texts: Iterable[str] = ()
 ) -> Clock:
     """The clock among the columns; `ends` (n-1,) are those of named runs, `texts` columns of text.
 

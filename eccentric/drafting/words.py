@@ -212,26 +212,30 @@ _COMPATIBLE = {("supply", "voltage"), ("duty", "angle"), ("voltage", "angle"), (
 
 def of_a_carriage(unit: str) -> bool:
     """Whether a unit is one of length or velocity."""
+    return _is_like(unit, "m", "m/s")
+
+
+def is_mass(unit: str) -> bool:
+    """Whether a unit is one of mass."""
+    return _is_like(unit, "kg")
+
+
+def _is_like(unit: str, *others: str) -> bool:
+    """Whether a unit is of the dimension of one of the others; a ratio, or none, is not."""
     if unit in ("", "%", "‰", "1", "-"):
         return False
     try:
         own = parse_unit(unit, "", 1.0).dimension
     except InputError:
         return False
-    return own in {parse_unit(known, "").dimension for known in ("m", "m/s")}
+    return own in [parse_unit(other, "").dimension for other in others]
 
 
 def dimension_of(unit: str) -> str:
     """The quantity that a unit belongs to, empty for % and 1; "other" for that of no signal."""
-    if unit in ("", "%", "‰", "1", "-"):
+    if unit in ("", "%", "‰", "1", "-") or not spelled(unit):
         return ""
-    try:
-        own = parse_unit(unit, "", 1.0).dimension
-    except InputError:
-        return ""
-    return next(
-        (q for q, units in _KINDS.items() if own in [parse_unit(u, "").dimension for u in units]), "other"
-    )
+    return next((quantity for quantity, units in _KINDS.items() if _is_like(unit, *units)), "other")
 
 
 def spelled(text: str) -> str:
@@ -247,11 +251,7 @@ def spelled(text: str) -> str:
     return one
 
 
-_ENDS = (
-    r"[\s_.-]+([^\s_.-]+_[^\s_.-]+)$",
-    r"[\s_.-]+([^\s_.-]+)$",
-    r"(?<=[a-z])([A-Z][a-z]+|[A-Z]{2,})$",
-)
+_ENDS = (r"[\s_.-]+([^\s_.-]+_[^\s_.-]+)$", r"[\s_.-]+([^\s_.-]+)$", r"(?<=[a-z])([A-Z][a-z]+|[A-Z]{2,})$")
 
 
 def _suffix(text: str) -> tuple[str, str]:

@@ -44,7 +44,7 @@ def toml_of(draft: Draft, name: str) -> str:
     for columns, why in folded(draft.left_out):
         are = "is no channel" if columns in draft.left_out else "are no channels"
         lines.append(f"# {_line(f'{columns} {are}: {why}')}")
-    for table in ("known", "unknown", "drives", "joints"):
+    for table in ("known", "unknown", "added", "drives", "joints"):
         entries = [entry for entry in draft.entries if entry.table == table]
         if entries:
             lines += ["", f"[{table}]", *(line for entry in entries for line in _entry(entry))]
@@ -70,10 +70,7 @@ def _comments(evidence: Iterable[str], doubt: str) -> Iterator[str]:
     for mark, text in (("# ", "; ".join(evidence)), ("# ? ", doubt)):
         if text:
             yield from textwrap.wrap(
-                " ".join(_line(text).split()),
-                _WIDTH,
-                initial_indent=mark,
-                subsequent_indent="#   ",
+                " ".join(_line(text).split()), _WIDTH, initial_indent=mark, subsequent_indent="#   "
             )
 
 

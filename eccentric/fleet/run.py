@@ -152,11 +152,7 @@ def _examined(
 
 
 def _suspect(
-    history: History,
-    called: Sequence[FleetChange],
-    heat: Mapping[str, float],
-    plan: Plan,
-    samples: _Samples,
+    history: History, called: Sequence[FleetChange], heat: Mapping[str, float], plan: Plan, samples: _Samples
 ) -> Suspect:
     """What is known of a joint that drifts, its rig with its content, and the logs of its past and of now."""
     own = sorted(called, key=lambda change: (change.p, -abs(change.part)))

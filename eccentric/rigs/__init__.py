@@ -10,11 +10,10 @@ and rotors of the file; meshes are not read, and nothing is fetched.
 May import: `logs` for units, `model` for the vocabulary and chains.
 """
 
-from eccentric.rigs.arm_complaints import arm_rig_complaints
 from eccentric.rigs.arm_file import KEYS_OF_ARMS, read_arm
 from eccentric.rigs.arm_parts import KEYS_OF_BODIES, KEYS_OF_JOINTS
 from eccentric.rigs.arm_rig import NUMBER, ArmRig, names_arm, read_arm_rig
-from eccentric.rigs.complaints import Complaint, rig_complaints
+from eccentric.rigs.complaints import Complaint, arm_rig_complaints, rig_complaints
 from eccentric.rigs.controller import STATES, Controller
 from eccentric.rigs.entries import plain_entries, read_pair
 from eccentric.rigs.known import KNOWNS, AddedMass, knowns_of, mass_alone, read_mass

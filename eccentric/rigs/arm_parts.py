@@ -319,10 +319,7 @@ def _rounded(matrix: sp.MatrixBase) -> sp.ImmutableMatrix:
 
 AXIS, BEARING = FileQuantity("axis", "1"), FileQuantity("bearing", "m", "m")
 ROTOR = FileQuantity("J_m", "kg m^2", "kgm2")
-GEAR = {
-    "revolute": FileQuantity("mu", "1"),
-    "prismatic": FileQuantity("mu", "m/rad", "m_per_rad"),
-}
+GEAR = {"revolute": FileQuantity("mu", "1"), "prismatic": FileQuantity("mu", "m/rad", "m_per_rad")}
 DRIVE = ("mu", *ROTOR.keys, *BEARING.keys)
 KEYS_OF_JOINTS = ("name", "kind", *AXIS.keys, *PLACING, *DRIVE, "body")
 """Keys of a joint; a prismatic one has mu_m_per_rad as well."""

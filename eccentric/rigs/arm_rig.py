@@ -80,7 +80,7 @@ class ArmRig:
 
     def column(self, channel: str, j: int) -> str:
         """The source of a channel for a joint, from its place in the chain."""
-        return _numbered(self.patterns[channel], self.number(j))
+        return self.patterns[channel].replace(NUMBER, str(self.number(j)))
 
 
 def names_arm(source: object) -> bool:
@@ -157,15 +157,10 @@ def arm_rig_of(content: Mapping[str, Any], where: str, name: str, folder: Path) 
         if "moving_threshold_rad_s" in own:
             threshold = read_number(own["moving_threshold_rad_s"], f"{where}: moving_threshold_rad_s", 0.0)
             own["moving_threshold_rad_s"] = threshold / mu
-        joints.append(_of_joint(own, where))
+        joints.append(rig_of(own, where, "drives"))
     patterns = {c: _text(x) for c, x in columns.items() if c in (*_MOTION, *_DRIVE)}
     inertial = _known(table.get("inertial", "known"), where)
     return ArmRig(where, name, chain, declared, tuple(joints), first, patterns, inertial)
-
-
-def _of_joint(content: Mapping[str, Any], where: str) -> Rig:
-    """The rig of one joint; messages name the file."""
-    return rig_of(content, where, "drives")
 
 
 def _chain(given: object, where: str, folder: Path) -> Chain:
@@ -232,15 +227,11 @@ def _text(source: object) -> str:
     return text if isinstance(text, str) else ""
 
 
-def _numbered(pattern: str, number: int) -> str:
-    return pattern.replace(NUMBER, str(number))
-
-
 def _source(source: object, number: int) -> object:
     """A source of a channel with the number of a joint in its pattern."""
     if isinstance(source, Mapping):
         return {key: _source(x, number) if key == "column" else x for key, x in source.items()}
-    return _numbered(source, number) if isinstance(source, str) else source
+    return source.replace(NUMBER, str(number)) if isinstance(source, str) else source
 
 
 def _drives(value: object, count: int, where: str) -> list[dict[str, Any]]:

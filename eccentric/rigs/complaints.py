@@ -1,18 +1,21 @@
-"""Everything that is wrong with a rig file, not only the first of it: each entry is read by itself.
+"""Everything that is wrong with a rig file, not only the first of it.
 
-`read_rig` stops at the first error, as every command does; this is for the person who mends the file.
+`read_rig` stops at the first error, as every command does; this is for the person who mends the file. Each
+entry of a single drive's rig is read by itself. Those of an arm's belong together (drives by the number of
+joints, a motion and a drive among the columns): what the first error names is left out, and so on.
 """
 
 from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from eccentric.core import InputError, few, given_path, read_document, shown
 from eccentric.model import AXES, TURNING, AxisKind
+from eccentric.rigs.arm_rig import ArmRig, arm_content, arm_rig_of
 from eccentric.rigs.entries import plain_entries
 from eccentric.rigs.known import knowns_of
 from eccentric.rigs.rig import keys_of, read_rig, rig_of
@@ -20,6 +23,7 @@ from eccentric.rigs.sources import channels_of
 
 Place = tuple[str, str]
 _TABLES = ("known", "unknown", "columns", "added")
+_TABLES_OF_ARMS = ("columns", "drives", "joints")
 _CASE = {"case": "C2"}
 
 
@@ -116,10 +120,10 @@ def _keys(axis: AxisKind, table: str) -> set[str]:
     return letters | ({*_CASE} if axis is TURNING else set())
 
 
-def _entries(content: Mapping[str, Any]) -> Iterator[Place]:
+def _entries(content: Mapping[str, Any], tables: Collection[str] = _TABLES) -> Iterator[Place]:
     """The place of every entry; a table that is none counts as one entry."""
     for key, value in content.items():
-        if key in _TABLES and isinstance(value, dict):
+        if key in tables and isinstance(value, Mapping):
             yield from ((key, inner) for inner in value)
         else:
             yield "", key
@@ -172,3 +176,51 @@ def _alone(content: Mapping[str, Any], places: list[Place] | tuple[Place, ...]) 
         else:
             kept["encoder_counts_per_rev"] = content["encoder_counts_per_rev"]
     return kept
+
+
+def arm_rig_complaints(
+    source: str | os.PathLike[str] | Mapping[str, Any],
+) -> tuple[list[InputError], ArmRig | None]:
+    """Return what is wrong with the rig of an arm, an error each, and the rig without it, if that is one.
+
+    Raises:
+        InputError: the file cannot be read at all.
+    """
+    content, where, name, folder = arm_content(source)
+
+    def read(content: Mapping[str, Any]) -> ArmRig | InputError:
+        try:
+            return arm_rig_of(content, where, name, folder)
+        except InputError as error:
+            return error
+
+    found: list[InputError] = []
+    while isinstance(error := read(content), InputError):
+        at = error.inside(where).place.translate(_BRACKETS).split()
+        named = [*at, *error.keys]
+        places = [p for p in _entries(content, _TABLES_OF_ARMS) if p[1] != "arm" and p[1] in named]
+        places.sort(key=lambda place: (not place[0], named.index(place[1])))
+        # The entry that it is about is the one without which there is another error or none.
+        rests = (_without(content, place) for place in places)
+        rest = next((rest for rest in rests if not _same(read(rest), error)), None)
+        if rest is None:
+            # Once something is left out, what is then missing is no complaint of its own.
+            return found or [error], None
+        found.append(error)
+        content = rest
+    return found, error
+
+
+_BRACKETS = str.maketrans("[]", "  ")
+
+
+def _same(one: ArmRig | InputError, other: InputError) -> bool:
+    return isinstance(one, InputError) and one.fields == other.fields
+
+
+def _without(content: Mapping[str, Any], place: Place) -> dict[str, Any]:
+    table, key = place
+    if not table:
+        return {name: value for name, value in content.items() if name != key}
+    own = {name: value for name, value in content[table].items() if name != key}
+    return {**content, table: own}

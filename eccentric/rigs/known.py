@@ -227,10 +227,7 @@ def read_added(content: Mapping[str, Any], where: str, known: Mapping[str, float
     """
     table = read_table(content.get("added", {}), f"{where}: [added]")
     if table and (missing := sorted({"M", "L"} - set(known))):
-        raise InputError(
-            where,
-            problem=f"expected [known] {' and '.join(missing)} with [added], got none",
-        )
+        raise InputError(where, problem=f"expected [known] {' and '.join(missing)} with [added], got none")
     return {run: AddedMass(read_mass(value, f"{where}: [added] {run}")) for run, value in table.items()}
 
 

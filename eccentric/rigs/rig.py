@@ -242,16 +242,12 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
         warnings=(*warnings, *(_doubts(known) if axis is TURNING else ())),
         axis=axis,
         added=read_added(content, where, known),
-        controller=_controller(content, where, axis),
+        controller=read_controller(content["controller"], f"{where}: [controller]", axis)
+        if "controller" in content
+        else None,
         per_inertia=per_inertia,
         parts=_parts(content, where, known),
     )
-
-
-def _controller(content: Mapping[str, Any], where: str, axis: AxisKind) -> Controller | None:
-    if "controller" not in content:
-        return None
-    return read_controller(content["controller"], f"{where}: [controller]", axis)
 
 
 def _parts(content: Mapping[str, Any], where: str, known: Mapping[str, float]) -> Parts:
@@ -308,7 +304,7 @@ def _axis(content: Mapping[str, Any], where: str) -> AxisKind:
     """Return the kind of axis that the rig names, by default one that turns."""
     kind = content.get("kind", TURNING.name)
     if "kind" not in content and (own := _of_a_carriage_alone(content)):
-        raise InputError(f"{where}: {own}", 'kind = "linear"', "no kind", why="with it")
+        raise InputError(f"{where}: {own}", 'kind = "linear"', "no kind", why="with this key")
     if not isinstance(kind, str) or kind not in AXES:
         raise InputError(
             f"{where}: kind",

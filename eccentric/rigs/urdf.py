@@ -7,7 +7,7 @@ import io
 import math
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -235,7 +235,7 @@ def path_to(tree: Tree, tip: str | None) -> list[Any]:
 def _only_chain(tree: Tree) -> list[Any]:
     path: list[Any] = []
     link = tree.root
-    while following := _next_moving(tree, link):
+    while following := [joint for joint in _behind(tree, link, MOVING) if joint.type in MOVING]:
         if len(following) > 1:
             behind = f"joint {path[-1].name!r}" if path else "the base"
             branches = few([repr(joint.name) for joint in following], 4)
@@ -252,23 +252,13 @@ def _only_chain(tree: Tree) -> list[Any]:
     return path
 
 
-def _next_moving(tree: Tree, link: str) -> list[Any]:
-    """The moving joints on a link and on what is fixed to it."""
-    found, waiting = [], [link]
-    while waiting:
-        joints = tree.outer[waiting.pop()]
-        found += [joint for joint in joints if joint.type in MOVING]
-        waiting += [joint.child for joint in joints if joint.type not in MOVING]
-    return found
-
-
-def _behind(tree: Tree, link: str) -> list[Any]:
-    """All joints behind a link."""
+def _behind(tree: Tree, link: str, up_to: Collection[str] = ()) -> list[Any]:
+    """All joints behind a link, up to those of some types on each way."""
     found, waiting = [], [link]
     while waiting:
         joints = tree.outer[waiting.pop()]
         found += joints
-        waiting += [joint.child for joint in joints]
+        waiting += [joint.child for joint in joints if joint.type not in up_to]
     return found
 
 

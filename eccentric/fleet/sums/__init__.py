@@ -4,13 +4,5 @@ columns  a rig and its model -> X and y; their sums as triangles, merged in any 
 of_file  a file, part by part, as means over windows -> `FileSums`
 """
 
-from eccentric.fleet.sums.columns import (
-    OFFSET,
-    SCALE,
-    Columns,
-    Heading,
-    dependent,
-    require_rig,
-    solve,
-)
+from eccentric.fleet.sums.columns import OFFSET, SCALE, Columns, Heading, dependent, require_rig, solve
 from eccentric.fleet.sums.of_file import Coverage, FileSums, sums_of
