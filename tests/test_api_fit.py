@@ -427,7 +427,7 @@ LOGS = {
         lambda rows: [",".join(f"signal_{k}" for k in range(200)), *[",".join(["1"] * 200)] * len(rows)],
         f"the log has {', '.join(f'signal_{k}' for k in range(12))} and 188 more",
     ),
-    "unknown name in a comment": (lambda rows: ["# nothing", *rows[1:]], "a header row with column names"),
+    "unknown name in a comment": (lambda rows: ["# nothing", *rows[1:]], "the log has column_1, column_2"),
     "empty": (lambda rows: rows[:1], "expected a log with rows"),
     "a third missing": (
         lambda rows: (
