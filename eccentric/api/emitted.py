@@ -62,13 +62,15 @@ def emit(
         arrays: whether C has array functions, in a header of their own where functions are chosen; by default
             only where none are chosen.
         fixed: whether C has the default parameters only: no `prepare`, and no files that check it.
-        accept_misfit: emit parameters of a fit although its log does not fit the rig.
+        accept_misfit: emit the values of a fit or a diagnosis although its log does not fit the rig.
         adapt: add an estimator of the friction coefficients, NAME_adapt.h, .c and .py; its prior is that of
             the fit, where the parameters are one.
         compensation: add a compensation of the friction for a loop, NAME_compensation.h, .c and .py; its gain
             follows from the fit, where the parameters are one.
         forgetting, false_alarms, settle: of this estimator: forgetting per row, the mean number of samples
             between two false alarms, and the samples left out after a reversal; by default 0.999, 1e7, 20.
+
+    What the model carries as a caution, such as a choice that its log did not decide, is a UserWarning.
 
     Raises:
         InputError: there is no such model, target or function, or it cannot be emitted; the parameters are
@@ -89,6 +91,7 @@ def emit(
     if isinstance(model, str | os.PathLike):
         refuse_other_files(model)
     loaded = arm_of(model, fitted) if is_arm(model) else model_of(model)
+    require_fit(loaded.fits_the_rig, origin_of(model), accept_misfit)
     beside = [key for key, wanted in (("adapt", asked is not None), ("compensation", compensation)) if wanted]
     if beside and joints_of(loaded):
         raise InputError(beside[0], "a model of one joint", "an arm")

@@ -27,10 +27,12 @@ class ExportResult(ResultBase):
     Attributes:
         paths: of the files.
         lines: the summary, line by line: error of the friction, what is left out.
+        warnings: what to know of the model before it is used.
     """
 
     paths: tuple[Path, ...]
     lines: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
 
     def summary(self) -> str:
         """What the command prints."""
@@ -65,7 +67,7 @@ def export(
         speeds: lowest and highest motor speed [rad/s] over which friction with constant coefficients is
             fitted; by default those of the log, and 1 to 60 without one.
         prefix: name of the files; by default the model's name.
-        accept_misfit: export parameters of a fit although its log does not fit the rig.
+        accept_misfit: export the values of a fit or a diagnosis although its log does not fit the rig.
 
     Raises:
         InputError: there is no such model or target; the target cannot take the drive, an arm or a carriage;
@@ -78,6 +80,7 @@ def export(
         if is_arm(model):
             raise InputError("model", "a model of one drive", f"an arm, {Path(model).name}", why="to export")
     chosen = model_of(model)
+    require_fit(chosen.fits_the_rig, origin_of(model), accept_misfit)
     name = checked_name(
         *((chosen.name, f"model {chosen.name}: its name") if prefix is None else (prefix, "prefix"))
     )
@@ -96,7 +99,9 @@ def export(
         for file, content in found.files.items():
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_bytes(content if isinstance(content, bytes) else content.encode())
-    return ExportResult(tuple(Path(out) / file for file in found.files), tuple(export_lines(drive, found)))
+    cautions = tuple(f"{name}: {text}" for text in chosen.cautions)
+    paths = tuple(Path(out) / file for file in found.files)
+    return ExportResult(paths, tuple(export_lines(drive, found)), cautions)
 
 
 def _model_and_values(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -67,6 +68,7 @@ def write_emitted(
     the NumPy module contains its runtime; `choice` is what of the model is emitted. With `adapt` an
     estimator of the friction is added, whose prior is that of the fit with this content; with `compensation`
     its compensation in a loop, whose gain follows from the fit. Returns the paths.
+    A caution of the model is a UserWarning.
     Raises InputError if there is no such target, or the folder cannot be written.
     """
     names = _backends(backend)
@@ -81,6 +83,8 @@ def write_emitted(
         files |= render_compensation(model, own, gain_of(model, fit))
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
+    for text in model.cautions:
+        warnings.warn(f"{model.name}: {text}", stacklevel=3)
     return [Path(out) / name for name in files]
 
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
+from warnings import catch_warnings, simplefilter
 
 from eccentric.core import InputError
 
@@ -204,6 +205,15 @@ def options(names: Mapping[str, str]) -> Iterator[None]:
             (name for name in names if place == name or place.startswith((f"{name}:", f"{name} "))), None
         )
         raise error if name is None else error.but(place=names[name] + place[len(name) :]) from None
+
+
+@contextmanager
+def warnings_printed() -> Iterator[None]:
+    """Print what is a UserWarning in Python, each as one line on stderr."""
+    with catch_warnings(record=True) as caught:
+        simplefilter("always", UserWarning)
+        yield
+    print_warnings(str(one.message) for one in caught)
 
 
 def print_warnings(warnings: Iterable[str]) -> None:

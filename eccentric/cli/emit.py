@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import add_folder, options
+from eccentric.cli.arguments import add_folder, options, warnings_printed
 from eccentric.core import TARGETS
 
 NAME = "emit"
@@ -51,7 +51,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--accept-misfit",
         action="store_true",
-        help="emit the parameters of a fit although its log does not fit the rig",
+        help="emit the values of a fit or a diagnosis although its log does not fit the rig",
     )
     parser.add_argument(
         "--prefix", metavar="NAME", help="name of the files and prefix in C; default: the model's name"
@@ -112,7 +112,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the files and print their names."""
-    with options(_OPTIONS):
+    with options(_OPTIONS), warnings_printed():
         written = eccentric.emit(
             arguments.model,
             arguments.out,

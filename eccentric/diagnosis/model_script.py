@@ -160,7 +160,24 @@ def extended_model(found: Diagnosis) -> Model:
         drive.current_known,
         drive.voltage_known,
         drive.emitted_unit,
+        _caution(found),
+        found.models.fits_the_rig,
     )
+
+
+def undecided(found: Diagnosis) -> list[str]:
+    """Ids of the effects of the emitted model that this log does not distinguish from others."""
+    clear = [effect.id for effect, _ in found.clear]
+    tied = found.attribution.verdict == "not_identifiable"
+    return [effect.id for effect, _ in found.models.extended.effects if tied and effect.id not in clear]
+
+
+def _caution(found: Diagnosis) -> str:
+    """What emitted code says of a tie; "" without one."""
+    if not (own := undecided(found)):
+        return ""
+    between = " and ".join(found.attribution.tied)
+    return f"the log does not distinguish between {between}; the model has {' and '.join(own)}, undecided"
 
 
 @dataclass(frozen=True)
@@ -239,6 +256,8 @@ def script(found: Diagnosis) -> str:
     log += "" if drive.current_known else "\n    current_known=False,"
     log += "" if drive.voltage_known else "\n    voltage_known=False,"
     log += "" if drive.emitted_unit == "N m" else f"\n    torque_unit={drive.emitted_unit!r},"
+    log += f"\n    caution={caution!r}," if (caution := _caution(found)) else ""
+    log += "" if found.models.fits_the_rig else "\n    fits_the_rig=False,"
     own = ""
     if found.asked.effects is not None:
         own = f"\noffered += load_effects(Path(__file__).with_name({found.asked.effects.name!r}), setting)"
