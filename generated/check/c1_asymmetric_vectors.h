@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_asymmetric.c (program 3017b120).
+ * Generated: do not edit. Belongs to c1_asymmetric.c (program ff57993c).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

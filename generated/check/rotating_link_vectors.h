@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to rotating_link.c (program d0b57913).
+ * Generated: do not edit. Belongs to rotating_link.c (program 1669cd00).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

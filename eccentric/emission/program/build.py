@@ -150,7 +150,7 @@ def _by_direction(parameters: frozenset[sp.Symbol], expression: sp.Expr) -> sp.E
 # Arguments and local names of every emitted function in C, and modules that those in Python use.
 _LOCAL = frozenset({"c", "count", "first", "k", "n", "next", "np", "out", "own", "parameters", "state"})
 # Arguments and a local name of `prepare`, where parameters and what follows from them have names.
-_OF_PREPARE = frozenset({"c", "invalid", "p"})
+_OF_PREPARE = frozenset({"c", "invalid", "p", "zero"})
 # What the object that holds the coefficients in Python has beside them.
 OF_COEFFICIENTS = frozenset({"leading", "real", "rounded", "rounder", "single"})
 
