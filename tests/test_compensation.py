@@ -10,6 +10,7 @@ import json
 import math
 import re
 import subprocess
+import warnings
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -205,6 +206,23 @@ def families() -> list[Any]:
         pytest.param(case, key, id=f"{case}-{key}", marks=() if k % 7 == 0 else slow)
         for k, (case, key) in enumerate(chosen)
     ]
+
+
+@pytest.mark.parametrize(("effect", "left"), [("cogging[n=3]", 0.05), ("stribeck[d=1]", 0.0)])
+def test_what_is_no_friction_is_told(effect: str, left: float, tmp_path: Path) -> None:
+    """Cogging is no part of the compensation: a warning and the header say how large it is."""
+    one = extended.effects("C1")[effect]
+    sizes = dict(zip((q.name for q in one.coefficients), (0.03, 0.04), strict=False))
+    model = one.extend(load_model(extended.BASE["C1"]), sizes)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        eccentric.emit(model, tmp_path / "out", compensation=True)
+    told = (
+        f"of up to {left} N m that depends on the angle (cogging, a spring, a load): add {model.name}_gravity"
+    )
+    assert [told in str(one.message) for one in caught] == [True] * bool(left)
+    header = (tmp_path / "out" / f"{model.name}_compensation.h").read_text(encoding="utf-8")
+    assert (f"gravity_torque, up to {left} N m" in header) == bool(left)
 
 
 @pytest.mark.parametrize(("case", "effect"), families())

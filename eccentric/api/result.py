@@ -29,6 +29,7 @@ from eccentric.emission import (
     checked_name,
     complete,
     gain_of,
+    gravity_apart,
     load_module,
     prior_of,
     render_adapt,
@@ -68,7 +69,7 @@ def write_emitted(
     the NumPy module contains its runtime; `choice` is what of the model is emitted. With `adapt` an
     estimator of the friction is added, whose prior is that of the fit with this content; with `compensation`
     its compensation in a loop, whose gain follows from the fit. Returns the paths.
-    A caution of the model is a UserWarning.
+    A caution of the model is a UserWarning, and so is cogging or a spring beside a compensation.
     Raises InputError if there is no such target, or the folder cannot be written.
     """
     names = _backends(backend)
@@ -83,9 +84,22 @@ def write_emitted(
         files |= render_compensation(model, own, gain_of(model, fit))
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
-    for text in model.cautions:
+    for text in (*model.cautions, *(_left_out(model) if compensation else ())):
         warnings.warn(f"{model.name}: {text}", stacklevel=3)
     return [Path(out) / name for name in files]
+
+
+def _left_out(model: Model) -> tuple[str, ...]:
+    """What a compensation of the friction does not contain; nothing if it is the pendulum's gravity alone."""
+    whole, other = gravity_apart(model)
+    if other <= 1e-9 * whole:
+        return ()
+    axis = model.axis
+    text = (
+        f"the compensation leaves out a {axis.term('torque')} of up to {other:.3g} {axis.unit('N m')}"
+        f" that depends on the angle (cogging, a spring, a load): add {model.name}_{axis.named('gravity_torque')}"
+    )
+    return (text,)
 
 
 def _backends(backend: str | Sequence[str] | None) -> dict[str, None]:

@@ -8,5 +8,5 @@ In: a `Model`, the content of a fit.json. Out: `render_compensation`, file name 
 function of the model's `friction_budget`: its own code is the same for every model.
 """
 
-from eccentric.emission.compensate.gain import gain_of, sure_share
+from eccentric.emission.compensate.gain import gain_of, gravity_apart, sure_share
 from eccentric.emission.compensate.view import render_compensation

@@ -60,6 +60,30 @@ def gain_of(model: Model, fit: Mapping[str, Any] | None = None) -> CompensationG
     )
 
 
+def gravity_apart(model: Model) -> tuple[float, float]:
+    """The largest gravity torque over a turn of the link, and the largest that is not the pendulum's [N m].
+
+    A compensation of the friction has neither; the second is that of cogging, a spring or a constant load.
+    """
+    function = getattr(load_module(model), model.axis.named("gravity_torque"), None)
+    if function is None:
+        return 0.0, 0.0
+    angle = np.linspace(0.0, 2.0 * math.pi, 720, endpoint=False)
+    motor_angle = spoken_quantity(model.axis, v.theta_m).name
+    given = {motor_angle: angle / _ratio(model), "temperature": np.full_like(angle, 25.0)}
+    values = (given.get(name, np.zeros_like(angle)) for name in inputs_of(function))
+    torque = np.broadcast_to(function(*values), angle.shape)
+    carried = {q.name: q.default for q in model.parameters}
+    pendulum = sum(2.0 * np.mean(torque * wave) * wave for wave in (np.sin(angle), np.cos(angle)))
+    loaded = carried.get("M") and carried.get("L")
+    return float(np.abs(torque).max()), float(np.abs(torque - (pendulum if loaded else 0.0)).max())
+
+
+def _ratio(model: Model) -> float:
+    """mu, 1 where the model has none."""
+    return next((float(q.default) for q in model.parameters if q.name == "mu" and q.default is not None), 1.0)
+
+
 def sure_share(rows: np.ndarray, values: np.ndarray, covariance: np.ndarray) -> float:
     """The share of a friction that is there at every state with 97.5 %, to three decimals, downwards.
 
@@ -84,8 +108,7 @@ def _states(model: Model, fit: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarra
     given = ranges.get(axis.named("speed_m_rad_s")) if isinstance(ranges, Mapping) else None
     slowest, fastest = given if isinstance(given, list | tuple) and len(given) == 2 else _RANGE[axis]
     slowest = max(slowest, 0.01 * fastest)
-    mu = next((float(q.default) for q in model.parameters if q.name == "mu" and q.default is not None), 1.0)
-    angle = np.linspace(0.0, 2 * math.pi / mu, _ANGLES, endpoint=False)
+    angle = np.linspace(0.0, 2 * math.pi / _ratio(model), _ANGLES, endpoint=False)
     speed = np.geomspace(slowest, fastest, _SPEEDS)
     theta_m, omega_m = (x.ravel() for x in np.meshgrid(angle, np.concatenate((-speed, speed))))
     known = {spoken_quantity(axis, q).name: x for q, x in ((v.theta_m, theta_m), (v.omega_m, omega_m))}

@@ -14,7 +14,7 @@ import sympy as sp
 from eccentric.core import InputError
 from eccentric.emission.backends import BACKENDS, decimal, with_plain_text, wrapped
 from eccentric.emission.check import limits, proof_command
-from eccentric.emission.compensate.gain import MOST_WITHOUT_REFERENCE, CompensationGain
+from eccentric.emission.compensate.gain import MOST_WITHOUT_REFERENCE, CompensationGain, gravity_apart
 from eccentric.emission.compensate.slopes import ZERO, SlopeBound, Walk
 from eccentric.emission.hot import executed, executed_beside
 from eccentric.emission.program import build_program
@@ -240,6 +240,7 @@ def view(model: Model, gain: CompensationGain, digest: str, source: str) -> dict
         "settings": settings,
         "values": [{"name": s.name} | _decimals(s.default) for s in settings],
         "gain": gain,
+        "gravity": "" if (largest := gravity_apart(model)[0]) == 0.0 else f"{largest:.3g}",
         "most": MOST_WITHOUT_REFERENCE,
         "above": "1.000001",
         "smallest": "1e-6",
