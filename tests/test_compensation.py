@@ -422,6 +422,17 @@ def test_a_fit_gives_the_gain(tmp_path: Path) -> None:
     assert module(out, "c2_parallel").Settings().gain == expected
 
 
+def test_without_a_fit_the_command_says_how_to_get_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also for the model of a diagnosis, which has no fit.json."""
+    assert 0 == main(["emit", "c1_perpendicular", "--compensation", "--out", str(tmp_path / "out")])
+    assert capsys.readouterr().out.endswith(
+        "from a fit's own errors: eccentric fit LOG --rig RIG --model c1_perpendicular --out FIT,"
+        " then --parameters FIT/fit.json\n"
+    )
+
+
 # In C.
 
 

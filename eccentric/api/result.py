@@ -97,7 +97,8 @@ def _left_out(model: Model) -> tuple[str, ...]:
     axis = model.axis
     text = (
         f"the compensation leaves out a {axis.term('torque')} of up to {other:.3g} {axis.unit('N m')}"
-        f" that depends on the angle (cogging, a spring, a load): add {model.name}_{axis.named('gravity_torque')}"
+        " that depends on the angle (cogging, a spring, a load): add"
+        f" {model.name}_{axis.named('gravity_torque')}"
     )
     return (text,)
 

@@ -132,8 +132,11 @@ def run(arguments: argparse.Namespace) -> int:
         )
     names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written)
     print(f"{arguments.out}: {names}")
-    if arguments.adapt and arguments.parameters is None:
-        print("the estimator starts from 30 % of each coefficient; a fit's own errors: --parameters FIT.json")
-    if arguments.compensation and arguments.parameters is None:
-        print("the gain of the compensation is 0.9; one from a fit's own errors: --parameters FIT.json")
+    if arguments.parameters is None:
+        fit = f"eccentric fit LOG --rig RIG --model {arguments.model} --out FIT"
+        fit = f"{fit}, then --parameters FIT/fit.json"
+        if arguments.adapt:
+            print(f"the estimator starts from 30 % of each coefficient; from a fit's own errors: {fit}")
+        if arguments.compensation:
+            print(f"the gain of the compensation is 0.9; from a fit's own errors: {fit}")
     return 0
