@@ -49,5 +49,6 @@ from eccentric.presentation.simulation_text import loss_warnings as loss_warning
 from eccentric.presentation.simulation_text import plot_simulation as plot_simulation
 from eccentric.presentation.simulation_text import refined_document as refined_document
 from eccentric.presentation.simulation_text import refined_lines as refined_lines
+from eccentric.presentation.simulation_text import refined_warnings as refined_warnings
 from eccentric.presentation.simulation_text import simulation_document as simulation_document
 from eccentric.presentation.simulation_text import simulation_lines as simulation_lines

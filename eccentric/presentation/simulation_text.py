@@ -121,6 +121,16 @@ def refined_lines(found: Refined | None, axis: AxisKind) -> list[str]:
     ]
 
 
+def refined_warnings(found: Refined | None, axis: AxisKind) -> list[str]:
+    """A refinement that predicts the held-out part worse than the fit it started from."""
+    if found is None or found.held_out is None or found.held_out[1] <= found.held_out[0]:
+        return []
+    before, after = map(_shown, found.held_out)
+    change = f"from {before} to {after} {axis.unit('rad')}"
+    text = f"the refinement raises the held-out error of the simulated {axis.term('motor angle')} {change}"
+    return [f"{text}: the fit without it predicts the motion better"]
+
+
 def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
     """Rows of a table with aligned columns, the first to the left."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
