@@ -288,3 +288,12 @@ def test_an_offset_of_the_drives_sensor_is_said_where_it_looks_like_coulomb_fric
         (words,) = (e.words for e in found if e.family == "coulomb_asymmetry")
 
         assert (offset in words.headline) == (by_voltage or channels != both)
+
+
+@every_case
+def test_gravity_has_nothing_to_act_on_without_a_mass(case: str) -> None:
+    """A bare motor has no tilted plane; in a torque that a controller logs, gravity may be subtracted."""
+    bare = dataclasses.replace(setting(case, warm=False), known={"M": 0.0, "L": 0.0, "mu": 1.0})
+    torque = dataclasses.replace(bare, channels=frozenset())
+    assert "gravity_tilt" not in {effect.family for effect in library(bare)}
+    assert "gravity_tilt" in {effect.family for effect in library(torque)}

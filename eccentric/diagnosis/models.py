@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eccentric.core import InputError
-from eccentric.diagnosis.limits import FITTED, MOST_APART, OF_THE_MOTION
+from eccentric.diagnosis.limits import FITTED, MOST_APART, OF_THE_MOTION, ONE_WAY
 from eccentric.diagnosis.score import BelowLowPass, Score, below_low_pass, leave_runs_out, score
 from eccentric.diagnosis.search import Attribution, NextMeasurement, unconfirmed
 from eccentric.effects import LOAD, Effect
@@ -136,12 +137,24 @@ def fitted_models(
         tell("the held-out part does not confirm it")
         refused, found, models = against, unconfirmed(found), replace(models, extended=paper)
         scored = _scored(models, "mechanical", data)
-    return _with_the_constant_first(found, offered, data), models, scored, refused
+    found = _with_the_constant_first(found, offered, data)
+    channels = data.drive.channels
+    moving = channels.motion.omega_m[channels.selection.moving]
+    return _with_both_directions_first(found, moving), models, scored, refused
 
 
 def _with_the_constant_first(found: Attribution, offered: Sequence[Effect], data: FitData) -> Attribution:
     """A tie of effects under load, with the torque constant open: its value may settle it."""
     return replace(found, next_measurement=constant_first(found.next_measurement, found.tied, offered, data))
+
+
+def _with_both_directions_first(found: Attribution, speed: NDArray[np.float64]) -> Attribution:
+    """A tie on a log of one direction: with the other, friction changes its sign and other torques do not."""
+    following = found.next_measurement
+    least = min(np.mean(speed > 0.0), np.mean(speed < 0.0))
+    if following is None or following.code != "separate" or least > ONE_WAY:
+        return found
+    return replace(found, next_measurement=replace(following, one_way=True))
 
 
 def constant_first(

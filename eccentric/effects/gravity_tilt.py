@@ -45,8 +45,13 @@ MOST = 0.35
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """C1: the torque alone, linear in its two parameters, or with its normal force. C2: reduced gravity.
 
-    In a plane that is declared as tilted, another tilt; none if the log has to determine gravity.
+    None for a motor that the rig declares without an unbalanced mass: gravity has nothing to act on. A logged
+    torque may have had gravity subtracted, so there it is offered. In a plane that is declared
+    as tilted, another tilt; none if the log has to determine gravity.
     """
+    bare = 0.0 in (setting.known.get("M"), setting.known.get("L"))
+    if bare and setting.channels & {"current", "voltage"}:
+        return ()
     if setting.base.tilted:
         return () if "gravity" in setting.left_open else (_tilted(setting.known.get("phi", 0.0)),)
     return _level() if setting.case == "C1" else (_upright(),)
