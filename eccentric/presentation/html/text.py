@@ -29,8 +29,8 @@ _EACH = (
     " up to 1."
 )
 _WINDOWS = (
-    "These errors are of smoothed windows, each predicted by a fit to the others; held-out errors are of"
-    " single rows."
+    "These errors are of smoothed windows, each predicted by a fit to the others: do not compare them with"
+    " held-out errors."
 )
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
