@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.2.0b1, program 07e90549).
+ * (eccentric 0.2.0b1, program 6e174671).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 /* Begin with c2_parallel_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,10 +13,10 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x07e90549UL
+#define C2_PARALLEL_PROGRAM 0x6e174671UL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Files of different precision do not link,
- * since it is part of all function names, as in c2_parallel_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does
+ * not link against the other alone: it is part of all function names, as in c2_parallel_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_asymmetric.c (program ff57993c).
+ * Generated: do not edit. Belongs to c1_asymmetric.c (program b2b3f934).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

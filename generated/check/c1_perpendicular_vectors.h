@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_perpendicular.c (program 1ff88156).
+ * Generated: do not edit. Belongs to c1_perpendicular.c (program 63f79d46).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_asymmetric.c (program eae41e4f).
+ * Generated: do not edit. Belongs to c2_asymmetric.c (program 807bf81e).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_parallel.c (program 07e90549).
+ * Generated: do not edit. Belongs to c2_parallel.c (program 6e174671).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

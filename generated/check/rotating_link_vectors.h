@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to rotating_link.c (program 1669cd00).
+ * Generated: do not edit. Belongs to rotating_link.c (program daeaae04).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u
