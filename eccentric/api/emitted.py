@@ -10,9 +10,9 @@ from typing import Any
 
 from eccentric.api.adapted import asked_adaptation
 from eccentric.api.fitted import FitResult
-from eccentric.api.inputs import ModelSource, arm_of, is_arm, model_of, origin_of
+from eccentric.api.inputs import ModelSource, arm_of, fit_path, is_arm, model_of, origin_of
 from eccentric.api.result import fastest, require_fit, write_emitted
-from eccentric.core import InputError, given_path, refuse_other_files
+from eccentric.core import InputError, refuse_other_files
 from eccentric.emission import (
     WHOLE,
     Arrays,
@@ -52,7 +52,7 @@ def emit(
     Args:
         model: a Model, its name, or the path of a derivation, an arm file or a URDF.
         out: a folder of its own, new or written by eccentric before.
-        parameters: defaults of the emitted code: a FitResult, the path or the content of a fit.json, or
+        parameters: defaults of the emitted code: a FitResult, a fit.json, its folder or its content, or
             values in SI by the paper's letters; by default those of the model.
         prefix: name of the files and prefix of the C functions; by default the model's name.
         backend: a target or several, by the names that `eccentric emit --help` lists.
@@ -126,4 +126,4 @@ def _content(
         return parameters.document
     if isinstance(parameters, Mapping):
         return parameters if "parameters" in parameters else {"parameters": parameters}
-    return given_path(parameters, "parameters")
+    return fit_path(parameters)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.fitted import FitResult
-from eccentric.api.inputs import ModelSource, is_arm, model_of, origin_of
+from eccentric.api.inputs import ModelSource, fit_path, is_arm, model_of, origin_of
 from eccentric.api.result import ResultBase, require_fit
 from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, counted, given_path, refuse_other_files, whole_folder
@@ -132,7 +132,7 @@ def _model_and_values(
         return source, given.document
     if isinstance(given, Mapping):
         return source, given if "parameters" in given else {"parameters": given}
-    return source, None if given is None else given_path(given, "parameters")
+    return source, None if given is None else fit_path(given)
 
 
 def _speeds_in(given: Path | Mapping[str, Any]) -> tuple[float, float] | None:
