@@ -555,7 +555,7 @@ def test_what_cannot_be_emitted_is_refused(tmp_path: Path) -> None:
     """An arm, a choice of functions, and a target without the C say so in one line."""
     with pytest.raises(InputError, match="compensation: expected a model of one joint, got an arm"):
         eccentric.emit("examples/arms/planar_2r.toml", tmp_path / "a", compensation=True)
-    with pytest.raises(InputError, match="compensation: the whole model is required with it"):
+    with pytest.raises(InputError, match="compensation: cannot be combined with fixed, functions or arrays"):
         eccentric.emit("c2_parallel", tmp_path / "b", compensation=True, functions=["gravity_torque"])
     with pytest.raises(InputError, match="compensation: expected backend c99 as well"):
         eccentric.emit("c2_parallel", tmp_path / "c", compensation=True, backend="numpy")

@@ -104,7 +104,7 @@ def emit(
     if beside and choice != WHOLE:
         raise InputError(
             beside[0],
-            problem="expected the whole model with it, without a choice of functions, arrays or fixed",
+            problem="cannot be combined with fixed, functions or arrays: it needs the whole model",
         )
     return write_emitted(
         chosen,
