@@ -410,14 +410,19 @@ class Result(Printed):
         backend: str | Sequence[str] | None = None,
         *,
         accept_misfit: bool = False,
+        compensation: bool = False,
     ) -> list[Path]:
         """Write the model for its targets into a folder; return the paths.
+
+        `eccentric.emit` has further options, and takes the result of a fit as its parameters.
 
         Args:
             out: a folder of its own, new or written by eccentric before.
             prefix: name of the files and prefix of the C functions; by default the model's name.
             backend: a target or several, by the names that `eccentric emit --help` lists.
             accept_misfit: emit although the log does not fit the rig.
+            compensation: add a compensation of the friction for a loop, NAME_compensation.h, .c and .py; its
+                gain follows from a fit, and is 0.9 for a diagnosis.
 
         Raises:
             InputError: the log does not fit the rig, the prefix is no name that C and Python leave free,
@@ -425,7 +430,9 @@ class Result(Printed):
         """
         require_fit(self.fits_the_rig, "this result", accept_misfit)
         name = self.model.name if prefix is None else checked_name(prefix, "prefix")
-        return write_emitted(dataclasses.replace(self.model, name=name), self.origin, out, backend)
+        of_a_fit = self.document if str(self.document["format"]).startswith("eccentric-fit/") else None
+        model = dataclasses.replace(self.model, name=name)
+        return write_emitted(model, self.origin, out, backend, compensation=compensation, fit=of_a_fit)
 
 
 def new_axes(rows: int, columns: int, size: tuple[float, float]) -> list[Axes]:
