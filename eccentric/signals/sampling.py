@@ -183,7 +183,7 @@ def hann_windows(time: Array, valid: Mask, segment: Integers, run: Integers, len
     return _means(f"windows of {length_s:.3g} s", operator, time[centre], run[centre], block)
 
 
-LONGER = "no shorter window gives enough; expected a longer log"
+LONGER = "no shorter window gives enough: record a longer log"
 
 
 def fit_rows(channels: Channels, rig: Rig) -> Rows:
@@ -245,6 +245,11 @@ def rows_of(channels: Channels, rig: Rig) -> Rows:
         remedy = _half_as_long(channels, rig)
     for name, words in (("train", "to fit"), ("score", "to hold out")):
         if not len(found[name]):
+            if remedy == LONGER:
+                raise InputError(
+                    rig.path,
+                    problem=f"too little motion {words}: not one of the {what} is whole; record a longer log",
+                )
             raise InputError(
                 f"{rig.path}: average_over", f"at least one of the {what}", f"none: {remedy}", why=words
             )
