@@ -109,9 +109,8 @@ class RigDraft(ResultBase):
         if path.suffix != ".toml":
             raise InputError(path, "a rig file .toml", f"{path.suffix or 'no suffix'!r}")
         if path.exists():
-            raise InputError(
-                path, problem="expected a new file, but this one exists: choose another name, or delete it"
-            )
+            problem = "expected a new file, but this one exists: choose another name, or delete it"
+            raise InputError(path, problem=problem)
         with whole_file(path) as new:
             new.write_text(self.text, encoding="utf-8")
         return path
