@@ -45,7 +45,9 @@ def test_friction_that_drives_does_not_fit_the_rig(tmp_path: Path) -> None:
     assert (expected, expected) == pytest.approx(
         (fitted.r_squared["paper"], found.models.r_squared), abs=2e-2
     )
-    assert "does not fit the rig" in fit_sentence(fitted)
+    sentence = fit_sentence(fitted)
+    assert "does not fit the rig" in sentence
+    assert "zero angle" not in sentence, "which does not matter in a level plane"
     assert "does not fit the rig" in diagnosis_document(found)["sentence"]
     assert () == found.effects
 
@@ -72,6 +74,7 @@ def test_no_code_is_emitted_of_a_log_that_does_not_fit_the_rig(tmp_path: Path) -
     drive = torque("C1", FRICTION) + (ROTOR - INERTIA) * motion()[2]
     written(tmp_path, known, {"current_A": -drive / K_I})
     found = eccentric.diagnose(tmp_path / "log.csv", tmp_path / "rig.toml")
+    assert found.lines[0].endswith("verdict: log does not fit the rig")
     assert {"report.html", "diagnosis.json", "model.py"} == {p.name for p in found.write(tmp_path / "out")}
     script = tmp_path / "out" / "model.py"
     for call in (lambda: eccentric.emit(script, tmp_path / "c"), lambda: found.emit(tmp_path / "c")):

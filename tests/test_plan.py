@@ -333,7 +333,14 @@ def test_all_mistakes_of_a_limits_file_are_told_at_once() -> None:
         )
     said = str(error.value)
     assert "\n" not in said
-    for part in ("'torque'", "acceleration_rad_s2 = 500", "'fast'", "current_A:", "time_s:", "speed_loop_Hz:"):
+    for part in (
+        "'torque'",
+        "acceleration_rad_s2 = 500",
+        "'fast'",
+        "current_A:",
+        "time_s:",
+        "speed_loop_Hz:",
+    ):
         assert part in said, part
 
 

@@ -33,8 +33,14 @@ VERDICTS = {
     "unexplained": "structure unexplained",
     "nothing_missing": "nothing missing",
 }
+_MISFIT = "log does not fit the rig"
 _NONE = "no effect in the library explains"
 _NONE_HERE = "no cause that this drive can have explains"
+
+
+def verdict_words(verdict: str, fits_the_rig: bool) -> str:
+    """A verdict in a few words; a log that does not fit its rig has none."""
+    return VERDICTS[verdict] if fits_the_rig else _MISFIT
 
 
 def diagnosis_sentence(found: Diagnosis) -> str:
@@ -293,7 +299,8 @@ def _grave(found: Diagnosis) -> str:
 def diagnosis_lines(found: Diagnosis) -> list[str]:
     """At most twenty-four lines for a terminal."""
     a, adopted, axis = found.attribution, found.models.adopted, found.rig.axis
-    out = [f"{few(found.asked.logs)}: {found.models.base.name}; verdict: {VERDICTS[a.verdict]}"]
+    verdict = verdict_words(a.verdict, found.models.fits_the_rig)
+    out = [f"{few(found.asked.logs)}: {found.models.base.name}; verdict: {verdict}"]
     if words := request_words(found.asked.request):
         out.append(f"as requested: {words}")
     out += filter(None, (found.channels.excerpt, found.rig.added_words, inertia_words(found.rig)))

@@ -24,6 +24,13 @@ _SHOWN_PERCENT = 0.05
 _OF_A_LINK = ', mu, and the zero angle (theta_zero_rad = "estimate" estimates it)'
 
 
+def _of_the_link(rig: Rig) -> str:
+    """What else to check where a log does not fit: no angle in a level plane, and no mu without a mass."""
+    if rig.case != "C1":
+        return rig.axis.term(_OF_A_LINK)
+    return "" if 0.0 in (rig.known.get("M"), rig.known.get("L")) else ", and mu"
+
+
 def fit_sentence(fit: Fit) -> str:
     """Return one sentence on the gain of the model over Coulomb + viscous friction on the held-out part.
 
@@ -33,7 +40,7 @@ def fit_sentence(fit: Fit) -> str:
     if not fit.fits_the_rig:
         return (
             f"This log does not fit the rig (R^2 {fit.r_squared['paper']:.2f}): check units and signs of the "
-            f"columns{axis.term(_OF_A_LINK)}."
+            f"columns{_of_the_link(fit.problem.rig)}."
         )
     if fit.problem.is_baseline:
         part = 100.0 * (1.0 - fit.r_squared["paper"])

@@ -7,7 +7,7 @@ from typing import Any
 
 from eccentric.joints import ArmDiagnosis, arm_name, why_not_emitted
 from eccentric.presentation.arm_text import arm_diagnosis_sentence
-from eccentric.presentation.diagnosis_text import VERDICTS
+from eccentric.presentation.diagnosis_text import VERDICTS, verdict_words
 from eccentric.presentation.html.text import number, range_of
 
 NOTE = (
@@ -60,7 +60,7 @@ def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
             _Row(
                 f"joint_{joint.number}/report.html",
                 f"{joint.number} {joint.name}",
-                VERDICTS[joint.verdict] if joint.fits_the_rig else "does not fit the rig",
+                verdict_words(joint.verdict, joint.fits_the_rig),
                 ", ".join(effect.id for effect, _ in joint.found.effects) or "-",
                 number(rmse["linear"]),
                 number(rmse["paper"]),
