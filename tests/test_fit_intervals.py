@@ -9,9 +9,10 @@ import pytest
 from scipy.stats import binom
 
 import eccentric
-from eccentric.identification import fit
+from eccentric.identification import Estimate, fit
 from eccentric.model import load_model
 from eccentric.presentation import fit_lines
+from eccentric.presentation.fit_text import _because
 from eccentric.rigs import Rig
 from eccentric.signals import Channels
 from tests.planted import (
@@ -143,3 +144,14 @@ def test_z_of_what_is_not_detected_is_that_of_the_estimate_once_it_is_there() ->
         assert said[name]["z"] == pytest.approx(found.value / found.std_error, rel=0.3)
         assert any(line.startswith(f"{name} is not detected: at most") for line in without.lines)
     assert "undetected" not in beside.document
+
+
+@pytest.mark.parametrize(
+    ("side", "widened", "expected"),
+    [("lower", True, ", since C_lN at a bound may take its place"), (None, True, ""), ("lower", False, "")],
+)
+def test_a_value_that_another_bound_hides_says_which(side: str | None, widened: bool, expected: str) -> None:
+    """Seven standard errors from 0, and not detected: the interval has the freedom of the one at its bound."""
+    own = Estimate(0.0072, 0.00075, (0.0, 0.0089), "m s/rad", None, widened)
+    other = Estimate(0.0, 0.01, (0.0, 0.02), "m", side, True)
+    assert expected == _because("B_lN", {"B_lN": own, "C_lN": other})

@@ -125,10 +125,20 @@ def _undetected_lines(fit: Fit) -> list[str]:
     out = []
     for name, one in fit.undetected.items():
         line = f"{name} is not detected: at most {one.upper:.3g} {one.unit} (95 %)"
+        line += _because(name, fit.coefficients)
         if one.z is not None:
             line += f"; {whose} {one.reference:g} would be at z = {one.z:.2g}"
         out.append(line)
     return out
+
+
+def _because(name: str, estimates: Mapping[str, Estimate]) -> str:
+    """Why a value of several standard errors has an interval down to 0: another one is at its bound."""
+    own = estimates.get(name)
+    if own is None or own.bound_active or not own.widened:
+        return ""
+    others = [other for other, e in estimates.items() if e.bound_active]
+    return f", since {' and '.join(others)} at a bound may take its place" if others else ""
 
 
 def _cubic_lines(fit: Fit) -> list[str]:
