@@ -151,7 +151,7 @@ def test_z_of_what_is_not_detected_is_that_of_the_estimate_once_it_is_there() ->
     [("lower", True, ", since C_lN at a bound may take its place"), (None, True, ""), ("lower", False, "")],
 )
 def test_a_value_that_another_bound_hides_says_which(side: str | None, widened: bool, expected: str) -> None:
-    """Seven standard errors from 0, and not detected: the interval has the freedom of the one at its bound."""
+    """Ten standard errors from 0, and not detected: its interval has the freedom of the other at a bound."""
     own = Estimate(0.0072, 0.00075, (0.0, 0.0089), "m s/rad", None, widened)
     other = Estimate(0.0, 0.01, (0.0, 0.02), "m", side, True)
     assert expected == _because("B_lN", {"B_lN": own, "C_lN": other})

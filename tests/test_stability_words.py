@@ -10,6 +10,7 @@ import pytest
 from eccentric.diagnosis.search.candidate import Variant, grid
 from eccentric.diagnosis.search.verdict import Adopted
 from eccentric.presentation import stability_words
+from eccentric.presentation.diagnosis_text import _covered
 from tests.searched import candidate
 
 A: Variant = grid(candidate("a", {2: 1.0}))[0]
@@ -39,3 +40,10 @@ def test_the_words_say_which_variants_find_it(own: Adopted | None, expected: str
     found = SimpleNamespace(attribution=SimpleNamespace(adopted_as={"a": own}.get))
 
     assert stability_words(cast("Any", found), cast("Any", SimpleNamespace(id="a"))) == expected
+
+
+def test_a_covered_cause_is_marked() -> None:
+    """Its probability is part of that of the name, so that the two are not added."""
+    own = Adopted("electrical", A, (), 0.1, covers=("b",))
+    found: Any = SimpleNamespace(attribution=SimpleNamespace(adopted=(own,)))
+    assert (f", counted in {A.candidate.id}", "") == (_covered(found, "b"), _covered(found, "c"))

@@ -336,7 +336,10 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     elif a.verdict in {"named", "not_identifiable"}:
         several = len(a.adopted) > 1
         out.append(f"candidates, {'each with its own' if several else 'with their'} probability:")
-        out += [f"  {c.probability:.2f} {_headline(c.words, c.id)}" for c in a.candidates[:4]]
+        out += [
+            f"  {c.probability:.2f} {_headline(c.words, c.id)}{_covered(found, c.family)}"
+            for c in a.candidates[:4]
+        ]
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
         out.append(
@@ -347,6 +350,12 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     if a.next_measurement:
         out.append(f"next: {measurement_sentence(a.next_measurement, axis)}")
     return out
+
+
+def _covered(found: Diagnosis, family: str) -> str:
+    """That the probability of a family is part of that of the name that covers it; "" for others."""
+    names = [one.variant.candidate.id for one in found.attribution.adopted if family in one.covers]
+    return f", counted in {names[0]}" if names else ""
 
 
 def _aliased(found: Diagnosis) -> str:
