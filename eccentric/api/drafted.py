@@ -344,6 +344,7 @@ def _tried(
         determined = *_determined(fit, tried, channels.motor.measured_by), *map(_beside, beside)
         warnings = (*fit.warnings, *_of_the_diagnosis(channels, tried))
         doubts = *_doubted(beside, channels, tried), *_too_long(fit, tried), *_unsolvable(fit, tried)
+        doubts = *doubts, *_without_inertia(fit, tried)
         return RigCheck((), determined, warnings, doubts)
     return RigCheck(tuple(missing), (), ())
 
@@ -391,6 +392,15 @@ def _too_long(fit: Any, rig: Rig) -> Iterator[str]:
             f"{rig.path}: C_lN is {e.value:.3g} m by the log ({low:.3g} to {high:.3g}), longer than the link"
             f" of {arm:.3g} m, and it acts at a radius of the bearing: check mu, M and M_l"
         )
+
+
+def _without_inertia(fit: Fit, rig: Rig) -> Iterator[str]:
+    """An inertia that the fit puts at 0, with which a diagnosis has no motion to explain."""
+    inertias = [c for c in fit.problem.coefficients if c.role == "inertia"]
+    for name in {x for c in inertias for x in (c.name, c.letter)} & fit.coefficients.keys():
+        if fit.coefficients[name].value <= 0.0:
+            inertia = f"{rig.axis.named(name)}, the {rig.axis.term('inertia')} of the drive,"
+            yield f"{rig.path}: {inertia} is 0 by the log, which diagnose refuses: declare it"
 
 
 def _unsolvable(fit: Fit, rig: Rig) -> Iterator[str]:
