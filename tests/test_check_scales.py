@@ -209,3 +209,13 @@ def test_an_inertia_of_0_is_a_doubt() -> None:
     fault = SHARED / "field" / "faults" / "J_zero_misleading"
     found = eccentric.check_rig(fault / "real_log.csv", fault / "real_rig.toml")
     assert any("J, the inertia of the drive, is 0 by the log" in doubt for doubt in found.doubts)
+
+
+@pytest.mark.parametrize("letter", ["M", "L"])
+def test_a_missing_mass_may_be_that_of_a_bare_motor(letter: str) -> None:
+    """The example is no advice to invent one."""
+    log, rig = bench("C2")
+    known = {key: x for key, x in rig["known"].items() if not key.startswith(f"{letter}_") or key == "M_l_kg"}
+    (line,) = eccentric.check_rig(log, {**rig, "known": known}).complaints
+    assert f"expected [known] {letter}, as in {letter} = " in line
+    assert "for a bare motor)" in line

@@ -299,6 +299,7 @@ _TYPICAL = {
     "k_i": "0.05 N m/A",
     "k_e": "0.05 V s/rad",
 }
+_NONE_OF = {"M": ' ("0 kg" for a bare motor)', "L": ' ("0 m" for a bare motor)'}
 
 
 def _tried(
@@ -326,7 +327,7 @@ def _tried(
             if not any(one.table == "known" and one.key in keys for one in complaints):
                 missing.append(
                     f"{rig.path}: expected [known] {here}, as in"
-                    f' {here} = "{axis.unit(_TYPICAL[letter])}", got none'
+                    f' {here} = "{axis.unit(_TYPICAL[letter])}"{_NONE_OF.get(letter, "")}, got none'
                 )
             filled = True
             given = {**given, "known": {**given.get("known", {}), here: axis.unit(_TYPICAL[letter])}}
