@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import json
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +18,7 @@ from eccentric.identification.problem import pose
 from eccentric.model import load_model
 from eccentric.presentation import emitted_parameters, fit_document, fit_lines, fit_sentence
 from eccentric.rigs import read_rig
-from eccentric.signals import read_channels
+from eccentric.signals import read_channels, with_doubts
 from tests.planted import (
     FRICTION,
     INERTIA,
@@ -262,3 +264,11 @@ def test_bundled_log_shows_the_gain_and_the_planted_friction() -> None:
         name for name, e in found.coefficients.items() if not e.interval[0] <= truth[name] <= e.interval[1]
     ]
     assert outside == []
+
+
+def test_a_contradiction_comes_before_what_cannot_be_fitted() -> None:
+    """A wrong unit is the reason, and what it makes impossible the consequence."""
+    doubt: Any = SimpleNamespace(text="the current is a thousand times too large", doubts_the_rig=True)
+    with pytest.raises(InputError) as error, with_doubts([doubt]):
+        raise InputError("rig.toml", problem="B, C cannot be separated")
+    assert str(error.value) == f"rig.toml: {doubt.text}; as the rig is, B, C cannot be separated"
