@@ -31,7 +31,13 @@ from eccentric.identification import fit as fit_channels
 from eccentric.joints import fit_arm as fit_joints
 from eccentric.logs import Log, log_names
 from eccentric.model import load_model, with_numbers
-from eccentric.presentation import arm_fit_lines, fit_document, fit_sentence, loss_sentence
+from eccentric.presentation import (
+    arm_fit_lines,
+    fit_document,
+    fit_sentence,
+    loss_sentence,
+    no_inertia_sentence,
+)
 from eccentric.rigs import (
     Complaint,
     Rig,
@@ -400,8 +406,7 @@ def _without_inertia(fit: Fit, rig: Rig) -> Iterator[str]:
     inertias = [c for c in fit.problem.coefficients if c.role == "inertia"]
     for name in {x for c in inertias for x in (c.name, c.letter)} & fit.coefficients.keys():
         if fit.coefficients[name].value <= 0.0:
-            inertia = f"{rig.axis.named(name)}, the {rig.axis.term('inertia')} of the drive,"
-            yield f"{rig.path}: {inertia} is 0 by the log, which diagnose refuses: declare it"
+            yield f"{rig.path}: {no_inertia_sentence(name, rig.axis)}"
 
 
 def _unsolvable(fit: Fit, rig: Rig) -> Iterator[str]:

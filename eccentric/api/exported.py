@@ -27,12 +27,12 @@ class ExportResult(ResultBase):
     Attributes:
         paths: of the files.
         lines: the summary, line by line: error of the friction, what is left out.
-        warnings: what to know of the model before it is used.
+        cautions: what to know of the model before it is used.
     """
 
     paths: tuple[Path, ...]
     lines: tuple[str, ...]
-    warnings: tuple[str, ...] = ()
+    cautions: tuple[str, ...] = ()
 
     def summary(self) -> str:
         """What the command prints."""

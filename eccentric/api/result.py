@@ -38,7 +38,7 @@ from eccentric.emission import (
 )
 from eccentric.identification import Estimate, Fit, Refit
 from eccentric.model import AxisKind, Model
-from eccentric.presentation import NEEDS_MATPLOTLIB
+from eccentric.presentation import NEEDS_MATPLOTLIB, left_out_sentence
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from eccentric.simulation import Draws, FittedDrive, Predicted, fitted_drive
@@ -92,15 +92,7 @@ def write_emitted(
 def _left_out(model: Model) -> tuple[str, ...]:
     """What a compensation of the friction does not contain; nothing if it is the pendulum's gravity alone."""
     whole, other = gravity_apart(model)
-    if other <= 1e-9 * whole:
-        return ()
-    axis = model.axis
-    text = (
-        f"the compensation leaves out a {axis.term('torque')} of up to {other:.3g} {axis.unit('N m')}"
-        " that depends on the angle (cogging, a spring, a load): add"
-        f" {model.name}_{axis.named('gravity_torque')}"
-    )
-    return (text,)
+    return () if other <= 1e-9 * whole else (left_out_sentence(model, other),)
 
 
 def _backends(backend: str | Sequence[str] | None) -> dict[str, None]:

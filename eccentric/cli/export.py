@@ -67,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
             prefix=arguments.prefix,
             accept_misfit=arguments.accept_misfit,
         )
-    print_warnings(written.warnings)
+    print_warnings(written.cautions)
     print(written)
     names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written.paths)
     print(f"{arguments.out}: {names}")

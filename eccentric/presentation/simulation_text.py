@@ -162,6 +162,12 @@ def loss_sentence(loss: InertialLoss, axis: AxisKind) -> str:
     )
 
 
+def no_inertia_sentence(name: str, axis: AxisKind) -> str:
+    """What is wrong with an inertia that a log puts at 0."""
+    inertia = f"{axis.named(name)}, the {axis.term('inertia')} of the drive,"
+    return f"{inertia} is 0 by the log, which diagnose refuses: declare it"
+
+
 def plot_simulation(found: SimulatedErrors, axes: Sequence[Any], unit: str) -> None:
     """Draw measured and simulated angle over time, each of the traces on axes of its own."""
     for ax, trace in zip(axes, found.traces, strict=False):
