@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.2.0b1, program a74a9015).
+ * (eccentric 0.2.0b1, program 2fdf2c6f).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0xa74a9015UL
+#if C1_ASYMMETRIC_PROGRAM != 0x2fdf2c6fUL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -320,6 +320,10 @@ int c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coeff
     invalid = (!((p->L >= 0.0) && (p->L <= DBL_MAX))) ? 3 : invalid;
     invalid = (!((p->M_l >= 0.0) && (p->M_l <= DBL_MAX))) ? 2 : invalid;
     invalid = (!((p->M >= 0.0) && (p->M <= DBL_MAX))) ? 1 : invalid;
+    if (invalid != 0) {
+        const c1_asymmetric_coefficients zero = {0};
+        *c = zero;
+    }
     return invalid;
 }
 

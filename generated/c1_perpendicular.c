@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.2.0b1, program 5a38af86).
+ * (eccentric 0.2.0b1, program a850d839).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x5a38af86UL
+#if C1_PERPENDICULAR_PROGRAM != 0xa850d839UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -240,6 +240,10 @@ int c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicu
     invalid = (!((p->L >= 0.0) && (p->L <= DBL_MAX))) ? 3 : invalid;
     invalid = (!((p->M_l >= 0.0) && (p->M_l <= DBL_MAX))) ? 2 : invalid;
     invalid = (!((p->M >= 0.0) && (p->M <= DBL_MAX))) ? 1 : invalid;
+    if (invalid != 0) {
+        const c1_perpendicular_coefficients zero = {0};
+        *c = zero;
+    }
     return invalid;
 }
 

@@ -1,22 +1,22 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.2.0b1, program 5a38af86).
+ * (eccentric 0.2.0b1, program a850d839).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * c1_perpendicular_normal_force; `c` is &c1_perpendicular_default, or the output of c1_perpendicular_prepare for your own parameters.
- * c1_perpendicular_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: the coefficients are
- * then meaningless, and no function checks them. Unprepared coefficients, all 0 in a static variable, give 0. */
+ * c1_perpendicular_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: the coefficients
+ * are then all 0, as those of a static variable before it is prepared, and friction is 0. */
 #ifndef C1_PERPENDICULAR_H
 #define C1_PERPENDICULAR_H
 
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x5a38af86UL
+#define C1_PERPENDICULAR_PROGRAM 0xa850d839UL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Files of different precision do not link,
- * since it is part of all function names, as in c1_perpendicular_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does
+ * not link against the other alone: it is part of all function names, as in c1_perpendicular_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
@@ -158,7 +158,7 @@ extern const c1_perpendicular_coefficients c1_perpendicular_default;
 /** Compute the coefficients of a set of parameters; call it once, and again when a parameter changes.
  *  Valid parameters: mu, R, k_i positive; the others not negative.
  *  @param[in]  p  parameters
- *  @param[out] c  coefficients, meaningless if a parameter is invalid
+ *  @param[out] c  coefficients, all 0 if a parameter is invalid
  *  @return 0, or the number of the first invalid parameter, counted in the order of the structure from 1 (M)
  */
 int c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicular_coefficients *c);

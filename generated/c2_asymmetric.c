@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.2.0b1, program bbaa3760).
+ * (eccentric 0.2.0b1, program 2fbded76).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0xbbaa3760UL
+#if C2_ASYMMETRIC_PROGRAM != 0x2fbded76UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -553,6 +553,10 @@ int c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coeff
     invalid = (!((p->L >= 0.0) && (p->L <= DBL_MAX))) ? 3 : invalid;
     invalid = (!((p->M_l >= 0.0) && (p->M_l <= DBL_MAX))) ? 2 : invalid;
     invalid = (!((p->M >= 0.0) && (p->M <= DBL_MAX))) ? 1 : invalid;
+    if (invalid != 0) {
+        const c2_asymmetric_coefficients zero = {0};
+        *c = zero;
+    }
     return invalid;
 }
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.2.0b1, program d5d04535).
+ * (eccentric 0.2.0b1, program cd0ff858).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0xd5d04535UL
+#if C2_PARALLEL_PROGRAM != 0xcd0ff858UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -484,6 +484,10 @@ int c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficient
     invalid = (!((p->L >= 0.0) && (p->L <= DBL_MAX))) ? 3 : invalid;
     invalid = (!((p->M_l >= 0.0) && (p->M_l <= DBL_MAX))) ? 2 : invalid;
     invalid = (!((p->M >= 0.0) && (p->M <= DBL_MAX))) ? 1 : invalid;
+    if (invalid != 0) {
+        const c2_parallel_coefficients zero = {0};
+        *c = zero;
+    }
     return invalid;
 }
 

@@ -1,22 +1,22 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.2.0b1, program d5d04535).
+ * (eccentric 0.2.0b1, program cd0ff858).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 /* Begin with c2_parallel_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * c2_parallel_normal_force; `c` is &c2_parallel_default, or the output of c2_parallel_prepare for your own parameters.
- * c2_parallel_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: the coefficients are
- * then meaningless, and no function checks them. Unprepared coefficients, all 0 in a static variable, give 0. */
+ * c2_parallel_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: the coefficients
+ * are then all 0, as those of a static variable before it is prepared, and friction is 0. */
 #ifndef C2_PARALLEL_H
 #define C2_PARALLEL_H
 
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0xd5d04535UL
+#define C2_PARALLEL_PROGRAM 0xcd0ff858UL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Files of different precision do not link,
- * since it is part of all function names, as in c2_parallel_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does
+ * not link against the other alone: it is part of all function names, as in c2_parallel_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
@@ -175,7 +175,7 @@ extern const c2_parallel_coefficients c2_parallel_default;
 /** Compute the coefficients of a set of parameters; call it once, and again when a parameter changes.
  *  Valid parameters: mu, R, k_i positive; the others not negative.
  *  @param[in]  p  parameters
- *  @param[out] c  coefficients, meaningless if a parameter is invalid
+ *  @param[out] c  coefficients, all 0 if a parameter is invalid
  *  @return 0, or the number of the first invalid parameter, counted in the order of the structure from 1 (M)
  */
 int c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficients *c);

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.2.0b1, program a0182ff8).
+ * (eccentric 0.2.0b1, program 270d606f).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0xa0182ff8UL
+#if ROTATING_LINK_PROGRAM != 0x270d606fUL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -523,6 +523,10 @@ int rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coeff
     invalid = (!((p->L >= 0.0) && (p->L <= DBL_MAX))) ? 3 : invalid;
     invalid = (!((p->M_l >= 0.0) && (p->M_l <= DBL_MAX))) ? 2 : invalid;
     invalid = (!((p->M >= 0.0) && (p->M <= DBL_MAX))) ? 1 : invalid;
+    if (invalid != 0) {
+        const rotating_link_coefficients zero = {0};
+        *c = zero;
+    }
     return invalid;
 }
 

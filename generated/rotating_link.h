@@ -1,22 +1,22 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.2.0b1, program a0182ff8).
+ * (eccentric 0.2.0b1, program 270d606f).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Begin with rotating_link_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * rotating_link_normal_force; `c` is &rotating_link_default, or the output of rotating_link_prepare for your own parameters.
- * rotating_link_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: the coefficients are
- * then meaningless, and no function checks them. Unprepared coefficients, all 0 in a static variable, give 0. */
+ * rotating_link_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: the coefficients
+ * are then all 0, as those of a static variable before it is prepared, and friction is 0. */
 #ifndef ROTATING_LINK_H
 #define ROTATING_LINK_H
 
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0xa0182ff8UL
+#define ROTATING_LINK_PROGRAM 0x270d606fUL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Files of different precision do not link,
- * since it is part of all function names, as in rotating_link_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does
+ * not link against the other alone: it is part of all function names, as in rotating_link_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
@@ -186,7 +186,7 @@ extern const rotating_link_coefficients rotating_link_default;
 /** Compute the coefficients of a set of parameters; call it once, and again when a parameter changes.
  *  Valid parameters: mu, R, k_i positive; phi from 0 to pi/2; the others not negative.
  *  @param[in]  p  parameters
- *  @param[out] c  coefficients, meaningless if a parameter is invalid
+ *  @param[out] c  coefficients, all 0 if a parameter is invalid
  *  @return 0, or the number of the first invalid parameter, counted in the order of the structure from 1 (M)
  */
 int rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coefficients *c);

@@ -173,9 +173,11 @@ def test_json_goes_round(result: FitResult, tmp_path: Path) -> None:
     """What was written as JSON emits the same files as the result itself."""
     path = tmp_path / "fit.json"
     path.write_text(result.to_json(), encoding="utf-8")
-    mine = result.emit(tmp_path / "mine", prefix="arm")
+    mine = result.emit(tmp_path / "mine", prefix="arm", compensation=True)
     for kind, parameters in (("path", path), ("content", json.loads(path.read_text())), ("result", result)):
-        theirs = eccentric.emit("c2_parallel", tmp_path / kind, parameters=parameters, prefix="arm")
+        theirs = eccentric.emit(
+            "c2_parallel", tmp_path / kind, parameters=parameters, prefix="arm", compensation=True
+        )
         assert [p.read_bytes() for p in mine] == [p.read_bytes() for p in theirs]
     assert result.to_dict() == json.loads(result.to_json())
 

@@ -148,7 +148,10 @@ def test_no_body_is_emitted_twice(name: str) -> None:
 
 @every_model_in_both
 def test_prepare_numbers_the_first_invalid_parameter(libraries: Libraries, name: str, dtype: Real) -> None:
-    """In the order of the structure, from 1; what NumPy's Parameters accept is 0, what they refuse is not."""
+    """In the order of the structure, from 1; what NumPy's Parameters accept is 0, what they refuse is not.
+
+    The coefficients are then all 0.
+    """
     library = libraries(name, dtype)
     valid = with_inertia(name)
     fields = dataclasses.asdict(valid)
@@ -170,6 +173,8 @@ def test_prepare_numbers_the_first_invalid_parameter(libraries: Libraries, name:
                 expected = 0
 
             assert expected == library["prepare"](given_values, prepared)
+            if expected:
+                assert not any(bytes(library.ffi.buffer(prepared)))
         setattr(given_values, letter, good)
     given_values.mu = math.nan
     assert letters.index("mu") + 1 == library["prepare"](given_values, prepared)

@@ -17,6 +17,7 @@ from eccentric.logs import Log
 from eccentric.rigs import read_rig, rig_complaints
 from eccentric.signals import Finding, read_channels
 from eccentric.signals.quality.ratios import means_of
+from tests.logged import SHARED, needs_shared
 
 KEYS = {"k_i": "k_i_Nm_per_A", "k_e": "k_e_Vs_per_rad", "R": "R_ohm"}
 INERTIA, MOTOR = ("J_m_kgm2", "J_l_kgm2"), ("R_ohm", "k_e_Vs_per_rad")
@@ -197,3 +198,21 @@ def test_no_mean_of_rows_reaches_over_a_gap() -> None:
 
     assert found is not None
     assert list(range(40)) == found.omega.tolist()
+
+
+@needs_shared
+def test_an_inertia_of_0_is_a_doubt() -> None:
+    """A diagnosis of this log refuses it: at one frequency, delay and inertia cannot be told apart."""
+    fault = SHARED / "field" / "faults" / "J_zero_misleading"
+    found = eccentric.check_rig(fault / "real_log.csv", fault / "real_rig.toml")
+    assert any("J, the inertia of the drive, is 0 by the log" in doubt for doubt in found.doubts)
+
+
+@pytest.mark.parametrize("letter", ["M", "L"])
+def test_a_missing_mass_may_be_that_of_a_bare_motor(letter: str) -> None:
+    """The example is no advice to invent one."""
+    log, rig = bench("C2")
+    known = {key: x for key, x in rig["known"].items() if not key.startswith(f"{letter}_") or key == "M_l_kg"}
+    (line,) = eccentric.check_rig(log, {**rig, "known": known}).complaints
+    assert f"expected [known] {letter}, as in {letter} = " in line
+    assert "for a bare motor)" in line

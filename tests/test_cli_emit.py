@@ -100,3 +100,17 @@ def test_what_is_no_model_is_told_what_one_is(
     assert "expected a model's name, a derivation .py, or an arm .toml, .json or .urdf" in said
     assert said.endswith(f"got {received}\n")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("file", "instead"),
+    [("model.py", "give its model, "), ("fit.json", "give the model that was fitted, with --parameters ")],
+)
+def test_the_folder_of_a_result_says_what_to_give_instead(
+    file: str, instead: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of a diagnosis its script, of a fit its parameters."""
+    (tmp_path / "result").mkdir()
+    (tmp_path / "result" / file).write_text("{}", encoding="utf-8")
+    assert main(["emit", str(tmp_path / "result"), "--out", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err.endswith(f"got a folder: {instead}{tmp_path / 'result' / file}\n")

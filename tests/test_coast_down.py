@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -84,8 +85,11 @@ def test_the_free_cubic_has_the_drag() -> None:
     assert any("does not separate air drag" in line for line in found.lines)
 
 
-def test_quadratic_drag_is_diagnosed() -> None:
-    """Without a viscous part; one direction does not show whether the other has the drag as well."""
+def test_quadratic_drag_is_diagnosed(tmp_path: Path) -> None:
+    """Without a viscous part; one direction does not show whether the other has the drag as well.
+
+    The tie goes with the model: into its script, and into the header.
+    """
     parts = [with_drag(0.6, 2e-4, start) for start in (150.0, 120.0, 140.0, 130.0, 145.0)]
     log = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     log["run"] = np.repeat(np.arange(5.0), [len(part["time_s"]) for part in parts])
@@ -95,6 +99,12 @@ def test_quadratic_drag_is_diagnosed() -> None:
     assert {"quadratic_drag", "oneway_windage"} == set(found.document["tied"])
     leading = found.document["candidates"][:2]
     assert [one["probability"] for one in leading] == pytest.approx([0.5, 0.5], abs=0.01)
+    found.write(tmp_path / "out")
+    loaded = eccentric.load_model(tmp_path / "out" / "model.py")
+    assert loaded.caution == found.model.caution
+    assert all(family in loaded.caution for family in found.document["tied"])
+    (header,) = (tmp_path / "out").glob("*.h")
+    assert f" * Caution: {loaded.caution}.\n" in header.read_text(encoding="utf-8")
 
 
 def test_what_sped_it_up_is_left_out() -> None:

@@ -10,6 +10,7 @@ import json
 import math
 import re
 import subprocess
+import warnings
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -201,6 +202,23 @@ def families() -> list[Any]:
             found.setdefault(one.family, {}).setdefault(case, key)
     chosen = [list(own.items())[k % len(own)] for k, own in enumerate(found.values())]
     return quick(chosen, chosen[::7])
+
+
+@pytest.mark.parametrize(("effect", "left"), [("cogging[n=3]", 0.05), ("stribeck[d=1]", 0.0)])
+def test_what_is_no_friction_is_told(effect: str, left: float, tmp_path: Path) -> None:
+    """Cogging is no part of the compensation: a warning and the header say how large it is."""
+    one = extended.effects("C1")[effect]
+    sizes = dict(zip((q.name for q in one.coefficients), (0.03, 0.04), strict=False))
+    model = one.extend(load_model(extended.BASE["C1"]), sizes)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        eccentric.emit(model, tmp_path / "out", compensation=True)
+    told = (
+        f"of up to {left} N m that depends on the angle (cogging, a spring, a load): add {model.name}_gravity"
+    )
+    assert [told in str(one.message) for one in caught] == [True] * bool(left)
+    header = (tmp_path / "out" / f"{model.name}_compensation.h").read_text(encoding="utf-8")
+    assert (f"gravity_torque, up to {left} N m" in header) == bool(left)
 
 
 @pytest.mark.parametrize(("case", "effect"), families())
@@ -413,6 +431,17 @@ def test_a_fit_gives_the_gain(tmp_path: Path) -> None:
     assert module(out, "c2_parallel").Settings().gain == expected
 
 
+def test_without_a_fit_the_command_says_how_to_get_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also for the model of a diagnosis, which has no fit.json."""
+    assert 0 == main(["emit", "c1_perpendicular", "--compensation", "--out", str(tmp_path / "out")])
+    assert capsys.readouterr().out.endswith(
+        "from a fit's own errors: eccentric fit LOG --rig RIG --model c1_perpendicular --out FIT,"
+        " then --parameters FIT/fit.json\n"
+    )
+
+
 # In C.
 
 
@@ -525,7 +554,7 @@ def test_what_cannot_be_emitted_is_refused(tmp_path: Path) -> None:
     """An arm, a choice of functions, and a target without the C say so in one line."""
     with pytest.raises(InputError, match="compensation: expected a model of one joint, got an arm"):
         eccentric.emit("examples/arms/planar_2r.toml", tmp_path / "a", compensation=True)
-    with pytest.raises(InputError, match="compensation: expected the whole model"):
+    with pytest.raises(InputError, match="compensation: cannot be combined with fixed, functions or arrays"):
         eccentric.emit("c2_parallel", tmp_path / "b", compensation=True, functions=["gravity_torque"])
     with pytest.raises(InputError, match="compensation: expected backend c99 as well"):
         eccentric.emit("c2_parallel", tmp_path / "c", compensation=True, backend="numpy")

@@ -396,3 +396,12 @@ def test_the_closest_relation_names_the_measurement(
 ) -> None:
     """A sentence on the other family precedes one on its kin, and that the kins' own; either way round."""
     assert [expected, expected] == [measurement_between(first, second), measurement_between(second, first)]
+
+
+@every_case
+def test_gravity_has_nothing_to_act_on_without_a_mass(case: str) -> None:
+    """A bare motor has no tilted plane; in a torque that a controller logs, gravity may be subtracted."""
+    bare = dataclasses.replace(setting(case, warm=False), known={"M": 0.0, "L": 0.0, "mu": 1.0})
+    torque = dataclasses.replace(bare, channels=frozenset())
+    assert "gravity_tilt" not in {effect.family for effect in library(bare)}
+    assert "gravity_tilt" in {effect.family for effect in library(torque)}

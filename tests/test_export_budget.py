@@ -103,3 +103,12 @@ def test_without_inertia_there_is_no_pendulum() -> None:
         "c2_parallel_budget_warp.py",
         "eccentric_runtime.py",
     ]
+
+
+def test_a_bare_motor_has_no_pendulum() -> None:
+    """Its J_l of 0 declares no link: the module is written, the pendulum is left out."""
+    of = drive("c1_perpendicular", {"J_m": 1e-5, "J_l": 0.0, "M": 0.0, "M_l": 0.0, "L": 0.0, "mu": 1.0})
+    found = export(of, "budget")
+
+    assert "c1_perpendicular.xml, which requires J_l: declare it" in export_lines(of, found)[-1]
+    assert "c1_perpendicular_budget.py" in found.files

@@ -128,7 +128,7 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
 @pytest.mark.parametrize(
     ("source", "more", "said"),
     [
-        ("c2_parallel", [], r"c2_parallel: J_m: expected a value"),
+        ("c2_parallel", [], r"c2_parallel: J_m, J_l: expected values from --parameters"),
         ("linear_axis", [], r"a turning drive .* got a linear axis"),
         ("examples/arms/planar_2r.toml", [], r"a model of one drive .* an arm"),
         ("c2_parallel", ["--speeds", "5", "5"], r"--speeds: expected motor speeds 0 < LOW < HIGH"),

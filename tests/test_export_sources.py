@@ -80,6 +80,13 @@ def test_a_fit_that_cannot_be_exported(change: dict[str, Any], said: str, tmp_pa
     assert not (tmp_path / "out").exists()
 
 
+def test_parameters_may_be_the_folder_of_a_fit(places: Path, tmp_path: Path) -> None:
+    """As the source of an export may: its fit.json is taken."""
+    ways = (places / "fit", places / "fit" / "fit.json")
+    written = [eccentric.emit("c2_parallel", tmp_path / str(k), parameters=way) for k, way in enumerate(ways)]
+    assert [path.read_bytes() for path in written[0]] == [path.read_bytes() for path in written[1]]
+
+
 @pytest.mark.parametrize("speeds", [(1.0,), (0.0, 1.0), (2.0, 1.0), (1.0, float("nan")), (1.0, float("inf"))])
 def test_speeds_are_a_range(speeds: tuple[float, ...], places: Path, tmp_path: Path) -> None:
     """Two finite numbers above 0, the second larger."""

@@ -3,6 +3,8 @@
 import dataclasses
 import json
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,12 +13,13 @@ from scipy.stats import binom
 import eccentric
 from eccentric.core import InputError
 from eccentric.emission import load_module
-from eccentric.identification import Fit, fit
+from eccentric.identification import Estimate, Fit, fit
 from eccentric.identification.problem import pose
 from eccentric.model import load_model
 from eccentric.presentation import emitted_parameters, fit_document, fit_lines, fit_sentence
+from eccentric.presentation.fit_text import _because
 from eccentric.rigs import Rig, read_rig
-from eccentric.signals import Channels, read_channels
+from eccentric.signals import Channels, read_channels, with_doubts
 from tests.logged import SHARED, needs_shared
 from tests.planted import (
     FRICTION,
@@ -380,3 +383,22 @@ def test_z_of_what_is_not_detected_is_that_of_the_estimate_once_it_is_there() ->
         assert said[name]["z"] == pytest.approx(found.value / found.std_error, rel=0.3)
         assert any(line.startswith(f"{name} is not detected: at most") for line in without.lines)
     assert "undetected" not in beside.document
+
+
+def test_a_contradiction_comes_before_what_cannot_be_fitted() -> None:
+    """A wrong unit is the reason, and what it makes impossible the consequence."""
+    doubt: Any = SimpleNamespace(text="the current is a thousand times too large", doubts_the_rig=True)
+    with pytest.raises(InputError) as error, with_doubts([doubt]):
+        raise InputError("rig.toml", problem="B, C cannot be separated")
+    assert str(error.value) == f"rig.toml: {doubt.text}; as the rig is, B, C cannot be separated"
+
+
+@pytest.mark.parametrize(
+    ("side", "widened", "expected"),
+    [("lower", True, ", since C_lN at a bound may take its place"), (None, True, ""), ("lower", False, "")],
+)
+def test_a_value_that_another_bound_hides_says_which(side: str | None, widened: bool, expected: str) -> None:
+    """Ten standard errors from 0, and not detected: its interval has the freedom of the other at a bound."""
+    own = Estimate(0.0072, 0.00075, (0.0, 0.0089), "m s/rad", None, widened)
+    other = Estimate(0.0, 0.01, (0.0, 0.02), "m", side, True)
+    assert expected == _because("B_lN", {"B_lN": own, "C_lN": other})

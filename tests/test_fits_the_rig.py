@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import eccentric
+from eccentric.core import InputError
 from eccentric.diagnosis import diagnose
 from eccentric.identification import fit
 from eccentric.logs import read_log
 from eccentric.model import load_model
-from eccentric.presentation import diagnosis_document, fit_sentence
+from eccentric.presentation import diagnosis_document, diagnosis_lines, fit_sentence
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from eccentric.virtual_bench import simulate
@@ -43,7 +45,9 @@ def test_friction_that_drives_does_not_fit_the_rig(tmp_path: Path) -> None:
     assert (expected, expected) == pytest.approx(
         (fitted.r_squared["paper"], found.models.r_squared), abs=2e-2
     )
-    assert "does not fit the rig" in fit_sentence(fitted)
+    sentence = fit_sentence(fitted)
+    assert "does not fit the rig" in sentence
+    assert "zero angle" not in sentence, "which does not matter in a level plane"
     assert "does not fit the rig" in diagnosis_document(found)["sentence"]
     assert () == found.effects
 
@@ -60,8 +64,27 @@ def test_a_voltage_in_millivolts_is_no_resistance() -> None:
 
     assert not found.models.fits_the_rig
     assert () == found.effects
+    assert not any("to call" in line for line in diagnosis_lines(found))
     assert "the voltage is" in diagnosis_document(found)["sentence"]
     assert fit(read_channels([tenfold], rig), rig, load_model(rig.model)).fits_the_rig
+
+
+def test_no_code_is_emitted_of_a_log_that_does_not_fit_the_rig(tmp_path: Path) -> None:
+    """Neither beside the report nor from its model.py, unless the misfit is accepted."""
+    known = 'case = "C1"\n' + KNOWN + TORQUE + f"J_m_kgm2 = {ROTOR}\nJ_l_kgm2 = 0.0\n"
+    drive = torque("C1", FRICTION) + (ROTOR - INERTIA) * motion()[2]
+    written(tmp_path, known, {"current_A": -drive / K_I})
+    found = eccentric.diagnose(tmp_path / "log.csv", tmp_path / "rig.toml")
+    assert found.lines[0].endswith("verdict: log does not fit the rig")
+    assert {"report.html", "diagnosis.json", "model.py"} == {p.name for p in found.write(tmp_path / "out")}
+    script = tmp_path / "out" / "model.py"
+    for call in (lambda: eccentric.emit(script, tmp_path / "c"), lambda: found.emit(tmp_path / "c")):
+        with pytest.raises(InputError, match=r"accept_misfit: needed to emit .*does not fit the rig"):
+            call()
+    with pytest.warns(UserWarning, match="of a log that does not fit its rig"):
+        eccentric.emit(script, tmp_path / "c", accept_misfit=True)
+    (header,) = (tmp_path / "c").glob("*.h")
+    assert "Caution: the values are of a log that does not fit its rig." in header.read_text(encoding="utf-8")
 
 
 BARE = {"case": "C1", "mu": 1, "M": "0 kg", "L": "0 m"}

@@ -336,7 +336,7 @@ def test_all_mistakes_of_a_limits_file_are_told_at_once() -> None:
     assert "\n" not in said
     for part in (
         "'torque'",
-        "acceleration_rad_s2, got none",
+        "acceleration_rad_s2 = 500",
         "'fast'",
         "current_A:",
         "time_s:",

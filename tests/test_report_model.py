@@ -109,4 +109,4 @@ def test_open_opens_the_report(
     monkeypatch.setattr(command.webbrowser, "open", lambda address: False)
     capsys.readouterr()
     assert 0 == main([*arguments, "--open"])
-    assert "no browser was found" in capsys.readouterr().err
+    assert "no browser could be opened" in capsys.readouterr().err

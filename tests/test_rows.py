@@ -212,6 +212,19 @@ def test_a_log_too_short_for_any_window_has_to_be_longer(tmp_path: Path, left_ou
         search_rows(channels, channels.rig, moving=bool(left_out))
 
 
+def test_an_average_longer_than_all_motion_asks_for_a_longer_log(tmp_path: Path) -> None:
+    """Not one is whole, and no shorter one gives enough either."""
+    log = read_log(EXAMPLE / "bench.csv.gz")
+    short = read_log({name: log.numbers(name)[:300] for name in log.columns})
+    lines = (EXAMPLE / "bench.toml").read_text(encoding="utf-8").splitlines()
+    kept = ['average_over = "5 s"', *(x for x in lines if not x.startswith("holdout"))]
+    (tmp_path / "rig.toml").write_text("\n".join(kept), encoding="utf-8")
+    channels = read_channels([short], read_rig(tmp_path / "rig.toml"))
+
+    with pytest.raises(InputError, match=r"too little motion .* over 5 s is whole; record a longer log$"):
+        rows_of(channels, channels.rig)
+
+
 def test_nothing_driven_to_hold_out_is_refused_in_one_line(tmp_path: Path) -> None:
     """With the motor off in all that is held out, the first fit of a drive has nothing to be judged by."""
     channels, rig = several(tmp_path, 'average_over = "run"\nholdout_runs = ["run_4"]')

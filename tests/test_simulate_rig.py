@@ -14,9 +14,11 @@ import pytest
 
 import eccentric
 from eccentric.core import InputError
+from eccentric.model import TURNING
+from eccentric.presentation import refined_warnings
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
-from eccentric.simulation import Servo, integrate, recording_of, whole_runs
+from eccentric.simulation import Refined, Servo, integrate, recording_of, whole_runs
 from tests.test_simulate import plant
 from tests.test_tutorial import blocks
 
@@ -187,6 +189,14 @@ def test_a_refined_fit_moves_closer_and_keeps_its_values(diagnosed: eccentric.Di
     for name, estimate in plain.estimates.items():
         low, high = estimate.interval
         assert low - (high - low) < refined.estimates[name].value < high + (high - low)
+
+
+@pytest.mark.parametrize(("after", "worse"), [(0.1959, True), (0.1, False)])
+def test_a_refinement_that_helps_the_training_part_alone_is_a_warning(after: float, worse: bool) -> None:
+    """The held-out error decides."""
+    found = Refined(None, 0.2, 0.1, (0.1546, after), 4, 0.5)  # pyright: ignore[reportArgumentType]
+    told = refined_warnings(found, TURNING)
+    assert [f"from 0.1546 to {after} rad" in text for text in told] == [True] * worse
 
 
 def test_without_a_whole_training_run_a_controller_is_not_refined() -> None:

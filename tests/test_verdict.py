@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import chi2
 
 from eccentric.diagnosis import Diagnosis
-from eccentric.diagnosis.models import closest_effect, constant_first
+from eccentric.diagnosis.models import _with_both_directions_first, closest_effect, constant_first
 from eccentric.diagnosis.search import Attribution, limits, unconfirmed
 from eccentric.diagnosis.search.candidate import Candidate
 from eccentric.diagnosis.search.verdict import NextMeasurement, _outlines, decided, next_measurement
@@ -329,6 +329,7 @@ def test_the_next_measurement_is_that_of_the_verdict(
         (NextMeasurement("vary", "of_a"), "Change the of a alone, in five steps"),
         (BETWEEN, "separates what a is from b: other speeds"),
         (replace(BETWEEN, constant_first=True), "Declare k_i under [known] first"),
+        (replace(BETWEEN, one_way=True), "Log both directions first"),
         (NextMeasurement("correct"), "Correct the rig file or the log first."),
         (NextMeasurement("hold_others"), "with the others held"),
         (None, ""),
@@ -401,6 +402,15 @@ def test_a_tie_under_load_asks_for_an_open_torque_constant_first(
     said = constant_first(tie.next_measurement, tie.tied, offered, data)
     assert tie.next_measurement is not None
     assert replace(tie.next_measurement, constant_first=expected) == said
+
+
+@pytest.mark.parametrize(("speed", "expected"), [([1.0, 2.0, 0.0], True), ([1.0, -2.0, 0.5], False)])
+def test_a_tie_on_a_log_of_one_direction_asks_for_the_other(speed: list[float], expected: bool) -> None:
+    """Friction changes its sign with the direction, cogging does not."""
+    tie = replace(verdict({2: 3.0}, A, rival("b", 0.5)), tied=("a", "b"))
+    said = _with_both_directions_first(tie, np.array(speed)).next_measurement
+    assert tie.next_measurement is not None
+    assert replace(tie.next_measurement, one_way=expected) == said
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ class LogDescription(ResultBase):
         numbers: column of numbers -> its unit where the file says it, smallest and largest value, and how
             many are missing.
         texts: column of text -> how many different ones it has.
-        clock: the column of time, its unit, and its rows per second; None where no column rises as one does.
+        clock: the column of time, its unit, and rows per second (median); None where no column rises so.
         clock_doubt: what is not sure about the clock, or why there is none; "" for nothing.
         notes: what was done to read it, and what was left out.
     """

@@ -252,6 +252,8 @@ class DiagnosisResult(Result):
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write what the command `eccentric diagnose` writes: report, JSON, script and the emitted model.
 
+        A log that does not fit the rig gives no emitted model.
+
         Raises:
             InputError: the folder cannot be written.
         """
@@ -265,7 +267,7 @@ class DiagnosisResult(Result):
         (folder / "model.py").write_text(self.script, encoding="utf-8")
         for name, text in self.own.items():
             (folder / name).write_text(text, encoding="utf-8")
-        emitted = complete(self.model, "eccentric diagnose", "model.py")
+        emitted = complete(self.model, "eccentric diagnose", "model.py") if self.fits_the_rig else {}
         write(emitted, folder)
         text = page(dataclasses.replace(self.data, files=_described(self.own, emitted, self.model.name)))
         (folder / "report.html").write_text(text, encoding="utf-8")

@@ -31,7 +31,13 @@ from eccentric.identification import fit as fit_channels
 from eccentric.joints import fit_arm as fit_joints
 from eccentric.logs import Log, log_names
 from eccentric.model import load_model, with_numbers
-from eccentric.presentation import arm_fit_lines, fit_document, fit_sentence, loss_sentence
+from eccentric.presentation import (
+    arm_fit_lines,
+    fit_document,
+    fit_sentence,
+    loss_sentence,
+    no_inertia_sentence,
+)
 from eccentric.rigs import (
     Complaint,
     Rig,
@@ -109,7 +115,8 @@ class RigDraft(ResultBase):
         if path.suffix != ".toml":
             raise InputError(path, "a rig file .toml", f"{path.suffix or 'no suffix'!r}")
         if path.exists():
-            raise InputError(path, problem="expected a new file, but this one exists")
+            problem = "expected a new file, but this one exists: choose another name, or delete it"
+            raise InputError(path, problem=problem)
         with whole_file(path) as new:
             new.write_text(self.text, encoding="utf-8")
         return path
@@ -298,6 +305,7 @@ _TYPICAL = {
     "k_i": "0.05 N m/A",
     "k_e": "0.05 V s/rad",
 }
+_NONE_OF = {"M": ' ("0 kg" for a bare motor)', "L": ' ("0 m" for a bare motor)'}
 
 
 def _tried(
@@ -325,7 +333,7 @@ def _tried(
             if not any(one.table == "known" and one.key in keys for one in complaints):
                 missing.append(
                     f"{rig.path}: expected [known] {here}, as in"
-                    f' {here} = "{axis.unit(_TYPICAL[letter])}", got none'
+                    f' {here} = "{axis.unit(_TYPICAL[letter])}"{_NONE_OF.get(letter, "")}, got none'
                 )
             filled = True
             given = {**given, "known": {**given.get("known", {}), here: axis.unit(_TYPICAL[letter])}}
@@ -343,6 +351,7 @@ def _tried(
         determined = *_determined(fit, tried, channels.motor.measured_by), *map(_beside, beside)
         warnings = (*fit.warnings, *_of_the_diagnosis(channels, tried))
         doubts = *_doubted(beside, channels, tried), *_too_long(fit, tried), *_unsolvable(fit, tried)
+        doubts = *doubts, *_without_inertia(fit, tried)
         return RigCheck((), determined, warnings, doubts)
     return RigCheck(tuple(missing), (), ())
 
@@ -390,6 +399,14 @@ def _too_long(fit: Any, rig: Rig) -> Iterator[str]:
             f"{rig.path}: C_lN is {e.value:.3g} m by the log ({low:.3g} to {high:.3g}), longer than the link"
             f" of {arm:.3g} m, and it acts at a radius of the bearing: check mu, M and M_l"
         )
+
+
+def _without_inertia(fit: Fit, rig: Rig) -> Iterator[str]:
+    """An inertia that the fit puts at 0, with which a diagnosis has no motion to explain."""
+    inertias = [c for c in fit.problem.coefficients if c.role == "inertia"]
+    for name in {x for c in inertias for x in (c.name, c.letter)} & fit.coefficients.keys():
+        if fit.coefficients[name].value <= 0.0:
+            yield f"{rig.path}: {no_inertia_sentence(name, rig.axis)}"
 
 
 def _unsolvable(fit: Fit, rig: Rig) -> Iterator[str]:

@@ -10,7 +10,7 @@ from typing import Any
 
 from eccentric.api.adapted import asked_adaptation
 from eccentric.api.fitted import FitResult
-from eccentric.api.inputs import ModelSource, arm_of, is_arm, model_of, origin_of
+from eccentric.api.inputs import ModelSource, arm_of, fit_path, is_arm, model_of, origin_of
 from eccentric.api.result import ResultBase, require_fit, speeds_of, write_emitted
 from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, counted, given_path, refuse_other_files, whole_folder
@@ -57,7 +57,7 @@ def emit(
     Args:
         model: a Model, its name, or the path of a derivation, an arm file or a URDF.
         out: a folder of its own, new or written by eccentric before.
-        parameters: defaults of the emitted code: a FitResult, the path or the content of a fit.json, or
+        parameters: defaults of the emitted code: a FitResult, a fit.json, its folder or its content, or
             values in SI by the paper's letters; by default those of the model.
         prefix: name of the files and prefix of the C functions; by default the model's name.
         backend: a target or several, by the names that `eccentric emit --help` lists.
@@ -67,13 +67,15 @@ def emit(
         arrays: whether C has array functions, in a header of their own where functions are chosen; by default
             only where none are chosen.
         fixed: whether C has the default parameters only: no `prepare`, and no files that check it.
-        accept_misfit: emit parameters of a fit although its log does not fit the rig.
+        accept_misfit: emit the values of a fit or a diagnosis although its log does not fit the rig.
         adapt: add an estimator of the friction coefficients, NAME_adapt.h, .c and .py; its prior is that of
             the fit, where the parameters are one.
         compensation: add a compensation of the friction for a loop, NAME_compensation.h, .c and .py; its gain
             follows from the fit, where the parameters are one.
         forgetting, false_alarms, settle: of this estimator: forgetting per row, the mean number of samples
             between two false alarms, and the samples left out after a reversal; by default 0.999, 1e7, 20.
+
+    What the model carries as a caution, such as a choice that its log did not decide, is a UserWarning.
 
     Raises:
         InputError: there is no such model, target or function, or it cannot be emitted; the parameters are
@@ -94,6 +96,7 @@ def emit(
     if isinstance(model, str | os.PathLike):
         refuse_other_files(model)
     loaded = arm_of(model, fitted) if is_arm(model) else model_of(model)
+    require_fit(loaded.fits_the_rig, origin_of(model), accept_misfit)
     beside = [key for key, wanted in (("adapt", asked is not None), ("compensation", compensation)) if wanted]
     if beside and joints_of(loaded):
         raise InputError(beside[0], "a model of one joint", "an arm")
@@ -106,7 +109,7 @@ def emit(
     if beside and choice != WHOLE:
         raise InputError(
             beside[0],
-            problem="expected the whole model with it, without a choice of functions, arrays or fixed",
+            problem="cannot be combined with fixed, functions or arrays: it needs the whole model",
         )
     return write_emitted(
         chosen,
@@ -126,7 +129,7 @@ def _content(parameters: str | os.PathLike[str] | FitResult | Mapping[str, Any])
         return parameters.document
     if isinstance(parameters, Mapping):
         return parameters if "parameters" in parameters else {"parameters": parameters}
-    return given_path(parameters, "parameters")
+    return fit_path(parameters)
 
 
 # A drive as a model of a simulator.
@@ -139,10 +142,12 @@ class ExportResult(ResultBase):
     Attributes:
         paths: of the files.
         lines: the summary, line by line: error of the friction, what is left out.
+        cautions: what to know of the model before it is used.
     """
 
     paths: tuple[Path, ...]
     lines: tuple[str, ...]
+    cautions: tuple[str, ...] = ()
 
     def summary(self) -> str:
         """What the command prints."""
@@ -177,7 +182,7 @@ def export(
         speeds: lowest and highest motor speed [rad/s] over which friction with constant coefficients is
             fitted; by default those of the log, and 1 to 60 without one.
         prefix: name of the files; by default the model's name.
-        accept_misfit: export parameters of a fit although its log does not fit the rig.
+        accept_misfit: export the values of a fit or a diagnosis although its log does not fit the rig.
 
     Raises:
         InputError: there is no such model or target; the target cannot take the drive, an arm or a carriage;
@@ -190,6 +195,7 @@ def export(
         if is_arm(model):
             raise InputError("model", "a model of one drive", f"an arm, {Path(model).name}", why="to export")
     chosen = model_of(model)
+    require_fit(chosen.fits_the_rig, origin_of(model), accept_misfit)
     name = checked_name(
         *((chosen.name, f"model {chosen.name}: its name") if prefix is None else (prefix, "prefix"))
     )
@@ -208,7 +214,9 @@ def export(
         for file, content in found.files.items():
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_bytes(content if isinstance(content, bytes) else content.encode())
-    return ExportResult(tuple(Path(out) / file for file in found.files), tuple(export_lines(drive, found)))
+    cautions = tuple(f"{name}: {text}" for text in chosen.cautions)
+    paths = tuple(Path(out) / file for file in found.files)
+    return ExportResult(paths, tuple(export_lines(drive, found)), cautions)
 
 
 def _model_and_values(

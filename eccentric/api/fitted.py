@@ -28,6 +28,7 @@ from eccentric.presentation import (
     plot_fit,
     refined_document,
     refined_lines,
+    refined_warnings,
 )
 from eccentric.rigs import read_rig
 from eccentric.signals import FIT_POINTS, read_channels, read_long
@@ -76,7 +77,8 @@ def fit(
     document = fit_document(found, names)
     values = read_parameters(document).values
     if refined is not None:
-        document |= {"simulated": refined_document(refined)}
+        warnings = [*document["warnings"], *refined_warnings(refined, axis)]
+        document |= {"simulated": refined_document(refined), "warnings": warnings}
     return FitResult(
         base=base,
         model=with_fitted(base, read_parameters(document), base.name),

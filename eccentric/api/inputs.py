@@ -52,6 +52,12 @@ def model_of(model: ModelSource) -> Model:
     return model if isinstance(model, Model) else load_model(model)
 
 
+def fit_path(parameters: str | os.PathLike[str]) -> Path:
+    """The path of a fit.json, also from that of the folder that a fit wrote."""
+    path = given_path(parameters, "parameters")
+    return path / "fit.json" if (path / "fit.json").is_file() else path
+
+
 def names_given(names: str | Sequence[str]) -> tuple[str, ...]:
     """One name or several, each as often as it is given."""
     return (names,) if isinstance(names, str) else tuple(names)

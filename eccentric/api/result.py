@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -28,6 +29,7 @@ from eccentric.emission import (
     checked_name,
     complete,
     gain_of,
+    gravity_apart,
     load_module,
     prior_of,
     render_adapt,
@@ -36,7 +38,7 @@ from eccentric.emission import (
 )
 from eccentric.identification import Estimate, Fit, Refit
 from eccentric.model import AxisKind, Model
-from eccentric.presentation import NEEDS_MATPLOTLIB
+from eccentric.presentation import NEEDS_MATPLOTLIB, left_out_sentence
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from eccentric.simulation import Draws, FittedDrive, Predicted, fitted_drive
@@ -67,6 +69,7 @@ def write_emitted(
     the NumPy module contains its runtime; `choice` is what of the model is emitted. With `adapt` an
     estimator of the friction is added, whose prior is that of the fit with this content; with `compensation`
     its compensation in a loop, whose gain follows from the fit. Returns the paths.
+    A caution of the model is a UserWarning, and so is cogging or a spring beside a compensation.
     Raises InputError if there is no such target, or the folder cannot be written.
     """
     names = _backends(backend)
@@ -81,7 +84,15 @@ def write_emitted(
         files |= render_compensation(model, own, gain_of(model, fit))
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
+    for text in (*model.cautions, *(_left_out(model) if compensation else ())):
+        warnings.warn(f"{model.name}: {text}", stacklevel=3)
     return [Path(out) / name for name in files]
+
+
+def _left_out(model: Model) -> tuple[str, ...]:
+    """What a compensation of the friction does not contain; nothing if it is the pendulum's gravity alone."""
+    whole, other = gravity_apart(model)
+    return () if other <= 1e-9 * whole else (left_out_sentence(model, other),)
 
 
 def _backends(backend: str | Sequence[str] | None) -> dict[str, None]:
@@ -391,14 +402,19 @@ class Result(Printed):
         backend: str | Sequence[str] | None = None,
         *,
         accept_misfit: bool = False,
+        compensation: bool = False,
     ) -> list[Path]:
         """Write the model for its targets into a folder; return the paths.
+
+        `eccentric.emit` has further options, and takes the result of a fit as its parameters.
 
         Args:
             out: a folder of its own, new or written by eccentric before.
             prefix: name of the files and prefix of the C functions; by default the model's name.
             backend: a target or several, by the names that `eccentric emit --help` lists.
             accept_misfit: emit although the log does not fit the rig.
+            compensation: add a compensation of the friction for a loop, NAME_compensation.h, .c and .py; its
+                gain follows from a fit, and is 0.9 for a diagnosis.
 
         Raises:
             InputError: the log does not fit the rig, the prefix is no name that C and Python leave free,
@@ -406,7 +422,9 @@ class Result(Printed):
         """
         require_fit(self.fits_the_rig, "this result", accept_misfit)
         name = self.model.name if prefix is None else checked_name(prefix, "prefix")
-        return write_emitted(dataclasses.replace(self.model, name=name), self.origin, out, backend)
+        of_a_fit = self.document if str(self.document["format"]).startswith("eccentric-fit/") else None
+        model = dataclasses.replace(self.model, name=name)
+        return write_emitted(model, self.origin, out, backend, compensation=compensation, fit=of_a_fit)
 
 
 def new_axes(rows: int, columns: int, size: tuple[float, float]) -> list[Axes]:

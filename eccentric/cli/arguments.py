@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
+from warnings import catch_warnings, simplefilter
 
 from eccentric.core import InputError
 
@@ -212,6 +213,15 @@ def write_and_print(found: Any, out: Path | None, *, as_json: bool = False) -> N
     print(found.to_json() if as_json else found.summary(), end="" if as_json else "\n")
     if names and not as_json:
         print(f"{out}: {', '.join(names)}")
+
+
+@contextmanager
+def warnings_printed() -> Iterator[None]:
+    """Print what is a UserWarning in Python, each as one line on stderr."""
+    with catch_warnings(record=True) as caught:
+        simplefilter("always", UserWarning)
+        yield
+    print_warnings(str(one.message) for one in caught)
 
 
 def print_warnings(warnings: Iterable[str]) -> None:

@@ -2,7 +2,6 @@
 
 import argparse
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import eccentric
@@ -93,7 +92,7 @@ def run(args: argparse.Namespace) -> int:
     common = {"seconds": args.seconds, "noise": args.noise, "seed": args.seed, "out": args.out}
     with options(*_NAMES, **_OTHERS):
         effects, said = bench(args, common)
-    name = Path(args.out).name.removesuffix(".csv.gz")
+    name = args.out.removesuffix(".csv.gz")
     print(f"{args.out}: {said}")
     print(f"sealed in {name}.truth.json: {counted(len(effects), 'effect') if effects else 'no effect'}")
     return 0
@@ -106,7 +105,7 @@ def _of_a_drive(args: argparse.Namespace, common: Mapping[str, Any]) -> tuple[tu
     own = _chosen(args, _OF_A_DRIVE, _OF_AN_ARM, "--arm", "none")
     effects = [_effect(text, known_effect) for text in args.effect]
     result = eccentric.bench(effects, **own, **common)
-    name = Path(args.out).name.removesuffix(".csv.gz")
+    name = args.out.removesuffix(".csv.gz")
     return result.effects, (f"{result.log.rows} rows, case {own['case']}, mu {own['mu']:g}; rig {name}.json")
 
 
@@ -132,7 +131,7 @@ def _of_an_arm(args: argparse.Namespace, common: Mapping[str, Any]) -> tuple[tup
     own["sample_rate_hz"] = own.pop("rate")
     effects = [_effect(text, known_joint_effect) for text in args.effect]
     result = eccentric.bench_arm(args.arm, effects, **own, **common, progress=bar())
-    name = Path(args.out).name.removesuffix(".csv.gz")
+    name = args.out.removesuffix(".csv.gz")
     gears = ", ".join(joint["mu"] for joint in result.arm["joint"])
     return result.effects, (
         f"{result.log.rows} rows in {own['runs']} runs, {len(result.arm['joint'])} joints, mu {gears}; "

@@ -68,9 +68,10 @@ def run(args: argparse.Namespace) -> int:
     print_warnings(found.warnings)
     verdict, *rest = found.lines
     print("\n".join([coloured(verdict, "answer"), *rest]))
-    print(f"{args.out}: {', '.join(name for name in names if '/' not in name)}, check/")
+    folders = ["check/"] if any("/" in name for name in names) else []
+    print(f"{args.out}: {', '.join([*(name for name in names if '/' not in name), *folders])}")
     if args.open and not webbrowser.open((Path(args.out).resolve() / "report.html").as_uri()):
-        print_warnings(["no browser was found to open the report"])
+        print_warnings(["no browser could be opened (see eccentric doctor): open report.html yourself"])
     return 0 if found.fits_the_rig else MISFIT
 
 

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import add_folder, options
+from eccentric.cli.arguments import add_folder, options, warnings_printed
 from eccentric.core import TARGETS
 
 NAME = "emit"
@@ -44,7 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--accept-misfit",
         action="store_true",
-        help="emit the parameters of a fit although its log does not fit the rig",
+        help="emit the values of a fit or a diagnosis although its log does not fit the rig",
     )
     parser.add_argument(
         "--prefix", metavar="NAME", help="name of the files and prefix in C; default: the model's name"
@@ -103,12 +103,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the files and print their names."""
     given = {name: value for name, value in vars(arguments).items() if name != "run"}
-    with options(*_NAMED):
+    with options(*_NAMED), warnings_printed():
         written = eccentric.emit(**given)
     names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written)
     print(f"{arguments.out}: {names}")
-    if arguments.adapt and arguments.parameters is None:
-        print("the estimator starts from 30 % of each coefficient; a fit's own errors: --parameters FIT.json")
-    if arguments.compensation and arguments.parameters is None:
-        print("the gain of the compensation is 0.9; one from a fit's own errors: --parameters FIT.json")
+    if arguments.parameters is None:
+        fit = f"eccentric fit LOG --rig RIG --model {arguments.model} --out FIT"
+        fit = f"{fit}, then --parameters FIT/fit.json"
+        if arguments.adapt:
+            print(f"the estimator starts from 30 % of each coefficient; from a fit's own errors: {fit}")
+        if arguments.compensation:
+            print(f"the gain of the compensation is 0.9; from a fit's own errors: {fit}")
     return 0

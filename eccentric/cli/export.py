@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import add_folder, options
+from eccentric.cli.arguments import add_folder, options, print_warnings
 from eccentric.core import EXPORTS
 
 NAME = "export"
@@ -43,7 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--accept-misfit",
         action="store_true",
-        help="export the parameters of a fit although its log does not fit the rig",
+        help="export the values of a fit or a diagnosis although its log does not fit the rig",
     )
 
 
@@ -59,6 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
             prefix=arguments.prefix,
             accept_misfit=arguments.accept_misfit,
         )
+    print_warnings(written.cautions)
     print(written)
     names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written.paths)
     print(f"{arguments.out}: {names}")

@@ -32,8 +32,17 @@ def refuse_other_files(path: str | os.PathLike[str]) -> None:
     if given.is_dir() or given.suffix.lower() in _NO_ARMS:
         what = "a model's name, a derivation .py, or an arm .toml, .json or .urdf"
         received = "a folder" if given.is_dir() else f"{given.suffix!r}"
-        hint = "" if given.is_dir() else ": expand a xacro and name the result .urdf"
+        hint = _instead_of(given) if given.is_dir() else ": expand a xacro and name the result .urdf"
         raise InputError(shown(given), what, f"{received}{hint}")
+
+
+def _instead_of(folder: Path) -> str:
+    """What to give in place of the folder of a result."""
+    if (folder / "model.py").is_file():
+        return f": give its model, {shown(folder / 'model.py')}"
+    if (folder / "fit.json").is_file():
+        return f": give the model that was fitted, with --parameters {shown(folder / 'fit.json')}"
+    return ""
 
 
 def shown(path: Path) -> str:

@@ -20,7 +20,14 @@ from eccentric.diagnosis.contest import BASELINE, Contest, Entry, contest
 from eccentric.diagnosis.empirical import Empirical, fit_empirical, variables_followed
 from eccentric.diagnosis.limits import PROVABLE, ROUNDING
 from eccentric.diagnosis.loop import BASE, Asked, Diagnosis, diagnose, diagnosed, staged_log
-from eccentric.diagnosis.model_script import base_source, extended_model, is_result_name, result_name, script
+from eccentric.diagnosis.model_script import (
+    base_source,
+    extended_model,
+    is_result_name,
+    result_name,
+    script,
+    undecided,
+)
 from eccentric.diagnosis.models import RangeCheck, constant_first
 from eccentric.diagnosis.score import OverRuns, leave_runs_out, only_below, orders_of
 from eccentric.diagnosis.search import (

@@ -70,3 +70,5 @@ EMPIRICAL_LEAST = 0.02
 """Part of that sum by which it has to: a hundredth of the error is not worth code without a cause."""
 EMPIRICAL_NOTHING = 1e-9
 """A coefficient, or a range of a variable, below this part of the largest is none."""
+ONE_WAY = 0.01
+"""Largest part of the rows that turn the other way in a log of one direction: noise around rest."""

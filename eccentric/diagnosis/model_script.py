@@ -148,18 +148,36 @@ def extended_model(found: Diagnosis) -> Model:
     """The extended model with the fitted values as its defaults: the one that the script builds."""
     fitted, model = _fitted(found), found.result.model
     said = result_name(found), fitted.notes, fitted.title, "diagnosis"
-    return with_values(model, fitted.values, *said, **_options(found.data.drive))
+    return with_values(model, fitted.values, *said, **_options(found))
 
 
-def _options(drive: Drive) -> dict[str, Any]:
-    """What `with_values` takes of a drive, without what is so by default."""
+def _options(found: Diagnosis) -> dict[str, Any]:
+    """What `with_values` takes of a drive and its log, without what is so by default."""
+    drive = found.data.drive
     said = {
         "back_emf_in_friction": (drive.back_emf_in_friction, False),
         "current_known": (drive.current_known, True),
         "voltage_known": (drive.voltage_known, True),
         "torque_unit": (drive.emitted_unit, "N m"),
+        "caution": (_caution(found), ""),
+        "fits_the_rig": (found.models.fits_the_rig, True),
     }
     return {name: value for name, (value, default) in said.items() if value != default}
+
+
+def undecided(found: Diagnosis) -> list[str]:
+    """Ids of the effects of the emitted model that this log does not distinguish from others."""
+    clear = [effect.id for effect, _ in found.clear]
+    tied = found.attribution.verdict == "not_identifiable"
+    return [effect.id for effect, _ in found.models.extended.effects if tied and effect.id not in clear]
+
+
+def _caution(found: Diagnosis) -> str:
+    """What emitted code says of a tie; "" without one."""
+    if not (own := undecided(found)):
+        return ""
+    between = " and ".join(found.attribution.tied)
+    return f"the log does not distinguish between {between}; the model has {' and '.join(own)}, undecided"
 
 
 @dataclass(frozen=True)
@@ -229,7 +247,7 @@ def script(found: Diagnosis) -> str:
     load = ("", "")
     if any(extension.name == constant_load.id for extension in found.models.base.extensions):
         load = (", with_constant_load", "model = with_constant_load(model)\n")
-    log = "".join(f"\n    {name}={value!r}," for name, value in _options(found.data.drive).items())
+    log = "".join(f"\n    {name}={value!r}," for name, value in _options(found).items())
     own = ""
     if found.asked.effects is not None:
         own = f"\noffered += load_effects(Path(__file__).with_name({found.asked.effects.name!r}), setting)"

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 from scipy.stats import norm
 
 from eccentric.core import InputError
-from eccentric.diagnosis.limits import FITTED, MOST_APART, OF_THE_MOTION
+from eccentric.diagnosis.limits import FITTED, MOST_APART, OF_THE_MOTION, ONE_WAY
 from eccentric.diagnosis.score import BelowLowPass, Score, below_low_pass, leave_runs_out, score
 from eccentric.diagnosis.search import Attribution, NextMeasurement, unconfirmed
 from eccentric.effects import LOAD, Effect, Plausible
@@ -141,7 +142,18 @@ def fitted_models(
         scored = _scored(models, "mechanical", data)
     # Of a tie of effects under load, an open torque constant may settle it.
     following = constant_first(found.next_measurement, found.tied, offered, data)
-    return replace(found, next_measurement=following), models, scored, refused
+    found, channels = replace(found, next_measurement=following), data.drive.channels
+    moving = channels.motion.omega_m[channels.selection.moving]
+    return _with_both_directions_first(found, moving), models, scored, refused
+
+
+def _with_both_directions_first(found: Attribution, speed: NDArray[np.float64]) -> Attribution:
+    """A tie on a log of one direction: with the other, friction changes its sign and other torques do not."""
+    following = found.next_measurement
+    least = min(np.mean(speed > 0.0), np.mean(speed < 0.0))
+    if following is None or following.code != "separate" or least > ONE_WAY:
+        return found
+    return replace(found, next_measurement=replace(following, one_way=True))
 
 
 def constant_first(

@@ -210,7 +210,7 @@ def facts_of(grid: Grid, motion: Moved) -> list[str]:
     still = 1.0 - float(np.mean(motion.moving[inner])) if np.any(inner) else 0.0
     both = float(np.mean(motion.w[motion.moving] > 0.0)) if np.any(motion.moving) else 0.0
     facts = [
-        f"{counted(len(grid.parts), 'part')} without a gap, {1.0 / grid.step:.4g} rows a second",
+        f"{counted(len(grid.parts), 'part')} without a gap, {1.0 / grid.step:.4g} rows a second (mean)",
         f"standing (below {limits.STILL:.0%} of its speed) in {still:.0%} of rows, forwards in {both:.0%}",
     ]
     if one_way(motion):

@@ -23,8 +23,12 @@ IN_C1 = {"angle_offset": "nothing at all: no term depends on the link angle"}
 def gravity_tilt(setting: Setting) -> Iterator[Effect]:
     """C1: the torque alone, linear in its two parameters, or with its normal force. C2: reduced gravity.
 
-    In a plane that is declared as tilted, another tilt; none if the log has to determine gravity.
+    None for a motor that the rig declares without an unbalanced mass: gravity has nothing to act on. A logged
+    torque may have had gravity subtracted, so there it is offered. In a plane that is declared as tilted,
+    another tilt; none if the log has to determine gravity.
     """
+    if 0.0 in (setting.known.get("M"), setting.known.get("L")) and setting.channels & {"current", "voltage"}:
+        return
     reference = "derivations/rotating_link.py: the general link, phi near pi/2 or near 0"
     words = Words(
         title="A tilted plane of motion",

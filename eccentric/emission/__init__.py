@@ -16,7 +16,7 @@ In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model` an
 from eccentric.emission.adapt import Adaptation, prior_of, render_adapt
 from eccentric.emission.backends import BACKENDS, DEFAULT, Language, printed
 from eccentric.emission.check import complete, joints_of, render_check
-from eccentric.emission.compensate import gain_of, render_compensation, sure_share
+from eccentric.emission.compensate import gain_of, gravity_apart, render_compensation, sure_share
 from eccentric.emission.defaults import FittedValues, checked_name, document_of, read_parameters, with_fitted
 from eccentric.emission.hot import executed, executed_beside, inputs_of, load_module
 from eccentric.emission.inertial_loss import InertialLoss, inertial_loss, require_solvable

@@ -172,6 +172,7 @@ def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:
         fitted.current_known,
         fitted.voltage_known,
         fitted.torque_unit,
+        fits_the_rig=fitted.fits_the_rig,
     )
 
 

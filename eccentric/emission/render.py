@@ -107,6 +107,7 @@ def render_program(
         f"{written} from {plain(origin)}",
         f"(eccentric {__version__}, program {_DIGEST}).",
         f"{program.title}.",
+        *(f"Caution: {plain(text)}." for text in program.cautions),
     )
     common = (f"{written} (eccentric {__version__}).",)
     files = {}

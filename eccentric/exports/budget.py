@@ -43,7 +43,9 @@ def write(drive: ExportedDrive) -> Exported:
         files[f"{drive.name}_budget_warp.py"] = template("exports/budget_warp.py").render(
             names | functions(drive.model, "friction_budget") | {"taken": ", ".join(drive.inputs)}
         )
-    missing = tuple(name for name in ("J_m", "J_l") if getattr(drive.p, name) is None)
+    # A J_l of 0 is no body: the rig of a bare motor declares no link.
+    absent = {"J_m": drive.p.J_m is None, "J_l": not drive.p.J_l}
+    missing = tuple(name for name, is_missing in absent.items() if is_missing)
     if not missing:
         lines = template("exports/written.xml").render(names).splitlines()
         files[f"{drive.name}.xml"] = written(drive, FREE, lines)

@@ -78,10 +78,11 @@ class ExportedDrive:
         return self.module.Parameters()
 
     def require(self, *names: str) -> None:
-        """Raise InputError unless these parameters have a value."""
-        if missing := [name for name in names if getattr(self.p, name) is None]:
+        """Raise InputError unless these parameters have a value; it names every inertia without one."""
+        missing = [name for name in ("J_m", "J_l") if getattr(self.p, name) is None]
+        if not set(names).isdisjoint(missing):
             place = f"model {self.name}: {', '.join(missing)}"
-            raise InputError(place, "a value, from a fit.json or in the derivation", "none", why="to export")
+            raise InputError(place, "values from --parameters FIT.json, or in the derivation", "none")
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:

@@ -138,6 +138,8 @@ def with_values(
     current_known: bool = True,
     voltage_known: bool = True,
     torque_unit: str = "N m",
+    caution: str = "",
+    fits_the_rig: bool = True,
 ) -> Model:
     """Return the model under a new name, with these values as its defaults.
 
@@ -152,6 +154,8 @@ def with_values(
         current_known: whether the values give a current in amperes; a voltage may determine R/k_i alone.
         voltage_known: whether the values give a voltage; a current alone determines neither R nor k_e.
         torque_unit: of the values: "N m", or "V" or "A" without a scale for a torque.
+        caution: what to know before the model is used; by default the model's.
+        fits_the_rig: whether the log of the values fits its rig.
 
     Raises:
         InputError: a value does not belong to a parameter of the model, or has an invalid sign.
@@ -184,4 +188,6 @@ def with_values(
         current_known=current_known,
         voltage_known=voltage_known,
         torque_unit=torque_unit,
+        caution=caution or model.caution,
+        fits_the_rig=fits_the_rig and model.fits_the_rig,
     )

@@ -98,6 +98,8 @@ class Model:
         current_known: whether the defaults give a current in amperes. What needs one is else not emitted.
         voltage_known: whether they give a voltage, with R and k_e. What needs one is else not emitted.
         torque_unit: of the defaults: "N m", or "V" or "A" where the log had no scale for a torque.
+        caution: what to know before the model is used, such as a choice that its log did not decide.
+        fits_the_rig: false if the defaults are of a log that does not fit its rig.
         axis: what moves: the words of all that is written for a person or emitted.
         declares: makes the outputs, the functions that are emitted; None for those of one drive.
 
@@ -120,6 +122,8 @@ class Model:
     current_known: bool = True
     voltage_known: bool = True
     torque_unit: str = "N m"
+    caution: str = ""
+    fits_the_rig: bool = True
     axis: AxisKind = TURNING
     declares: Callable[[Model], Interface] | None = field(default=None, compare=False)
 
@@ -153,6 +157,12 @@ class Model:
             "axis": TURNING,
         }
         return self if all(getattr(self, k) == x for k, x in plain.items()) else replace(self, **plain)
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """What to know before the model is used, each without a full stop; empty for most models."""
+        misfit = "" if self.fits_the_rig else "the values are of a log that does not fit its rig"
+        return tuple(filter(None, (self.caution, misfit)))
 
     @property
     def first_function(self) -> str:

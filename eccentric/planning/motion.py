@@ -43,6 +43,8 @@ UNITS = {
     "time_s": "s",
     "angle_rad": "rad",
 }
+_EXAMPLES, _EXAMPLES_OF_A_CARRIAGE = (50, 500, 2, 60), (0.2, 2, 50, 60)
+"""Speed, acceleration, current or force, and time, in a message."""
 LOOP = "speed_loop_Hz"
 """Numbers only: hertz has no place among the units, see `eccentric.logs`."""
 
@@ -108,7 +110,9 @@ def read_bounds(
         attempt(partial(refuse_unknown, (key,), (*units, LOOP), ""))
     beside = {} if axis.wraps else {"current_A": f" or {FORCE}"}
     complaints += [
-        InputError("", f"{key}{beside.get(key, '')}", "none") for key in required if key not in content
+        InputError("", f"{key}{beside.get(key, '')}", "none", why=f", as in {key} = {example}")
+        for key, example in zip(required, _EXAMPLES if axis.wraps else _EXAMPLES_OF_A_CARRIAGE, strict=True)
+        if key not in content
     ]
     if by_force and "current_A" in content:
         complaints.append(InputError("", f"only one of current_A and {FORCE}", "both"))

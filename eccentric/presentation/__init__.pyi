@@ -16,6 +16,7 @@ from eccentric.presentation.diagnosis_text import diagnosis_lines as diagnosis_l
 from eccentric.presentation.diagnosis_text import diagnosis_sentence as diagnosis_sentence
 from eccentric.presentation.diagnosis_text import stability_words as stability_words
 from eccentric.presentation.export_text import export_lines as export_lines
+from eccentric.presentation.export_text import left_out_sentence as left_out_sentence
 from eccentric.presentation.fit_json import emitted_parameters as emitted_parameters
 from eccentric.presentation.fit_json import fit_document as fit_document
 from eccentric.presentation.fit_text import NEEDS_MATPLOTLIB as NEEDS_MATPLOTLIB
@@ -47,8 +48,10 @@ from eccentric.presentation.plan_text import plan_lines as plan_lines
 from eccentric.presentation.simulation_text import horizons_document as horizons_document
 from eccentric.presentation.simulation_text import loss_sentence as loss_sentence
 from eccentric.presentation.simulation_text import loss_warnings as loss_warnings
+from eccentric.presentation.simulation_text import no_inertia_sentence as no_inertia_sentence
 from eccentric.presentation.simulation_text import plot_simulation as plot_simulation
 from eccentric.presentation.simulation_text import refined_document as refined_document
 from eccentric.presentation.simulation_text import refined_lines as refined_lines
+from eccentric.presentation.simulation_text import refined_warnings as refined_warnings
 from eccentric.presentation.simulation_text import simulation_document as simulation_document
 from eccentric.presentation.simulation_text import simulation_lines as simulation_lines

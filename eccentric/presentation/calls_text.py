@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from eccentric.diagnosis import Diagnosis, extended_model, is_result_name, result_name
+from eccentric.diagnosis import Diagnosis, extended_model, is_result_name, result_name, undecided
 from eccentric.effects import Effect
 from eccentric.identification import Emitted, Refit
 from eccentric.model import Extension, Interface, Model, interface_of, needed
@@ -38,6 +38,8 @@ def calls(found: Diagnosis) -> list[str]:
         f" {'the rest' if in_torque else 'it'} is in {call(function)}"
         for effect, function, in_torque in other_functions(model)
     ]
+    if not found.models.fits_the_rig:
+        return []
     if not states:
         if fitted.effects or found.asked.request.including:
             return [f"{_undecided(found)}to call{' it' * bool(_undecided(found))}: {torque}", *elsewhere]
@@ -56,10 +58,7 @@ def calls(found: Diagnosis) -> list[str]:
 
 def _undecided(found: Diagnosis) -> str:
     """What the emitted model has of a tie; "" without one."""
-    own = [effect.id for effect, _ in found.models.extended.effects]
-    clear = [effect.id for effect, _ in found.clear]
-    tied = [name for name in own if name not in clear]
-    if found.attribution.verdict != "not_identifiable" or not tied:
+    if not (tied := undecided(found)):
         return ""
     return f"the emitted model has {' and '.join(tied)} of those that are tied, which is not decided; "
 

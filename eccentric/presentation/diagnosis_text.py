@@ -26,8 +26,14 @@ VERDICTS = {
     "unexplained": "structure unexplained",
     "nothing_missing": "nothing missing",
 }
+_MISFIT = "log does not fit the rig"
 _NONE = "no effect in the library explains"
 _NONE_HERE = "no cause that this drive can have explains"
+
+
+def verdict_words(verdict: str, fits_the_rig: bool) -> str:
+    """A verdict in a few words; a log that does not fit its rig has none."""
+    return VERDICTS[verdict] if fits_the_rig else _MISFIT
 
 
 def diagnosis_sentence(found: Diagnosis) -> str:
@@ -287,7 +293,8 @@ def _grave(found: Diagnosis) -> str:
 def diagnosis_lines(found: Diagnosis) -> list[str]:
     """At most twenty-four lines for a terminal."""
     a, adopted, axis = found.attribution, found.models.adopted, found.rig.axis
-    out = [f"{few(found.asked.logs)}: {found.models.base.name}; verdict: {VERDICTS[a.verdict]}"]
+    verdict = verdict_words(a.verdict, found.models.fits_the_rig)
+    out = [f"{few(found.asked.logs)}: {found.models.base.name}; verdict: {verdict}"]
     if words := request_words(found.asked.request):
         out.append(f"as requested: {words}")
     out += filter(None, (found.channels.excerpt, found.rig.added_words, inertia_words(found.rig)))
@@ -315,7 +322,10 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     elif a.verdict in {"named", "not_identifiable"}:
         several = len(a.adopted) > 1
         out.append(f"candidates, {'each with its own' if several else 'with their'} probability:")
-        out += [f"  {c.probability:.2f} {effect_name(c.words.headline, c.id)}" for c in a.candidates[:4]]
+        out += [
+            f"  {c.probability:.2f} {effect_name(c.words.headline, c.id)}{_covered(found, c.family)}"
+            for c in a.candidates[:4]
+        ]
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
         out.append(
@@ -326,6 +336,12 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     if a.next_measurement:
         out.append(f"next: {measurement_sentence(a.next_measurement, axis)}")
     return out
+
+
+def _covered(found: Diagnosis, family: str) -> str:
+    """That the probability of a family is part of that of the name that covers it; "" for others."""
+    names = [one.variant.candidate.id for one in found.attribution.adopted if family in one.covers]
+    return f", counted in {names[0]}" if names else ""
 
 
 def _aliased(found: Diagnosis) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from eccentric.exports import Exported, ExportedDrive
+from eccentric.model import Model
 
 
 def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
@@ -46,3 +47,13 @@ def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
             "friction contains the back-EMF: drive the joint by k_i u/R, the torque of the voltage u"
         )
     return lines
+
+
+def left_out_sentence(model: Model, torque: float) -> str:
+    """What a compensation of the friction leaves out: a torque [N m] that depends on the angle."""
+    axis = model.axis
+    return (
+        f"the compensation leaves out a {axis.term('torque')} of up to {torque:.3g} {axis.unit('N m')}"
+        " that depends on the angle (cogging, a spring, a load): add"
+        f" {model.name}_{axis.named('gravity_torque')}"
+    )

@@ -24,6 +24,13 @@ _SHOWN_PERCENT = 0.05
 _OF_A_LINK = ', mu, and the zero angle (theta_zero_rad = "estimate" estimates it)'
 
 
+def _of_the_link(rig: Rig) -> str:
+    """What else to check where a log does not fit: no angle in a level plane, and no mu without a mass."""
+    if rig.case != "C1":
+        return rig.axis.term(_OF_A_LINK)
+    return "" if 0.0 in (rig.known.get("M"), rig.known.get("L")) else ", and mu"
+
+
 def fit_sentence(fit: Fit) -> str:
     """Return one sentence on the gain of the model over Coulomb + viscous friction on the held-out part.
 
@@ -33,7 +40,7 @@ def fit_sentence(fit: Fit) -> str:
     if not fit.fits_the_rig:
         return (
             f"This log does not fit the rig (R^2 {fit.r_squared['paper']:.2f}): check units and signs of the "
-            f"columns{axis.term(_OF_A_LINK)}."
+            f"columns{_of_the_link(fit.problem.rig)}."
         )
     if fit.problem.is_baseline:
         part = 100.0 * (1.0 - fit.r_squared["paper"])
@@ -118,10 +125,20 @@ def _undetected_lines(fit: Fit) -> list[str]:
     out = []
     for name, one in fit.undetected.items():
         line = f"{name} is not detected: at most {one.upper:.3g} {one.unit} (95 %)"
+        line += _because(name, fit.coefficients)
         if one.z is not None:
             line += f"; {whose} {one.reference:g} would be at z = {one.z:.2g}"
         out.append(line)
     return out
+
+
+def _because(name: str, estimates: Mapping[str, Estimate]) -> str:
+    """Why a value of several standard errors has an interval down to 0: another one is at its bound."""
+    own = estimates.get(name)
+    if own is None or own.bound_active or not own.widened:
+        return ""
+    others = [other for other, e in estimates.items() if e.bound_active]
+    return f", since {' and '.join(others)} at a bound may take its place" if others else ""
 
 
 def _cubic_lines(fit: Fit) -> list[str]:

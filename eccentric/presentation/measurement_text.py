@@ -59,6 +59,9 @@ _CONSTANT_FIRST = (
     "Declare {k_i} under [known] first, from the data sheet: until then, a load effect cannot be told from a"
     " wrong {k_i}."
 )
+_BOTH_DIRECTIONS = (
+    "Log both directions first: friction changes its sign with the direction, cogging and loads do not."
+)
 
 
 def measurement_sentence(found: NextMeasurement | None, axis: AxisKind) -> str:
@@ -66,6 +69,7 @@ def measurement_sentence(found: NextMeasurement | None, axis: AxisKind) -> str:
     if found is None:
         return ""
     first = f"{axis.filled(_CONSTANT_FIRST)} " if found.constant_first else ""
+    first += f"{_BOTH_DIRECTIONS} " if found.one_way else ""
     return first + _SENTENCES[found.code](found, axis)
 
 

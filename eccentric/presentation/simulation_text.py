@@ -112,6 +112,16 @@ def refined_lines(found: Refined | None, axis: AxisKind) -> list[str]:
     ]
 
 
+def refined_warnings(found: Refined | None, axis: AxisKind) -> list[str]:
+    """A refinement that predicts the held-out part worse than the fit it started from."""
+    if found is None or found.held_out is None or found.held_out[1] <= found.held_out[0]:
+        return []
+    before, after = map(_shown, found.held_out)
+    change = f"from {before} to {after} {axis.unit('rad')}"
+    text = f"the refinement raises the held-out error of the simulated {axis.term('motor angle')} {change}"
+    return [f"{text}: the fit without it predicts the motion better"]
+
+
 def loss_warnings(models: Mapping[str, tuple[Model, Mapping[str, float]]]) -> list[str]:
     """Models whose friction takes more of an acceleration than their inertia, by name -> (model, values)."""
     found = []
@@ -130,6 +140,12 @@ def loss_sentence(loss: InertialLoss, axis: AxisKind) -> str:
         f"friction that follows the acceleration takes up to {loss.loss:.3g} {unit}, more than the"
         f" {axis.term('inertia')} of {loss.inertia:.3g} {unit}: a step in time has no single solution"
     )
+
+
+def no_inertia_sentence(name: str, axis: AxisKind) -> str:
+    """What is wrong with an inertia that a log puts at 0."""
+    inertia = f"{axis.named(name)}, the {axis.term('inertia')} of the drive,"
+    return f"{inertia} is 0 by the log, which diagnose refuses: declare it"
 
 
 def plot_simulation(found: SimulatedErrors, axes: Sequence[Any], unit: str) -> None:

@@ -55,14 +55,15 @@ class Finding:
 
 @contextmanager
 def with_doubts(findings: Sequence[Finding]) -> Iterator[None]:
-    """Where a log cannot be fitted, say what in it contradicts the rig as well: that may be the reason."""
+    """Where a log cannot be fitted, first say what in it contradicts the rig: that may be the reason."""
     try:
         yield
     except InputError as error:
         doubts = [finding.text for finding in findings if finding.doubts_the_rig]
         if type(error) is not InputError or not doubts:
             raise
-        raise error.hinted(doubts[0]) from None
+        problem = f"{doubts[0]}; as the rig is, {error.statement}"
+        raise InputError(error.place, problem=problem, keys=error.keys) from None
 
 
 Array = NDArray[np.float64]

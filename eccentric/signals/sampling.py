@@ -235,6 +235,11 @@ def rows_of(channels: Channels, rig: Rig) -> Rows:
         remedy = _half_as_long(channels, rig)
     for name, words in (("train", "to fit"), ("score", "to hold out")):
         if not len(found[name]):
+            if remedy == LONGER:
+                raise InputError(
+                    rig.path,
+                    problem=f"too little motion {words}: not one of the {what} is whole; record a longer log",
+                )
             raise InputError(
                 f"{rig.path}: average_over", f"at least one of the {what}", f"none: {remedy}", why=words
             )

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_asymmetric.c (program a74a9015).
+ * Generated: do not edit. Belongs to c1_asymmetric.c (program 2fdf2c6f).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

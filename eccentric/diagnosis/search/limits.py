@@ -69,6 +69,9 @@ SPECIAL = 2.0
 """Log-odds of a special case over the family that contains it: it explains as much with fewer parameters."""
 POSSIBLE = 0.05
 """Least probability of a family that counts as explaining the log equally well."""
+DIVERGED = 10.0
+"""Cross-validated error over that of the base model from which on a candidate is not listed: its coefficients
+are not determined, and the number says nothing."""
 SAME = 1e-6
 """Relative difference of the losses of a block up to which two families predict it alike: rounding, and the
 ridge of every fit."""

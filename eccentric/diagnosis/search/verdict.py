@@ -39,12 +39,14 @@ class NextMeasurement:
         variable: what is varied; a user's own effect may name any.
         between: the families, each with the words of its best member.
         constant_first: whether giving the torque constant, which is open, may decide without it.
+        one_way: whether the log turns one way only, so that the other direction may decide without it.
     """
 
     code: str
     variable: str = ""
     between: tuple[tuple[str, Words], ...] = ()
     constant_first: bool = False
+    one_way: bool = False
 
 
 def next_measurement(
@@ -302,6 +304,8 @@ def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -
             candidate = fitted.last
             entry = replace(_ranked(candidate, name, search, fitted, probability), instead_of=adopted)
             old = best.get(candidate.family)
+            if fitted.score > limits.DIVERGED**2 * search.base.score:
+                continue
             if candidate.family not in named and (old is None or old.probability < probability):
                 best[candidate.family] = entry
     return sorted(best.values(), key=lambda r: (r.balance not in about, -r.probability, r.rmse))

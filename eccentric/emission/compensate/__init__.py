@@ -8,4 +8,4 @@ In: a `Model`, the content of a fit.json. Out: `render_compensation`, file name 
 function of the model's `friction_budget`: its own code is the same for every model.
 """
 
-from eccentric.emission.compensate.view import gain_of, render_compensation, sure_share
+from eccentric.emission.compensate.view import gain_of, gravity_apart, render_compensation, sure_share

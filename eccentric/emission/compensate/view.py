@@ -17,7 +17,7 @@ from eccentric.emission.adapt import covariance_of_fit, regressor_rows
 from eccentric.emission.backends import decimal, with_plain_text, wrapped
 from eccentric.emission.check import limits, proof_command
 from eccentric.emission.compensate.slopes import ZERO, steepness
-from eccentric.emission.hot import executed, executed_beside, load_module
+from eccentric.emission.hot import executed, executed_beside, inputs_of, load_module
 from eccentric.emission.program import build_program
 from eccentric.emission.render import digest_of, render_beside
 from eccentric.emission.templates import plain, template
@@ -130,6 +130,25 @@ def gain_of(model: Model, fit: Mapping[str, Any] | None = None) -> CompensationG
     )
 
 
+def gravity_apart(model: Model) -> tuple[float, float]:
+    """The largest gravity torque over a turn of the link, and the largest that is not the pendulum's [N m].
+
+    A compensation of the friction has neither; the second is that of cogging, a spring or a constant load.
+    """
+    function = getattr(load_module(model), model.axis.named("gravity_torque"), None)
+    if function is None:
+        return 0.0, 0.0
+    angle = np.linspace(0.0, 2.0 * math.pi, 720, endpoint=False)
+    motor_angle = spoken_quantity(model.axis, v.theta_m).name
+    carried = {q.name: q.default for q in model.parameters}
+    given = {motor_angle: angle / (carried.get("mu") or 1.0), "temperature": np.full_like(angle, 25.0)}
+    values = (given.get(name, np.zeros_like(angle)) for name in inputs_of(function))
+    torque = np.broadcast_to(function(*values), angle.shape)
+    pendulum = sum(2.0 * np.mean(torque * wave) * wave for wave in (np.sin(angle), np.cos(angle)))
+    loaded = carried.get("M") and carried.get("L")
+    return float(np.abs(torque).max()), float(np.abs(torque - (pendulum if loaded else 0.0)).max())
+
+
 def sure_share(rows: np.ndarray, values: np.ndarray, covariance: np.ndarray) -> float:
     """The share of a friction that is there at every state with 97.5 %, to three decimals, downwards.
 
@@ -238,6 +257,7 @@ def view(model: Model, gain: CompensationGain, digest: str, source: str) -> dict
         "settings": settings,
         "values": [{"name": s.name} | _decimals(s.default) for s in settings],
         "gain": gain,
+        "gravity": "" if (largest := gravity_apart(model)[0]) == 0.0 else f"{largest:.3g}",
         "most": MOST_WITHOUT_REFERENCE,
         "above": "1.000001",
         "smallest": "1e-6",

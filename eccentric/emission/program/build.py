@@ -151,7 +151,7 @@ def _by_direction(parameters: frozenset[sp.Symbol], expression: sp.Expr) -> sp.E
 # Arguments and local names of every emitted function in C, and modules that those in Python use.
 _LOCAL = frozenset({"c", "count", "first", "k", "n", "next", "np", "out", "own", "parameters", "state"})
 # Arguments and a local name of `prepare`, where parameters and what follows from them have names.
-_OF_PREPARE = frozenset({"c", "invalid", "p"})
+_OF_PREPARE = frozenset({"c", "invalid", "p", "zero"})
 # What the object that holds the coefficients in Python has beside them.
 OF_COEFFICIENTS = frozenset({"leading", "real", "rounded", "rounder", "single"})
 
@@ -241,6 +241,7 @@ def spoken_program(program: Program, axis: AxisKind) -> Program:
         notes=tuple((axis.named(name), axis.text(note)) for name, note in program.notes),
         states=tuple((spoken_quantity(axis, q), put(initial)) for q, initial in program.states),
         defaults=axis.text(program.defaults),
+        cautions=tuple(map(axis.text, program.cautions)),
         helpers=tuple(map(helper, program.helpers)),
         promises=tuple(map(axis.text, program.promises)),
         axis=axis,
@@ -310,6 +311,7 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
         notes=notes(model, shared),
         states=tuple((state.quantity, state.initial) for state in model.states),
         defaults=model.defaults or _origin_of_defaults(model),
+        cautions=model.cautions,
         helpers=helpers,
         promises=promises(model, names),
         first=interface.first if interface.first in names else names[0],

@@ -167,6 +167,7 @@ class Program:
         constants: names that the module carries, such as the columns of its regressor.
         notes: description of each coefficient: meaning and unit, or its formula.
         defaults: origin of the default parameters, in words.
+        cautions: what to know before the code is used.
         helpers: private functions that the routines call.
         promises: bounds of the rounding error, one line each.
         first: the routine to begin with.
@@ -189,6 +190,7 @@ class Program:
     notes: tuple[tuple[str, str], ...] = ()
     states: tuple[tuple[Quantity, sp.Expr], ...] = ()
     defaults: str = "those of the derivation"
+    cautions: tuple[str, ...] = ()
     helpers: tuple[Helper, ...] = ()
     promises: tuple[str, ...] = ()
     first: str = "mechanical_friction_torque"

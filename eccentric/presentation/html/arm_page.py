@@ -6,7 +6,7 @@ from typing import Any
 
 from eccentric.joints import ArmDiagnosis, arm_name, why_not_emitted
 from eccentric.presentation.arm import arm_diagnosis_sentence
-from eccentric.presentation.diagnosis_text import VERDICTS
+from eccentric.presentation.diagnosis_text import VERDICTS, verdict_words
 from eccentric.presentation.html.text import number, range_of
 
 NOTE = (
@@ -31,7 +31,7 @@ def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
         {
             "href": f"joint_{joint.number}/report.html",
             "name": f"{joint.number} {joint.name}",
-            "verdict": VERDICTS[joint.verdict] if joint.fits_the_rig else "does not fit the rig",
+            "verdict": verdict_words(joint.verdict, joint.fits_the_rig),
             "effects": ", ".join(effect.id for effect, _ in joint.found.effects) or "-",
             **{model: number(error) for model, error in joint.found.score.rmse["mechanical"].items()},
             "noise": number(joint.found.noise_floor),

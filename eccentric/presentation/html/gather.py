@@ -211,7 +211,9 @@ def facts_of(found: Diagnosis) -> list[Fact]:
         facts.insert(0, Fact("effects, as requested", words))
     noise, left = found.noise_floor, found.score.rmse["mechanical"]["extended"]
     remark = (
-        f"RMS of a row; the held-out error is {left / noise:.3g} times that" if noise > 0.0 else "none seen"
+        f"RMS in {found.rows.description}; the held-out error is {left / noise:.3g} times that"
+        if noise > 0.0
+        else "none seen"
     )
     return [*facts, Fact("sensor noise", f"{noise:.3g} {unit}", remark)]
 

@@ -28,8 +28,8 @@ _EACH = (
     " up to 1."
 )
 _WINDOWS = (
-    "These errors are of smoothed windows, each predicted by a fit to the others; held-out errors are of"
-    " single rows."
+    "These errors are of smoothed windows, each predicted by a fit to the others: do not compare them with"
+    " held-out errors."
 )
 MOST_NAMED = 3
 """Tied effects in a headline: more are a list, which follows below it."""

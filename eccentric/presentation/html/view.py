@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from eccentric.model import AxisKind
-from eccentric.presentation.diagnosis_text import VERDICTS
+from eccentric.presentation.diagnosis_text import verdict_words
 from eccentric.presentation.html.arrays import BalanceResiduals, PartErrors, RunErrors, runs_of
 from eccentric.presentation.html.data import CandidateRow, Errors, Parameter, ReportData
 from eccentric.presentation.html.figures import Figures
@@ -56,7 +56,7 @@ def view(data: ReportData, library: str) -> dict[str, Any]:
         "title": f"What is the model missing? {', '.join(data.source.logs)}",
         "headline": headline(data),
         "data": data,
-        "verdict": VERDICTS[data.conclusion.verdict],
+        "verdict": verdict_words(data.conclusion.verdict, data.conclusion.fits_the_rig),
         "mark": _MARKS[data.conclusion.verdict],
         "key_figures": _key_figures(data),
         "errors": _errors(data),
