@@ -165,7 +165,7 @@ def test_a_size_alone_is_doubted(arm: BenchResult) -> None:
     names = {"time_s": "time_s", "theta_m_rad": "theta_m_rad", "current_A": "current"}
     draft = draft_of(renamed(arm.log, names, {}))
 
-    assert any(doubt.startswith("current = current: A by its size alone") for doubt in draft.doubts)
+    assert any(doubt.startswith("current = current: A only from its size") for doubt in draft.doubts)
 
 
 def test_a_draft_with_three_values_fits(arm: BenchResult, tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.signal import find_peaks, lombscargle
+from scipy.signal import lombscargle
 
 from eccentric.core import InputError
 from eccentric.diagnosis import Diagnosis, diagnose, orders_of, score
@@ -123,16 +123,6 @@ def test_a_spectrum_over_the_angle_is_that_of_lomb_and_scargle(sign: float) -> N
     np.testing.assert_allclose(
         score._spectrum(angle, y), lombscargle(angle, y, score._GRID, normalize=True), atol=1e-12
     )
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_peaks_are_those_that_scipy_finds(seed: int) -> None:
-    """Above their height, the highest first, no two closer than the least distance."""
-    rng = np.random.default_rng(seed)
-    power, least = rng.random(400), 0.5 * rng.random(400)
-
-    expected, _ = find_peaks(power, height=least, distance=score.ALONE)
-    assert expected.tolist() == score._peaks(power, least)
 
 
 @pytest.mark.parametrize("steps", [4, 8, 16])

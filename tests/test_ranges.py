@@ -129,7 +129,7 @@ def test_an_estimate_outside_is_a_sentence_with_its_meaning() -> None:
 
     assert [
         "The rise is 4 times copper's: not it.",
-        "The loss is 0.5, above the range that it is known to have.",
+        "The loss is 0.5, above the known range.",
     ] == outside_sentences(cast("Diagnosis", SimpleNamespace(ranges=checks)))
     expected = "the rise: 1.6 %/K (95 % interval 1 to 2 %/K), above the known range, 0.25 to 0.43 %/K"
     assert f"{expected} (IEC 60028, 1925)" == range_line(checks[0])

@@ -84,7 +84,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--compensation",
         action="store_true",
-        help="add a friction compensation for a loop, which cannot chatter",
+        help="add a friction compensation for a control loop, without a jump at standstill",
     )
     parser.add_argument(
         "--forgetting", type=float, metavar="L", help="with --adapt: forgetting factor a row; default: 0.999"

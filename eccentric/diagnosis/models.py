@@ -318,7 +318,7 @@ def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models
 
 @dataclass(frozen=True)
 class RangeCheck:
-    """A figure of an effect beside the range that it is known to have.
+    """A figure of an effect beside the known range.
 
     Attributes:
         effect: id of the effect.

@@ -60,13 +60,16 @@ def carriage_channels(given: Shown, said_of_speed: Sequence[str]) -> list[Propos
             said.append("as the slope of the position asks for")
             sure, doubt = (0.95, "") if off[unit] < 4.0 * limits.FACTOR else (0.3, "no unit fits")
         elif position or velocity or channel == "theta_m" or not given.angle:
-            unit, sure, doubt = units[0], 0.3, "its unit is not to be seen"
+            unit, sure, doubt = units[0], 0.3, "the log does not show its unit"
         else:
             # Both without a unit: of one length, by the slope.
             per_second = _size(_LENGTHS[0]) / max(abs(given.factor), 1e-30)
             off = {name: abs(math.log(_size(name) / per_second)) for name in units}
             unit = min(off, key=lambda name: off[name])
-            sure, doubt = 0.3, "its unit is not to be seen, only that it is that of the position per second"
+            sure, doubt = (
+                0.3,
+                "the log does not show its unit, only that it is that of the position per second",
+            )
         proposals.append(Proposal(channel, column.text, unit, tuple(said), sure, doubt))
     return proposals
 

@@ -439,12 +439,12 @@ def _channels(
                 *([f"{' or '.join(sorted(turn))} counts per turn"] if len(turn) > 1 else []),
             ]
             doubts.append(
-                f"could be in {' or '.join(said_others)}" if said_others else "unit by its size alone"
+                f"may be in {' or '.join(said_others)}" if said_others else "unit only from its size"
             )
         if unit.startswith("counts") and best.product:
             doubts.append("the log shows counts per turn times gear, not each: check encoder_counts_per_rev")
         if unit.startswith("counts") and not best.counts:
-            doubts.append("how many counts a turn has is not to be seen: put encoder_counts_per_rev")
+            doubts.append("the log does not show how many counts make a turn: set encoder_counts_per_rev")
         channel = f"theta_{gear.angle}" if what == "angle" else f"omega_{gear.speed}"
         by_gravity = best.by_gravity if what == "angle" else ()
         proposals.append(

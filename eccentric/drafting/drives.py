@@ -256,7 +256,11 @@ def _kind(column: LoggedColumn, balance: Explained) -> Driven:
         if kind != "voltage" and speed > max(limits.LIKE_VOLTAGE, limits.OVER_THE_REST * rest):
             doubt, sure = "it follows the speed as a voltage does", 0.8
     elif speed > limits.BACK_EMF * (speed + rest + shares["gravity"]):
-        kind, doubt, sure = "voltage", "no name; viscous friction could do the same to a current", 0.7
+        kind, doubt, sure = (
+            "voltage",
+            "recognised by its values only; a current with much viscous friction would look the same",
+            0.7,
+        )
     else:
         kind, doubt, sure = "current", "no name; a torque would look the same", 0.6
     return Driven(column, kind, balance, evidence, doubt, sure)
@@ -342,7 +346,9 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
         evidence.append(f"{unit} by its name")
     else:
         second = units[1][0] if len(units) > 1 else ""
-        doubts.append(f"{unit} by its size alone, up to {largest:.3g}" + (f"; or {second}" if second else ""))
+        doubts.append(
+            f"{unit} only from its size, up to {largest:.3g}" + (f"; may be {second}" if second else "")
+        )
         if one.column.is_whole and largest >= limits.COUNTED:
             doubts.append(
                 "whole numbers: counts of a converter, or thousandths of a rated value (CiA 402), whose"

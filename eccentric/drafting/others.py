@@ -33,7 +33,7 @@ def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedC
         doubts.append("no name; any slow signal would look the same")
         sure = 0.6
     if not temperature.name.unit and not (low > 200.0 or high < 150.0):
-        doubts.append("unit by its size alone")
+        doubts.append("unit only from its size")
     elif not temperature.name.unit:
         evidence.append(f"{unit} by its size")
     return Proposal("temperature", temperature.text, unit, tuple(evidence), sure, "; ".join(doubts)), supply
@@ -61,7 +61,7 @@ def find_voltage(columns: Sequence[LoggedColumn], supply: LoggedColumn | None) -
     largest = float(np.max(np.abs(duty.values)))
     full = 100.0 if duty.name.unit == "%" else max(1.0, largest)
     sure = duty.name.unit == "%" or largest <= 1.0
-    doubt = f"full scale is taken as the largest duty seen, {largest:g}: put the converter's own"
+    doubt = f"full scale is taken as the largest duty seen, {largest:g}: enter that of your converter"
     text = quoted(duty.text) + ("" if full == 1.0 else f" / {full:g}")
     if supply is None:
         said, sure_of, reads = "a duty cycle by its name", 0.4, (duty.text,)

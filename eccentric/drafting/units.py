@@ -193,7 +193,7 @@ def find_clock(
         elif not np.all(right.kept):
             said = f"the time of row {int(np.argmin(right.kept)) + 1} is out of order"
     doubts = [said] if said else []
-    doubts += [f"{column.text} or {', '.join(others)}: several columns rise alike"] if others else []
+    doubts += [f"{column.text} or {', '.join(others)}: several columns could be the time"] if others else []
     if column.name.quantity not in ("time", ""):
         doubts.append(f"its name says {column.name.quantity}")
     if likely[unit] < limits.SURE:

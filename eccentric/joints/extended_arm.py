@@ -111,7 +111,7 @@ def in_an_arm(found: Recursion, joints: Sequence[Model], name: str, title: str) 
         definitions=(*plain.definitions, *(d for d in definitions if d.symbol in used)),
         balances=balances,
         states=tuple(state for state in states if state.symbol in used),
-        defaults="fitted values, with the remark of each parameter",
+        defaults="fitted values; see the comment on each parameter",
     )
 
 

@@ -183,7 +183,7 @@ def with_values(
         name=name,
         title=title or model.title,
         parameters=tuple(parameters),
-        defaults="fitted values, with the remark of each parameter" if notes else "values as given",
+        defaults="fitted values; see the comment on each parameter" if notes else "values as given",
         back_emf_in_friction=back_emf_in_friction,
         current_known=current_known,
         voltage_known=voltage_known,

@@ -49,7 +49,7 @@ def calls(found: Diagnosis) -> list[str]:
         return [f"nothing was added; to call {whose}: {torque}"]
     stepped = [a for a in emitted.inputs_of("next_state") if a not in states]
     return [
-        f"to call in every cycle, in this order, from {name}_state state = {name}_initial_state on:",
+        f"start from {name}_state state = {name}_initial_state, then call in every cycle, in this order:",
         f"  {torque}",
         *elsewhere,
         f"  {call('step', ['&state', *stepped])}",
@@ -60,7 +60,7 @@ def _undecided(found: Diagnosis) -> str:
     """What the emitted model has of a tie; "" without one."""
     if not (tied := undecided(found)):
         return ""
-    return f"the emitted model has {' and '.join(tied)} of those that are tied, which is not decided; "
+    return f"the emitted model has {' and '.join(tied)} of the tied candidates: do not rely on it yet; "
 
 
 def other_functions(model: Model) -> list[tuple[str, str, bool]]:

@@ -123,7 +123,9 @@ def _closest(found: Diagnosis) -> str:
     if (best := found.closest) is None:
         return ""
     what = effect_name(best.effect.words.headline, best.effect.id)
-    rest = "it is not the whole story" if found.attribution.verdict == "unexplained" else "this is not proved"
+    rest = (
+        "it explains only part of it" if found.attribution.verdict == "unexplained" else "this is not proved"
+    )
     percent, (low, high), where = best.percent, best.interval, ""
     if best.below is not None and only_below(best.interval, best.below):
         percent, (low, high) = best.below.percent, best.below.interval

@@ -13,13 +13,13 @@ def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
     whence = ", as in the log" if drive.identified else ""
     lines = []
     if law is None:
-        lines.append("friction: the drive's own")
+        lines.append("friction: exact")
     elif law.exact and not drive.takes("alpha_m"):
-        lines.append("friction: the drive's own, as it has constant coefficients")
+        lines.append("friction: exact, since its coefficients are constant")
     else:
         share = 100.0 * law.error_rms / law.friction_rms
         lines.append(
-            f"friction: the nearest with constant coefficients, link speeds {low:.4g} to {high:.4g} rad/s"
+            f"friction: the best fit with constant coefficients, link speeds {low:.4g} to {high:.4g} rad/s"
             f"{whence}: error {law.error_rms:.3g} N m RMS ({share:.2g} % of the friction),"
             f" {law.error_max:.3g} N m at most"
         )

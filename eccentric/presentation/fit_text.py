@@ -127,7 +127,7 @@ def _undetected_lines(fit: Fit) -> list[str]:
         line = f"{name} is not detected: at most {one.upper:.3g} {one.unit} (95 %)"
         line += _because(name, fit.coefficients)
         if one.z is not None:
-            line += f"; {whose} {one.reference:g} would be at z = {one.z:.2g}"
+            line += f"; {whose} {one.reference:g} would be {one.z:.2g} standard errors from zero"
         out.append(line)
     return out
 
@@ -214,7 +214,7 @@ def _bounds_line(fit: Fit, axis: AxisKind) -> list[str]:
     at = "its bound" if len(fit.bounds_active) == 1 else "their bounds"
     out = [f"{axis.named(', '.join(fit.bounds_active))}: at {at}"]
     if any(e.widened for e in fit.coefficients.values()):
-        out[0] += "; the intervals allow for values off the bound, the standard errors do not"
+        out[0] += "; the standard errors assume that it stays at the bound, the intervals do not"
     if gain <= 0.0:
         return out
     text = f"without bounds the held-out RMSE is {free:.4g}"

@@ -65,7 +65,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
                 else f"{kg} would not settle it either."
             )
         if plan.probability < DECIDES and plan.otherwise:
-            said.append(f"What would settle it: {measurement_sentence(plan.otherwise, plan.axis)}")
+            said.append(f"To settle it: {measurement_sentence(plan.otherwise, plan.axis)}")
     else:
         said += [
             f"  {axis.named(name)}: standard error falls to {100 * part:.0f} % of what the log gives"

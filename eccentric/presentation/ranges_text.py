@@ -40,7 +40,7 @@ def _outside(check: RangeCheck) -> str:
     if known.usual:
         where = f"{check.value / known.usual:.2g} times {known.whose}"
     else:
-        where = f"{check.value:.3g}{_unit(check)}, {check.outside} the range that it is known to have"
+        where = f"{check.value:.3g}{_unit(check)}, {check.outside} the known range"
     return f"{known.name[0].upper()}{known.name[1:]} is {where}{f': {meaning}' if meaning else ''}."
 
 

@@ -295,7 +295,7 @@ def suited(
     signal = math.sqrt(max(size**2 - noise**2, (limits.TOO_NOISY * size) ** 2))
     cut = max(limits.LOWEST_HZ, low_pass_hz * (limits.QUIET * signal / noise) ** (2.0 / 5.0))
     said = (
-        f"at {low_pass_hz:g} Hz the steps and stamps of the {rig.axis.term('angle')} make"
+        f"at {low_pass_hz:g} Hz encoder steps and time-stamp jitter of the {rig.axis.term('angle')} make up"
         f" {noise / size:.0%} of the"
         f" acceleration: the low pass is set to {cut:.2g} Hz, and both sides are averaged over"
         f" {1.0 / cut:.2g} s (low_pass_hz and average_over of the rig override this)"

@@ -238,7 +238,7 @@ class Band:
         return (
             f"most of the held-out error lies above {self.cut_hz:g} Hz, which the model cannot see: motion"
             " that the low pass has removed (a higher low_pass_hz shows it), or ripple of the drive"
-            " (average_over takes it from both sides)"
+            " (average_over averages it out)"
         )
 
 
