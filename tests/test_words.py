@@ -103,7 +103,10 @@ DATA = {
 """Rooms whose sentences are data of their owner, or help."""
 LEFT = {
     "api": (52, "complaints and doubts about a rig, why a joint of a fleet is a suspect, headings of tables"),
-    "diagnosis": (31, "progress, comments of the emitted script, runs that differ, why a log does not fit"),
+    "diagnosis": (
+        32,
+        "progress, comments and the caution of the emitted script, runs that differ, why a log does not fit",
+    ),
     "drafting": (239, "evidence, doubts and questions of a draft"),
     "fleet": (37, "problems of logs and joints as they are stored in problems.csv, progress"),
     "identification": (24, "warnings of a fit, what its rows are, the remark of k_e"),

@@ -127,7 +127,7 @@ def question_of(found: Diagnosis) -> Question:
         InputError: the log does not fit the rig.
     """
     if not found.models.fits_the_rig:
-        raise _unfit(found.rig.path, f" that does not ({found.models.misfit})")
+        raise _unfit(found.rig.path, f" ({found.models.misfit})")
     searched, rivals = found.attribution.searches, rivals_of(found)
     unexplained = found.attribution.verdict == "unexplained"
     elsewhere = (a.variant.candidate.id for a in found.attribution.adopted if a.balance != rivals[0].balance)
@@ -163,7 +163,7 @@ def question_from(
     said = document if isinstance(document, Mapping) else read_document(Path(where), "a diagnosis.json")
     _require_known(said, where)
     if not said["fits_the_rig"]:
-        raise _unfit(rig.path, " that does not")
+        raise _unfit(rig.path)
     stage, names = staged_log(logs, rig, model)
     # The folders of logs with one name are as they were typed, here and there.
     if [Path(name).name for name in names] != [Path(str(name)).name for name in said["logs"]]:
@@ -255,10 +255,10 @@ def _require_known(said: Mapping[str, Any], where: str) -> None:
         )
 
 
-def _unfit(path: str, how: str) -> InputError:
+def _unfit(path: str, how: str = "") -> InputError:
     return InputError(
         path,
         "a log that fits the rig",
-        f"one{how}: correct the rig file or the log first",
+        f"one that does not{how}: correct the rig file or the log first",
         why="to plan from",
     )

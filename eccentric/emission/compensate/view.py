@@ -141,7 +141,7 @@ def gravity_apart(model: Model) -> tuple[float, float]:
     angle = np.linspace(0.0, 2.0 * math.pi, 720, endpoint=False)
     motor_angle = spoken_quantity(model.axis, v.theta_m).name
     carried = {q.name: q.default for q in model.parameters}
-    given = {motor_angle: angle / (carried.get("mu") or 1.0), "temperature": np.full_like(angle, 25.0)}
+    given = {motor_angle: angle / float(carried.get("mu") or 1.0), "temperature": np.full_like(angle, 25.0)}
     values = (given.get(name, np.zeros_like(angle)) for name in inputs_of(function))
     torque = np.broadcast_to(function(*values), angle.shape)
     pendulum = sum(2.0 * np.mean(torque * wave) * wave for wave in (np.sin(angle), np.cos(angle)))
