@@ -39,7 +39,7 @@ def test_the_verdict_comes_first(plain: str) -> None:
     """The sentence precedes every section, and the sections follow the order of the questions."""
     text = Reader(plain).text
     headings = [
-        "Missing: wobble[n=2].", "Error before and after", "Residual over every channel",
+        "Missing: wobble[n=2].", "Error before and after", "Residual against every channel",
         "Friction torque",
         "The held-out part over time", "Candidates considered", "Parameters", "The model as an equation",
         "Data quality", "What to measure next", "How to reproduce",

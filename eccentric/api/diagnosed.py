@@ -40,13 +40,13 @@ from eccentric.signals import read_long
 from eccentric.simulation import draws_of_refit, simulated_errors
 
 _WRITTEN = (
-    ("diagnosis.json", "the figures of this page, for programs"),
+    ("diagnosis.json", "the results on this page, for programs"),
     (
         "model.py",
         "the extended model as a derivation: python model.py prints it, eccentric emit model.py emits it",
     ),
 )
-_BASE = "the base model, as it was given"
+_BASE = "the base model, as provided"
 _EMITTED = {
     ".py": "the extended model in NumPy",
     "eccentric_runtime.py": "the runtime of every emitted NumPy module",

@@ -468,4 +468,4 @@ def _determined(fit: Any, rig: Rig, drive: str) -> list[str]:
         lines.append(f"{value}, 95 % interval {low:.4g} to {high:.4g}, from {source}")
     lines += [f"{axis.named(name)}: estimated along with the fit" for name in sorted(rig.estimate)]
     given = [axis.named(known.name) for known in knowns_of(axis) if known.name in rig.known]
-    return [*lines, f"taken as the rig file says: {few(given)}"] if given else lines
+    return [*lines, f"taken from the rig file: {few(given)}"] if given else lines

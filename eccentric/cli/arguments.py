@@ -38,7 +38,8 @@ EVERY_S = 10.0
 MISFIT = 1
 """Exit status of a fit or diagnosis that has written its result, and whose log does not fit the rig."""
 _STATUS = (
-    f"exit status: 0; {MISFIT} if the result is written but the log does not fit the rig; 2 on bad input"
+    f"exit status: 0 on success; {MISFIT} if the result is written but the log does not fit the rig;"
+    " 2 on bad input"
 )
 
 
@@ -56,14 +57,14 @@ def add_logs(parser: argparse.ArgumentParser, nargs: str = "+") -> None:
         "logs",
         metavar="LOG",
         nargs=nargs,
-        help=f"logs of one rig: {log_suffixes()}; of more than 100,000 rows together, windows are used,"
+        help=f"logs of one rig: {log_suffixes()}; beyond 100,000 rows in all, only windows are used,"
         " see docs/long-logs.md",
     )
     add(
         "--rig",
         metavar="RIG",
         required=True,
-        help="what is known about the rig, and what its drive is made of: .toml or .json, see docs/rig.md",
+        help="what is known about the rig and the components of its drive: .toml or .json, see docs/rig.md",
     )
     parser.description = f"{parser.description}\n\n{_STATUS}"
     add("--model", metavar="MODEL", help="a model or the path of a derivation (default: by the rig's case)")

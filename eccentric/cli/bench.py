@@ -42,16 +42,25 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         help="an effect, with its rms as a fraction of the friction's, above 0 and at most 1 (0.15); FAMILY "
-        "may name a variant, as in cogging[n=4], otherwise drawn at random, as is the joint of an arm; may "
+        "may name a variant, as in cogging[n=4], otherwise chosen at random, as is the joint of an arm; may "
         "be repeated",
     )
     add("--list-effects", action="store_true", help="list the families of effects, with variants")
     add("--log-type", metavar="runs|traj", help="constant speeds, or a sum of sines (runs; for an arm traj)")
     add("--seconds", type=float, default=60.0, help="length of the log, 15 to 3600 (60)")
-    add("--noise", type=float, default=0.01, help="noise of the current over its maximum, up to 0.5 (0.01)")
-    add("--seed", type=int, default=1, help="seed of rig, course, shapes and noise (1)")
+    add(
+        "--noise",
+        type=float,
+        default=0.01,
+        help="current noise as a fraction of the maximum current, up to 0.5 (0.01)",
+    )
+    add("--seed", type=int, default=1, help="random seed for rig, motion, effects and noise (1)")
     add = parser.add_argument_group("one drive").add_argument
-    add("--case", metavar="C1|C2", help="gravity perpendicular or parallel to the plane (C2)")
+    add(
+        "--case",
+        metavar="C1|C2",
+        help="gravity perpendicular (C1) or parallel (C2) to the plane of motion (default: C2)",
+    )
     add("--mu", type=float, help="gear ratio, link speed over motor speed, 0.001 to 2 (0.2)")
     add(
         "--drive",
@@ -60,19 +69,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "coarse encoder (fine)",
     )
     add("--temperature", action="store_true", default=None, help="log a temperature")
-    add = parser.add_argument_group("an arm, on MuJoCo").add_argument
+    add = parser.add_argument_group("an arm, simulated in MuJoCo").add_argument
     add(
         "--arm",
         metavar="2r|3|6",
         help="two links in a vertical plane with a weight at the tip, or 3 or 6 joints in space",
     )
     add("--runs", type=int, help="runs of equal length, each from rest, 3 to 20 (5)")
-    add("--measured", metavar="current|torque", help="what is logged of the drives (current)")
-    add("--rate", type=int, metavar="250|500", help="rows a second (250)")
-    add = parser.add_argument_group("a fleet, in closed form").add_argument
+    add("--measured", metavar="current|torque", help="drive signal to log (current)")
+    add("--rate", type=int, metavar="250|500", help="rows per second (250)")
+    add = parser.add_argument_group("a fleet, computed in closed form").add_argument
     add("--fleet", action="store_true", help="a folder of logs of several joints over several months")
     add("--joints", type=int, help="how many (12)")
-    add("--months", type=int, help="a log of each joint in each of them (6)")
+    add("--months", type=int, help="how many, with one log per joint and month (6)")
     add("--degrading", type=int, help="joints whose friction changes (2)")
     add("--bad-sensors", type=int, help="joints with a sensor that fails (1)")
 

@@ -8,7 +8,9 @@ from eccentric.cli.arguments import bar, log_suffixes, write_and_print
 from eccentric.core import own_folder
 
 NAME = "compare"
-HELP = "fit models on the same rows of a log, extended by effects or not, and compare their held-out errors"
+HELP = (
+    "fit models, with or without added effects, to the same rows of a log, and compare their held-out errors"
+)
 EXAMPLE = """eccentric compare LOG --rig RIG c2_parallel c2_asymmetric 'c2_parallel+stribeck[d=1]+cogging'
 eccentric compare LOG --rig RIG c2_parallel my_derivation.py --out build/compared"""
 
@@ -19,7 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "log",
         metavar="LOG",
-        help=f"a log of the rig: {log_suffixes()}; of more than 100,000 rows, windows are used, see"
+        help=f"a log of the rig: {log_suffixes()}; beyond 100,000 rows, only windows of it are used, see"
         " docs/long-logs.md",
     )
     add(

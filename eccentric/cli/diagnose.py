@@ -20,7 +20,10 @@ from eccentric.cli.arguments import (
 from eccentric.core import own_folder
 
 NAME = "diagnose"
-HELP = "find the effect that is missing from the model, add it, emit the extended model, report both errors"
+HELP = (
+    "find the effect that is missing from the model, add it, emit the extended model, and report the error"
+    " before and after"
+)
 EXAMPLE = """eccentric diagnose examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
 eccentric diagnose my.csv --rig my.toml --effects my_effects.py --out build/mine
 eccentric diagnose my.csv --rig my.toml --with stribeck --without cogging,backlash --out build/mine"""
@@ -40,7 +43,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--empirical",
         action="store_true",
-        help="add a smooth term without a cause, in the one or two variables that the rest depends on",
+        help="add a smooth term without a cause, in the one or two variables that the remaining residual"
+        " depends on",
     )
     add_folder(parser, "the report and the extended model")
     parser.add_argument("--open", action="store_true", help="open the report in the browser")

@@ -39,7 +39,9 @@ _EXTRAS = {
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `doctor` to `parser`."""
-    parser.add_argument("files", metavar="FILE", nargs="*", help="logs, or what may be one, of any format")
+    parser.add_argument(
+        "files", metavar="FILE", nargs="*", help="logs, or files that might be logs, in any format"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

@@ -39,12 +39,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--parameters",
         type=Path,
         metavar="FIT.json",
-        help='values to become the defaults: a fit.json, or your own as {"parameters": {"M": 0.42}}, in SI',
+        help='values to use as defaults: a fit.json, or your own as {"parameters": {"M": 0.42}}, in SI',
     )
     parser.add_argument(
         "--accept-misfit",
         action="store_true",
-        help="emit the values of a fit or a diagnosis although its log does not fit the rig",
+        help="emit the values of a fit or a diagnosis even if its log does not fit the rig",
     )
     parser.add_argument(
         "--prefix", metavar="NAME", help="name of the files and prefix in C; default: the model's name"
@@ -87,7 +87,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="add a friction compensation for a control loop, without a jump at standstill",
     )
     parser.add_argument(
-        "--forgetting", type=float, metavar="L", help="with --adapt: forgetting factor a row; default: 0.999"
+        "--forgetting",
+        type=float,
+        metavar="L",
+        help="with --adapt: forgetting factor per row; default: 0.999",
     )
     parser.add_argument(
         "--false-alarms",

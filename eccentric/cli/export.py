@@ -8,7 +8,7 @@ from eccentric.cli.arguments import add_folder, options, print_warnings
 from eccentric.core import EXPORTS
 
 NAME = "export"
-HELP = "write a drive, with its friction, as a model of a simulator"
+HELP = "write a drive, with its friction, as a simulator model"
 EXAMPLE = """eccentric export build/fit/fit.json --to mjcf --out build/mujoco
 eccentric export build/bench --to budget --out build/pendulum
 eccentric export build/fit --to fmu --out build/fmu
@@ -43,7 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--accept-misfit",
         action="store_true",
-        help="export the values of a fit or a diagnosis although its log does not fit the rig",
+        help="export the values of a fit or a diagnosis even if its log does not fit the rig",
     )
 
 

@@ -17,7 +17,9 @@ eccentric fleet /data/fleet --rigs rigs.csv --out report --scheduler tcp://10.0.
 
 PROBLEMS = 1
 """Exit status of a run that has done all that could be done, and names the rest in problems.csv."""
-_STATUS = f"exit status: 0; {PROBLEMS} if some logs failed (listed in problems.csv); 2 on bad input"
+_STATUS = (
+    f"exit status: 0 on success; {PROBLEMS} if some logs failed (listed in problems.csv); 2 on bad input"
+)
 _WRITTEN = ["report.html", "fleet.json", "coefficients/", "changes.csv", "problems.csv", "joints/", "sums/"]
 _SHOWN = 8
 """Problems printed; all are in problems.csv."""
@@ -35,7 +37,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--rigs",
         metavar="RIGS",
         required=True,
-        help="one rig file for all joints, or a table (.csv, .toml) of joints, rig files and own values",
+        help="one rig file for all joints, or a table (.csv, .toml) of joints, their rig files and individual"
+        " values",
     )
     add(
         "--out",
@@ -45,7 +48,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="folder for sums, coefficients, the page and reports; results of an earlier run are reused: "
         "only new and changed logs are read",
     )
-    add("--pattern", metavar="NAME", help="how file names tell joint and period: '{joint}_{period}'")
+    add(
+        "--pattern", metavar="NAME", help="how file names encode joint and period, such as '{joint}_{period}'"
+    )
     add("--scheduler", metavar="ADDRESS", help="a Dask scheduler (by default a cluster on this machine)")
     add("--workers", metavar="N", type=int, help="processes on this machine (one for each processor)")
     add("--rate", metavar="Q", type=float, default=0.01, help="false discovery rate of the tests (0.01)")

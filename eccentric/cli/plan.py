@@ -20,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--limits",
         metavar="LIMITS",
         required=True,
-        help=".toml or .json with speed_rad_s, acceleration_rad_s2, current_A, time_s (of a carriage"
+        help=".toml or .json with speed_rad_s, acceleration_rad_s2, current_A, time_s (for a carriage"
         " speed_m_s, acceleration_m_s2, force_N or current_A, time_s);"
         " optional: angle_rad (position_m), speed_loop_Hz",
     )
@@ -38,13 +38,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--for",
         dest="sought",
         metavar="NAMES",
-        help="without logs: the speed, mass and time that would show these coefficients of friction by F_N at"
+        help="without logs: the speed, mass and time needed to reveal these F_N friction coefficients at"
         " Table 1's values, or at yours, as in B_lN,C_lN=0.01",
     )
     parser.add_argument(
         "--noise", metavar="TORQUE", help='with --for: noise of an independent sample, as "2 mN m"'
     )
-    add_folder(parser, "the reference, as CSV and C, and its picture")
+    add_folder(parser, "the reference, as CSV and C, and its plot")
 
 
 def run(args: argparse.Namespace) -> int:

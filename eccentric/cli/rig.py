@@ -18,15 +18,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `rig` to `parser`."""
     add = parser.add_argument
     add("logs", metavar="LOG", nargs="+", help=f"logs of one rig: {log_suffixes()}")
-    add("--out", metavar="RIG.toml", help="the rig file to write, a new one; without it the draft is printed")
+    add("--out", metavar="RIG.toml", help="the new rig file to write; without it, the draft is printed")
     add(
         "--check",
         metavar="RIG",
         help="check this rig file against the logs instead; status 1 if there are problems",
     )
-    add("--arm", metavar="ARM", help="the arm whose joints the log has, .toml or .urdf: columns by pattern")
+    add(
+        "--arm",
+        metavar="ARM",
+        help="the arm whose joints were logged, .toml or .urdf; columns are then named by a pattern",
+    )
     add("--rate", metavar="HZ", type=float, help="rows per second of a log without a time column")
-    add("--name", help="name of the rig (that of the log)")
+    add("--name", help="name of the rig (default: that of the log)")
 
 
 def run(args: argparse.Namespace) -> int:

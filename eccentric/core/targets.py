@@ -46,8 +46,8 @@ EXPORTS: Mapping[str, Target] = {
         "USD with the attributes of Newton: friction, damping, armature",
         others=("usda", "isaac", "isaaclab", "isaacsim"),
     ),
-    "bam": Target("parameters for BAM, its model M1", others=("m1",)),
+    "bam": Target("parameters for BAM's model M1", others=("m1",)),
     "newton": Target("drive component for Newton, in Warp", others=("warp",)),
-    "fmu": Target("FMU in source: FMI 3.0, co-simulation", others=("fmi", "modelica", "simulink")),
+    "fmu": Target("source-code FMU, FMI 3.0 co-simulation", others=("fmi", "modelica", "simulink")),
 }
 """Name, as in `--to` and the name of its file -> target."""

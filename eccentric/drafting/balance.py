@@ -369,14 +369,14 @@ def _by_gravity(best: Reading, balance: Explained | None) -> RigLine:
     said = best.gear
     if said and not _is(said, 1.0):
         if not _whole(said) and balance is not None and balance.turns < 1.0:
-            why = f"gravity may repeat every {said:.3g} turns; 1 sees everything at the logged shaft"
+            why = f"gravity may repeat every {said:.3g} turns; 1 refers everything to the logged shaft"
             return RigLine("known", "mu", "1", why, SHORT)
         return _line(said, f"gravity repeats every {said:.4g} turns of the logged shaft")
     if said:
         why = "the logged angle is that of the link: all is seen at its shaft, a gear is inside k_i and J_m"
         return RigLine("known", "mu", "1", why)
-    why = "link speed over motor speed; 1 sees everything at the logged shaft"
-    return RigLine("known", "mu", "1", why, "without gravity the log does not show the gear")
+    why = "link speed over motor speed; 1 refers everything to the logged shaft"
+    return RigLine("known", "mu", "1", why, "without gravity the log does not reveal the gear ratio")
 
 
 def _line(gear: float, why: str, doubt: str = "") -> RigLine:

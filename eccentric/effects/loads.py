@@ -144,7 +144,7 @@ def load_dependent(setting: Setting) -> Iterator[Effect]:
             " P. Hamon, M. Gautier and P. Garrec, IROS 2010",
             plausible=(_efficiency(eta.symbol),),
             words=words,
-            headline=f"gear friction in proportion to the {load.variant} torque",
+            headline=f"gear friction proportional to the {load.variant} torque",
         )
         if load.variant == "transmitted":
             yield gear_loss(

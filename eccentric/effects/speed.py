@@ -102,7 +102,7 @@ def sublinear_viscous(setting: Setting) -> Iterator[Effect]:
     size = positive("thinning_x", "1", "root of 1 + (w/w_c)^2", "x")
     root = positive("thinning_root", "1", "its square root", "r")
     words = Words(
-        headline="viscous friction that grows less than in proportion to speed",
+        headline="viscous friction that grows less than proportionally to speed",
         meaning=(
             "Viscous friction that shear or heat of a lubricant holds back as speed rises, by Carreau's law;"
             " Cross's, Eyring's and power laws are so close to it that a log seldom distinguishes them."

@@ -157,7 +157,7 @@ def _cubic_lines(fit: Fit) -> list[str]:
 
 def band_line(band: Band, unit: str, model: str) -> str:
     """The held-out error of a model below the low pass of the angle."""
-    return f"of that, below the {band.cut_hz:g} Hz low pass: {model} {band.below:.4g} {unit}"
+    return f"below {band.cut_hz:g} Hz: {model} {band.below:.4g} {unit}"
 
 
 def estimate_table(shown: Mapping[str, Estimate]) -> list[str]:

@@ -183,7 +183,7 @@ def facts_of(found: Diagnosis) -> list[Fact]:
         Fact("rows used", f"{counts['used']}", moving),
         Fact("rows held out", f"{counts['held_out']}", held),
         Fact("errors are computed on", found.rows.description),
-        Fact("sampling", f"{1.0 / usual:.4g} Hz", f"{usual:.4g} s a row{uneven}"),
+        Fact("sampling", f"{1.0 / usual:.4g} Hz", f"{usual:.4g} s per row{uneven}"),
         Fact("gaps in time", f"{gaps}", "no filter runs across a gap" if gaps else ""),
         Fact("drive measured by", axis.named(channels.motor.measured_by)),
         Fact(
@@ -211,7 +211,7 @@ def facts_of(found: Diagnosis) -> list[Fact]:
         facts.insert(0, Fact("effects, as requested", words))
     noise, left = found.noise_floor, found.score.rmse["mechanical"]["extended"]
     remark = (
-        f"RMS in {found.rows.description}; the held-out error is {left / noise:.3g} times that"
+        f"RMS in {found.rows.description}; the held-out error is {left / noise:.3g} times this"
         if noise > 0.0
         else "none seen"
     )

@@ -127,9 +127,8 @@ def figure_words(panel: Panel, unit: str, axis: AxisKind) -> tuple[str, str]:
     label, curves, plain = panel.channel.label, panel.curves, axis.term("the paper's model")
     times = f" × sgn {axis.term('ω')}" if panel.against_motion else ""
     if "before" in curves:
-        swing = (
-            f"Over the {label} the mean residual{times} varies by {number(curves['before'].swing, 3)} {unit}"
-        )
+        before = f"{number(curves['before'].swing, 3)} {unit}"
+        swing = f"Plotted against the {label}, the mean residual{times} varies by {before}"
         if "after" in curves:
             swing += f" with {plain} and by {number(curves['after'].swing, 3)} {unit} with the extended one"
         what = "Residual" if "after" in curves else f"Residual of {plain}"
@@ -141,7 +140,8 @@ def figure_words(panel: Panel, unit: str, axis: AxisKind) -> tuple[str, str]:
             if name in curves
         }
         parts = [f"{number(value, 3)} {unit} ({curve_name(name, axis)})" for name, value in missed.items()]
-        swing = f"Over the {label} the predicted means{times} are off by at most {' and '.join(parts)}"
+        means = f"the predicted means{times} are off by at most {' and '.join(parts)}"
+        swing = f"Plotted against the {label}, {means}"
         what = "Measured and predicted friction"
     rows = panel.rows[panel.rows > 0]
     stands = "one row per point" if rows.max() == 1 else f"{rows.min()}–{rows.max()} rows per point"
@@ -160,7 +160,11 @@ def trace_words(found: Trace, balance: BalanceResiduals, axis: AxisKind) -> tupl
         else f"a point is the mean of up to {found.rows_per_point} consecutive rows, the shaded band their"
         " minimum and maximum"
     )
-    cuts = f" The {len(found.cuts)} dotted lines mark where time was cut out." if len(found.cuts) else ""
+    cuts = (
+        f" The {len(found.cuts)} dotted lines mark gaps between the held-out intervals."
+        if len(found.cuts)
+        else ""
+    )
     errors = ", ".join(
         f"{curve_name(name, axis)} {number(value, 3)} {balance.unit}" for name, value in balance.rmse.items()
     )
@@ -224,8 +228,8 @@ def _chance(best: CandidateRow, chance: tuple[float, float], verdict: str, torqu
         )
     if gained <= LEAST_DEVIANCE:
         return (
-            f"{sentence}, and {LEAST_DEVIANCE:g} is required. Chance alone reaches {number(level, 3)} in one"
-            " log in a hundred; the margin allows for errors of the filters and of sampling."
+            f"{sentence}, but {LEAST_DEVIANCE:g} is required. Chance alone reaches {number(level, 3)} in one"
+            " log in a hundred; the margin allows for filter and sampling errors."
         )
     return (
         f"{sentence}, more than chance ({number(level, 3)} in one log in a hundred), but removes less than"
