@@ -136,7 +136,11 @@ def run(job: Job, folder: Path) -> Result:
 def _credited(families: Iterable[str], result: Result, found: Diagnosis) -> list[str]:
     """The families, a name that covers a true one replaced by it: it says what that one does, too."""
     covers = {effect.family: effect.evidence.covers for effect in library(found.setting)}
-    return list(dict.fromkeys(next((t for t in result.truth if t in covers.get(f, ())), f) for f in families))
+
+    def name(f: str) -> str:
+        return f if f in result.truth else next((t for t in result.truth if t in covers.get(f, ())), f)
+
+    return list(dict.fromkeys(map(name, families)))
 
 
 def measured(quick: bool, first: int = FIRST_SEED) -> Part:

@@ -32,7 +32,6 @@ from eccentric.drafting import Proposal
 from eccentric.logs import parse_unit
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "field"
-_SIDED = {"theta": "theta", "omega": "omega", "torque": "torque"}
 _DRIVES = ("current", "voltage", "torque", "force")
 _BESIDE = ("temperature", "motor_off", "use")
 RIGHT, ASKED, WRONG, REFUSED, LEFT, BROKEN = "right", "asked", "wrong", "refused", "no draft", "traceback"

@@ -33,10 +33,10 @@ BENCH = Path(__file__).resolve().parent.parent / "examples" / "bench"
 LONGEST = (
     "test_flags", "test_fleet_run", "test_accuracy_extended", "test_effect_pairs",
     "test_rig_variants", "test_misra", "test_emitted_module", "test_real_rigs",
-    "test_controls", "test_proof", "test_tutorial", "test_docs", "test_diagnose", "test_browser",
+    "test_proof", "test_tutorial", "test_docs", "test_diagnose", "test_browser",
     "test_voltage_alone", "test_closed_forms_numpy", "test_compiled_backend", "test_tilted",
     "test_diagnose_input", "test_api_diagnose", "test_jax", "test_jax_arms", "test_compiled_cache",
-    "test_accuracy", "test_diagnose_folder", "test_target", "test_current_scale",
+    "test_accuracy", "test_target",
     "test_friction_of_a_voltage", "test_from_python", "test_arm_extended", "test_fuzz",
     "test_selftest", "test_c99", "test_arms_pinocchio",
 )  # fmt: skip

@@ -357,7 +357,7 @@ def test_a_log_that_does_not_fit_its_rig_says_so(
     emit = ["emit", "c2_parallel", "--parameters", str(tmp_path / "out" / "fit.json"), "--backend", "jax"]
     emit += ["--out", str(tmp_path / "emitted")]
     assert cli.main(emit) == 2
-    required = "--accept-misfit: needed to emit fit.json, since its log does not fit the rig"
+    required = "--accept-misfit: needed to use fit.json, since its log does not fit the rig"
     assert capsys.readouterr().err == f"eccentric: error: {required}\n"
     assert not (tmp_path / "emitted").exists()
     assert cli.main([*emit, "--accept-misfit"]) == 0

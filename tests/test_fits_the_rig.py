@@ -79,7 +79,7 @@ def test_no_code_is_emitted_of_a_log_that_does_not_fit_the_rig(tmp_path: Path) -
     assert {"report.html", "diagnosis.json", "model.py"} == {p.name for p in found.write(tmp_path / "out")}
     script = tmp_path / "out" / "model.py"
     for call in (lambda: eccentric.emit(script, tmp_path / "c"), lambda: found.emit(tmp_path / "c")):
-        with pytest.raises(InputError, match=r"accept_misfit: needed to emit .*does not fit the rig"):
+        with pytest.raises(InputError, match=r"accept_misfit: needed to use .*does not fit the rig"):
             call()
     with pytest.warns(UserWarning, match="of a log that does not fit its rig"):
         eccentric.emit(script, tmp_path / "c", accept_misfit=True)

@@ -183,6 +183,20 @@ def test_a_span_alone_has_the_bits_of_one_of_many(effect: str) -> None:
     assert many.tolist() == [*alone.tolist()] * 9
 
 
+@pytest.mark.parametrize("spans", [1, 9])
+def test_a_motion_without_end_is_silent(spans: int) -> None:
+    """A sine of an angle beyond all numbers is no number, in numbers and in arrays, without a warning."""
+    t = np.arange(0.0, 0.1, 4e-3)
+    law = Law(load_model("c2_parallel"))
+    values = complete(load_model("c2_parallel"), {"J_m": 2e-4, "J_l": 0.035})
+
+    many = Spans(np.zeros(spans, int), np.full(spans, len(t) - 1))
+    found = integrate(DrivePlant(law, values, 1.0, 0.0), recording(t, np.full(len(t), 1e307)), many)
+
+    assert not np.isfinite(found.theta_m[-1])
+
+
+
 def test_windows_start_every_half_horizon_inside_the_held_out_part() -> None:
     """1 s held out of 3 s at 100 Hz: windows of 0.5 s at 1.00, 1.25 and 1.50 s, of 0.1 s every 0.05 s."""
     t = np.round(np.arange(0.0, 3.0, 0.01), 9)

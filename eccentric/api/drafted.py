@@ -404,8 +404,8 @@ def _too_long(fit: Any, rig: Rig) -> Iterator[str]:
 def _without_inertia(fit: Fit, rig: Rig) -> Iterator[str]:
     """An inertia that the fit puts at 0, with which a diagnosis has no motion to explain."""
     inertias = [c for c in fit.problem.coefficients if c.role == "inertia"]
-    for name in {x for c in inertias for x in (c.name, c.letter)} & fit.coefficients.keys():
-        if fit.coefficients[name].value <= 0.0:
+    for name in dict.fromkeys(x for c in inertias for x in (c.name, c.letter)):
+        if name in fit.coefficients and fit.coefficients[name].value <= 0.0:
             yield f"{rig.path}: {no_inertia_sentence(name, rig.axis)}"
 
 

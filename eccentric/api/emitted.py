@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -96,7 +97,6 @@ def emit(
     if isinstance(model, str | os.PathLike):
         refuse_other_files(model)
     loaded = arm_of(model, fitted) if is_arm(model) else model_of(model)
-    require_fit(loaded.fits_the_rig, origin_of(model), accept_misfit)
     beside = [key for key, wanted in (("adapt", asked is not None), ("compensation", compensation)) if wanted]
     if beside and joints_of(loaded):
         raise InputError(beside[0], "a model of one joint", "an arm")
@@ -104,6 +104,7 @@ def emit(
         *((loaded.name, f"model {loaded.name}: its name") if prefix is None else (prefix, "prefix"))
     )
     chosen = replace(loaded, name=name) if fitted is None else with_fitted(loaded, fitted, name)
+    require_fit(chosen.fits_the_rig, origin_of(model), accept_misfit)
     if not joints_of(chosen) and (not functions or STEPPED & set(functions)):
         require_solvable(chosen, *speeds_of(given)[1:])
     if beside and choice != WHOLE:
@@ -142,12 +143,10 @@ class ExportResult(ResultBase):
     Attributes:
         paths: of the files.
         lines: the summary, line by line: error of the friction, what is left out.
-        cautions: what to know of the model before it is used.
     """
 
     paths: tuple[Path, ...]
     lines: tuple[str, ...]
-    cautions: tuple[str, ...] = ()
 
     def summary(self) -> str:
         """What the command prints."""
@@ -195,7 +194,6 @@ def export(
         if is_arm(model):
             raise InputError("model", "a model of one drive", f"an arm, {Path(model).name}", why="to export")
     chosen = model_of(model)
-    require_fit(chosen.fits_the_rig, origin_of(model), accept_misfit)
     name = checked_name(
         *((chosen.name, f"model {chosen.name}: its name") if prefix is None else (prefix, "prefix"))
     )
@@ -206,6 +204,7 @@ def export(
         fitted = read_parameters(given)
         require_fit(fitted.fits_the_rig, fitted.source, accept_misfit)
         chosen, identified = with_fitted(chosen, fitted, name), speeds_of(document_of(given))
+    require_fit(chosen.fits_the_rig, origin_of(model), accept_misfit)
     chosen_speeds = tuple(map(float, speeds if speeds is not None else identified or DEFAULT_SPEEDS))
     drive = ExportedDrive(chosen, origin_of(model), chosen_speeds, speeds is None and bool(identified))
     require_solvable(chosen, chosen_speeds[1])
@@ -214,9 +213,10 @@ def export(
         for file, content in found.files.items():
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_bytes(content if isinstance(content, bytes) else content.encode())
-    cautions = tuple(f"{name}: {text}" for text in chosen.cautions)
+    for text in chosen.cautions:
+        warnings.warn(f"{name}: {text}", stacklevel=2)
     paths = tuple(Path(out) / file for file in found.files)
-    return ExportResult(paths, tuple(export_lines(drive, found)), cautions)
+    return ExportResult(paths, tuple(export_lines(drive, found)))
 
 
 def _model_and_values(

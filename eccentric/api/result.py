@@ -110,7 +110,7 @@ def require_fit(fits_the_rig: bool, source: str, accept_misfit: bool) -> None:
     """Raise InputError for parameters of a log that does not fit its rig, unless they are accepted."""
     if not fits_the_rig and not accept_misfit:
         raise InputError(
-            "accept_misfit", problem=f"needed to emit {source}, since its log does not fit the rig"
+            "accept_misfit", problem=f"needed to use {source}, since its log does not fit the rig"
         )
 
 

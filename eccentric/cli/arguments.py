@@ -221,8 +221,10 @@ def warnings_printed() -> Iterator[None]:
     """Print what is a UserWarning in Python, each as one line on stderr."""
     with catch_warnings(record=True) as caught:
         simplefilter("always", UserWarning)
-        yield
-    print_warnings(str(one.message) for one in caught)
+        try:
+            yield
+        finally:
+            print_warnings(str(one.message) for one in caught if one.category is UserWarning)
 
 
 def print_warnings(warnings: Iterable[str]) -> None:

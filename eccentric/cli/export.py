@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import add_folder, options, print_warnings
+from eccentric.cli.arguments import add_folder, options, warnings_printed
 from eccentric.core import EXPORTS
 
 NAME = "export"
@@ -49,7 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the files, print how close the friction in them is, and their names."""
-    with options("to", "speeds", "prefix", "accept_misfit"):
+    with options("to", "speeds", "prefix", "accept_misfit"), warnings_printed():
         written = eccentric.export(
             arguments.source,
             arguments.to,
@@ -59,7 +59,6 @@ def run(arguments: argparse.Namespace) -> int:
             prefix=arguments.prefix,
             accept_misfit=arguments.accept_misfit,
         )
-    print_warnings(written.cautions)
     print(written)
     names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written.paths)
     print(f"{arguments.out}: {names}")

@@ -110,7 +110,7 @@ def csv_source(path: Path) -> InParts | None:
                     yield Part(first, columns, np.array([line for line, _ in found], dtype=np.int64))
                 at += len(block)
 
-    return InParts(header, lines - before, parts)
+    return InParts(header, lines - before, parts, layout.notes)
 
 
 def _first_lines(path: Path, most: int) -> list[str]:

@@ -189,5 +189,7 @@ def with_values(
         voltage_known=voltage_known,
         torque_unit=torque_unit,
         caution=caution or model.caution,
-        fits_the_rig=fits_the_rig and model.fits_the_rig,
+        # Values of a log that fits clear the flag once they are all of it.
+        fits_the_rig=fits_the_rig
+        and (model.fits_the_rig or {q.name for q in model.parameters} <= set(values)),
     )

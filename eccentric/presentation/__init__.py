@@ -6,6 +6,10 @@
     html                              a Diagnosis as one HTML page
     arm                               the fit and the diagnosis of an arm: lines, documents
     measurement_text                  a NextMeasurement
+    calls_text                        how to call the emitted model of a Diagnosis
+    ranges_text                       figures of effects beside their known ranges
+    simulation_text                   simulated errors of models
+    export_text                       what an export wrote
     plan_text                         a MeasurementPlan
     adaptation                        a Replay
     fleet_html                        what changed in a fleet: page, files

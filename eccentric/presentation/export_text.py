@@ -33,7 +33,7 @@ def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
         )
     if exported.left_out > 1e-9 * max(drive.p.M * drive.p.g * drive.p.L, 1e-9):
         lines.append(
-            f"left out: a torque of up to {exported.left_out:.3g} N m that depends on the angle"
+            f"left out: a torque of up to {exported.left_out:.3g} N m that is not friction"
             " (cogging, a spring, a load)"
         )
     file, missing = exported.unwritten
@@ -50,10 +50,10 @@ def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
 
 
 def left_out_sentence(model: Model, torque: float) -> str:
-    """What a compensation of the friction leaves out: a torque [N m] that depends on the angle."""
+    """What a compensation of the friction leaves out: a torque [N m] that is not friction."""
     axis = model.axis
     return (
         f"the compensation leaves out a {axis.term('torque')} of up to {torque:.3g} {axis.unit('N m')}"
-        " that depends on the angle (cogging, a spring, a load): add"
+        " that is not friction (cogging, a spring, a load): add"
         f" {model.name}_{axis.named('gravity_torque')}"
     )

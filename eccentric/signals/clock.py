@@ -26,6 +26,7 @@ from eccentric.logs import Log, mended
 from eccentric.signals import limits
 
 Severity = Literal["note", "warning"]
+TURN = 2.0 * np.pi
 
 
 _DOUBTFUL = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
@@ -234,9 +235,6 @@ def _stretches(labels: Integers, kept: Mask) -> list[Integers]:
     return np.split(rows, np.flatnonzero(np.diff(labels[rows]) != 0) + 1)
 
 
-TURN = 2.0 * np.pi
-
-
 @dataclass(frozen=True)
 class Turns:
     """The events of one shaft: rows (n,) and turns counted up to each (n,), mended; what was mended.
@@ -339,7 +337,7 @@ def even_turns(t: Array, count: Array | None, run: Integers, names: Sequence[str
                 f"{path}: run {names[int(run[own[0]])]!r}",
                 f"at least {limits.FEWEST_TURNS} turns without a jump of the speed",
                 f"{longest}",
-                why=f"with {'events'} = {'revolution'!r}",
+                why="with events = 'revolution'",
             )
         every.append(found)
         step = float(np.median(np.diff(at) / np.diff(found.count)))

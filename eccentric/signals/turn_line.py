@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,14 +88,6 @@ def _tracked(t: Array, rest: Array, order: int, hertz: float, way: float) -> Tur
     error = math.sqrt(24.0 / len(t)) * noise / (amplitude * seconds) / TURN
     theta = way * (phase + TURN * hertz * (t - t[0])) / order
     return TurnLine(order, frequency / order, error / order, amplitude, theta - theta[0])
-
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
-
-TURN = 2.0 * np.pi
 
 
 def standing_lines(

@@ -9,6 +9,7 @@ rig where it has one; `refine` -> a fit refined on the simulated error of its tr
     plant       a fitted model with its parameters and the torque of a drive signal
     controller  the drive signal by the controller of the rig
     integrate   many spans and parameter sets at once
+    scalar      NumPy's functions of one number, for few spans
     errors      simulated errors of models
     refine      parameters that minimise them
     predicted   the drive of any log by a fitted model, and what it leaves

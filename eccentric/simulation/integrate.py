@@ -102,11 +102,12 @@ def _one_by_one(
             law = plant.law.at(known, SCALAR)
             stepper = _Stepper(law, _listed(recording, start, steps), known, None, parts, SCALAR)
             theta.append(motion[0])
-            for row in range(steps):
-                motion, states = stepper.across(row, motion, states)
-                theta.append(motion[0])
-                if tell is not None and row % 512 == 0:
-                    tell((k + row / steps) / len(spans))
+            with np.errstate(all="ignore"):
+                for row in range(steps):
+                    motion, states = stepper.across(row, motion, states)
+                    theta.append(motion[0])
+                    if tell is not None and row % 512 == 0:
+                        tell((k + row / steps) / len(spans))
         except (ArithmeticError, ValueError, NotImplementedError):
             return None
         if not math.isfinite(theta[-1]):

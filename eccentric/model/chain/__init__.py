@@ -8,6 +8,7 @@ and the loads of the bearings as ordered definitions of scalars.
     motion     how a frame moves in another, differentiated in time; Newton and Euler for a body and a rotor
     recursion  outwards the motion of every body, inwards the wrench of every joint; loads of the bearings
     inertial   a letter for every inertial parameter; torque per parameter that a motion can show
+    rest       the arm at rest, and a time step
     outputs    the functions of an arm: torques, loads, friction, regressors
     drive      motor, gear and friction of every joint: its balances; all of it as a model
 """
