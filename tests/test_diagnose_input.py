@@ -352,7 +352,7 @@ def test_hidden_state_is_emitted_as_a_step(tmp_path: Path, capsys: pytest.Captur
     said = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
     module = module_of(out)
     shown = capsys.readouterr().out
-    ((torque, step),) = re.findall(r"to call in every cycle.*\n(.*)\n(.*)", shown)
+    ((torque, step),) = re.findall(r"then call in every cycle.*\n(.*)\n(.*)", shown)
     (state,) = module.STATES
     name = next(out.glob("*_extended.c")).stem
     assert torque.startswith(f"  {name}_mechanical_friction_torque(theta_m, omega_m, state.{state}")
