@@ -117,7 +117,7 @@ def test_case_and_gear_are_those_of_the_bench(case: str, mu: float) -> None:
     if case == "C2":
         assert pytest.approx(mu) == float(over) / float(under or 1.0)
     else:
-        assert "does not show the gear" in said["mu"].doubt
+        assert "does not reveal the gear" in said["mu"].doubt
 
 
 def test_friction_that_grows_faster_than_the_speed_does_not_turn_a_sign() -> None:
