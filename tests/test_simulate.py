@@ -196,7 +196,6 @@ def test_a_motion_without_end_is_silent(spans: int) -> None:
     assert not np.isfinite(found.theta_m[-1])
 
 
-
 def test_windows_start_every_half_horizon_inside_the_held_out_part() -> None:
     """1 s held out of 3 s at 100 Hz: windows of 0.5 s at 1.00, 1.25 and 1.50 s, of 0.1 s every 0.05 s."""
     t = np.round(np.arange(0.0, 3.0, 0.01), 9)

@@ -151,17 +151,18 @@ def no_inertia_sentence(name: str, axis: AxisKind) -> str:
 def plot_simulation(found: SimulatedErrors, axes: Sequence[Any], unit: str) -> None:
     """Draw measured and simulated angle over time, each of the traces on axes of its own."""
     for ax, trace in zip(axes, found.traces, strict=False):
-        shift = trace.measured[0]
+        shift, t = trace.measured[0], trace.t - trace.t[0]
         for (name, angle), colour in zip(trace.simulated.items(), _COLOURS, strict=False):
-            ax.plot(trace.t, angle - shift, color=colour, label=name, linewidth=1.2)
-        ax.plot(trace.t, trace.measured - shift, color=_MEASURED, label="measured", linewidth=0.9)
+            ax.plot(t, angle - shift, color=colour, label=name, linewidth=1.2)
+        ax.plot(t, trace.measured - shift, color=_MEASURED, label="measured", linewidth=0.9)
         # What diverges is not drawn to its end.
         low, high = np.min(trace.measured - shift), np.max(trace.measured - shift)
         room = 0.5 * (high - low) + 1e-9
-        ax.set(ylabel=f"angle [{unit}]", title=trace.run, ylim=(low - room, high + room))
+        title = f"{trace.run}, from {trace.t[0]:.4g} s"
+        ax.set(ylabel=f"angle [{unit}]", title=title, ylim=(low - room, high + room))
         ax.grid(linewidth=0.3)
     if len(axes):
-        axes[-1].set_xlabel("time [s]")
+        axes[-1].set_xlabel("time in the window [s]")
         axes[0].legend(loc="best", frameon=False, ncols=2)
 
 
