@@ -64,7 +64,7 @@ def compare(
     return CompareResult(
         contest=found,
         simulated=simulated,
-        lines=tuple(contest_lines(found, simulated, rig.axis.unit("rad"))),
+        lines=tuple(contest_lines(found, simulated, rig.axis)),
         warnings=found.warnings,
         document=contest_document(found, simulated),
         fitted=fitted,
