@@ -415,7 +415,7 @@ class Result(Printed):
         `eccentric.emit` has further options, and takes the result of a fit as its parameters.
 
         Args:
-            out: a folder of its own, new or written by eccentric before.
+            out: the output folder: new, empty, or written by eccentric.
             prefix: name of the files and prefix of the C functions; by default the model's name.
             backend: a target or several, by the names that `eccentric emit --help` lists.
             accept_misfit: emit although the log does not fit the rig.
