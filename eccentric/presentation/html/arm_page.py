@@ -42,16 +42,16 @@ def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
     sums, bodies = [], ""
     if (identified := found.bodies) is not None:
         bodies = (
-            "Identified from all joints at once; there are bodies with these values."
+            "Identified from all joints at once; the values are physically realizable."
             if identified.bodies.explain
-            else "Identified from all joints at once; no real bodies have these values."
+            else "Identified from all joints at once; the values are not physically realizable."
         )
         sums = [
             {"words": words, "value": number(e.value), "interval": range_of(e.interval), "unit": e.unit}
             for words, e in zip(identified.sums, identified.estimates.values(), strict=True)
         ]
     return {
-        "title": f"What does the model of the arm lack? {', '.join(found.names)}",
+        "title": f"What is the arm's model missing? {', '.join(found.names)}",
         "verdict": found.verdict,
         "verdict_words": VERDICTS[found.verdict],
         "sentence": arm_diagnosis_sentence(found),
