@@ -136,7 +136,7 @@ def test_letters() -> None:
         ("only J_m + mu^2 J_l, R/k_i", "only [J_m] + [mu^2] [J_l], R/[k_i]"),
         ("B_lN_pos <&", "[B_lN_pos] &lt;&amp;"),
         # Names of files, columns and code, and units, are not symbols.
-        ("a_1.csv, 'i_q', J_l_kgm2, theta_zero_rad, stribeck_v, 2 kg m^2", None),
+        ("a_1.csv, 'i_q', J_l_kgm2, theta_zero_rad, stribeck_v, load[F_N,d=2], 2 kg m^2", None),
     ],
 )
 def test_symbols_in_a_sentence_are_set(typed: str, set_as: str | None) -> None:

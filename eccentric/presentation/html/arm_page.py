@@ -20,9 +20,7 @@ def _emitted(found: ArmDiagnosis) -> str:
     """What is emitted of the arm as a whole, for the note."""
     if why := why_not_emitted(found):
         return f"The arm as a whole is not emitted: {why}."
-    return (
-        f"The arm with the friction of all joints as fitted is emitted beside this page as {arm_name(found)}."
-    )
+    return f"The arm with the friction of all joints as fitted is emitted next to this page as {arm_name(found)}."
 
 
 def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
