@@ -20,7 +20,8 @@ def _emitted(found: ArmDiagnosis) -> str:
     """What is emitted of the arm as a whole, for the note."""
     if why := why_not_emitted(found):
         return f"The arm as a whole is not emitted: {why}."
-    return f"The arm with the friction of all joints as fitted is emitted next to this page as {arm_name(found)}."
+    name = arm_name(found)
+    return f"The arm with the friction of all joints as fitted is emitted next to this page as {name}."
 
 
 def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
