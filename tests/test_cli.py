@@ -11,6 +11,7 @@ from collections.abc import Callable
 from importlib import import_module
 from inspect import signature
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -119,7 +120,7 @@ def test_help_has_one_style(name: str) -> None:
     parser = argparse.ArgumentParser()
     import_module(f"eccentric.cli.{name}").configure(parser)
     actions = [action for action in parser._actions if action.dest != "help"]
-    stated: dict[str, str] = {}
+    stated: dict[str, Any] = {}
     for action in actions:
         text = str(action.help) % {"default": action.default}
         found = re.findall(r"\(default: (.+?)\)", text)

@@ -52,11 +52,15 @@ def test_the_verdict_comes_first(plain: str) -> None:
 @pytest.mark.usefixtures("undrawn")
 def test_symbols_have_subscripts() -> None:
     """In sentences, warnings, facts and tables, B_lN is typeset; only code keeps its underscores."""
-    said = {"sentence": "k_i is off.", "closest": "M_l too.", "next_measurement": "Weigh M_l."}
-    names = ("B_lN", "C_lN", "wobble_s2")
-    found = page(
-        sample(500, **said, warnings=("J_l is unknown",), correlations=Correlations(names, np.eye(3)))
+    data = sample(
+        500,
+        sentence="k_i is off.",
+        closest="M_l too.",
+        next_measurement="Weigh M_l.",
+        warnings=("J_l is unknown",),
+        correlations=Correlations(("B_lN", "C_lN", "wobble_s2"), np.eye(3)),
     )
+    found = page(data)
     text = re.sub(r"<(code|pre|style).*?</\1>", "", found, flags=re.DOTALL)
 
     assert [] == re.findall(r"\b[A-Za-z]_[A-Za-z0-9]+", text)

@@ -302,7 +302,7 @@ def _candidate(c: CandidateRow, data: ReportData) -> dict[str, Any]:
     }
 
 
-def _parameter(p: Parameter, axis: AxisKind) -> dict[str, str]:
+def _parameter(p: Parameter, axis: AxisKind) -> dict[str, Any]:
     notes = [f"{p.bound} bound active"] if p.bound else []
     if p.widened and not p.bound:
         notes.append("widened by a bound")
