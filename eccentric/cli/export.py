@@ -22,8 +22,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="MODEL|RESULT",
         help="fit.json, folder of a fit or a diagnosis, model name, or path of a derivation",
     )
-    targets = "; ".join(f"{name}: {target.meaning}" for name, target in EXPORTS.items())
-    parser.add_argument("--to", metavar="TARGET", required=True, help=f"one of: {targets}")
+    targets = "; ".join(f"{name} ({target.meaning})" for name, target in EXPORTS.items())
+    parser.add_argument("--to", metavar="TARGET", required=True, help=f"target: {targets}")
     add_folder(parser, "the simulator files")
     parser.add_argument(
         "--parameters",
