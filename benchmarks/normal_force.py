@@ -363,81 +363,81 @@ def page(rows: list[Row], plans: list[tuple[str, Any]], facts: Mapping[str, Any]
     middle, without, published = facts["middle"]
     return f"""# Does friction follow F_N?
 
-The paper takes friction of the link's bearing in proportion to its normal force F_N: f_l = B_lN F_N ω + C_lN F_N sgn ω.
-Its parameters are assumed, and no experiment is in it.
-This page asks what public logs say. `python benchmarks/normal_force.py DATA` writes it, every number from the logs.
+In the paper, friction in the link's bearing is proportional to the normal force F_N: f_l = B_lN F_N ω + C_lN F_N sgn ω.
+Its parameters are assumed; the paper contains no experiment.
+This page examines public logs. `python benchmarks/normal_force.py DATA` generates it; every number comes from the logs.
 
 ## The question
 
 Table 1 has C_lN = {TABLE_1["C_lN"]:g} m and B_lN = {TABLE_1["B_lN"]:g} m s/rad.
-C_lN is a length, a coefficient of friction times the radius where it acts: {TABLE_1["C_lN"]:g} m is a shaft of {1e3 * TABLE_1["C_lN"]:g} mm radius that slides with a coefficient of 1.
-So two questions are to be kept apart: is it as large as in Table 1, and is it there at all?
-A log answers the first if Table 1's value is many standard errors: z below is that number, with all other coefficients free, and at z = 5 a log would show it with a probability of {100 * detection_power(5.0):.1f} %.
+C_lN is a length, a friction coefficient times the radius at which it acts: {TABLE_1["C_lN"]:g} m would be a shaft of {1e3 * TABLE_1["C_lN"]:g} mm radius sliding with a coefficient of 1.
+There are two separate questions: is it as large as in Table 1, and does it exist at all?
+A log can answer the first if Table 1's value is many standard errors from zero: z below is that number, with all other coefficients free; at z = 5, a log would reveal it with a probability of {100 * detection_power(5.0):.1f} %.
 
 ## Drives that swing a mass
 
-F_N changes along every log, by the motion alone or by gravity with it; the upper bounds are 95 % limits of the fit in which no coefficient is negative.
-Of the double pendulum, every load that its logs show is in the fit beside F_N.
+F_N varies in every log, due to the motion alone or also to gravity; the upper bounds are 95 % limits from a fit with non-negative coefficients.
+For the double pendulum, the fit contains every load that its logs show, not only F_N.
 
 {bounds_table(rows)}
 
 ![Upper bounds of both coefficients for each drive, on logarithmic axes, left of the dashed line of Table 1](normal_force.svg)
 
-Blue: Table 1's value would be at z = 5 or more. Red: the log could not have shown it. Open: by the argument about the brushless motor below.
+Blue: Table 1's value would have z = 5 or more. Red: the log could not have revealed it. Open: from the argument on the brushless motor below.
 
-{len(able["C_lN"])} of {len(rows)} joints could have shown Table 1's C_lN, {len(able["B_lN"])} its B_lN.
-On these, C_lN is at most {100 * worst["C_lN"]:.2g} % and B_lN at most {100 * worst["B_lN"]:.2g} % of it, and the interval leaves out 0 {"on " + ", ".join(seen) if seen else "nowhere"}.
-The best fit has a coefficient above 0 for {", ".join(above) or "none"}, by the errors that it has with all that is at a bound held there; the intervals reach 0, since they allow for the other loads and constants leaving theirs.
-{"; ".join(f"The {row.name} cannot tell" for row in blind)}: its z is {number(min(min(row.bounds[k].z for k in LETTERS) for row in blind)) if blind else "-"}, and its bounds come from a fit that lacks what its gear does.
+{len(able["C_lN"])} of {len(rows)} joints could have revealed Table 1's C_lN, {len(able["B_lN"])} its B_lN.
+On these, C_lN is at most {100 * worst["C_lN"]:.2g} % and B_lN at most {100 * worst["B_lN"]:.2g} % of Table 1's value, and {"the interval excludes 0 on " + ", ".join(seen) if seen else "every interval contains 0"}.
+The best fit has a coefficient above 0 for {", ".join(above) or "none"}, with standard errors that assume that estimates at a bound stay there; the intervals reach 0, since they allow these to leave their bounds.
+{"; ".join(f"The log of the {row.name} cannot decide" for row in blind)}: its z is {number(min(min(row.bounds[k].z for k in LETTERS) for row in blind)) if blind else "-"}, and its bounds come from a model without the effects of its gear.
 
-## What would have shown it
+## What would have revealed it
 
-`eccentric plan --for B_lN,C_lN` needs no log; here with the noise, strokes, speeds and times of the three single drives.
-The last three columns are what alone would give z = 5 for both.
+`eccentric plan --for B_lN,C_lN` needs no log; here it uses the noise, strokes, speeds and times of the three single drives.
+Each of the last three columns is the value that would give z = 5 for both coefficients if nothing else changed.
 
 {plan_table(plans)}
 
-Where z exceeds 5, less of it would have done. A dash: no speed would, within this stroke and acceleration.
+Where z exceeds 5, less would have sufficed. A dash: no speed suffices within this stroke and acceleration.
 
 ## Logs without a known mass
 
-**Brushless motor with and without an unbalanced disc** (15-microchip-iq-rpm): the mean current is {bare[0]:.2f} ± {bare[1]:.2f} counts bare and {disc[0]:.2f} ± {disc[1]:.2f} with the disc, a change of {facts["fall"]:.2f} ± {facts["fall_error"]:.2f}: it falls, and friction by F_N could only raise it.
-The line once per turn has {facts["amplitude"]:.1f} counts; if the axis is level and the speed loop stiff, that is M g L, so that F_N = M L ω² is known in counts too and k_i cancels.
+**Brushless motor with and without an unbalanced disc** (15-microchip-iq-rpm): the mean current is {bare[0]:.2f} ± {bare[1]:.2f} counts bare and {disc[0]:.2f} ± {disc[1]:.2f} with the disc, a change of {facts["fall"]:.2f} ± {facts["fall_error"]:.2f}: it falls, whereas friction that follows F_N could only raise it.
+The spectral line at once per turn has an amplitude of {facts["amplitude"]:.1f} counts; if the axis is level and the speed loop stiff, this is M g L, so F_N = M L ω² is known in counts too, and k_i cancels.
 Table 1's C_lN would have added {facts["expected"]:.0f} counts.
-Mounting the disc changed friction by as much as was seen, so a smaller effect cannot be excluded: with that and its noise, C_lN is at most {facts["motor_C"]:.2g} m and B_lN at most {facts["motor_B"]:.2g} m s/rad.
-The line gives the clock, too: it lies at {facts["clock"]:.4f} times the logged speed, and that of the poles of the bare motor at {facts["clock_bare"]:.4f}, so that one of the two clocks is {100 * (facts["clock"] - 1):.1f} % off.
-The current is a magnitude, but near zero in only {100 * facts["stray"]:.1f} % of rows.
+Mounting the disc changed the friction by the amount observed, so a smaller effect cannot be excluded: allowing for this change and its noise, C_lN is at most {facts["motor_C"]:.2g} m and B_lN at most {facts["motor_B"]:.2g} m s/rad.
+The line also checks the clock: it is at {facts["clock"]:.4f} times the logged speed, and the bare motor's pole line at {facts["clock_bare"]:.4f}, so one of the two clocks is {100 * (facts["clock"] - 1):.1f} % off.
+The logged current is an absolute value, but it is near zero in only {100 * facts["stray"]:.1f} % of rows.
 
-**Flywheel coasting down** (16-duke-spin-down): the free cubic in the speed, from {facts["range"][0]:.0f} to {facts["range"][1]:.0f} rad/s.
+**Flywheel coasting down** (16-duke-spin-down): a free cubic in the speed, from {facts["range"][0]:.0f} to {facts["range"][1]:.0f} rad/s.
 
 {cubic_table(facts)}
 
-The published values {"are" if inside else "are not all"} inside the intervals of all rows; {facts["stopped"]} rows with a speed of 0 among the others make these wide.
-Without those rows, the curves agree at {middle:.0f} rad/s ({without:.4g} here, {published:.4g} rad/s² published) but the coefficients do not: the published ones go down to a lower speed, and a cubic is no law.
-About F_N a coast-down says nothing: on a level axis, C_lN and B_lN have the columns of air drag, ω|ω| and ω³, to {facts["alike"]:.0e} of their size.
+The published values {"are" if inside else "are not all"} inside the intervals for all rows, which are wide because of {facts["stopped"]} rows with a speed of 0 among the others.
+Without those rows, the curves agree at {middle:.0f} rad/s ({without:.4g} here, {published:.4g} rad/s² published) but the coefficients do not: the published fit extends to a lower speed, and a cubic is not a physical law.
+A coast-down says nothing about F_N: on a level axis, the columns of C_lN and B_lN are those of air drag, ω|ω| and ω³, to within {facts["alike"]:.0e} of their size.
 
-**Drum and tyre by the times of their turns** (17-hpvdt-revolutions): at 1 kg m², friction is {drum.estimates["C"].value:.3g} + {drum.estimates["B"].value:.3g} |ω| rad/s² for the drum and {tyre.estimates["C"].value:.3g} + {tyre.estimates["B"].value:.3g} |ω| for the tyre.
-This is one load; only a comparison over loads would say something of F_N.
+**Drum and tyre, from the times of their turns** (17-hpvdt-revolutions): for an inertia of 1 kg m², friction is {drum.estimates["C"].value:.3g} + {drum.estimates["B"].value:.3g} |ω| rad/s² for the drum and {tyre.estimates["C"].value:.3g} + {tyre.estimates["B"].value:.3g} |ω| for the tyre.
+This is a single load; only a comparison across loads would say anything about F_N.
 
-**Torque sensor between two equal motors** (18-actuator-dynamometer): with the sensor's {facts["at_rest"]:.3g} N m at rest taken out, it shows {", ".join(f"{row[2]:.3g} of {row[1]:.3g} N m at {row[0]:.0f} rad/s" for row in steps)} of k_i i.
-Viscous friction of the idle motor is {facts["viscous"][1]:.2g} N m s/rad, {100 * share:.0f} % of what the current gives for both, as it should be; its dry friction depends on the sensor's zero, which a shaft at rest does not show.
-No mass is unbalanced, and F_N never changes.
+**Torque sensor between two equal motors** (18-actuator-dynamometer): after subtracting the sensor's {facts["at_rest"]:.3g} N m at rest, the torque (sensor of k_i i) is {", ".join(f"{row[2]:.3g} of {row[1]:.3g} N m at {row[0]:.0f} rad/s" for row in steps)}.
+Viscous friction of the idle motor is {facts["viscous"][1]:.2g} N m s/rad, {100 * share:.0f} % of the value from the current for both motors, as expected; its dry friction depends on the sensor's zero, which a shaft at rest does not reveal.
+There is no unbalanced mass, so F_N never changes.
 
-**Screw drives** (measured): no unbalanced mass either. Dry friction is {screws} under one constant load; there is nothing to compare it with.
+**Screw drives** (measured): no unbalanced mass either. Dry friction is {screws} under one constant load, so there is nothing to compare.
 
 ## Result
 
-No log shows friction that follows F_N{"" if not seen else ", but for " + ", ".join(seen)}, and {len(able["C_lN"])} of {len(rows)} would have shown the size that Table 1 assumes with near certainty.
+No log shows friction that follows F_N{"" if not seen else ", but for " + ", ".join(seen)}, and {len(able["C_lN"])} of {len(rows)} would almost certainly have revealed the size that Table 1 assumes.
 Table 1's coefficients are excluded for these drives, by a factor of {1 / worst["C_lN"]:.0f} or more for C_lN and {1 / worst["B_lN"]:.0f} or more for B_lN.
-The idea itself is not: a rolling bearing has a small coefficient at a small radius, and such a C_lN may be below every bound here.
+The idea itself is not excluded: a rolling bearing has a small coefficient at a small radius, and such a C_lN may be below every bound here.
 
-## Doubt
+## Limitations
 
-- A bound holds for a model that lacks nothing else. Where it does, as on the servo, friction by another cause can hide a positive coefficient or push it to its bound of 0.
-- The torque of the pendulums is the driver's own, from its current, and its scale is not known; L or the masses take that up, and the bounds scale with it.
-- The disc turns through {np.ptp(plans[1][1].bounds.angle):.2g} rad or less nearly always: its F_N varies by a factor of {rows[1].force[1] / rows[1].force[0]:.2g} only, and its z rests on that and on the model of its voltage.
-- The argument about the brushless motor needs a level axis. If the axis is vertical, the line is something else and F_N is unknown.
-- z counts the noise of the log, correlated as it is, but no drift from one day to another.
+- A bound assumes that the model is otherwise complete. If it is not, as for the servo, friction from another cause can hide a positive coefficient or push it to its bound of 0.
+- The pendulums' torque is the motor driver's own estimate from its current, with an unknown scale; L or the masses absorb it in the fit, and the bounds scale with it.
+- The disc almost always turns through {np.ptp(plans[1][1].bounds.angle):.2g} rad or less: its F_N varies only by a factor of {rows[1].force[1] / rows[1].force[0]:.2g}, and its z depends on this and on the voltage model.
+- The argument on the brushless motor requires a level axis. If the axis is vertical, the line is something else and F_N is unknown.
+- z accounts for the noise of the log, including its correlation, but not for drift from one day to the next.
 """
 
 

@@ -182,6 +182,26 @@ def test_json_goes_round(result: FitResult, tmp_path: Path) -> None:
     assert result.to_dict() == json.loads(result.to_json())
 
 
+def test_what_stands_for_nothing_is_no_parameter(tmp_path: Path) -> None:
+    """Fitted by the current: R = 1 and k_e = 0 are in the emitted module, not in the result."""
+    rig = json.loads(RIG.read_text(encoding="utf-8"))
+    rig["known"] = {name: x for name, x in rig["known"].items() if not name.startswith(("R", "k_e"))}
+    rig |= {
+        "drive": "current",
+        "columns": {"time": "time_s", "theta_m": "theta_m_rad", "current": "current_A"},
+    }
+    found = eccentric.fit(LOG, rig)
+    path = tmp_path / "fit.json"
+    path.write_text(found.to_json(), encoding="utf-8")
+    (module, *_) = eccentric.emit("c2_parallel", tmp_path / "out", parameters=path, backend="numpy")
+
+    assert {"R": 1.0, "k_e": 0.0} == found.document["placeholders"]
+    assert not {"R", "k_e"} & {*found.parameters, *found.document["parameters"]}
+    assert {"R", "k_e", *found.parameters} == set(vars(found.module.Parameters()))
+    assert (1.0, 0.0) == (found.module.Parameters().R, found.module.Parameters().k_e)
+    assert "k_e: float = runtime.nonnegative(0.0," in module.read_text(encoding="utf-8")
+
+
 def test_it_is_drawn_on_two_axes_or_on_one(result: FitResult) -> None:
     """A new figure, or axes that are given; the held-out rows are on all of them."""
     left, right = result.plot()

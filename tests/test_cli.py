@@ -1,17 +1,25 @@
 """The command line: one line on bad input, quiet if nobody reads its output."""
 
+import argparse
 import os
+import re
 import subprocess
 import sys
 import types
 import warnings
 from collections.abc import Callable
+from importlib import import_module
+from inspect import signature
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+import eccentric
 from eccentric import cli
+from eccentric.cli.bench import _OF_A_FLEET
 from eccentric.core import InputError, folder
+from eccentric.emission import Adaptation
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -100,6 +108,30 @@ def test_a_command_documents_itself(name: str, capsys: pytest.CaptureFixture[str
     assert "\n" not in module.HELP
     assert " ".join(module.HELP.split()) in " ".join(shown.split())
     assert f"example:\n  eccentric {name}" in shown
+
+
+_FLEET = {n: p.default for n, p in signature(eccentric.bench_fleet).parameters.items() if n in _OF_A_FLEET}
+_STATED = {"adapt": vars(Adaptation()), "emit": vars(Adaptation()), "bench": _FLEET}
+
+
+@pytest.mark.parametrize("name", cli.COMMANDS)
+def test_help_has_one_style(name: str) -> None:
+    """No article, no capital, no full stop; a default reads "(default: X)" and is the one that is used."""
+    parser = argparse.ArgumentParser()
+    import_module(f"eccentric.cli.{name}").configure(parser)
+    actions = [action for action in parser._actions if action.dest != "help"]
+    stated: dict[str, Any] = {}
+    for action in actions:
+        text = str(action.help) % {"default": action.default}
+        found = re.findall(r"\(default: (.+?)\)", text)
+        stated |= dict.fromkeys([action.dest], *found)
+
+        assert text.count("default:") + text.count("by default") == len(found) <= 1, text
+        assert not re.match(r"(?!Python|Dask)[A-Z][a-z]|(an?|the|what) ", text), text
+        assert not text.endswith("."), text
+
+    used = {a.dest: a.default for a in actions if type(a.default) in {int, float}} | _STATED.get(name, {})
+    assert used == {dest: float(stated[dest]) for dest in used}
 
 
 def test_help_lists_every_command_without_importing_sympy() -> None:

@@ -107,6 +107,7 @@ def test_the_figure_has_a_bar_for_each_model(folder: Path) -> None:
     """As long as the errors of the table, and the files are written; the best member stands for a family."""
     found = eccentric.compare(LOG, RIG, ["c2_parallel", PLANTED])
     assert "(link_harmonic_friction[n=2])" in found.summary()
+    assert max(map(len, found.summary().splitlines())) <= 80
     lengths = [bar.get_width() for bar in found.plot().patches if isinstance(bar, Rectangle)]
 
     assert np.allclose(list(found.rmse["mechanical"].values()), lengths)

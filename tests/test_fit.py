@@ -157,7 +157,7 @@ def test_voltage_in_case_c1_stays_in_volts(tmp_path: Path) -> None:
 def test_emitted_parameters_predict_what_the_fit_predicts(tmp_path: Path) -> None:
     """The parameters of the document, put into the emitted module, give the fitted friction and voltage."""
     found = fitted(tmp_path, 'case = "C2"\n' + KNOWN, {"voltage_V": voltage("C2")})
-    parameters, notes = emitted_parameters(found)
+    parameters, notes, _ = emitted_parameters(found)
     module = load_module(load_model("c2_parallel"))
     channels, paper = found.problem.drive.channels, found.solutions["paper"]
     assert channels.motor.voltage is not None

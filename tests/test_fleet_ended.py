@@ -154,7 +154,7 @@ def test_a_joint_with_the_rig_of_another_is_not_judged_and_a_late_one_is_told(tm
 
     assert (right.document["joints_tested"], again.document["joints_tested"]) == (4, 3)
     assert list(right.document["joints_behind"].values()) == ["2025-05"]
-    assert "1 joint without an answer in the last period" in right.summary()
+    assert "1 joint without a result in the last period" in right.summary()
     assert {one.joint for one in again.drifting} == changed
     tested = [_tests(tmp_path / out) for out in ("right", "again")]
     assert wrong["joint"] in {joint for joint, _ in tested[0]}

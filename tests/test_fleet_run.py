@@ -238,7 +238,7 @@ def test_joints_without_a_log_and_reports_of_no_change_are_told_and_gone(
     found = eccentric.diagnose_fleet(tmp_path / "logs", fleet / "rigs.csv", out, scheduler=address)
 
     assert (found.drifting, found.problems) == ((), ())
-    assert "11 joints of the rigs' table without a log (J02, J03" in found.summary()
+    assert "11 joints in the rig table without a log (J02, J03" in found.summary()
     assert found.document["joints_without_log"] == [f"J{k:02d}" for k in range(2, 13)]
     # J02 has no log and no sums here: nothing was found of it, and what an earlier run found stays.
     kept = {path.relative_to(out / "joints").as_posix() for path in (out / "joints").rglob("[!.]*")}

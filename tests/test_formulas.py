@@ -14,7 +14,14 @@ from eccentric.effects import Effect
 from eccentric.model import Quantity, load_model, meaning, model_names, quantity
 from eccentric.model import vocabulary as v
 from eccentric.presentation.html.equation import typesetter_of
-from eccentric.presentation.html.formulas import Typesetter, equation, letter, plain, short_formula
+from eccentric.presentation.html.formulas import (
+    Typesetter,
+    equation,
+    letter,
+    plain,
+    short_formula,
+    with_symbols,
+)
 from tests.extended import CASES, effects
 from tests.mathml import read, value
 
@@ -120,6 +127,23 @@ def test_letters() -> None:
     assert "<msubsup><mi>B</mi><mi>lN</mi><mo>+</mo></msubsup>" == letter("B_lN^+")
     assert "<mrow><mi>Δ</mi><msub><mi>k</mi><mi>e</mi></msub></mrow>" == letter("Delta k_e")
     assert "<mi>load_torque</mi>" == letter("load_torque")
+
+
+@pytest.mark.parametrize(
+    ("typed", "set_as"),
+    [
+        ("k_i and M_l.", "[k_i] and [M_l]."),
+        ("only J_m + mu^2 J_l, R/k_i", "only [J_m] + [mu^2] [J_l], R/[k_i]"),
+        ("B_lN_pos <&", "[B_lN_pos] &lt;&amp;"),
+        # Names of files, columns and code, and units, are not symbols.
+        ("a_1.csv, 'i_q', J_l_kgm2, theta_zero_rad, stribeck_v, load[F_N,d=2], 2 kg m^2", None),
+    ],
+)
+def test_symbols_in_a_sentence_are_set(typed: str, set_as: str | None) -> None:
+    """Letters with an index become MathML; everything else is escaped text."""
+    expected = re.sub(r"\[(.*?)\]", lambda mark: f"<math>{letter(mark[1])}</math>", set_as or "")
+
+    assert (expected if set_as else typed.replace("'", "&#x27;")) == with_symbols(typed)
 
 
 def test_a_letter_of_two_quantities_stays_with_none_of_them() -> None:

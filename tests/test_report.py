@@ -14,7 +14,7 @@ from jinja2 import meta
 import eccentric.presentation.html as package
 from eccentric.core import folder
 from eccentric.presentation.html import page
-from eccentric.presentation.html.data import Errors
+from eccentric.presentation.html.data import Correlations, Errors
 from eccentric.presentation.html.text import number, why
 from eccentric.presentation.html.view import view
 from tests.page_reader import Reader, figures_of
@@ -47,6 +47,25 @@ def test_the_verdict_comes_first(plain: str) -> None:
     places = [text.index(heading) for heading in headings]
 
     assert sorted(places) == places
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_symbols_have_subscripts() -> None:
+    """In sentences, warnings, facts and tables, B_lN is typeset; only code keeps its underscores."""
+    data = sample(
+        500,
+        sentence="k_i is off.",
+        closest="M_l too.",
+        next_measurement="Weigh M_l.",
+        warnings=("J_l is unknown",),
+        correlations=Correlations(("B_lN", "C_lN", "wobble_s2"), np.eye(3)),
+    )
+    found = page(data)
+    text = re.sub(r"<(code|pre|style).*?</\1>", "", found, flags=re.DOTALL)
+
+    assert [] == re.findall(r"\b[A-Za-z]_[A-Za-z0-9]+", text)
+    assert 9 == text.count("<msub>")
+    assert "<code>wobble_s2</code>" in found
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -281,7 +300,7 @@ def test_templates_use_what_they_are_given() -> None:
             continue
         used |= meta.find_undeclared_variables(environment.parse(path.read_text(encoding="utf-8")))
 
-    assert set(view(sample(50), "")) == used
+    assert {*view(sample(50), ""), "symbols"} == used
 
 
 # Nothing that comes from a log, a rig or a user becomes markup.

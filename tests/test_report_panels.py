@@ -52,6 +52,20 @@ def test_before_is_after_plus_effect_in_every_bin() -> None:
         assert np.allclose(means["before"], means["after"] + means["effect"], atol=1e-15, equal_nan=True)
 
 
+def test_the_curve_over_velocity_is_broken_at_zero() -> None:
+    """Friction of 0.1 N m jumps by 0.2 there; no point is a mean of both directions."""
+    omega = np.random.default_rng(3).uniform(-5.0, 8.0, 5000)
+    rows = replace(rows_of(5000), channels=(Channel("velocity", "velocity", "rad/s", omega),))
+    balance = replace(balance_of(rows_of(5000)), rows=rows, measured=0.1 * np.sign(omega))
+    panel = friction_panel(balance, rows.channels[0])
+    assert panel is not None
+    gap = np.flatnonzero(np.isnan(panel.at))
+
+    assert 1 == len(gap)
+    assert panel.at[gap[0] - 1] < 0.0 < panel.at[gap[0] + 1]
+    np.testing.assert_allclose(panel.curves["measured"].middle, 0.1 * np.sign(panel.at), rtol=1e-12)
+
+
 def test_a_mean_of_a_line_lies_on_the_line() -> None:
     """Friction that is linear in a channel is drawn on that line, without a shift by the bins."""
     rows = rows_of(5000)

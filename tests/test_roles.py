@@ -262,7 +262,7 @@ def test_what_is_emitted_of_a_fit_has_all_its_friction(name: str, tmp_path: Path
     log, file = log_of(tmp_path, 11, case="C1", seconds=20.0)
     rig = read_rig(file)
     fitted = fit(read_channels([log], rig), rig, load_model(name))
-    values, _ = emitted_parameters(fitted)
+    values, *_ = emitted_parameters(fitted)
     expected = {c.parameter.name: fitted.coefficients[c.name].value for c in regressor(load_model(name))}
 
     assert all(expected[parameter] > 0.0 for parameter in expected if parameter.startswith(("B_m", "C_m")))

@@ -20,7 +20,7 @@ from eccentric.diagnosis.search.stability import Stability, stability_of
 from eccentric.diagnosis.search.verdict import Adopted, decided
 from eccentric.identification import BalanceDesign
 from eccentric.presentation import stability_words
-from eccentric.presentation.diagnosis_text import _covered
+from eccentric.presentation.diagnosis_text import _ranked
 from tests.searched import BLOCKS, COLUMNS, SIZE, N, adopted, candidate, design, mixed, search
 
 A, B, C = candidate("a", {2: 1.0}), candidate("b", {3: 1.0}), candidate("c", {4: 1.0})
@@ -322,8 +322,13 @@ def test_the_words_say_which_variants_find_it(own: Adopted | None, expected: str
     assert stability_words(cast("Any", found), cast("Any", SimpleNamespace(id="a"))) == expected
 
 
-def test_a_covered_cause_is_marked() -> None:
+def test_a_covered_cause_is_below_its_name() -> None:
     """Its probability is part of that of the name, so that the two are not added."""
     own = Adopted("electrical", grid(A)[0], (), 0.1, covers=("b",))
-    found: Any = SimpleNamespace(attribution=SimpleNamespace(adopted=(own,)))
-    assert (f", counted in {A.id}", "") == (_covered(found, "b"), _covered(found, "c"))
+    ranks = (("a", 0.9), ("c", 0.06), ("b", 0.5))
+    words = SimpleNamespace(headline="")
+    every = [SimpleNamespace(id=x, family=x, probability=p, words=words) for x, p in ranks]
+    found: Any = SimpleNamespace(attribution=SimpleNamespace(adopted=(own,), candidates=every))
+
+    assert "a" == A.family
+    assert ["  0.90 a", "    of which 0.50 b", "  0.06 c"] == _ranked(found)

@@ -43,7 +43,7 @@ def adapt(
 
     Raises:
         InputError: whatever `fit` refuses; a log without current, or one that does not fit its rig; a model
-            that cannot be followed.
+            that the estimator does not support.
     """
     asked = asked_adaptation(True, forgetting, false_alarms, settle)
     sources, rig = sources_of(log), read_rig(rig)
@@ -95,7 +95,7 @@ def _with_current(drive: Drive, values: Mapping[str, float]) -> Channels:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AdaptResult(Printed):
-    """How friction went along a log. It prints as `summary()` and shows as a table in a notebook.
+    """Friction coefficients along a log. It prints as `summary()` and shows as a table in a notebook.
 
     Attributes:
         course: the coefficients over time, as arrays.
@@ -105,7 +105,7 @@ class AdaptResult(Printed):
     course: Replay
 
     def table(self) -> ResultTable:
-        """A row for each coefficient: start, end, its standard deviation, and seconds unseen."""
+        """A row for each coefficient: first and last value, standard error, seconds unobserved."""
         found = self.course
         cells = zip(
             found.names, found.start, found.values[-1], found.deviations[-1], found.unseen[-1], found.units,

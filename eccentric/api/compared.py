@@ -45,9 +45,9 @@ def compare(
         logs: one log or a list of them, as `fit` takes them.
         rig: what is known about the rig, as `fit` takes it.
         models: one model or several: a Model, its name, or the path of a derivation. A name or path may be
-            extended by effects, each a family or an id: "c2_parallel+stribeck[d=1]+cogging". A family stands
-            for its member that suits the training part best.
-        effects: the path of a Python file with effects of your own.
+            extended by effects, each a family or an id: "c2_parallel+stribeck[d=1]+cogging". A family means
+            the member that fits the training part best.
+        effects: the path of a Python file with your own effects.
         reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read.
 
     Raises:
@@ -64,7 +64,7 @@ def compare(
     return CompareResult(
         contest=found,
         simulated=simulated,
-        lines=tuple(contest_lines(found, simulated, rig.axis.unit("rad"))),
+        lines=tuple(contest_lines(found, simulated, rig.axis)),
         warnings=found.warnings,
         document=contest_document(found, simulated),
         fitted=fitted,
@@ -79,7 +79,7 @@ def _models(models: ModelSource | Sequence[ModelSource]) -> list[str | Model]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CompareResult(Printed):
-    """Models on the same rows. It prints as `summary()` and shows as a table in a notebook.
+    """Models compared on the same rows. It prints as `summary()` and shows as a table in a notebook.
 
     Attributes:
         contest: entries, best first, with the row of Coulomb + viscous friction.
@@ -94,7 +94,7 @@ class CompareResult(Printed):
     def rmse(self) -> dict[str, dict[str, float]]:
         """Balance -> model -> held-out RMSE in `unit`, best first.
 
-        The electrical balance has the models that say something about it.
+        The electrical balance contains only the models that describe it.
         """
         entries = self.contest.entries
         circuit = {entry.name: entry.circuit for entry in entries if entry.circuit is not None}
@@ -103,7 +103,7 @@ class CompareResult(Printed):
 
     @property
     def unit(self) -> str:
-        """Unit of the errors: "N m", or that of the drive where the models find its scale."""
+        """Unit of the errors: "N m", or that of the drive signal if the models identify its scale."""
         return self.contest.unit
 
     def table(self) -> ResultTable:
@@ -168,16 +168,16 @@ def simulate(
 ) -> SimulateResult:
     """Simulate fitted models with the input of a log, and compare their motion with the measured one.
 
-    The models are fitted on the training part, as `diagnose` and `compare` do it. The drive signal of the log
+    The models are fitted on the training part, as in `diagnose` and `compare`. The drive signal of the log
     (voltage, current or torque) moves them over windows of the held-out part, from the smoothed measured
-    state, and over whole runs; over these also the controller of the rig, if it has one.
+    state, and over whole runs; whole runs are also simulated with the rig's controller, if it has one.
 
     Args:
         logs: one log or a list of them, as `fit` takes them.
         rig: what is known about the rig, as `fit` takes it.
         models: a model or several, as `compare` takes them; by default what `diagnose` finds: Coulomb +
             viscous friction ("linear"), the model of the rig's case ("paper"), and the extended one.
-        effects: the path of a Python file with effects of your own.
+        effects: the path of a Python file with your own effects.
         progress: called with one line for each stage of a diagnosis.
         reading: called with the part that is done, 0 to 1, while long logs are read, and while simulating
             with a second argument "simulating".
@@ -213,10 +213,10 @@ def simulate(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SimulateResult(Printed):
-    """Simulated against measured motion. It prints as `summary()` and shows as a table in a notebook.
+    """Simulated and measured motion. It prints as `summary()` and shows as a table in a notebook.
 
     Attributes:
-        errors: of each model, with a few parts of the motion for a figure.
+        errors: errors of each model, with a few parts of the motion for the figure.
         unit: of the errors: that of the motor angle.
         lines, warnings, document, fitted: as in Printed; the document is the content of simulation.json.
     """
@@ -227,8 +227,9 @@ class SimulateResult(Printed):
     def table(self) -> ResultTable:
         """A row for each model: its mean absolute error over each horizon and over whole runs.
 
-        `runs` is that over all runs driven by the logged signal; `controlled` and `controlled_held_out` are
-        with the controller of the rig, over all runs and over those held out. None where there is none.
+        `runs` is the error over all runs driven by the logged signal; `controlled` and `controlled_held_out`
+        are errors with the rig's controller, over all runs and over the held-out runs. None if there is no
+        such error.
         """
         horizons = tuple(f"{horizon:g} s" for horizon in self.errors.horizons_s)
         names = ("model", *horizons, "runs", "controlled", "controlled_held_out")

@@ -19,18 +19,19 @@ _MOST_COLUMNS = 40
 
 @dataclass(frozen=True, repr=False)
 class LogDescription(ResultBase):
-    """A log as it was read.
+    """What a log file contains, and how it was read.
 
     Attributes:
         path: of its file.
         format: what kind of file it is.
         rows: how many it has.
-        numbers: column of numbers -> its unit where the file says it, smallest and largest value, and how
-            many are missing.
-        texts: column of text -> how many different ones it has.
-        clock: the column of time, its unit, and rows per second (median); None where no column rises so.
-        clock_doubt: what is not sure about the clock, or why there is none; "" for nothing.
-        notes: what was done to read it, and what was left out.
+        numbers: numeric column -> its unit if the file states it, smallest and largest value, number of
+            missing values.
+        texts: text column -> number of different values.
+        clock: the time column, its unit, and rows per second (median); None if no column increases like a
+            time.
+        clock_doubt: what is uncertain about the time column, or why there is none; "" if nothing is.
+        notes: how it was read, and what was left out.
     """
 
     path: str
@@ -43,11 +44,11 @@ class LogDescription(ResultBase):
     notes: tuple[str, ...]
 
     def summary(self) -> str:
-        """For a terminal."""
+        """The result as text for a terminal."""
         return "\n".join(self._lines())
 
     def table(self) -> ResultTable:
-        """A row for each column of numbers: unit, lowest and highest value, and how many are missing."""
+        """A row for each numeric column: unit, lowest and highest value, number of missing values."""
         names = ("column", "unit", "lowest", "highest", "missing")
         return ResultTable(names, tuple((name, *found) for name, found in self.numbers.items()))
 
@@ -76,7 +77,7 @@ class LogDescription(ResultBase):
 
 
 def describe_log(path: str | os.PathLike[str]) -> LogDescription:
-    """Say of a file what it is and what was understood of it, without a rig.
+    """Describe a log file: its format, columns and time, without a rig.
 
     Raises:
         InputError: it cannot be read as a log; the message says why.

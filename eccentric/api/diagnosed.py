@@ -71,7 +71,7 @@ def diagnose(
     empirical: bool = False,
     reading: Callable[[float], None] | None = None,
 ) -> DiagnosisResult:
-    """Find what a friction model lacks on logs of a rig, add it, and measure the error again.
+    """Find the effects that a friction model is missing on the logs of a rig, add them, and score the result.
 
     Args:
         logs: one log or a list of them: paths, tables in memory (a dict of arrays, or a table of pandas,
@@ -79,18 +79,18 @@ def diagnose(
         rig: what is known about the rig: the path of a rig file, its content as a mapping, or what `read_rig`
             returned.
         model: the base model: a Model, its name, or the path of a derivation; by default that of the rig's
-            case. It may be extended already, such as the `model` of an earlier result: coefficients of
-            friction are fitted, those that its effects added included; other values of effects, such as the
+            case. It may already be extended, such as the `model` of an earlier result: all friction
+            coefficients are fitted, including those of its effects; other values of its effects, such as the
             amplitude of cogging, are kept.
-        effects: the path of a Python file with effects of your own.
+        effects: the path of a Python file with your own effects.
         progress: called with one line for each stage.
-        including: effects that the model has from the start, so that the verdict is about the rest: families
-            or ids of the library, or of your own; one or several. Their shapes are those that suit the
-            training part; coefficients of friction are fitted with the rest.
-        without: effects that the search may not offer.
-        only: the only effects that the search may offer; all, if empty.
-        empirical: whether the resulting model gets a term without a cause besides, a smooth one in the one or
-            two variables that the rest follows; the verdict and the named effects stay what they are.
+        including: effects to include from the start, so that the verdict is about the rest: one or several
+            families or ids, of the library or your own. Their shapes are those that fit the training part
+            best; their friction coefficients are fitted with the rest.
+        without: effects or families not to search for.
+        only: the only effects or families to search for; all if empty.
+        empirical: whether the resulting model also gets an empirical term, smooth in the one or two variables
+            that the remaining residual depends on; verdict and named effects stay the same.
         reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read.
 
     Raises:
@@ -147,13 +147,13 @@ def _scripts(effects: Path | None, model: str | Model | None) -> tuple[Path, ...
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DiagnosisResult(Result):
-    """What a diagnosis found. It prints as `summary()`, shows as tables in a notebook, and can be pickled.
+    """The result of a diagnosis. It prints as `summary()`, shows as tables in a notebook, and can be pickled.
 
     Attributes:
         script: the derivation of the extended model, the text of model.py.
-        own: name -> text of the scripts that it loads: those of your own, and base.py where the base model
-            was given as a Model.
-        data: everything that the report shows.
+        own: name -> text of the scripts that it loads: your own, and base.py if the base model was given as a
+            Model.
+        data: the content of the report.
         model, origin, estimates, lines, warnings, document, fitted: as in Result; the model is the
             extended one, without an adopted effect the base model, fitted; the document is the content of
             diagnosis.json.
@@ -175,7 +175,7 @@ class DiagnosisResult(Result):
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Ids of the effects that the model lacked, in order of adoption; empty if none is named."""
+        """Ids of the effects that the model was missing, in order of adoption; empty if none is named."""
         return tuple(effect["id"] for effect in self.document["effects"])
 
     @property
@@ -201,7 +201,7 @@ class DiagnosisResult(Result):
 
     @property
     def depends_on(self) -> tuple[str, ...]:
-        """What the residual of the paper's model depends on, strongest first."""
+        """Variables that the residual of the paper's model depends on, strongest first."""
         return self.data.conclusion.depends_on
 
     @property
@@ -214,8 +214,8 @@ class DiagnosisResult(Result):
 
         The origin is "effect" or "friction" (fitted), "bench" (estimated jointly with them), "part" (the log
         identifies only a combination, which the report names), "rig" (known), "model" (the base model's own
-        value, not fitted) or "unseen" (nothing in the log depends on it). A letter of the motor that is
-        neither known nor identified is no row.
+        value, not fitted) or "unseen" (nothing in the log depends on it). Motor constants that are neither
+        known nor identified are left out.
         """
         names = ("name", "value", "std_error", "lower", "upper", "unit", "bound", "origin")
         return ResultTable(names, tuple(map(_row, self.data.extended.parameters)))
@@ -223,7 +223,7 @@ class DiagnosisResult(Result):
     def candidates(self) -> ResultTable:
         """The effects considered, best first: cross-validated RMSE, probability among families.
 
-        None of those that are tied is adopted, although the extended model has the first of them.
+        Tied effects count as not adopted, although the extended model contains the first of them.
         """
         names, tied = ("id", "family", "balance", "rmse", "probability", "adopted"), self.data.search.tied
         rows = (
@@ -250,9 +250,9 @@ class DiagnosisResult(Result):
         return Path(path)
 
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
-        """Write what the command `eccentric diagnose` writes: report, JSON, script and the emitted model.
+        """Write the files of `eccentric diagnose`: report, JSON, script and the emitted model.
 
-        A log that does not fit the rig gives no emitted model.
+        The emitted model is omitted if the log does not fit the rig.
 
         Raises:
             InputError: the folder cannot be written.
@@ -262,7 +262,7 @@ class DiagnosisResult(Result):
         return [Path(out) / name for name in names]
 
     def fill(self, folder: Path) -> Sequence[str]:
-        """Write the files of `write` into a folder that is there; return their names."""
+        """Write the files of `write` into an existing folder; return their names."""
         (folder / "diagnosis.json").write_text(self.to_json(), encoding="utf-8")
         (folder / "model.py").write_text(self.script, encoding="utf-8")
         for name, text in self.own.items():

@@ -61,13 +61,13 @@ from eccentric.signals import (
 
 @dataclass(frozen=True, repr=False)
 class RigDraft(ResultBase):
-    """A drafted rig.
+    """A draft of a rig file.
 
     Attributes:
         text: the rig file as TOML, each line with its evidence as a comment.
         proposals: the channels; `left_out`: column -> why it is no channel.
-        doubts: what is not sure, one line each.
-        questions: what has to be typed, since no log shows it; those of `needed` a fit refuses to do without.
+        doubts: uncertain choices, one line each.
+        questions: values to fill in, since no log shows them; a fit requires those in `needed`.
     """
 
     text: str
@@ -78,12 +78,12 @@ class RigDraft(ResultBase):
 
     @property
     def needed(self) -> tuple[str, ...]:
-        """The letters that have to be typed for a fit."""
+        """The quantities to fill in before a fit."""
         return tuple(e.key for e in self.questions if e.needed)
 
     @property
     def needed_to_diagnose(self) -> tuple[str, ...]:
-        """The letters that a diagnosis requires besides, where voltage and current are mapped."""
+        """The further quantities to fill in before a diagnosis, if voltage and current are mapped."""
         if not {"voltage", "current"} <= {p.channel for p in self.proposals}:
             return ()
         return tuple(e.key for e in self.questions if e.key in ("R", "k_e") and not e.needed)
@@ -101,7 +101,7 @@ class RigDraft(ResultBase):
         return "\n".join([*rows, f"still to fill in: {', '.join(self.needed) or 'nothing'}{more}"])
 
     def table(self) -> ResultTable:
-        """A row for each channel: column, unit, confidence from 0 to 1, and what it could be besides."""
+        """A row for each channel: column, unit, confidence from 0 to 1, and the alternatives."""
         names = ("channel", "column", "unit", "confidence", "doubt")
         rows = ((p.channel, p.column, p.unit, p.confidence, p.doubt) for p in self.proposals)
         return ResultTable(names, tuple(rows))
@@ -110,7 +110,7 @@ class RigDraft(ResultBase):
         return f"<RigDraft: {counted(len(self.proposals), 'channel')}, {counted(len(self.doubts), 'doubt')}>"
 
     def write(self, out: str | os.PathLike[str]) -> Path:
-        """Write the rig file. InputError if there is one already: a draft replaces nobody's work."""
+        """Write the rig file. InputError if the file exists: a draft overwrites nothing."""
         path = Path(out)
         if path.suffix != ".toml":
             raise InputError(path, "a rig file .toml", f"{path.suffix or 'no suffix'!r}")
@@ -124,14 +124,15 @@ class RigDraft(ResultBase):
 
 @dataclass(frozen=True, repr=False)
 class RigCheck(ResultBase):
-    """What is wrong with a rig file for a log, and what the log will determine.
+    """Problems of a rig file with a log, and the quantities that the log will determine.
 
     Attributes:
-        complaints: one line each, with the mend; empty if the rig can be used.
-        estimated: what the log determines, from what, and how well, one line each; empty with complaints.
+        complaints: problems, one line each, with the fix; empty if the rig file can be used.
+        estimated: quantities that the log determines, from what, and how well, one line each; empty if there
+            are complaints.
         warnings: of reading and fitting the log.
-        doubts: values that were guessed from the log, or that a plain balance of it does not give, one line
-            each; the rig can be used with them.
+        doubts: values that were guessed from the log or that a simple torque balance contradicts, one line
+            each; the rig file can still be used.
     """
 
     complaints: tuple[str, ...]
@@ -140,7 +141,7 @@ class RigCheck(ResultBase):
     doubts: tuple[str, ...] = ()
 
     def summary(self) -> str:
-        """For a terminal."""
+        """The result as text for a terminal."""
         if self.complaints:
             return "\n".join(self.complaints)
         found = (
@@ -180,14 +181,15 @@ def draft_rig(
     beside: str | os.PathLike[str] = ".",
     reading: Callable[[float], None] | None = None,
 ) -> RigDraft:
-    """Draft the rig of a log, or of several of one rig, of which the longest is looked at.
+    """Draft the rig file of a log, or of several logs of one rig, of which the longest is used.
 
     Args:
         logs: as in `fit`.
         name: of the rig; by default that of the log.
-        arm: the path of an arm, .toml or .urdf: its joints' columns are found by pattern.
-        rate_hz: rows per second of logs without a column of time.
-        beside: the folder that the rig file of an arm will be in: its path is written relative to it.
+        arm: the path of an arm, .toml or .urdf, whose joints' columns are found by a pattern.
+        rate_hz: rows per second of logs without a time column.
+        beside: the folder in which the rig file of an arm will be: the path of the arm is written relative to
+            it.
         reading: called with the part of the joints of an arm that is done, 0 to 1.
 
     Raises:
@@ -235,7 +237,7 @@ def _same_columns(logs: Sequence[Log]) -> Log:
 
 
 def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any]) -> RigCheck:
-    """Check a rig file, of a drive or of an arm, alone and against logs, and list all that is wrong at once.
+    """Check the rig file of a drive or an arm by itself and against logs, and list all its problems at once.
 
     Raises:
         InputError: a log or the file cannot be read at all.

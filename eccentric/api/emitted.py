@@ -53,30 +53,31 @@ def emit(
     false_alarms: float | None = None,
     settle: int | None = None,
 ) -> list[Path]:
-    """Write a model as a NumPy module and C99, and what checks the C, into a folder; return the paths.
+    """Write a model as a NumPy module and C99, with files that check the C, into a folder; return the paths.
 
     Args:
         model: a Model, its name, or the path of a derivation, an arm file or a URDF.
-        out: a folder of its own, new or written by eccentric before.
+        out: the output folder: new, empty, or written by eccentric.
         parameters: defaults of the emitted code: a FitResult, a fit.json, its folder or its content, or
             values in SI by the paper's letters; by default those of the model.
         prefix: name of the files and prefix of the C functions; by default the model's name.
-        backend: a target or several, by the names that `eccentric emit --help` lists.
-        single_file: whether the NumPy module contains its runtime, which is otherwise a file beside it.
-        functions: names of the functions that are emitted, with the coefficients that they need; by default
-            all. Hidden states keep their step.
-        arrays: whether C has array functions, in a header of their own where functions are chosen; by default
-            only where none are chosen.
-        fixed: whether C has the default parameters only: no `prepare`, and no files that check it.
-        accept_misfit: emit the values of a fit or a diagnosis although its log does not fit the rig.
+        backend: one target or several: "numpy", "c99", "jax"; by default NumPy and C99.
+        single_file: whether the NumPy module contains its runtime, which is otherwise a file next to it.
+        functions: names of the functions to emit, with the coefficients they need; by default all. The `step`
+            of hidden states is always emitted.
+        arrays: whether to write array functions in C, in a header of their own if `functions` are given; by
+            default only if none are given.
+        fixed: whether the C is for the default parameters only, without `prepare` and the files that check
+            it.
+        accept_misfit: emit the values of a fit or a diagnosis even if its log does not fit the rig.
         adapt: add an estimator of the friction coefficients, NAME_adapt.h, .c and .py; its prior is that of
-            the fit, where the parameters are one.
-        compensation: add a compensation of the friction for a loop, NAME_compensation.h, .c and .py; its gain
-            follows from the fit, where the parameters are one.
-        forgetting, false_alarms, settle: of this estimator: forgetting per row, the mean number of samples
-            between two false alarms, and the samples left out after a reversal; by default 0.999, 1e7, 20.
+            the fit, if the parameters are a fit.
+        compensation: add a friction compensation for a control loop, NAME_compensation.h, .c and .py; its
+            gain follows from the fit, if the parameters are a fit.
+        forgetting, false_alarms, settle: of this estimator: forgetting factor per sample, mean number of
+            samples between false alarms, samples to skip after a reversal; by default 0.999, 1e7, 20.
 
-    What the model carries as a caution, such as a choice that its log did not decide, is a UserWarning.
+    Cautions of the model, such as a choice that its log did not decide, are issued as UserWarning.
 
     Raises:
         InputError: there is no such model, target or function, or it cannot be emitted; the parameters are
@@ -138,7 +139,7 @@ def _content(parameters: str | os.PathLike[str] | FitResult | Mapping[str, Any])
 
 @dataclass(frozen=True, repr=False)
 class ExportResult(ResultBase):
-    """What an export wrote, and how close it is.
+    """The files of an export, and how accurate its friction is.
 
     Attributes:
         paths: of the files.
@@ -149,7 +150,7 @@ class ExportResult(ResultBase):
     lines: tuple[str, ...]
 
     def summary(self) -> str:
-        """What the command prints."""
+        """The text that the command prints."""
         return "\n".join(self.lines)
 
     def table(self) -> ResultTable:
@@ -170,18 +171,18 @@ def export(
     prefix: str | None = None,
     accept_misfit: bool = False,
 ) -> ExportResult:
-    """Write a drive, with its friction at rest and in motion, as a model of a simulator.
+    """Write a drive, with its friction at rest and in motion, as a simulator model.
 
     Args:
         source: a Model, its name, or the path of a derivation; a FitResult, or the path of a fit.json; or the
             folder of a fit or of a diagnosis.
-        to: the target, by the names that `eccentric export --help` lists.
-        out: a folder of its own, new or written by eccentric before.
+        to: the target: "mjcf", "budget", "urdf", "usd", "bam", "newton" or "fmu".
+        out: the output folder: new, empty, or written by eccentric.
         parameters: values for a model, as `emit` takes them.
-        speeds: lowest and highest motor speed [rad/s] over which friction with constant coefficients is
-            fitted; by default those of the log, and 1 to 60 without one.
+        speeds: lowest and highest motor speed [rad/s] over which to fit the friction if the target has only
+            constant coefficients; by default those of the log, or 1 to 60 without a log.
         prefix: name of the files; by default the model's name.
-        accept_misfit: export the values of a fit or a diagnosis although its log does not fit the rig.
+        accept_misfit: export the values of a fit or a diagnosis even if its log does not fit the rig.
 
     Raises:
         InputError: there is no such model or target; the target cannot take the drive, an arm or a carriage;

@@ -51,9 +51,10 @@ def fit(
         rig: what is known about the rig: the path of a rig file, its content as a mapping, or what `read_rig`
             returned.
         model: a Model, its name, or the path of a derivation; by default that of the rig's case or tilt.
-        simulated: whether the parameters are refined on the simulated error of the training part: over whole
-            runs with the controller of the rig, where it has one, else over windows of half a second. Then
-            friction may follow the current, which regression on the drive cannot tell from the drive itself.
+        simulated: whether to refine the parameters on the simulated motion of the training part: over whole
+            runs with the controller of the rig, where it has one, else over windows of half a second.
+            Friction may then depend on the current, which a regression on the drive signal cannot separate
+            from the signal itself.
         reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read,
             and with a second argument "refining" while parameters are refined.
 
@@ -101,11 +102,11 @@ def fit(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FitResult(Result):
-    """What a fit found. It prints as `summary()`, shows as a table in a notebook, and can be pickled.
+    """The result of a fit. It prints as `summary()`, shows as a table in a notebook, and can be pickled.
 
     Attributes:
         base: the model that was fitted, with its own defaults; `model` is the fitted one.
-        combinations: name -> Estimate, of what the log shows only in combination.
+        combinations: name -> Estimate, of parameters that the log determines only in combination.
         rmse: balance ("mechanical") -> model -> error on the held-out rows in `unit`; models are "paper" (the
             fitted one), "linear" (Coulomb and viscous friction) and "paper_unbounded".
         r_squared: of the drive signal on the held-out rows, by model.
@@ -113,8 +114,8 @@ class FitResult(Result):
         improvement: reduction of the held-out error from that of Coulomb and viscous friction, in percent,
             with its 95 % interval `improvement_interval`.
         comparison: measured and predicted friction on the held-out rows.
-        model, origin, estimates, lines, warnings, document, fitted: as in Result; the remark of each
-            parameter of the model has its interval, and the document is the content of fit.json, which
+        model, origin, estimates, lines, warnings, document, fitted: as in Result; the comment of each
+            parameter of the model gives its interval; the document is the content of fit.json, which
             `eccentric emit --parameters` takes.
     """
 
@@ -138,7 +139,7 @@ class FitResult(Result):
     def table(self) -> ResultTable:
         """The estimates: value, standard error, 95 % interval, unit, and the active bound, "" without one.
 
-        The standard error takes a value at a bound as that bound; the interval does not.
+        Standard errors assume that estimates at a bound stay there; intervals do not.
         """
         return estimate_table(self.estimates)
 
@@ -147,7 +148,7 @@ class FitResult(Result):
         plot_fit(self.comparison, *axes)
 
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
-        """Write what the command `eccentric fit` writes: fit.json and, with matplotlib, fit.png and fit.svg.
+        """Write the files of `eccentric fit`: fit.json and, with matplotlib, fit.png and fit.svg.
 
         Raises:
             InputError: the folder cannot be written.
@@ -168,15 +169,15 @@ class FitResult(Result):
 class FrictionRegressor:
     """`eccentric.fit` with the interface of scikit-learn, for its cross-validation, grids and pipelines.
 
-    X holds the rows of one log in the order of time: a data frame or a dict of arrays, by the names that the
-    rig maps, or an array (n, k) with `columns` as names. y (n,) is the column of the drive signal.
-    scikit-learn itself is not needed.
+    X contains the rows of one log in time order: a data frame or a dict of arrays with the column names of
+    the rig, or an array (n, k) whose names are `columns`. y (n,) is the drive signal. scikit-learn itself is
+    not required.
 
     Args:
-        rig: what is known about the rig, as `eccentric.fit` takes it; `drive` is its key where it maps
-            several drive signals.
+        rig: what is known about the rig, as `eccentric.fit` takes it; if it maps several drive signals,
+            `drive` must name one.
         model: the friction model, as `eccentric.fit` takes it.
-        columns: names of the columns of X, where that is an array.
+        columns: names of the columns of X if it is an array.
 
     Attributes:
         result_: after `fit`, the FitResult.
@@ -207,10 +208,11 @@ class FrictionRegressor:
         return self
 
     def predict(self, X: Any) -> NDArray[np.float64]:
-        """The drive signal (n,) that the motion in X requires, in the unit of y.
+        """Predicted drive signal (n,) for the motion in X, in the unit of y.
 
         Raises:
-            InputError: nothing was fitted; X lacks a column; a row is not a number, or the rig averages rows.
+            InputError: `fit` was not called; X has no such column; a value is not a number; or the rig
+                averages rows.
         """
         if not hasattr(self, "result_"):
             raise InputError("predict", "a fit before it", "none")

@@ -71,26 +71,27 @@ def diagnose_fleet(
     rate: float = RATE,
     progress: Callable[[float, str], None] | None = None,
 ) -> FleetResult:
-    """Reduce the logs of a fleet to coefficients by joint and period, and find what changed where.
+    """Find which joints of a fleet changed, and how, from friction coefficients by joint and period.
 
-    What is in `out` from an earlier run stays: only logs that are new or changed are read, and no log is
-    written to. Joints that changed are diagnosed against their own past. Workers are processes that read the
-    script again: call this below `if __name__ == "__main__":`.
+    Results of an earlier run in `out` are reused: only new and changed logs are read. Logs are never
+    modified. Joints that changed are diagnosed against their own past. Workers are processes that import the
+    calling script: call this below `if __name__ == "__main__":`.
 
     Args:
-        logs: a folder or a glob of logs, best Parquet, in folders such as joint=J7/month=2025-03.
-        rigs: a rig file for all joints, or a table (.csv, .toml) of joints, their rig files and own values.
+        logs: a folder or a glob of logs, preferably Parquet, in folders such as joint=J7/month=2025-03.
+        rigs: a rig file for all joints, or a table (.csv, .toml) of joints, their rig files and individual
+            values.
         out: a folder of its own for sums, coefficients, the page and the joints' reports.
-        pattern: how file names tell joint and period where folders do not: "{joint}_{period}".
+        pattern: pattern of the file names if folders do not give joint and period: "{joint}_{period}".
         scheduler: the address of a Dask scheduler, whose workers see the logs under the same paths; by
             default a cluster on this machine.
         workers: processes of that cluster, by default one for each processor.
         rate: false discovery rate of the tests, above 0 and below 1.
-        progress: told the part that is done, and of what.
+        progress: called with the part that is done, 0 to 1, and the name of the stage.
 
     Raises:
         InputError: there are no logs, rigs, scheduler or workers, dask or pyarrow is not installed, or the
-            folder cannot be written. What concerns a joint or a file is a problem in the result.
+            folder cannot be written. Problems of single joints or files are in the result.
     """
     if not 0.0 < rate < 1.0:
         raise InputError("rate", "a number above 0 and below 1", f"{rate:g}")
@@ -136,13 +137,14 @@ def diagnose_fleet(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FleetResult(Printed):
-    """What a fleet's run found. It prints as `summary()`.
+    """The result of a fleet run. It prints as `summary()`.
 
     Attributes:
-        drifting: joints that changed, the most urgent first: what, since when, errors before and after.
-        problems: what could not be done, as in problems.csv; all else was.
-        files: logs of this run, read or named in problems; `reused`: those whose sums were there; `gone`:
-            names of logs that are no longer there, whose sums still count.
+        drifting: joints that changed, the most urgent first: what changed, since when, errors before and
+            after.
+        problems: what could not be done, as in problems.csv; everything else was.
+        files: logs of this run, read or listed in problems; `reused`: logs whose sums existed already;
+            `gone`: names of logs that no longer exist, but whose sums still count.
         lines, warnings, document: as in Printed; the document is the content of fleet.json.
     """
 

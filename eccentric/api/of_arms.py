@@ -47,7 +47,7 @@ def fit_arm(
     *,
     reading: Callable[[float], None] | None = None,
 ) -> ArmFitResult:
-    """Fit the friction of every joint of an arm: Coulomb and viscous alone, and by the loads that it follows.
+    """Fit the friction of every joint of an arm, as Coulomb and viscous friction and as load-dependent.
 
     Args:
         logs: one log or a list of them, as `fit` takes them.
@@ -82,13 +82,13 @@ def diagnose_arm(
     empirical: bool = False,
     reading: Callable[[float], None] | None = None,
 ) -> ArmDiagnosisResult:
-    """Find what the friction of each joint of an arm lacks.
+    """Find the effects that the friction model of each joint of an arm is missing.
 
     Args:
         logs, rig, progress, reading: as `fit_arm` takes them.
-        effects: the path of a Python file with effects of your own.
-        without, only: effects that the search may not offer, or the only ones that it may.
-        empirical: whether each joint gets a term without a cause besides, as in `diagnose`.
+        effects: the path of a Python file with your own effects.
+        without, only: effects or families not to search for, or the only ones to search for.
+        empirical: whether each joint also gets an empirical term, as in `diagnose`.
 
     Raises:
         InputError: bad input, as in `fit_arm`; an effect that is unknown.
@@ -167,7 +167,7 @@ class ArmFitResult(ArmResult):
 
     @property
     def fits_the_rig(self) -> bool:
-        """Whether the log can be of this arm, in these units."""
+        """Whether the log can be from this arm, in these units."""
         return self.fit.fits_the_rig
 
     @property
@@ -176,7 +176,7 @@ class ArmFitResult(ArmResult):
         return {f"joint_{joint.number}": dict(joint.rmse) for joint in self.fit.joints}
 
     def table(self) -> ResultTable:
-        """A row for each joint: what its friction follows, held-out errors, gain with its 95 % interval."""
+        """A row for each joint: the load its friction follows, held-out errors, gain and 95 % interval."""
         names = ("joint", "name", "follows", "linear", "followed", "percent", "lower", "upper", "unit")
         rows = (
             (j.number, j.name, "+".join(j.loads.followed), *_errors(j), j.percent, *j.interval, j.unit)
@@ -193,7 +193,7 @@ class ArmFitResult(ArmResult):
     def predict(
         self, logs: LogSources, rig: ArmRigSource | None = None, model: str | None = None
     ) -> dict[str, NDArray[np.float64]]:
-        """Joint -> predicted drive (m,) on its moving rows of logs of the arm, in the unit of its errors.
+        """Joint -> predicted drive signal (m,) on its m moving rows, in the unit of its errors.
 
         Args:
             logs: as `fit_arm` takes them.
@@ -249,7 +249,7 @@ def _errors(joint: JointFit) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ArmDiagnosisResult(ArmResult):
-    """What the joints of an arm lack. It prints as `summary()` and shows as a table in a notebook.
+    """Diagnosis of every joint of an arm. It prints as `summary()` and shows as a table in a notebook.
 
     Attributes:
         diagnosis: everything that was found, joint by joint.
@@ -267,7 +267,7 @@ class ArmDiagnosisResult(ArmResult):
 
     @property
     def effects(self) -> tuple[tuple[int, str], ...]:
-        """(number of the joint, id) of the effects that are named, those that gain most first."""
+        """(joint number, id) of each named effect, those with the largest gain first."""
         return tuple((joint.number, effect.id) for joint, effect in self.diagnosis.named)
 
     @property
@@ -277,7 +277,7 @@ class ArmDiagnosisResult(ArmResult):
 
     @property
     def fits_the_rig(self) -> bool:
-        """Whether the log can be of this arm, in these units."""
+        """Whether the log can be from this arm, in these units."""
         return self.diagnosis.fits_the_rig
 
     @property
@@ -306,10 +306,10 @@ class ArmDiagnosisResult(ArmResult):
         return ResultTable(names, tuple(rows))
 
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
-        """Write report and JSON of the arm, the arm emitted, and what `diagnose` writes for each joint.
+        """Write the report and JSON of the arm, the emitted arm, and the files of `diagnose` for each joint.
 
-        The emitted arm has the friction of every joint as it was fitted, effects included; a log that does
-        not fit the rig or has no scale in N m gives none. A joint's folder, joint_NUMBER, has its report, its
+        The emitted arm has the friction of every joint as fitted, effects included; it is omitted if the log
+        does not fit the rig or has no scale in N m. A joint's folder, joint_NUMBER, has its report, its
         model as a derivation, and the model emitted: its inputs are the motion of the motor and what the
         emitted arm gives as torques and `bearing_loads`.
 
@@ -332,7 +332,8 @@ class ArmDiagnosisResult(ArmResult):
     def emitted(self) -> dict[str, str]:
         """The emitted files of the arm with the friction of all joints as fitted, name -> text.
 
-        Empty where the log does not fit the rig, has no scale in N m, or no bodies have what was identified.
+        Empty if the log does not fit the rig, has no scale in N m, or identifies values that no bodies can
+        have.
         """
         arm = extended_arm(self.diagnosis)
         if arm is None:
@@ -341,7 +342,7 @@ class ArmDiagnosisResult(ArmResult):
         return complete(arm, "eccentric diagnose", origin)
 
     def joint(self, number: int) -> DiagnosisResult:
-        """The result of one joint, by its number in the columns, as `eccentric.diagnose` gives it.
+        """The result of one joint, by its number in the columns, as `eccentric.diagnose` returns it.
 
         Raises:
             InputError: there is no such joint.

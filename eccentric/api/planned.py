@@ -57,22 +57,23 @@ def plan(
     diagnosis: str | os.PathLike[str] | Mapping[str, Any] | None = None,
     added: str | None = None,
 ) -> PlanResult:
-    """Plan the motion that tells apart what a diagnosis of logs left open.
+    """Plan a motion to decide between the candidates that remain after a diagnosis of logs.
 
-    Where an effect is named, or none is missing, the motion determines the coefficients of that model best.
+    If an effect is named, or none is missing, the motion is the one that best determines the model's
+    coefficients.
 
     Args:
         logs, rig, model: as `diagnose` takes them.
-        limits: what the motion may not exceed, motor side: the path of a TOML or JSON file or a mapping with
+        limits: limits of the motion, on the motor side: the path of a TOML or JSON file or a mapping with
             `speed_rad_s`, `acceleration_rad_s2`, `current_A`, `time_s` and, for a drive that does not turn
             without end, `angle_rad`, each in SI or as a text with a unit ("3000 rpm"); `speed_loop_Hz`, the
-            bandwidth of the speed loop, where it is known.
+            bandwidth of the speed loop, if known.
         progress: called with one line for each stage.
         reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read.
-        diagnosis: what `diagnose` has found in these logs, its diagnosis.json or a mapping like it: what
-            is open is taken from there, and no search is run.
-        added: a mass that the link is to carry beside its own, as "0.2 kg"; `[added]` of the rig then says
-            which run has it, and both logs are diagnosed together.
+        diagnosis: the result of `diagnose` for these logs, a diagnosis.json or its content: the remaining
+            candidates are taken from there, and no search is run.
+        added: a mass to add to the link, as "0.2 kg"; declare it under `[added]` in the rig file for the new
+            run, and diagnose both logs together.
 
     Raises:
         InputError: as `diagnose` does; the diagnosis is of other logs or another model; the log
@@ -101,10 +102,10 @@ def plan(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PlanResult(Printed):
-    """What to measure next. It prints as `summary()`.
+    """A motion to measure next. It prints as `summary()`.
 
     Attributes:
-        plan: the motion, the rivals, and the probability that the motion decides.
+        plan: the motion, the candidates, and the probability that the motion decides between them.
         lines, warnings, document: as in Printed; the document is the content of plan.json.
     """
 
@@ -126,7 +127,7 @@ class PlanResult(Printed):
         return (4, 1), (8.0, 7.0)
 
     def table(self) -> ResultTable:
-        """The candidates that the log left open, most probable first, each with its probability now."""
+        """The candidates still to decide between, most probable first, each with its probability."""
         names = ("family", "probability")
         return ResultTable(names, tuple((rival.family, rival.chance) for rival in self.plan.rivals))
 
@@ -197,18 +198,18 @@ def plan_detection(
     model: ModelSource | None = None,
     noise: str | None = None,
 ) -> DetectionPlanResult:
-    """Say what speed, mass and time would show friction by F_N at z = 5, without a log.
+    """Find the speed, mass and time that would reveal friction by F_N at z = 5, without a log.
 
     Args:
         rig: what is known about the rig; a range in `[unknown]` counts as its middle.
         limits: as `plan` takes them.
-        sought: coefficients with the model's own value (Table 1 of the paper), or one of yours, "C_lN=0.01".
+        sought: coefficients, at the model's own value (Table 1 of the paper) or at yours, as in "C_lN=0.01".
         model: by default that of the rig's case or tilt.
         noise: of an independent sample of the torque on the motor side, as "2 mN m"; by default 1 % of the
-            torque at the limit of the current.
+            torque at the current limit.
 
     Raises:
-        InputError: a coefficient is none that follows F_N, a quantity of the rig or a limit is missing, or no
+        InputError: a coefficient does not follow F_N, a quantity of the rig or a limit is missing, or no
             motion stays within the limits.
     """
     rig = read_rig(rig)

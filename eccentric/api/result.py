@@ -38,7 +38,7 @@ from eccentric.emission import (
 )
 from eccentric.identification import Estimate, Fit, Refit
 from eccentric.model import AxisKind, Model
-from eccentric.presentation import NEEDS_MATPLOTLIB, left_out_sentence
+from eccentric.presentation import NEEDS_MATPLOTLIB, emitted_parameters, left_out_sentence
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from eccentric.simulation import Draws, FittedDrive, Predicted, fitted_drive
@@ -129,7 +129,7 @@ class FittedModel:
     """A fitted model inside a result: values, the covariance of its estimates, and the drive that predicts.
 
     Attributes:
-        parameters: every parameter by the paper's letters, in SI.
+        parameters: by the paper's letters, in SI; those that are neither known nor identified are left out.
         covariance: of the errors of the estimates, by name, in products of their units.
         drive: predicts a log; None for one joint of an arm, which the others load.
     """
@@ -145,11 +145,13 @@ def fitted_model(
     """The fitted model of a fit; `parameters` are those that a `Fit` is emitted with."""
     if isinstance(found, Refit):
         values, names, covariance = found.values, found.estimates, found.covariance
+        placeholders = found.data.drive.placeholders - set(found.estimates)
     else:
         values, covariance = parameters or {}, found.spread.matrix
         names = (*found.coefficients, *found.searched)
+        placeholders = emitted_parameters(found)[2]
     return FittedModel(
-        {axis.named(name): float(x) for name, x in values.items()},
+        {axis.named(name): float(x) for name, x in values.items() if name not in placeholders},
         LabelledMatrix([axis.named(name) for name in names], covariance),
         fitted_drive(found, parameters),
     )
@@ -185,7 +187,11 @@ class ResultBase:
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Every parameter of the fitted model by the paper's letters, in SI; empty without one."""
+        """The parameters of the fitted model by the paper's letters, in SI; empty without one.
+
+        A letter that is neither known nor identified is not among them; the emitted code has a placeholder
+        for it, such as R = 1 ohm after a fit by the current.
+        """
         return dict(self._model(None).parameters) if self._models() else {}
 
     @property
@@ -409,7 +415,7 @@ class Result(Printed):
         `eccentric.emit` has further options, and takes the result of a fit as its parameters.
 
         Args:
-            out: a folder of its own, new or written by eccentric before.
+            out: the output folder: new, empty, or written by eccentric.
             prefix: name of the files and prefix of the C functions; by default the model's name.
             backend: a target or several, by the names that `eccentric emit --help` lists.
             accept_misfit: emit although the log does not fit the rig.

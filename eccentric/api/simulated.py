@@ -54,9 +54,9 @@ def bench(
     """Simulate a log of a drive that swings an unbalanced mass; the same arguments give the same log.
 
     Args:
-        effects: families of effects that the bench has and its rig does not declare, each a name, with a
-            variant if wanted ("cogging[n=4]"), alone or with its rms as a fraction of that of friction, above
-            0 and at most 1 (0.15): ["stribeck", ("cogging", 0.1)] or {"stribeck": 0.12}.
+        effects: effects that the bench has and its rig does not declare: names of families, optionally with a
+            variant ("cogging[n=4]"), alone or with the RMS as a fraction of the friction's, above 0 and at
+            most 1 (default 0.15): ["stribeck", ("cogging", 0.1)] or {"stribeck": 0.12}.
         case: "C1", gravity perpendicular to the plane of motion, or "C2", gravity in the plane.
         mu: gear ratio, link speed over motor speed, 0.001 to 2.
         log_type: "runs", constant speeds, or "traj", a sum of sines.
@@ -65,8 +65,8 @@ def bench(
         temperature: whether a temperature is logged.
         drive: "fine", a well damped loop, fine encoder and steady bus, or "ordinary", a loop that may ring, a
             bus that varies and a coarse encoder.
-        seed: of rig, course, shapes of the effects and noise, 0 or more.
-        out: where to write the log, NAME.csv.gz, with the rig NAME.json and the truth NAME.truth.json beside
+        seed: of rig, motion, effects and noise, 0 or more.
+        out: where to write the log, NAME.csv.gz, with the rig NAME.json and the truth NAME.truth.json next to
             it; by default nothing is written.
 
     Raises:
@@ -125,7 +125,7 @@ class _Simulated(ResultBase):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BenchResult(_Simulated):
-    """A simulated log, what its rig declares, and the truth: `eccentric.fit(result.log, result.rig)`.
+    """A simulated log, its rig and the truth; fit it with `eccentric.fit(result.log, result.rig)`.
 
     Attributes:
         log: the columns as a drive would write them: quantised, noisy, rounded.
@@ -141,7 +141,7 @@ class BenchResult(_Simulated):
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """The effects that the bench has in addition to the paper's friction, each with its share."""
+        """The planted effects, in addition to the paper's friction, each with its share."""
         return tuple(
             f"{e['id']} at {e['rms_fraction_of_friction']:.1%} of friction" for e in self.truth["effects"]
         )
@@ -185,24 +185,24 @@ def bench_arm(
 ) -> ArmBenchResult:
     """Simulate a log of an arm under its servo drives; the same arguments give the same log.
 
-    The rigid bodies are those of MuJoCo; the friction of each joint follows the loads of its bearing.
+    MuJoCo simulates the rigid bodies; the friction of each joint follows the loads on its bearing.
 
     Args:
         arm: "2r", two links in a vertical plane with a weight at the tip, or "3" or "6" joints in space;
             their links, gears, drives and friction are drawn by the seed.
-        effects: families of effects that the rig does not declare, each a name, with a variant and a joint
-            if wanted ("stribeck@2", "link_harmonic_friction[n=2]@1"), alone or with its rms as a fraction of
-            that of the joint's friction, above 0 and at most 1 (0.15). Without a joint, one is drawn.
+        effects: effects that the rig does not declare: names of families, optionally with a variant and a
+            joint ("stribeck@2", "link_harmonic_friction[n=2]@1"), alone or with the RMS as a fraction of the
+            joint's friction, above 0 and at most 1 (default 0.15). Without a joint, one is chosen at random.
         log_type: "traj", sums of harmonics, or "runs", constant velocities.
         runs: of equal length, each from rest, 3 to 20.
         seconds: length of all runs together, 15 to 3600.
         noise: of each current over its largest value, at most 0.5.
         measured: "current", or the joints' "torque".
         sample_rate_hz: 250 or 500.
-        seed: of arm, course, shapes of the effects and noise, 0 or more.
+        seed: of arm, motion, effects and noise, 0 or more.
         out: where to write the log, NAME.csv.gz, with the rig NAME.toml, the arm NAME.arm.toml and the truth
-            NAME.truth.json beside it; by default nothing is written.
-        progress: told the part that is done, from 0 to 1; again from 0 if an effect was not of its size.
+            NAME.truth.json next to it; by default nothing is written.
+        progress: called with the part that is done, 0 to 1; starts again from 0 if an effect missed its size.
 
     Raises:
         InputError: a value is out of range, an effect or a joint is unknown, a file of that name exists, or
@@ -231,7 +231,7 @@ def bench_arm(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ArmBenchResult(_Simulated):
-    """A simulated log of an arm, what its rig and its arm file declare, and the truth.
+    """A simulated log of an arm, its rig and arm file, and the truth.
 
     Attributes:
         log: the columns as the drives would write them: quantised, noisy, rounded.
@@ -249,7 +249,7 @@ class ArmBenchResult(_Simulated):
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """The effects that the arm has beyond its friction by loads, each with its joint and share."""
+        """The planted effects, besides the friction that follows the loads, each with its joint and share."""
         return tuple(
             f"{e['id']} in joint {e['joint']} at {e['rms_fraction_of_friction']:.1%} of its friction"
             for e in self.truth["effects"]
@@ -272,7 +272,7 @@ class ArmBenchResult(_Simulated):
         axes[0].legend(title="joint", fontsize=8.0, ncols=6)
 
     def write(self, out: str | os.PathLike[str]) -> tuple[Path, Path, Path, Path]:
-        """Write the log NAME.csv.gz, its rig NAME.toml, NAME.arm.toml and NAME.truth.json; return the paths.
+        """Write NAME.csv.gz, the rig NAME.toml, the arm NAME.arm.toml and NAME.truth.json; return the paths.
 
         Raises:
             InputError: the name does not end in .csv.gz, one of the files exists, or cannot be written.
@@ -301,18 +301,18 @@ def bench_fleet(
         out: a new or empty folder for logs/joint=.../month=.../log.parquet, rigs.csv with its rig files, and
             the sealed truth.json.
         joints, months: how many.
-        degrading: joints whose friction changes, in one of five ways by turns.
-        bad_sensors: joints with an offset of the current or a stuck temperature, by turns.
+        degrading: joints whose friction changes, in one of five ways each.
+        bad_sensors: joints with a current offset or a stuck temperature, alternately.
         seconds: length of each log.
-        rate_hz: rows a second.
-        seed: of everything drawn at random; the same arguments give the same fleet.
-        progress: told the part that is done.
+        rate_hz: rows per second.
+        seed: seed of the random numbers; the same arguments give the same fleet.
+        progress: called with the part that is done, 0 to 1.
 
     Returns:
-        Joint -> what becomes of it, of those that change.
+        Joint -> its change, for the joints that change.
 
     Raises:
-        InputError: a number is out of range, the folder holds anything, or pyarrow is not installed.
+        InputError: a number is out of range, the folder is not empty, or pyarrow is not installed.
     """
     plan = fleet_plan(
         joints=joints,

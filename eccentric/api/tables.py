@@ -22,7 +22,7 @@ class ResultTable:
 
     `table["value"]` is a column, `table[0]` a row, `table[:3]` a table of the first three; iterating gives
     the rows as dictionaries, so that `list(table)` is plain data, and `pandas.DataFrame(table)` a data frame.
-    In a column of numbers, NaN stands where there is no number.
+    A numeric column has NaN where there is no number.
 
     Attributes:
         names: of the columns.
@@ -132,7 +132,7 @@ class LabelledMatrix(dict[str, dict[str, float]]):
 class Correlation(LabelledMatrix):
     """Correlation of the errors of estimates: `correlation["B_m", "C_m"]`, from -1 to 1.
 
-    NaN where the covariance has no variance: the estimate is at a bound, or the log says nothing about it.
+    NaN where an estimate has no variance: it is at a bound, or the log does not determine it.
     """
 
     format = ".2f"

@@ -37,7 +37,7 @@ from eccentric.version import __version__
 
 _OBJECTS = 50_000
 """New objects between two searches for reference cycles."""
-_DESCRIPTION = "Friction models of drives that swing an unbalanced mass: derived, emitted, fitted to logs."
+_DESCRIPTION = "Friction models for drives that swing an unbalanced mass: derive, emit, fit, diagnose."
 
 COMMANDS = (
     "derive",

@@ -4,11 +4,11 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import add_folder, options, write_and_print
+from eccentric.cli.arguments import add_folder, add_model, add_rig, log_suffixes, options, write_and_print
 from eccentric.core import own_folder
 
 NAME = "adapt"
-HELP = "replay a log through the emitted friction estimator: coefficients over time, alarms"
+HELP = "replay a log through the emitted friction estimator: coefficients over time, and alarms"
 EXAMPLE = """eccentric adapt examples/bench/bench.csv.gz --rig examples/bench/bench.toml --out build/adapted
 eccentric adapt tuesday.csv --rig my_rig.toml --parameters build/monday/fit.json --out build/tuesday"""
 
@@ -16,13 +16,13 @@ eccentric adapt tuesday.csv --rig my_rig.toml --parameters build/monday/fit.json
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `adapt` to `parser`."""
     add = parser.add_argument
-    add("logs", metavar="LOG", nargs="+", help="logs of one rig: .csv[.gz], .parquet, .mat, .json[.gz]")
-    add("--rig", metavar="RIG", required=True, help="what is known about the rig: .toml or .json")
-    add("--model", metavar="MODEL", help="a model or the path of a derivation (default: by the rig's case)")
-    add("--parameters", type=Path, metavar="FIT.json", help="fit to start from; default: a fit of this log")
-    add("--forgetting", type=float, metavar="L", help="forgetting factor per row; default: 0.999")
-    add("--false-alarms", type=float, metavar="N", help="mean samples between false alarms; default: 1e7")
-    add("--settle", type=int, metavar="N", help="samples skipped after a reversal; default: 20")
+    add("logs", metavar="LOG", nargs="+", help=f"logs of one rig: {log_suffixes()}")
+    add_rig(parser)
+    add_model(parser)
+    add("--parameters", type=Path, metavar="FIT.json", help="fit to start from (default: a fit of this log)")
+    add("--forgetting", type=float, metavar="L", help="forgetting factor per sample (default: 0.999)")
+    add("--false-alarms", type=float, metavar="N", help="mean samples between false alarms (default: 1e7)")
+    add("--settle", type=int, metavar="N", help="samples to skip after a reversal (default: 20)")
     add_folder(parser, "adapt.json, adapt.png and adapt.svg")
 
 

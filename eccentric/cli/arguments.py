@@ -50,24 +50,31 @@ def log_suffixes() -> str:
     return ", ".join(f"{s}{'[.gz]' if one.gzipped else ''}" for one in FORMATS for s in one.suffixes)
 
 
+LONG = "beyond 100,000 rows in all, only windows are used (see docs/long-logs.md)"
+"""Of the logs, on help pages."""
+
+
 def add_logs(parser: argparse.ArgumentParser, nargs: str = "+") -> None:
     """Add the inputs of a fit: logs, their rig, and the model."""
-    add = parser.add_argument
-    add(
-        "logs",
-        metavar="LOG",
-        nargs=nargs,
-        help=f"logs of one rig: {log_suffixes()}; beyond 100,000 rows in all, only windows are used,"
-        " see docs/long-logs.md",
-    )
-    add(
-        "--rig",
-        metavar="RIG",
-        required=True,
-        help="what is known about the rig and the components of its drive: .toml or .json, see docs/rig.md",
-    )
+    parser.add_argument("logs", metavar="LOG", nargs=nargs, help=f"logs of one rig: {log_suffixes()}; {LONG}")
+    add_rig(parser)
     parser.description = f"{parser.description}\n\n{_STATUS}"
-    add("--model", metavar="MODEL", help="a model or the path of a derivation (default: by the rig's case)")
+    add_model(parser)
+
+
+def add_rig(parser: argparse.ArgumentParser) -> None:
+    """Add the rig file."""
+    add = parser.add_argument
+    add("--rig", metavar="RIG", required=True, help="rig file, .toml or .json (see docs/rig.md)")
+
+
+def add_model(parser: argparse.ArgumentParser) -> None:
+    """Add the model to fit."""
+    parser.add_argument(
+        "--model",
+        metavar="MODEL",
+        help="model name, or path of a derivation (default: the model for the rig's case)",
+    )
 
 
 def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
@@ -77,9 +84,9 @@ def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
         metavar="DIR",
         type=Path,
         required=True,
-        help=f"folder for {files}: new, empty, or one written by eccentric, and not the working directory; "
-        "files from an earlier run of this command are replaced, all others are kept; a file of another "
-        "command is not overwritten",
+        help=f"folder for {files}: new, empty, or written by eccentric, but not the current directory;"
+        " replaces the files from an earlier run of this command, keeps all others, and refuses to overwrite"
+        " those of another command",
     )
 
 

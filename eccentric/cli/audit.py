@@ -3,7 +3,7 @@
 import argparse
 
 NAME = "audit"
-HELP = "check the paper's Table 1 and its claims against the derivation"
+HELP = "check the paper's Table 1 and claims against the derivation"
 EXAMPLE = "eccentric audit"
 
 

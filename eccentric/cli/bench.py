@@ -33,40 +33,63 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "--out",
         metavar="LOG.csv.gz",
-        help="the log; its rig LOG.json and the sealed LOG.truth.json (for an arm LOG.toml and LOG.arm.toml) "
-        "are written next to it; no file is overwritten",
+        help="log to write, with its rig file LOG.json (of an arm, LOG.toml and LOG.arm.toml) and the sealed"
+        " LOG.truth.json next to it; overwrites no file",
     )
     add(
         "--effect",
         metavar="FAMILY[@JOINT][=STRENGTH]",
         action="append",
         default=[],
-        help="an effect, with its rms as a fraction of the friction's, above 0 and at most 1 (0.15); FAMILY "
-        "may name a variant, as in cogging[n=4], otherwise chosen at random, as is the joint of an arm; may "
-        "be repeated",
+        help="effect to add, with its RMS as a fraction of the friction's, above 0 and at most 1 (default:"
+        " 0.15); a variant, as in cogging[n=4], or the joint of an arm is chosen at random if you name none;"
+        " may be repeated",
     )
-    add("--list-effects", action="store_true", help="list the families of effects, with variants")
-    add("--log-type", metavar="runs|traj", help="constant speeds, or a sum of sines (runs; for an arm traj)")
-    add("--seconds", type=float, default=60.0, help="length of the log, 15 to 3600 (60)")
+    add("--list-effects", action="store_true", help="list the families of effects and their variants")
+    add(
+        "--log-type",
+        metavar="runs|traj",
+        help="constant speeds, or sums of sines (default: runs; of an arm, traj)",
+    )
+    add(
+        "--seconds",
+        metavar="S",
+        type=float,
+        default=60.0,
+        help="length of the log, 15 to 3600 (default: %(default)g)",
+    )
     add(
         "--noise",
+        metavar="PART",
         type=float,
         default=0.01,
-        help="current noise as a fraction of the maximum current, up to 0.5 (0.01)",
+        help="current noise as a fraction of the maximum current, up to 0.5 (default: %(default)g)",
     )
-    add("--seed", type=int, default=1, help="random seed for rig, motion, effects and noise (1)")
+    add(
+        "--seed",
+        metavar="N",
+        type=int,
+        default=1,
+        help="seed of the random numbers (default: %(default)d)",
+    )
     add = parser.add_argument_group("one drive").add_argument
     add(
         "--case",
         metavar="C1|C2",
-        help="gravity perpendicular (C1) or parallel (C2) to the plane of motion (default: C2)",
+        help="gravity perpendicular (C1) or parallel (C2) to the plane of motion"
+        f" (default: {_OF_A_DRIVE['case']})",
     )
-    add("--mu", type=float, help="gear ratio, link speed over motor speed, 0.001 to 2 (0.2)")
+    add(
+        "--mu",
+        metavar="MU",
+        type=float,
+        help=f"gear ratio, link speed over motor speed, 0.001 to 2 (default: {_OF_A_DRIVE['mu']})",
+    )
     add(
         "--drive",
         metavar="fine|ordinary",
-        help="quality of the drive: ordinary has a loop that may ring, a bus that varies by up to 2 %% and a "
-        "coarse encoder (fine)",
+        help="quality of the drive: ordinary has a loop that may ring, a bus that varies by up to 2 %% and a"
+        f" coarse encoder (default: {_OF_A_DRIVE['drive']})",
     )
     add("--temperature", action="store_true", default=None, help="log a temperature")
     add = parser.add_argument_group("an arm, simulated in MuJoCo").add_argument
@@ -75,15 +98,29 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="2r|3|6",
         help="two links in a vertical plane with a weight at the tip, or 3 or 6 joints in space",
     )
-    add("--runs", type=int, help="runs of equal length, each from rest, 3 to 20 (5)")
-    add("--measured", metavar="current|torque", help="drive signal to log (current)")
-    add("--rate", type=int, metavar="250|500", help="rows per second (250)")
+    add(
+        "--runs",
+        metavar="N",
+        type=int,
+        help=f"runs, each from rest, 3 to 20 (default: {_OF_AN_ARM['runs']})",
+    )
+    add(
+        "--measured",
+        metavar="current|torque",
+        help=f"drive signal (default: {_OF_AN_ARM['measured']})",
+    )
+    add("--rate", type=int, metavar="250|500", help=f"rows per second (default: {_OF_AN_ARM['rate']})")
     add = parser.add_argument_group("a fleet, computed in closed form").add_argument
-    add("--fleet", action="store_true", help="a folder of logs of several joints over several months")
-    add("--joints", type=int, help="how many (12)")
-    add("--months", type=int, help="how many, with one log per joint and month (6)")
-    add("--degrading", type=int, help="joints whose friction changes (2)")
-    add("--bad-sensors", type=int, help="joints with a sensor that fails (1)")
+    add("--fleet", action="store_true", help="write a folder with logs of several joints over several months")
+    add("--joints", metavar="N", type=int, help="number of joints (default: 12)")
+    add(
+        "--months",
+        metavar="N",
+        type=int,
+        help="number of months, one log per joint in each (default: 6)",
+    )
+    add("--degrading", metavar="N", type=int, help="joints whose friction changes (default: 2)")
+    add("--bad-sensors", metavar="N", type=int, help="joints with a sensor that fails (default: 1)")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import bar, log_suffixes, write_and_print
+from eccentric.cli.arguments import LONG, add_rig, bar, log_suffixes, write_and_print
 from eccentric.core import own_folder
 
 NAME = "compare"
@@ -18,20 +18,15 @@ eccentric compare LOG --rig RIG c2_parallel my_derivation.py --out build/compare
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `compare` to `parser`."""
     add = parser.add_argument
-    add(
-        "log",
-        metavar="LOG",
-        help=f"a log of the rig: {log_suffixes()}; beyond 100,000 rows, only windows of it are used, see"
-        " docs/long-logs.md",
-    )
+    add("log", metavar="LOG", help=f"log of the rig: {log_suffixes()}; {LONG}")
     add(
         "models",
         metavar="MODEL[+EFFECT...]",
         nargs="+",
-        help="a model, or the path of a derivation, with effects",
+        help="model name, or path of a derivation, with the effects to add",
     )
-    add("--rig", metavar="RIG", required=True, help="what is known about the rig: .toml or .json")
-    add("--effects", metavar="FILE", type=Path, help="a Python file with your own effects")
+    add_rig(parser)
+    add("--effects", metavar="FILE", type=Path, help="Python file with your own effects")
     add("--json", action="store_true", help="print the result as JSON")
     add("--out", metavar="DIR", type=Path, help="folder for compare.json, compare.png and compare.svg")
 

@@ -22,12 +22,14 @@ eccentric derive --check"""
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
     parser.add_argument(
-        "models", nargs="*", metavar="MODEL", help="names of models, or paths of derivations; default: all"
+        "models", nargs="*", metavar="MODEL", help="model names, or paths of derivations (default: all)"
     )
     parser.add_argument("--latex", action="store_true", help="print LaTeX instead of text")
-    parser.add_argument("--out", type=Path, help="folder to write into; default: generated/ of the clone")
     parser.add_argument(
-        "--check", action="store_true", help="write nothing; show what is stale, exit 1 if anything is"
+        "--out", type=Path, metavar="DIR", help="output folder (default: generated/ of the clone)"
+    )
+    parser.add_argument(
+        "--check", action="store_true", help="write nothing: show stale files, exit status 1 if there are any"
     )
 
 

@@ -21,8 +21,8 @@ from eccentric.core import own_folder
 
 NAME = "diagnose"
 HELP = (
-    "find the effect that is missing from the model, add it, emit the extended model, and report the error"
-    " before and after"
+    "find the effect that the model is missing, add it, emit the extended model, and report the error before"
+    " and after"
 )
 EXAMPLE = """eccentric diagnose examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
 eccentric diagnose my.csv --rig my.toml --effects my_effects.py --out build/mine
@@ -36,15 +36,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_logs(parser)
     add = parser.add_argument
     several = {"metavar": "EFFECT,...", "action": "append", "default": []}
-    add("--with", dest="including", help="effects that the model has from the start", **several)
-    add("--without", help="effects to leave out of the search", **several)
-    add("--only", help="the only effects or families to search", **several)
-    parser.add_argument("--effects", metavar="FILE", type=Path, help="a Python file with your own effects")
+    add("--with", dest="including", help="effects to include from the start", **several)
+    add("--without", help="effects or families not to search for", **several)
+    add("--only", help="effects or families to search for, and no others", **several)
+    parser.add_argument("--effects", metavar="FILE", type=Path, help="Python file with your own effects")
     parser.add_argument(
         "--empirical",
         action="store_true",
-        help="add a smooth term without a cause, in the one or two variables that the remaining residual"
-        " depends on",
+        help="add an empirical term: a smooth function of the one or two variables that the remaining"
+        " residual depends on",
     )
     add_folder(parser, "the report and the extended model")
     parser.add_argument("--open", action="store_true", help="open the report in the browser")

@@ -18,7 +18,7 @@ from eccentric.core import TARGETS, InputError
 from eccentric.version import __version__
 
 NAME = "doctor"
-HELP = "show what is installed and how to install what is missing; or, for a file, what kind of log it is"
+HELP = "show what is installed and how to install what is missing; given files, what kind of log each one is"
 EXAMPLE = """eccentric doctor
 eccentric doctor my_log.csv"""
 
@@ -40,7 +40,10 @@ _EXTRAS = {
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `doctor` to `parser`."""
     parser.add_argument(
-        "files", metavar="FILE", nargs="*", help="logs, or files that might be logs, in any format"
+        "files",
+        metavar="FILE",
+        nargs="*",
+        help="files of any kind, to see how they are read as logs",
     )
 
 

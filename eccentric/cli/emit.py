@@ -8,7 +8,7 @@ from eccentric.cli.arguments import add_folder, options, warnings_printed
 from eccentric.core import TARGETS
 
 NAME = "emit"
-HELP = "write the NumPy module, C header and C source of a model, and the files that check the C"
+HELP = "write a model as a NumPy module, a C header and a C source, with files that check the C"
 EXAMPLE = """eccentric emit c2_parallel --out build/firmware
 eccentric emit my_derivation.py --out build/mine
 eccentric emit examples/arms/planar_2r.toml --out build/arm
@@ -32,14 +32,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "model",
         metavar="MODEL",
-        help="a model's name, or the path of a derivation, of an arm file or of a URDF",
+        help="model name, or path of a derivation, an arm file or a URDF",
     )
     add_folder(parser, "the files of the model")
     parser.add_argument(
         "--parameters",
         type=Path,
         metavar="FIT.json",
-        help='values to use as defaults: a fit.json, or your own as {"parameters": {"M": 0.42}}, in SI',
+        help='default values: a fit.json, or your own as {"parameters": {"M": 0.42}}, in SI',
     )
     parser.add_argument(
         "--accept-misfit",
@@ -47,59 +47,59 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="emit the values of a fit or a diagnosis even if its log does not fit the rig",
     )
     parser.add_argument(
-        "--prefix", metavar="NAME", help="name of the files and prefix in C; default: the model's name"
+        "--prefix", metavar="NAME", help="name of the files and prefix in C (default: the model's name)"
     )
     parser.add_argument(
         "--backend",
         action="append",
         metavar="NAME",
-        help=f"a target: {', '.join(others)} or {last}; may be repeated; default: {default}",
+        help=f"{', '.join(others)} or {last}; may be repeated (default: {default})",
     )
     parser.add_argument(
         "--functions",
         type=lambda text: [name.strip() for name in text.split(",")],
         default=[],
         metavar="NAME,...",
-        help="emit only these functions and the coefficients they need; default: all",
+        help="functions to emit, with the coefficients they need (default: all)",
     )
     parser.add_argument(
         "--arrays",
         action="store_true",
         default=None,
-        help="with --functions: also emit the array functions in C, in a separate header",
+        help="with --functions: also write the array functions in C, in a header of their own",
     )
     parser.add_argument(
         "--fixed",
         action="store_true",
-        help="C for the default parameters only: no parameter structure, no prepare, no self-test",
+        help="write C for the default parameters only, without parameter structure, prepare and self-test",
     )
     parser.add_argument(
         "--single-file",
         action="store_true",
-        help="with numpy only: include the runtime in the module instead of writing eccentric_runtime.py",
+        help="with --backend numpy: put the runtime into the module instead of eccentric_runtime.py",
     )
     parser.add_argument(
-        "--adapt", action="store_true", help="add an estimator that follows the friction in the field"
+        "--adapt", action="store_true", help="add an estimator that tracks the friction in the field"
     )
     parser.add_argument(
         "--compensation",
         action="store_true",
-        help="add a friction compensation for a control loop, without a jump at standstill",
+        help="add a friction compensation for a control loop, without a torque jump at standstill",
     )
     parser.add_argument(
         "--forgetting",
         type=float,
         metavar="L",
-        help="with --adapt: forgetting factor per row; default: 0.999",
+        help="with --adapt: forgetting factor per sample (default: 0.999)",
     )
     parser.add_argument(
         "--false-alarms",
         type=float,
         metavar="N",
-        help="with --adapt: mean number of samples between false alarms; default: 1e7",
+        help="with --adapt: mean samples between false alarms (default: 1e7)",
     )
     parser.add_argument(
-        "--settle", type=int, metavar="N", help="with --adapt: samples skipped after a reversal; default: 20"
+        "--settle", type=int, metavar="N", help="with --adapt: samples to skip after a reversal (default: 20)"
     )
 
 

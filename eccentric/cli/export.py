@@ -8,7 +8,7 @@ from eccentric.cli.arguments import add_folder, options, warnings_printed
 from eccentric.core import EXPORTS
 
 NAME = "export"
-HELP = "write a drive, with its friction, as a simulator model"
+HELP = "write a drive and its friction as a simulator model"
 EXAMPLE = """eccentric export build/fit/fit.json --to mjcf --out build/mujoco
 eccentric export build/bench --to budget --out build/pendulum
 eccentric export build/fit --to fmu --out build/fmu
@@ -20,11 +20,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "source",
         metavar="MODEL|RESULT",
-        help="a fit.json, the folder of a fit or a diagnosis, a model's name, or the path of a derivation",
+        help="fit.json, folder of a fit or a diagnosis, model name, or path of a derivation",
     )
-    targets = "; ".join(f"{name}: {target.meaning}" for name, target in EXPORTS.items())
-    parser.add_argument("--to", metavar="TARGET", required=True, help=f"the simulator: {targets}")
-    add_folder(parser, "the files of the simulator")
+    targets = "; ".join(f"{name} ({target.meaning})" for name, target in EXPORTS.items())
+    parser.add_argument("--to", metavar="TARGET", required=True, help=f"target: {targets}")
+    add_folder(parser, "the simulator files")
     parser.add_argument(
         "--parameters",
         type=Path,
@@ -36,10 +36,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs=2,
         type=float,
         metavar=("LOW", "HIGH"),
-        help="motor speeds [rad/s] over which friction with constant coefficients is fitted;"
-        " default: those of the log, without one 1 to 60",
+        help="motor speeds [rad/s] over which to fit the friction where the target has only constant"
+        " coefficients (default: those of the log; without a log, 1 to 60)",
     )
-    parser.add_argument("--prefix", metavar="NAME", help="name of the files; default: the model's name")
+    parser.add_argument("--prefix", metavar="NAME", help="name of the files (default: the model's name)")
     parser.add_argument(
         "--accept-misfit",
         action="store_true",

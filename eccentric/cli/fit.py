@@ -7,7 +7,9 @@ from eccentric.cli.arguments import MISFIT, add_folder, add_logs, arm_of, bar, p
 from eccentric.core import own_folder
 
 NAME = "fit"
-HELP = "identify the friction of a rig from its logs, with uncertainty, and compare it with Coulomb + viscous"
+HELP = (
+    "fit a friction model to the logs of a rig, with uncertainty; compare it with Coulomb + viscous friction"
+)
 EXAMPLE = """eccentric fit examples/bench/bench.csv.gz --rig examples/bench/bench.toml --out build/bench
 eccentric fit monday.csv tuesday.csv --rig my_rig.toml --out build/mine
 eccentric fit my.csv --rig my_rig.toml --simulated --out build/mine"""
@@ -19,8 +21,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--simulated",
         action="store_true",
-        help="refine the parameters on the simulated motion of the training part; friction may then follow"
-        " the current",
+        help="refine the parameters so that the simulated motion follows the training part; friction may"
+        " then depend on the current",
     )
     add_folder(parser, "fit.json, fit.png and fit.svg")
 

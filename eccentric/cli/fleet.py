@@ -10,7 +10,7 @@ from eccentric.cli.arguments import bar, options, print_warnings
 from eccentric.core import Ended, own_folder
 
 NAME = "fleet"
-HELP = "reduce the logs of a fleet to friction coefficients by joint and period, and find what changed where"
+HELP = "find what changed in a fleet: friction coefficients by joint and period, from the logs of many joints"
 EXAMPLE = """eccentric fleet build/fleet/logs --rigs build/fleet/rigs.csv --out build/fleet_report
 eccentric fleet '/data/2025/*.parquet' --pattern '{joint}_{period}' --rigs rigs.csv --out report
 eccentric fleet /data/fleet --rigs rigs.csv --out report --scheduler tcp://10.0.0.5:8786"""
@@ -31,29 +31,37 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "logs",
         metavar="LOGS",
-        help="a folder or glob of logs, .parquet, .csv[.gz], .mat, in folders such as joint=J7/month=2025-03",
+        help="folder or glob of logs (.parquet, .csv[.gz], .mat), in folders such as joint=J7/month=2025-03",
     )
     add(
         "--rigs",
         metavar="RIGS",
         required=True,
-        help="one rig file for all joints, or a table (.csv, .toml) of joints, their rig files and individual"
-        " values",
+        help="one rig file for all joints, or a table (.csv, .toml) of the joints, their rig files and"
+        " individual values",
     )
     add(
         "--out",
         metavar="DIR",
         type=Path,
         required=True,
-        help="folder for sums, coefficients, the page and reports; results of an earlier run are reused: "
-        "only new and changed logs are read",
+        help="folder for the page, the reports, coefficients and sums; reuses the results of an earlier run:"
+        " only new and changed logs are read",
     )
     add(
-        "--pattern", metavar="NAME", help="how file names encode joint and period, such as '{joint}_{period}'"
+        "--pattern",
+        metavar="NAME",
+        help="pattern of the file names, such as '{joint}_{period}'",
     )
-    add("--scheduler", metavar="ADDRESS", help="a Dask scheduler (by default a cluster on this machine)")
-    add("--workers", metavar="N", type=int, help="processes on this machine (one for each processor)")
-    add("--rate", metavar="Q", type=float, default=0.01, help="false discovery rate of the tests (0.01)")
+    add("--scheduler", metavar="ADDRESS", help="Dask scheduler (default: a cluster on this machine)")
+    add("--workers", metavar="N", type=int, help="processes on this machine (default: one per processor)")
+    add(
+        "--rate",
+        metavar="Q",
+        type=float,
+        default=0.01,
+        help="false discovery rate of the tests (default: %(default)g)",
+    )
     parser.description = f"{parser.description}\n\n{_STATUS}"
 
 

@@ -7,7 +7,7 @@ from eccentric.cli.arguments import add_folder, add_logs, arm_of, bar, progress,
 from eccentric.core import InputError, own_folder
 
 NAME = "plan"
-HELP = "plan a motion to decide between the remaining candidates, within the limits of the drive"
+HELP = "plan a motion, within the limits of the drive, to decide between the remaining candidates"
 EXAMPLE = """eccentric plan my.csv --rig my.toml --limits limits.toml --out build/plan
 eccentric diagnose my.csv my_new.csv --rig my.toml --out build/settled
 eccentric plan --for B_lN,C_lN --rig my.toml --limits limits.toml --out build/detection"""
@@ -20,29 +20,31 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--limits",
         metavar="LIMITS",
         required=True,
-        help=".toml or .json with speed_rad_s, acceleration_rad_s2, current_A, time_s (for a carriage"
-        " speed_m_s, acceleration_m_s2, force_N or current_A, time_s);"
-        " optional: angle_rad (position_m), speed_loop_Hz",
+        help="limits of the drive, .toml or .json: speed_rad_s, acceleration_rad_s2, current_A, time_s (of a"
+        " carriage: speed_m_s, acceleration_m_s2, force_N or current_A, time_s); optional: angle_rad"
+        " (position_m), speed_loop_Hz",
     )
     parser.add_argument(
         "--diagnosis",
         metavar="JSON",
-        help="the diagnosis.json of these logs: take the remaining candidates from it",
+        help="diagnosis.json of these logs, to take the remaining candidates from",
     )
     parser.add_argument(
         "--added",
         metavar="MASS",
-        help='a mass to be added to the link, such as "0.2 kg": plan motions with it',
+        help='mass to add to the link for the motion, such as "0.2 kg"',
     )
     parser.add_argument(
         "--for",
         dest="sought",
         metavar="NAMES",
-        help="without logs: the speed, mass and time needed to reveal these F_N friction coefficients at"
-        " Table 1's values, or at yours, as in B_lN,C_lN=0.01",
+        help="without logs: find the speed, mass and time that reveal these coefficients of friction by F_N,"
+        " at Table 1's values or at your own, as in B_lN,C_lN=0.01",
     )
     parser.add_argument(
-        "--noise", metavar="TORQUE", help='with --for: noise of an independent sample, as "2 mN m"'
+        "--noise",
+        metavar="TORQUE",
+        help='with --for: torque noise per independent sample, as "2 mN m"',
     )
     add_folder(parser, "the reference, as CSV and C, and its plot")
 

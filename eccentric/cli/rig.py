@@ -8,7 +8,7 @@ from eccentric.cli.arguments import bar, coloured, log_suffixes, print_warnings
 from eccentric.core import InputError
 
 NAME = "rig"
-HELP = "draft the rig file of an undocumented log, or list everything wrong with a rig file"
+HELP = "draft a rig file for an undocumented log, or list everything wrong with a rig file"
 EXAMPLE = """eccentric rig examples/bench/bench.csv.gz --out my_rig.toml
 eccentric rig examples/bench/bench.csv.gz --check examples/bench/bench.toml
 eccentric rig my_log.csv --arm my_arm.urdf --out my_rig.toml"""
@@ -18,19 +18,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `rig` to `parser`."""
     add = parser.add_argument
     add("logs", metavar="LOG", nargs="+", help=f"logs of one rig: {log_suffixes()}")
-    add("--out", metavar="RIG.toml", help="the new rig file to write; without it, the draft is printed")
+    add("--out", metavar="RIG.toml", help="new rig file (default: print the draft)")
     add(
         "--check",
         metavar="RIG",
-        help="check this rig file against the logs instead; status 1 if there are problems",
+        help="check this rig file against the logs instead; exit status 1 if there are problems",
     )
     add(
         "--arm",
         metavar="ARM",
-        help="the arm whose joints were logged, .toml or .urdf; columns are then named by a pattern",
+        help="arm whose joints were logged, .toml or .urdf; its columns are named by a pattern",
     )
     add("--rate", metavar="HZ", type=float, help="rows per second of a log without a time column")
-    add("--name", help="name of the rig (default: that of the log)")
+    add("--name", metavar="NAME", help="name of the rig (default: the name of the log)")
 
 
 def run(args: argparse.Namespace) -> int:

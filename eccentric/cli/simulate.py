@@ -4,11 +4,11 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import bar, log_suffixes, progress, take_after_options, write_and_print
+from eccentric.cli.arguments import add_rig, bar, log_suffixes, progress, take_after_options, write_and_print
 from eccentric.core import own_folder
 
 NAME = "simulate"
-HELP = "simulate fitted models with the input of a log, and compare their motion with the measured one"
+HELP = "simulate fitted models with the input of a log, and compare their motion with the measured motion"
 EXAMPLE = """eccentric simulate examples/bench/bench.csv.gz --rig examples/bench/bench.toml
 eccentric simulate LOG --rig RIG c2_parallel 'c2_parallel+stribeck[d=1]' --out build/simulated"""
 
@@ -16,19 +16,23 @@ eccentric simulate LOG --rig RIG c2_parallel 'c2_parallel+stribeck[d=1]' --out b
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `simulate` to `parser`."""
     add = parser.add_argument
-    add("log", metavar="LOG", help=f"a log of the rig: {log_suffixes()}")
+    add("log", metavar="LOG", help=f"log of the rig: {log_suffixes()}")
     add(
         "models",
         metavar="MODEL[+EFFECT...]",
         nargs="*",
-        help="a model, or the path of a derivation, with effects; by default Coulomb + viscous friction"
-        " (linear), the model of the rig's case (paper), and that with the effects that diagnose adds"
-        " (extended)",
+        help="model name, or path of a derivation, with the effects to add (default: Coulomb + viscous"
+        " friction, the model for the rig's case, and that model with the effects that diagnose adds)",
     )
-    add("--rig", metavar="RIG", required=True, help="what is known about the rig: .toml or .json")
-    add("--effects", metavar="FILE", type=Path, help="a Python file with your own effects")
+    add_rig(parser)
+    add("--effects", metavar="FILE", type=Path, help="Python file with your own effects")
     add("--json", action="store_true", help="print the result as JSON")
-    add("--out", metavar="DIR", type=Path, help="folder for simulation.json, simulation.png and .svg")
+    add(
+        "--out",
+        metavar="DIR",
+        type=Path,
+        help="folder for simulation.json, .png and .svg",
+    )
     take_after_options(parser)
 
 

@@ -140,20 +140,20 @@ _numbers = count()
 
 
 def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - called as eccentric.compile
-    """A module like the emitted NumPy module of the model, with the functions of the emitted C.
+    """Compile the emitted C of a model into a module like the emitted NumPy module.
 
     The model may be given as for `load_model`: its name ("c2_parallel"), or the path of a derivation. It is
-    then derived only if something has changed since it was last compiled: its scripts, the toolkit or the
-    compiler. The file of an arm, `.toml`, `.json` or `.urdf`, is derived every time.
+    derived again only if its scripts, the toolkit or the compiler have changed. The file of an arm, `.toml`,
+    `.json` or `.urdf`, is derived every time.
 
     Arguments, broadcasting, precision, `out` and bits are those of the NumPy module; only exponentials may
     differ in their last bits between the two libraries. Floats give a float64. The library is stored in the
     user's cache, named after its sources: $XDG_CACHE_HOME or ~/.cache, folder eccentric.
 
     Raises:
-        TypeError: this is neither a model nor a name or path.
-        InputError: there is no such model, there is no C compiler, or not the one that CC names; it does not
-            compile, its cache cannot be written, or the model cannot be emitted.
+        TypeError: `model` is neither a Model nor a name or path.
+        InputError: there is no such model; there is no C compiler, or not the one named by CC; the code does
+            not compile; the cache cannot be written; or the model cannot be emitted.
     """
     if isinstance(model, str | Path) and is_arm_file(model):
         return _of_arm(model, local_compiler())

@@ -8,17 +8,17 @@ from typing import Any
 class InputError(ValueError):
     """Bad input from outside: a log, a rig, a parameter, a command line.
 
-    It is one line, which the command line prints after `eccentric: error:`, to exit with status 2; nothing is
-    written.
+    The message is one line. The command line prints it after `eccentric: error:` and exits with status 2;
+    nothing is written.
 
     Attributes:
-        place: what is wrong, from the outside in, such as file, table and key, row and column:
-            "rig.toml: [known] k_i"; "" if it is not said apart.
-        expected, got: what is expected there, and what came.
-        why: after what is expected, why it is or how it is given: "to draft a rig", ", as in 1 kg".
-        problem: what is wrong, of an error that is not about a value that was expected; "" of others.
-        hint: what helps to mend it, or may be behind it.
-        keys: entries of the place that it is about, where the place does not end with one.
+        place: where the error is, from the outside in: file, table and key, row and column, as in "rig.toml:
+            [known] k_i"; "" if `problem` says it.
+        expected, got: what was expected there, and what came.
+        why: why it was expected, or an example: "to draft a rig", ", as in 1 kg".
+        problem: what is wrong, if no single value is; "" otherwise.
+        hint: a fix or a likely cause.
+        keys: the keys concerned, if the place does not end with one.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class InputError(ValueError):
 
     @property
     def statement(self) -> str:
-        """Its line without the place: "expected a number, got 'x'"."""
+        """The message without the place: "expected a number, got 'x'"."""
         hint = f"; {self.hint}" if self.hint else ""
         if self.problem:
             return self.problem + hint
@@ -50,23 +50,23 @@ class InputError(ValueError):
 
     @property
     def fields(self) -> dict[str, Any]:
-        """All that it is told by, name -> value."""
+        """Field name -> value."""
         return {name: getattr(self, name) for name in _FIELDS}
 
     def but(self, **fields: Any) -> "InputError":
-        """The same error with other values of these fields."""
+        """The same error with these fields changed."""
         return InputError(**self.fields | fields)
 
     def within(self, place: object) -> "InputError":
-        """The same error, with the place that its own is in before it."""
+        """The same error, its place preceded by the one that contains it."""
         return self.but(place=f"{place}: {self.place}" if self.place else place)
 
     def inside(self, place: object) -> "InputError":
-        """The same error, for someone who knows that it is in this place."""
+        """The same error without this part of its place."""
         return self.but(place=self.place.removeprefix(str(place)).removeprefix(": "))
 
     def hinted(self, hint: str) -> "InputError":
-        """The same error with one more hint after its own."""
+        """The same error with a further hint."""
         return self.but(hint="; ".join(filter(None, (self.hint, hint))))
 
 

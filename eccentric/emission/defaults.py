@@ -107,7 +107,10 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
             "none" if values is None else repr(values)[:40],
             why=', as in {"parameters": {"M": 0.42}}',
         )
-    values = {letter: value for letter, value in values.items() if value is not None}
+    placeholders = content.get("placeholders", {})
+    if not isinstance(placeholders, Mapping):
+        raise InputError(f"{where}: expected `placeholders` as an object of numbers by their letters")
+    values = {x: value for x, value in {**placeholders, **values}.items() if value is not None}
     for letter, value in values.items():
         if not _is_number(value):
             raise InputError(f"{where}: parameters.{letter}", "a finite number", f"{value!r}")

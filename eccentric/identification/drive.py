@@ -336,6 +336,13 @@ class Drive:
     rotor: float | None = None
     along: MetAlong | None = None
 
+    @property
+    def placeholders(self) -> set[str]:
+        """Letters of the motor that are neither declared nor identified: their values stand for nothing."""
+        machine = self.machine
+        motor = machine.torque_letters | machine.resistance_letters | machine.back_emf_letters
+        return set(motor - set(self.channels.rig.known) - set(self.identified))
+
     def opens(self, role: ColumnRole) -> bool:
         """Whether a column of this role is free."""
         return any(c.role == role for c in self.open)

@@ -65,12 +65,11 @@ class Excerpt:
 class Log:
     """Columns of one log, all of one length: float64 with NaN for a missing value, or str for text.
 
-    `path` is that of its file; for a table in memory, the name that messages use. `lines` (rows,) are the
-    line numbers of the rows in a text file, from 1; None for other formats. `notes` say what was left out,
-    and why. `numbered` (rows,) are the numbers of the rows in their file, from 1, where a log is part of one;
-    `excerpt` says of which, where rows of a long log were chosen. `units` are those that the file itself
-    states, by column, as they stand there; no reader applies them. `read_as` says how it
-    was understood.
+    `path` is the path of its file, or the name of a table in memory. `lines` (rows,) are the line numbers of
+    the rows in a text file, from 1; None for other formats. `notes` say what was left out, and why.
+    `numbered` (rows,) are the row numbers in the file, from 1, if the log is a part of it; `excerpt` says
+    which part, if windows of a long log were chosen. `units` are the units stated in the file, by column and
+    unchanged; no reader applies them. `read_as` says how the file was read.
     """
 
     path: str
@@ -93,7 +92,7 @@ class Log:
         return f"row {row + 1 if self.numbered is None else self.numbered[row]}"
 
     def rows_of(self, rows: NDArray[np.bool_] | slice) -> Log:
-        """Return the log of these rows (n,); messages still name them by their places in the file."""
+        """Return a log of these rows (n,); messages still give their places in the file."""
         numbered = np.arange(1, self.rows + 1) if self.numbered is None else self.numbered
         kept = numbered[rows]
         return replace(
@@ -106,10 +105,10 @@ class Log:
         )
 
     def numbers(self, name: str) -> NDArray[np.float64]:
-        """Return the column `name` as float64 (rows,), NaN for a text here and there, such as "ERR".
+        """Return the column `name` as float64 (rows,), with NaN for occasional text such as "ERR".
 
-        Raises InputError if the log has no such column (naming those that it has), or if the column holds
-        text in more than a fifth of its rows, or numbers with a comma (naming the first line that does).
+        Raises InputError if the log has no such column, if more than a fifth of its rows are text, or if a
+        number has a decimal comma.
         """
         values = self.text(name)
         if values.dtype.kind == "f":
@@ -185,10 +184,10 @@ def read_log(source: LogSource, name: str = "table") -> Log:
             or a table: a mapping of names to arrays (n,), a structured array, or a table of pandas, polars,
             pyarrow or any library with the Arrow PyCapsule or the dataframe interchange protocol; or a Log,
             which is returned unchanged.
-        name: what messages and results call a table in memory.
+        name: name of a table in memory, in messages and results.
 
     Raises:
-        InputError: the log cannot be read; one line that names file, line and column.
+        InputError: the log cannot be read; the message names file, line and column.
     """
     if isinstance(source, Log):
         return source

@@ -40,10 +40,10 @@ def model_names() -> tuple[str, ...]:
 
 
 def load_model(name_or_path: str | os.PathLike[str]) -> Model:
-    """The model of a derivation: a name such as "c2_parallel", or the path of a script.
+    """Load the model of a derivation, given by a name such as "c2_parallel" or the path of a script.
 
-    A script is executed once; further calls return the same object. The models of the bundled derivations are
-    kept in the user's cache until a source of the toolkit changes.
+    A script is executed once; further calls return the same object. Models of bundled derivations are cached
+    until a source of the toolkit changes.
 
     Raises:
         InputError: there is no such derivation, scripts load each other in a circle, the script raises an

@@ -193,11 +193,11 @@ def _drives(found: ArmFit) -> list[str]:
 def _bodies_line(found: IdentifiedBodies | None) -> list[str]:
     if found is None:
         return []
-    possible = "there are bodies with these values"
+    possible = "these values are physically realizable"
     if not found.bodies.explain:
         possible = (
-            "no real bodies have these values"
-            f" (the nearest miss one by {found.bodies.misfit:.1f} standard errors)"
+            "these values are not physically realizable"
+            f" (the nearest that are miss one by {found.bodies.misfit:.1f} standard errors)"
         )
     return [f"bodies: {len(found.estimates)} base parameters identified; {possible}"]
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from eccentric.core import few
 from eccentric.diagnosis import BASELINE, Contest, Entry
+from eccentric.model import TURNING, AxisKind
 from eccentric.presentation.fit_json import gain_entry
 from eccentric.presentation.fit_text import aligned
 from eccentric.presentation.simulation_text import horizons_document
@@ -47,25 +48,47 @@ def contest_document(found: Contest, simulated: SimulatedErrors | None = None) -
     }
 
 
-def contest_lines(found: Contest, simulated: SimulatedErrors | None = None, unit: str = "rad") -> list[str]:
-    """The table for a terminal; `unit` is that of the simulated motor angle."""
-    optional = {
-        f"below {found.low_pass_hz:g} Hz [{found.unit}]": [e.below for e in found.entries],
-        f"of the circuit [{found.unit}]": [e.circuit for e in found.entries],
+def contest_lines(
+    found: Contest, simulated: SimulatedErrors | None = None, axis: AxisKind = TURNING
+) -> list[str]:
+    """The models by number, and tables of their errors, for a terminal of 80 columns."""
+    entries = found.entries
+    columns = {
+        f"below {found.low_pass_hz:g} Hz": [e.below for e in entries],
+        "electrical": [e.circuit for e in entries],
     }
-    if simulated is not None:
-        motion = {m.name: m.horizons for m in simulated.models}
-        for k, horizon in enumerate(simulated.horizons_s):
-            optional[f"simulated {horizon:g} s [{unit}]"] = [motion[e.name][k] for e in found.entries]
-    shown = {head: column for head, column in optional.items() if any(x is not None for x in column)}
-    rows = [["model", f"held-out RMSE [{found.unit}]", *shown, "R^2", "parameters", f"gain over {BASELINE}"]]
-    for k, e in enumerate(found.entries):
-        cells = ["-" if column[k] is None else f"{column[k]:.4g}" for column in shown.values()]
-        rows.append([_called(e), f"{e.rmse:.4g}", *cells, f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e)])
+    shown = {head: column for head, column in columns.items() if any(x is not None for x in column)}
+    rows = [["", "RMSE", *shown, "R^2", "parameters", "gain [%]"]]
+    for k, e in enumerate(entries):
+        errors = (_shown(column[k]) for column in shown.values())
+        rows.append([f"{k + 1}", _shown(e.rmse), *errors, f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e)])
     head = f"{few(found.logs)}: {found.rows} held-out rows ({found.holdout})"
-    above = [head, *([found.excerpt] if found.excerpt else [])]
-    noise = f"sensor noise: {found.noise_floor:.3g} {found.unit}"
-    return [*above, *aligned(rows), noise, *filter(None, [_first_below(found)])]
+    what = f"held-out RMSE [{found.unit}]; gain over {BASELINE}, with its 95 % interval"
+    return [
+        head,
+        *([found.excerpt] if found.excerpt else []),
+        *(f"{k + 1}  {_called(e)}" for k, e in enumerate(entries)),
+        what,
+        *aligned(rows),
+        *_simulated(found, simulated, axis),
+        f"sensor noise: {found.noise_floor:.3g} {found.unit}",
+        *filter(None, [_first_below(found)]),
+    ]
+
+
+def _simulated(found: Contest, simulated: SimulatedErrors | None, axis: AxisKind) -> list[str]:
+    """The table of the simulated motion; none without one."""
+    if simulated is None:
+        return []
+    motion = {m.name: m.horizons for m in simulated.models}
+    rows = [["", *(f"{horizon:g} s" for horizon in simulated.horizons_s)]]
+    rows += [[f"{k + 1}", *map(_shown, motion[e.name])] for k, e in enumerate(found.entries)]
+    angle, unit = axis.term("motor angle"), axis.unit("rad")
+    return [f"mean absolute error of the simulated {angle} [{unit}], over windows of", *aligned(rows)]
+
+
+def _shown(error: float | None) -> str:
+    return "-" if error is None else f"{error:.4g}"
 
 
 def _first_below(found: Contest) -> str:
@@ -90,4 +113,4 @@ def _gain(entry: Entry) -> str:
     if entry.name == BASELINE:
         return "-"
     low, high = entry.interval
-    return f"{entry.percent:.1f} % ({low:.1f} to {high:.1f} %)"
+    return f"{entry.percent:.1f} ({low:.1f} to {high:.1f})"

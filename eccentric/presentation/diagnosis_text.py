@@ -324,10 +324,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     elif a.verdict in {"named", "not_identifiable"}:
         several = len(a.adopted) > 1
         out.append(f"candidates, {'each with its own' if several else 'with their'} probability:")
-        out += [
-            f"  {c.probability:.2f} {effect_name(c.words.headline, c.id)}{_covered(found, c.family)}"
-            for c in a.candidates[:4]
-        ]
+        out += _ranked(found)
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
         out.append(
@@ -340,10 +337,22 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     return out
 
 
-def _covered(found: Diagnosis, family: str) -> str:
-    """That the probability of a family is part of that of the name that covers it; "" for others."""
-    names = [one.variant.candidate.id for one in found.attribution.adopted if family in one.covers]
-    return f", counted in {names[0]}" if names else ""
+def _ranked(found: Diagnosis) -> list[str]:
+    """The first candidates with their probability; below a name, the causes whose probability it includes."""
+    above = {x: one.variant.candidate.family for one in found.attribution.adopted for x in one.covers}
+    shown = found.attribution.candidates[:4]
+    families = {c.family for c in shown}
+    lines = []
+    for c in shown:
+        if above.get(c.family) in families:
+            continue
+        lines.append(f"  {c.probability:.2f} {effect_name(c.words.headline, c.id)}")
+        lines += [
+            f"    of which {part.probability:.2f} {effect_name(part.words.headline, part.id)}"
+            for part in shown
+            if above.get(part.family) == c.family
+        ]
+    return lines
 
 
 def _aliased(found: Diagnosis) -> str:

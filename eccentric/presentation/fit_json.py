@@ -19,7 +19,9 @@ the interval:
     identified, not_identified  letters
     unknown           letter: estimate with range, range_end_hit, profile {values, rmse_training}
     alignment         input_delay_s, theta_zero_rad, voltage_offset_V: value (estimate), estimated
-    parameters        letter: value or null, complete for `Parameters` of the emitted module
+    parameters        letter: value or null, known or fitted
+    placeholders      letter: value in the emitted module of what is neither known nor identified, such as
+                      R = 1 and k_e = 0 without a voltage
     parameter_notes   letter: known, fitted (with uncertainty) or convention, in words
     back_emf_in_friction  whether the viscous friction contains the back-EMF: a voltage alone, k_e unknown
     torque_unit       of the parameters: N m, or V or A where the log has no scale for a torque
@@ -64,7 +66,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
     """
     problem = fit.problem
     channels, rig = problem.drive.channels, problem.rig
-    parameters, texts = emitted_parameters(fit)
+    values, texts, placeholders = emitted_parameters(fit)
     counted = problem.rows
     axis = rig.axis
     known = {known.name for known in knowns_of(axis)}
@@ -94,7 +96,8 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
             for name, p in fit.profiles.items()
         },
         "alignment": _alignment(fit),
-        "parameters": parameters,
+        "parameters": {name: x for name, x in values.items() if name not in placeholders},
+        "placeholders": {name: values[name] for name in values if name in placeholders},
         "parameter_notes": texts,
         "back_emf_in_friction": any(k_e in c.expression.free_symbols for c in problem.coefficients),
         "current_known": _current_known(fit),
@@ -222,11 +225,12 @@ def identified_range(fit: Fit) -> str:
     return f"{text}, temperature " + (f"{warm[0]:.3g} to {warm[1]:.3g} degC" if warm else "not logged")
 
 
-def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return values for every parameter of the model, known and fitted, and the origin of each in words.
+def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str], set[str]]:
+    """Return values for every parameter of the model, the origin of each in words, and the placeholders.
 
-    A combination is assigned to one letter, and the others have a value that does not change it (B_lT = C_lT
-    = 0; k_e = 0 with the back-EMF damping in B_m; k_i = 1 N m/A): the notes say so.
+    Placeholders are the letters whose values stand for nothing known or identified. A combination is assigned
+    to one letter, and the others have a value that does not change it (B_lT = C_lT = 0; k_e = 0 with the
+    back-EMF damping in B_m; k_i = 1 N m/A): the notes say so.
     """
     problem, axis = fit.problem, fit.problem.rig.axis
     fitted = {q.name for q in problem.model.friction_parameters}
@@ -251,7 +255,7 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
         values[machine.link] = 0.0
         notes[machine.link] = f"convention: {machine.rotor} contains all of the inertia J_m + mu^2 J_l"
     fields, inertia = problem.emitted.letters, problem.drive.machine.inertia_letters
-    follows = following_letters(problem.model)
+    follows, placeholders = following_letters(problem.model), set()
     for name in fields:
         if name in values:
             continue
@@ -261,10 +265,12 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
             values[name], notes[name] = None, "not known, not needed"
         else:
             values[name], notes[name] = (1.0 if name in ("R", "k_i") else 0.0), "convention: not identified"
+            placeholders.add(name)
     if not problem.drive.voltage_known:
         for name in problem.drive.machine.back_emf_letters & set(fields):
             values[name], notes[name] = 0.0, axis.text(NO_BACK_EMF)
-    return {name: values[name] for name in fields}, {name: notes[name] for name in fields}
+            placeholders.add(name)
+    return {name: values[name] for name in fields}, {name: notes[name] for name in fields}, placeholders
 
 
 def _put_scale(fit: Fit, values: dict[str, float | None], notes: dict[str, str]) -> None:

@@ -50,7 +50,7 @@ def fleet_page(found: FleetFound) -> str:
 def fleet_sentence(found: FleetFound) -> str:
     """The result in one sentence."""
     if not found.tested:
-        return "No joint could be tested for a change: problems.csv says why."
+        return "No joint could be tested for a change; problems.csv says why."
     joints = counted(len(found.tested), "joint")
     if untested := found.joints - len(found.tested):
         joints += f" ({untested} more not tested: problems.csv says why)"
@@ -70,11 +70,11 @@ def joints_without_logs(found: FleetFound) -> list[str]:
     said: list[str] = []
     if found.without_log:
         joints = counted(len(found.without_log), "joint")
-        said.append(f"{joints} of the rigs' table without a log ({few(found.without_log, 3)})")
+        said.append(f"{joints} in the rig table without a log ({few(found.without_log, 3)})")
     if found.behind:
         joints = counted(len(found.behind), "joint")
         last = [f"{joint}: {period}" for joint, period in found.behind.items()]
-        said.append(f"{joints} without an answer in the last period (their last: {few(last, 3)})")
+        said.append(f"{joints} without a result in the last period (their last: {few(last, 3)})")
     return said
 
 
@@ -124,7 +124,7 @@ def _panel(one: Drifting, axis: AxisKind) -> dict[str, Any]:
     errors = values * s.errors if s.name == RESIDUAL else s.errors
     words = {
         FRICTION: f"mean friction {axis.term('torque')} [{axis.unit('N m')}]",
-        RESIDUAL: f"what the model leaves, RMS [{axis.unit('N m')}]",
+        RESIDUAL: f"RMS residual [{axis.unit('N m')}]",
     }
     return {
         "joint": one.joint,

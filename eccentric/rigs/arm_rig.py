@@ -100,7 +100,7 @@ def read_arm_rig(source: str | os.PathLike[str] | Mapping[str, Any] | ArmRig) ->
     In a mapping `arm` may be a Chain. Paths are relative to the rig file.
 
     Raises:
-        InputError: one line with file, key, what is required and what was received.
+        InputError: one line with file, key, what was expected and what came.
     """
     if isinstance(source, ArmRig):
         return source

@@ -89,26 +89,26 @@ def keys_of(axis: AxisKind) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Rig:
-    """The test bench as the user describes it; numbers in SI, by the paper's letters.
+    """The test bench as described in the rig file; numbers in SI, by the paper's letters.
 
     Attributes:
         path: of the file, for messages.
         name: of the rig.
         case: "C1", "C2" or None for a tilted plane; then `phi` [rad] is in `known` or `unknown`.
         known: values of motor, gear and link by letter.
-        unknown: ranges [lower, upper] by letter; what is in neither is identified where it can be.
-        log: what the log holds.
-        sampling: how its samples become rows.
-        holdout: the held-out part, where the rig names it.
-        alignment: delay, zero angle and offset, 0 where the fit has to find them.
+        unknown: ranges [lower, upper] by letter; letters that are in neither are estimated if possible.
+        log: the columns of the log.
+        sampling: how the samples become rows.
+        holdout: the held-out part, if the rig names it.
+        alignment: delay, zero angle and offset, 0 if the fit has to find them.
         estimate: names of those that the fit has to find.
-        warnings: what is unusual about the rig.
-        axis: what moves; it says what all of these are called.
-        added: masses that some runs carry, by the run or a pattern of runs.
-        controller: what makes the drive signal; None where the rig does not say.
-        per_inertia: whether a coast-down without an inertia has 1 kg m^2 in its place: then every torque is a
+        warnings: unusual entries.
+        axis: the kind of axis, which names all of these.
+        added: added masses, by run or pattern of runs.
+        controller: the controller that makes the drive signal; None if the rig has none.
+        per_inertia: whether a coast-down without a declared inertia uses 1 kg m^2, so that every torque is a
             deceleration.
-        parts: what the drive is made of, as far as the rig says: words of `DRIVE_PARTS` by kind.
+        parts: the parts of the drive, as far as the rig names them: words of `DRIVE_PARTS` by kind.
     """
 
     path: str
@@ -134,7 +134,7 @@ class Rig:
         return f"<Rig {self.name}: {plane}; known {few(self.known)}; unknown {few(self.unknown) or 'none'}>"
 
     def value(self, name: str) -> float:
-        """Return a known quantity by the paper's letter; InputError, naming the rig, if it is unknown."""
+        """Return a known quantity by the paper's letter; InputError if it is unknown."""
         if name not in self.known:
             letter = f"[known] {self.axis.named(name)}"
             raise MissingValueError(self.path, letter, "none", why="here", letter=name)
@@ -142,12 +142,12 @@ class Rig:
 
     @property
     def added_kg(self) -> dict[str, float]:
-        """The masses that some runs carry [kg], by the run or a pattern of runs."""
+        """The added masses [kg], by run or pattern of runs."""
         return {runs: added.mass for runs, added in self.added.items()}
 
     @property
     def added_words(self) -> str:
-        """Which runs carry what besides M, in words; "" where none does."""
+        """The runs with an added mass, in words; "" if there are none."""
         carried = [f"{runs} carries {added.mass:g} kg" for runs, added in self.added.items()]
         return f"besides M, {', '.join(carried)}" if carried else ""
 
@@ -164,8 +164,8 @@ def read_rig(source: str | os.PathLike[str] | Mapping[str, Any] | Rig) -> Rig:
 
     A Rig is returned unchanged. Errors call a mapping "rig".
 
-    Raises InputError, one line with file, key, what is required and what was received: a missing or damaged
-    file, an unknown key or unit, a value that is physically impossible, a contradiction.
+    Raises InputError, one line with file, key, what was expected and what came: a missing or damaged file, an
+    unknown key or unit, a value that is physically impossible, a contradiction.
     """
     if isinstance(source, Rig):
         return source

@@ -21,10 +21,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from markupsafe import Markup
+
 from eccentric.diagnosis import Diagnosis
 from eccentric.emission import template
 from eccentric.presentation.html.data import Parameter, ReportData
 from eccentric.presentation.html.figures import library, plot_report
+from eccentric.presentation.html.formulas import with_symbols
 from eccentric.presentation.html.gather import report_data
 from eccentric.presentation.html.text import number
 from eccentric.presentation.html.view import view
@@ -52,4 +55,9 @@ def arm_page(found: ArmDiagnosis) -> str:
 
 def rendered(page: str, variables: Mapping[str, Any]) -> str:
     """A page of `templates/report` with its variables; all text is escaped."""
-    return template(f"report/{page}.html", page=True).render(variables)
+    return template(f"report/{page}.html", page=True).render(symbols=_symbols, **variables)
+
+
+def _symbols(text: str) -> Markup:
+    """A sentence for a template, its symbols with subscripts."""
+    return Markup(with_symbols(text))  # noqa: S704 - what is not made by `letter` is escaped

@@ -20,9 +20,8 @@ def _emitted(found: ArmDiagnosis) -> str:
     """What is emitted of the arm as a whole, for the note."""
     if why := why_not_emitted(found):
         return f"The arm as a whole is not emitted: {why}."
-    return (
-        f"The arm with the friction of all joints as fitted is emitted beside this page as {arm_name(found)}."
-    )
+    name = arm_name(found)
+    return f"The arm with the friction of all joints as fitted is emitted next to this page as {name}."
 
 
 def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
@@ -42,16 +41,16 @@ def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
     sums, bodies = [], ""
     if (identified := found.bodies) is not None:
         bodies = (
-            "Identified from all joints at once; there are bodies with these values."
+            "Identified from all joints at once; the values are physically realizable."
             if identified.bodies.explain
-            else "Identified from all joints at once; no real bodies have these values."
+            else "Identified from all joints at once; the values are not physically realizable."
         )
         sums = [
             {"words": words, "value": number(e.value), "interval": range_of(e.interval), "unit": e.unit}
             for words, e in zip(identified.sums, identified.estimates.values(), strict=True)
         ]
     return {
-        "title": f"What does the model of the arm lack? {', '.join(found.names)}",
+        "title": f"What is the arm's model missing? {', '.join(found.names)}",
         "verdict": found.verdict,
         "verdict_words": VERDICTS[found.verdict],
         "sentence": arm_diagnosis_sentence(found),

@@ -196,6 +196,11 @@ def binned(rows: ResidualRows, channel: Channel, curves: Mapping[str, Array]) ->
     # Rare extremes of a channel would stretch the axis: they are put into the outermost bins.
     low, high = (0.0, channel.period) if channel.period else np.quantile(own, [0.002, 0.998])
     bins = int(np.clip(count // 10, 12, BINS)) if high > low else 1
+    if channel.key == "velocity" and low < 0.0 < high:
+        # An edge at zero: a bin that straddles it would average friction of both directions.
+        width = (high - low) / bins
+        below, above = np.ceil(-low / width), np.ceil(high / width)
+        low, high, bins = -below * width, above * width, int(below + above)
     least = 5 if count >= 20 * bins else 2
     place = np.clip(((own - low) / max(high - low, 1e-300) * bins).astype(int), 0, bins - 1)
     sizes = np.bincount(place, minlength=bins)

@@ -460,9 +460,8 @@ def _shared(found: Diagnosis, given: AbstractSet[str]) -> dict[str, str]:
 
 def _placeholders(found: Diagnosis) -> set[str]:
     """Parameters that stand for nothing known or identified: of the motor, and 1 kg m^2 of a coast-down."""
-    machine, known = found.data.drive.machine, set(found.rig.known)
-    motor = machine.torque_letters | machine.resistance_letters | machine.back_emf_letters
-    return set(motor - known) | (set(machine.inertias) if found.rig.per_inertia else set())
+    drive = found.data.drive
+    return drive.placeholders | (set(drive.machine.inertias) if found.rig.per_inertia else set())
 
 
 def _correlations(fit: Refit, axis: AxisKind) -> Correlations | None:

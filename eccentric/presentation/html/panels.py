@@ -28,7 +28,8 @@ class Panel:
     Attributes:
         channel: what is on the horizontal axis.
         against_motion: whether values are counted positive against the motion, as friction is.
-        at: (k,) mean of the channel in each bin, increasing; NaN where a bin is empty.
+        at: (k,) mean of the channel in each bin, increasing; NaN where a bin is empty, and at zero velocity,
+            where friction jumps.
         rows: (k,) rows in each bin.
         left_out: rows in bins with too few of them to draw.
         curves: name -> curve, spread from the 10 % to the 90 % quantile.
@@ -103,13 +104,21 @@ def friction_panel(balance: BalanceResiduals, channel: Channel) -> Panel | None:
 def _panel(
     channel: Channel, bins: Bins, curves: Mapping[str, Array], *, against_motion: bool = False
 ) -> Panel:
+    at, rows = bins.mean(bins.x), np.where(bins.drawn, bins.sizes, 0)
+    both = channel.key == "velocity" and np.nanmin(at) < 0.0 < np.nanmax(at)
+    places = [int(np.argmax(at > 0.0))] if both else []
+
+    def parted(values: Array) -> Array:
+        return np.insert(values, places, np.nan)
+
+    drawn = {name: bins.curve(y) for name, y in curves.items()}
     return Panel(
         channel,
         against_motion,
-        at=bins.mean(bins.x),
-        rows=np.where(bins.drawn, bins.sizes, 0),
+        at=parted(at),
+        rows=np.insert(rows, places, 0),
         left_out=int(bins.sizes[~bins.drawn].sum()),
-        curves={name: bins.curve(y) for name, y in curves.items()},
+        curves={n: MeanAndSpread(parted(c.low), parted(c.middle), parted(c.high)) for n, c in drawn.items()},
     )
 
 

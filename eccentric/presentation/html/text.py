@@ -62,7 +62,7 @@ def headline(data: ReportData) -> str:
     if data.conclusion.verdict != "named" and not data.conclusion.fits_the_rig:
         return "This log does not fit the rig"
     if not data.conclusion.confirmed:
-        return "Something is missing, and the effect that fits is not confirmed"
+        return "Something is missing, but the effect that fits is not confirmed"
     return _HEADLINES[data.conclusion.verdict]
 
 
@@ -224,7 +224,7 @@ def _chance(best: CandidateRow, chance: tuple[float, float], verdict: str, torqu
     if verdict == "unexplained":
         return (
             f"{sentence}, more than the {number(level, 3)} that one log in a hundred reaches by chance."
-            " Its residual still follows a variable: its shape is not the right one."
+            " Its residual still depends on a variable, so its shape is not right."
         )
     if gained <= LEAST_DEVIANCE:
         return (
@@ -233,6 +233,6 @@ def _chance(best: CandidateRow, chance: tuple[float, float], verdict: str, torqu
         )
     return (
         f"{sentence}, more than chance ({number(level, 3)} in one log in a hundred), but removes less than"
-        f" {100.0 * LEAST_SHARE:g} % of the RMS {torque}: errors of the filters and of"
-        f" sampling have that size."
+        f" {100.0 * LEAST_SHARE:g} % of the RMS {torque}, which is the size of"
+        " filter and sampling errors."
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from html import escape
 from typing import Any
 
 from eccentric.model import AxisKind
@@ -10,7 +11,7 @@ from eccentric.presentation.diagnosis_text import verdict_words
 from eccentric.presentation.html.arrays import BalanceResiduals, PartErrors, RunErrors, runs_of
 from eccentric.presentation.html.data import CandidateRow, Errors, Parameter, ReportData
 from eccentric.presentation.html.figures import Figures
-from eccentric.presentation.html.formulas import short_formula
+from eccentric.presentation.html.formulas import is_letter, short_formula, with_symbols
 from eccentric.presentation.html.panels import Panel, friction_panel, residual_panel, trace
 from eccentric.presentation.html.simulated import simulated
 from eccentric.presentation.html.text import (
@@ -249,8 +250,14 @@ def _correlations(data: ReportData) -> dict[str, Any] | None:
     rows = []
     for k, name in enumerate(found.names):
         cells = [_cell(float(found.matrix[k, j])) for j in range(k)]
-        rows.append((name, cells, len(found.names) - 1 - k))
-    return {"names": found.names[:-1], "rows": rows[1:], "close": correlation_words(found)}
+        rows.append((_name(name), cells, len(found.names) - 1 - k))
+    names = [_name(name) for name in found.names[:-1]]
+    return {"names": names, "rows": rows[1:], "close": correlation_words(found)}
+
+
+def _name(name: str) -> str:
+    """HTML of a parameter: its symbol; one that is a word is code."""
+    return with_symbols(name) if is_letter(name) else f"<code>{escape(name)}</code>"
 
 
 def _cell(r: float) -> tuple[str, str, str]:
@@ -295,13 +302,15 @@ def _candidate(c: CandidateRow, data: ReportData) -> dict[str, Any]:
     }
 
 
-def _parameter(p: Parameter, axis: AxisKind) -> dict[str, str]:
+def _parameter(p: Parameter, axis: AxisKind) -> dict[str, Any]:
     notes = [f"{p.bound} bound active"] if p.bound else []
     if p.widened and not p.bound:
         notes.append("widened by a bound")
     return {
         "name": p.name,
         "letter": p.letter,
+        # A symbol is its own name in code: B_lN.
+        "code": not (p.letter and is_letter(p.name)),
         "meaning": axis.text(meaning_html(p.meaning)),
         "value": number(p.value),
         "error": "" if p.std_error is None else number(p.std_error, 2),

@@ -7,5 +7,12 @@ In: SymPy expressions, quantities with their letters, typed formulas. Out: MathM
 `eccentric.model`.
 """
 
-from eccentric.presentation.html.formulas.blocks import Line, aligned, block, equation, short_formula
-from eccentric.presentation.html.formulas.expression import Typesetter, letter, plain
+from eccentric.presentation.html.formulas.blocks import (
+    Line,
+    aligned,
+    block,
+    equation,
+    short_formula,
+    with_symbols,
+)
+from eccentric.presentation.html.formulas.expression import Typesetter, is_letter, letter, plain

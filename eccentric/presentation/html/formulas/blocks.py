@@ -132,6 +132,21 @@ def short_formula(text: str) -> str:
     return html
 
 
+_SYMBOL = re.compile(
+    r"""(?<![\w.,\[\\'"-])(?:[A-Za-z]+_[A-Za-z0-9]{1,3}(?:_(?:pos|neg))?|mu(?=\^))(?:\^\d)?(?![\w\]\[('"]|\.\w)"""
+)
+
+
+def with_symbols(text: str) -> str:
+    """HTML of a sentence: its letters with an index, such as B_lN, are typeset, all else is escaped."""
+    found, end = "", 0
+    for mark in _SYMBOL.finditer(text):
+        if is_letter(mark[0].partition("^")[0]):
+            found += f"{escape(text[end : mark.start()])}<math>{letter(mark[0])}</math>"
+            end = mark.end()
+    return found + escape(text[end:])
+
+
 def _pieces(marks: Sequence[str]) -> Iterator[int]:
     """The number of the piece of formula that each mark belongs to, 0 for words and punctuation."""
     names = set(_names(marks))
