@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.signal import lombscargle
+from scipy.signal import find_peaks, lombscargle
 
 from eccentric.core import InputError
 from eccentric.diagnosis import Diagnosis, diagnose, orders_of, score
+from eccentric.diagnosis.score import peaks
 from eccentric.presentation import diagnosis_document
 from eccentric.signals.turn_line import turn_line
 from tests import screw
@@ -79,6 +80,15 @@ def test_means_of_whole_runs_have_no_error_below_a_low_pass(found: Diagnosis) ->
 def noise(found: Diagnosis, seed: int) -> Array:
     """White noise on the samples."""
     return screw.NOISE * np.random.default_rng(seed).standard_normal(len(found.channels.time.t))
+
+
+def test_peaks_are_those_of_scipy() -> None:
+    """Of two peaks too near each other the higher counts, whatever stands beside both."""
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        mean, apart = rng.random(200), int(rng.integers(1, 20))
+        least = np.maximum(0.3, 0.9 * rng.random(200))
+        assert peaks(mean, least, apart) == find_peaks(mean, height=least, distance=apart)[0].tolist()
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from eccentric.core import InputError
 from eccentric.diagnosis.limits import FITTED, MOST_APART, OF_THE_MOTION, ONE_WAY
@@ -391,5 +391,5 @@ def _of_several(
     value, names = float(known.value.subs(at)), list(fit.estimates)
     places = [names.index(str(letter)) for letter in own]
     slope = np.array([float(sp.diff(known.value, letter).subs(at)) for letter in own])
-    spread = norm.ppf(0.975) * np.sqrt(slope @ fit.covariance[np.ix_(places, places)] @ slope)
+    spread = ndtri(0.975) * np.sqrt(slope @ fit.covariance[np.ix_(places, places)] @ slope)
     return value - spread, value + spread

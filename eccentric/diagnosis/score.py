@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import median_filter
-from scipy.signal import find_peaks
 
 from eccentric.diagnosis import limits
 from eccentric.diagnosis.search import unexplained
@@ -240,7 +239,7 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
     local = median_filter(every, (1, limits.AROUND), mode="nearest")
     found = []
     least = np.maximum(limits.LEAST_SHARE, limits.ABOVE * around)
-    for k in find_peaks(mean, height=least, distance=limits.ALONE)[0].tolist():
+    for k in peaks(mean, least, limits.ALONE):
         near = every[:, max(k - limits.NEIGHBOURS, 0) : k + limits.NEIGHBOURS + 1].max(axis=1)
         share = float(near.mean())
         # Leakage from one frequency in time is not a peak in the neighbouring orders.
@@ -252,6 +251,20 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
         centre = _GRID[k] + 0.5 * (left - right) / (left - 2.0 * top + right) * (_GRID[1] - _GRID[0])
         found.append(Order(float(centre), amplitude, share, seen, len(every)))
     return tuple(sorted((o for o in found if 2 * o.seen > o.stretches), key=lambda o: -o.share))
+
+
+def peaks(mean: Array, least: Array, apart: int) -> list[int]:
+    """Places of peaks of at least that height, of two nearer than `apart` the higher, in rising order.
+
+    They are those of SciPy's `find_peaks`; importing `scipy.signal` takes longer than all else here.
+    """
+    inner = mean[1:-1]
+    tops = 1 + np.flatnonzero((inner > mean[:-2]) & (inner > mean[2:]) & (inner >= least[1:-1]))
+    kept: list[int] = []
+    for k in tops[np.argsort(-mean[tops], kind="stable")].tolist():
+        if all(abs(k - other) >= apart for other in kept):
+            kept.append(k)
+    return sorted(kept)
 
 
 def _spectrum(angle: Array, y: Array) -> Array:

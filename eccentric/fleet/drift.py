@@ -19,8 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from scipy.special import digamma, polygamma
-from scipy.stats import t as student
+from scipy.special import digamma, polygamma, stdtr
 
 from eccentric.fleet.limits import (
     EXPLAINED,
@@ -245,7 +244,7 @@ def _best(series: Series, fit: _Fitted, variance: float, prior: float) -> FleetC
         scatter = (prior * variance + float(left @ left)) / (prior + freedom)
         if scatter <= 0.0:
             continue
-        p = 2.0 * float(student.sf(abs(slope) * math.sqrt(size / scatter), prior + freedom))
+        p = 2.0 * float(stdtr(prior + freedom, -abs(slope) * math.sqrt(size / scatter)))
         if p < p_best:
             best, p_best = (shape, first, values, slope), p
     shape, first, values, slope = best

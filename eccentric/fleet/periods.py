@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from eccentric.fleet.limits import LEAST_BLOCKS, LEAST_DIRECTION, LEAST_RANGE_K, LEAST_SECONDS, STUCK_PERIODS
 from eccentric.fleet.sources import FleetProblem
@@ -49,7 +49,7 @@ class Period:
     @property
     def reach(self) -> float:
         """Half of a 95 % interval in standard errors."""
-        return float(student.ppf(0.975, self.freedom))
+        return float(stdtrit(self.freedom, 0.975))
 
 
 @dataclass(frozen=True)

@@ -33,12 +33,15 @@ from eccentric.model.steps import (
 
 
 def interface_of(model: Model) -> Interface:
-    """The outputs of a model: those that it declares, else those of one drive.
+    """The outputs of a model, derived once for it: those that it declares, else those of one drive.
 
     Raises:
         InputError: the model lacks something that they require.
     """
-    return drive_interface(model) if model.declares is None else model.declares(model)
+    kept = vars(model)  # as a cached property of the model would keep them
+    if "interface" not in kept:
+        kept["interface"] = drive_interface(model) if model.declares is None else model.declares(model)
+    return kept["interface"]
 
 
 # Friction on one side of zero velocity: its limit at standstill, and its polynomial in the velocity.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import permutations, product
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr
 
 from eccentric.core import InputError
 from eccentric.diagnosis import IN_A_DRAW
@@ -49,7 +49,7 @@ Pairs = Mapping[tuple[str, str], float]
 def decided(apart: float) -> float:
     """The probability that a true rival is named over another, D apart."""
     spread = np.sqrt(max(apart, 1e-12))
-    return float(norm.cdf((0.5 * apart - max(np.log(ODDS), VARIANTS_AGREE * spread)) / spread))
+    return float(ndtr((0.5 * apart - max(np.log(ODDS), VARIANTS_AGREE * spread)) / spread))
 
 
 def expected(pairs: Pairs, chances: Mapping[str, float]) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import norm
+from scipy.special import ndtr
 
 from eccentric.diagnosis import PARTS, STABLE, SURE
 
@@ -67,7 +67,7 @@ to change the loads of the bearing and of the gear."""
 ODDS = SURE / (1.0 - SURE)
 """Odds at which a verdict names an effect."""
 VARIANTS_AGREE = float(
-    brentq(lambda x: np.mean([norm.cdf(x / np.sqrt(1.0 / f - 1.0)) for f in PARTS]) - STABLE, 0.0, 5.0)
+    brentq(lambda x: np.mean([ndtr(x / np.sqrt(1.0 / f - 1.0)) for f in PARTS]) - STABLE, 0.0, 5.0)
 )
 """Spreads of the log-likelihood ratio by which it has to be ahead for so many variants to find the same."""
 LEAST_CHANCE = 1e-3
