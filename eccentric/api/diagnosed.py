@@ -23,7 +23,7 @@ from eccentric.diagnosis import (
     script,
 )
 from eccentric.diagnosis import diagnose as diagnose_logs
-from eccentric.emission import complete, write
+from eccentric.emission import complete, inertial_loss, write
 from eccentric.model import Model
 from eccentric.presentation import (
     Parameter,
@@ -31,6 +31,7 @@ from eccentric.presentation import (
     diagnosis_document,
     diagnosis_lines,
     horizons_document,
+    loss_sentence,
     page,
     plot_report,
     report_data,
@@ -47,6 +48,7 @@ _WRITTEN = (
     ),
 )
 _BASE = "the base model, as provided"
+_UNWRITTEN = "the extended model is not emitted; model.py has its physics"
 _EMITTED = {
     ".py": "the extended model in NumPy",
     "eccentric_runtime.py": "the runtime of every emitted NumPy module",
@@ -114,11 +116,16 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
     fits = {"linear": models.linear, "paper": models.paper, "extended": models.extended}
     simulated = simulated_errors(fits)
     document, estimates = diagnosis_document(found), axis.estimates(found.result.estimates)
+    model, data = extended_model(found), report_data(found, simulated)
+    loss = inertial_loss(model)
+    unsolvable = () if loss is None or loss.solvable else (f"{loss_sentence(loss, axis)}: {_UNWRITTEN}",)
+    document |= {"warnings": [*document["warnings"], *unsolvable]}
+    log = dataclasses.replace(data.log, warnings=(*data.log.warnings, *unsolvable))
     fitted = {name: fitted_model(fit, axis) for name, fit in reversed([*fits.items()])}
     if found.data.drive.along is not None:
         fitted = {name: dataclasses.replace(model, drive=None) for name, model in fitted.items()}
     return DiagnosisResult(
-        model=extended_model(found),
+        model=model,
         origin="model.py",
         estimates=estimates,
         fitted=fitted,
@@ -127,7 +134,8 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
         own={**own} | ({BASE: base_source(given)} if isinstance(given, Model) else {}),
         warnings=tuple(document["warnings"]),
         lines=tuple(diagnosis_lines(found)),
-        data=report_data(found, simulated),
+        solvable=not unsolvable,
+        data=dataclasses.replace(data, log=log),
         document=document | {"simulated": None if simulated is None else horizons_document(simulated)},
     )
 
@@ -153,6 +161,8 @@ class DiagnosisResult(Result):
         script: the derivation of the extended model, the text of model.py.
         own: name -> text of the scripts that it loads: those of your own, and base.py where the base model
             was given as a Model.
+        solvable: whether friction takes less of an acceleration than the inertia; else a step in time has no
+            single solution, and the model is not emitted.
         data: everything that the report shows.
         model, origin, estimates, lines, warnings, document, fitted: as in Result; the model is the
             extended one, without an adopted effect the base model, fitted; the document is the content of
@@ -161,6 +171,7 @@ class DiagnosisResult(Result):
 
     script: str
     own: Mapping[str, str]
+    solvable: bool
     data: ReportData
 
     @property
@@ -252,7 +263,8 @@ class DiagnosisResult(Result):
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write what the command `eccentric diagnose` writes: report, JSON, script and the emitted model.
 
-        A log that does not fit the rig gives no emitted model.
+        A log that does not fit the rig gives no emitted model, and neither does friction that takes as much
+        of an acceleration as the inertia.
 
         Raises:
             InputError: the folder cannot be written.
@@ -267,7 +279,8 @@ class DiagnosisResult(Result):
         (folder / "model.py").write_text(self.script, encoding="utf-8")
         for name, text in self.own.items():
             (folder / name).write_text(text, encoding="utf-8")
-        emitted = complete(self.model, "eccentric diagnose", "model.py") if self.fits_the_rig else {}
+        holds = self.fits_the_rig and self.solvable
+        emitted = complete(self.model, "eccentric diagnose", "model.py") if holds else {}
         write(emitted, folder)
         text = page(dataclasses.replace(self.data, files=_described(self.own, emitted, self.model.name)))
         (folder / "report.html").write_text(text, encoding="utf-8")

@@ -11,7 +11,12 @@ from eccentric.model import Model, levels
 from eccentric.model import vocabulary as v
 
 
-def conditions(model: Model, routines: Iterable[Routine]) -> tuple[Condition, ...]:
+def stepped(routines: Iterable[Routine]) -> frozenset[str]:
+    """The names of those that solve for a motion, from a torque."""
+    return frozenset(r.name for r in routines if any(x.quantity.name == v.torque.name for x in r.inputs))
+
+
+def conditions(model: Model) -> tuple[Condition, ...]:
     """Those of dry friction that follows loads with the acceleration in them, such as the transmitted torque.
 
     At rest such friction takes a share of an acceleration. Where that is as large as the inertia, a time step
@@ -21,8 +26,7 @@ def conditions(model: Model, routines: Iterable[Routine]) -> tuple[Condition, ..
     nothing: `inertial_loss` evaluates it.
     """
     alpha, omega = v.alpha_m.symbol, v.omega_m.symbol
-    moved = any(x.quantity.name == v.torque.name for r in routines for x in r.inputs)
-    if not moved or model.declares is not None:
+    if model.declares is not None:
         return ()
     terms = tuple(t for t in model.balance("mechanical").terms if t.kind == "friction")
     if not any(alpha in model.expand(t.value).free_symbols for t in terms):
