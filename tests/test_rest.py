@@ -393,7 +393,7 @@ def test_a_loss_beyond_the_inertia_is_refused(tmp_path: Path) -> None:
 
 
 def require_one_solution(emitted: ModuleType, p: object, refused: str) -> None:
-    """Call what solves for a motion, on numbers and on arrays; `refused` is the parameter it names, if any."""
+    """Call what solves for a motion, on numbers and arrays; `refused` is the parameter it names, if any."""
     state, many = (0.3, 0.0, 0.0), (np.full(3, 0.3), 0.0, np.zeros((2, 1)))
     assert np.isfinite(emitted.mechanical_residual(*state, 0.1, p))
     for at in (state, many):

@@ -31,7 +31,7 @@ from eccentric.presentation import (
     diagnosis_document,
     diagnosis_lines,
     horizons_document,
-    loss_sentence,
+    not_emitted,
     page,
     plot_report,
     report_data,
@@ -48,7 +48,6 @@ _WRITTEN = (
     ),
 )
 _BASE = "the base model, as provided"
-_UNWRITTEN = "the extended model is not emitted; model.py has its physics"
 _EMITTED = {
     ".py": "the extended model in NumPy",
     "eccentric_runtime.py": "the runtime of every emitted NumPy module",
@@ -117,8 +116,7 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
     simulated = simulated_errors(fits)
     document, estimates = diagnosis_document(found), axis.estimates(found.result.estimates)
     model, data = extended_model(found), report_data(found, simulated)
-    loss = inertial_loss(model)
-    unsolvable = () if loss is None or loss.solvable else (f"{loss_sentence(loss, axis)}: {_UNWRITTEN}",)
+    unsolvable = not_emitted(inertial_loss(model), axis)
     document |= {"warnings": [*document["warnings"], *unsolvable]}
     log = dataclasses.replace(data.log, warnings=(*data.log.warnings, *unsolvable))
     fitted = {name: fitted_model(fit, axis) for name, fit in reversed([*fits.items()])}
