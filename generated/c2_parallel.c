@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.2.0b1, program cd0ff858).
+ * (eccentric 0.2.0b1, program 33c68723).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0xcd0ff858UL
+#if C2_PARALLEL_PROGRAM != 0x33c68723UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 

@@ -717,7 +717,9 @@ def _described(kernel: Any, meanings: Any) -> str | None:
 _NUMBERS = {float, int, np.float64}
 
 
-def _function(model: Model, kernel: Callable[..., Any], evaluated: _Kernel, needs: Sequence[str]) -> Any:
+def _function(
+    model: Model, kernel: Callable[..., Any], evaluated: _Kernel, needs: Sequence[str], *, steps: bool
+) -> Any:
     """The function f(inputs, parameters=None, out=None), with the name and docstring of the kernel."""
     either = inspect.Parameter.POSITIONAL_OR_KEYWORD
     optional = [inspect.Parameter(name, either, default=None) for name in ("parameters", "out")]
@@ -733,6 +735,8 @@ def _function(model: Model, kernel: Callable[..., Any], evaluated: _Kernel, need
             given, parameters, out = _ordered(signature, given, parameters, out, named)
         if needs:
             model.require(needs, evaluated.names[-1], given[-1], parameters)
+        if steps:
+            model.require_solvable(parameters)
         on_floats = not given or type(given[0]) in numbers
         if on_floats and out is None and numbers.issuperset(map(type, given)):
             found = at(given, parameters)
@@ -764,8 +768,10 @@ class Model:
         parameters: Callable[[], Any],
         prepare: Callable[[Any, Coefficients], None],
         inputs: Mapping[str, str],
+        losses: Callable[[Any], tuple[float, str, Sequence[tuple[str, float]]]] = lambda _: (0.0, "", ()),
     ) -> None:
-        self.default, self.inputs = parameters(), inputs
+        self.default, self.inputs, self._losses = parameters(), inputs, losses
+        self._solvable: Any = self  # the latest parameters for which a step has one solution
         self._prepare = prepare
         self._by_value = lru_cache(maxsize=64)(self._computed)
         self._kernels: dict[str, _Kernel] = {}
@@ -803,12 +809,30 @@ class Model:
         if missing and np.any(np.asarray(value) != 0):
             raise ValueError(f"{', '.join(missing)}: required in Parameters unless {last} is 0, got None")
 
+    def unsolvable(self, parameters: Any) -> str:
+        """What leaves a step in time without a single solution; friction itself is defined without one."""
+        inertia, unit, losses = self._losses(parameters or self.default)
+        for name, loss in losses:
+            if loss >= inertia:
+                less = f"less of an acceleration than the inertia, {inertia:.6g} {unit}"
+                return f"{name}: expected friction that takes {less}, got {loss:.6g} {unit}"
+        return ""
+
+    def require_solvable(self, parameters: Any) -> None:
+        """Require parameters for which a step in time has one solution."""
+        if parameters is not self._solvable:
+            self.check(parameters)
+            if problem := self.unsolvable(parameters):
+                raise ValueError(problem)
+            self._solvable = parameters
+
     def function(
         self,
         kernel: Callable[..., Any] | None = None,
         *,
         needs: Sequence[str] = (),
         vectors: Mapping[str, int] | None = None,
+        steps: bool = False,
     ) -> Any:
         """Make a kernel f(c, inputs) a function f(inputs, parameters=None, out=None).
 
@@ -816,11 +840,12 @@ class Model:
             kernel: it returns a number, or a tuple of numbers, which become the last axis.
             needs: parameters without a default that are needed where the last input is not zero.
             vectors: inputs that have an axis of their own, the last one, and its length.
+            steps: whether friction may take no more of an acceleration than the inertia.
         """
         if kernel is None:
-            return partial(self.function, needs=needs, vectors=vectors)
+            return partial(self.function, needs=needs, vectors=vectors, steps=steps)
         evaluated = self._kernels[kernel.__name__] = _Kernel(self, kernel, vectors or {})
-        return _function(self, kernel, evaluated, needs)
+        return _function(self, kernel, evaluated, needs, steps=steps)
 
     def follow(
         self, step: str, initial: Mapping[str, float], inputs: Sequence[ArrayLike], parameters: Any

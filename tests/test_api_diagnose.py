@@ -14,9 +14,11 @@ from matplotlib import pyplot as plt
 
 import eccentric
 from eccentric import DiagnosisResult, InputError, Model
+from eccentric.api import diagnosed
 from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Setting, library
 from eccentric.emission import complete, load_module
+from eccentric.model import with_values
 from generated import c2_parallel
 from tests.extended import effects
 
@@ -60,6 +62,32 @@ def test_the_command_finds_the_same(result: DiagnosisResult, written: Path, tmp_
     assert {p.relative_to(written).as_posix() for p in written.rglob("*.*")} - {".eccentric"} == files
     for name in files - {"report.html", "diagnosis.json", "model.py"}:
         assert (written / name).read_bytes() == (tmp_path / "out" / name).read_bytes(), name
+
+
+@pytest.mark.parametrize(("share", "solvable"), [(0.99, True), (1.01, False)])
+def test_a_loss_beyond_the_inertia_is_not_emitted(
+    share: float,
+    solvable: bool,
+    bundled: tuple[Diagnosis, Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From (J_m + mu^2 J_l)/(mu^2 J_l) of the transmitted torque on: a warning, and the rest is written."""
+    base = with_values(eccentric.load_model("c2_parallel"), {"J_m": 2e-4, "J_l": 0.04}, "c2_parallel")
+    model = effects("C2")["load_dependent[transmitted]"].extend(base, {"load_eta": share * 1.8 / 1.6})
+    monkeypatch.setattr(diagnosed, "extended_model", lambda _: model)
+    result = diagnosed.result_of(bundled[0], {})
+    names = {path.name for path in result.write(tmp_path / "out")}
+    said = [text for text in result.warnings if "a step in time has no single solution" in text]
+
+    assert (said == []) is solvable is ("c2_parallel.c" in names)
+    assert {"report.html", "diagnosis.json", "model.py"} <= names
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert ("has no single solution" in page) is not solvable
+    if not solvable:
+        assert result.to_dict()["warnings"][-1] == said[0]
+        with pytest.raises(InputError, match="by less than the inertia"):
+            result.emit(tmp_path / "emitted")
 
 
 def test_the_extended_model_leaves_less_below_the_low_pass(result: DiagnosisResult) -> None:

@@ -24,7 +24,8 @@ import eccentric
 from eccentric.cli import main
 from eccentric.core import InputError
 from eccentric.emission import executed, executed_beside, gain_of, inputs_of, render, render_compensation
-from eccentric.model import load_model
+from eccentric.emission.compensate.slopes import Walk, steepness
+from eccentric.model import Definition, load_model, quantity, steps, vocabulary
 from tests import extended
 from tests.carriage import GIVEN
 from tests.compensated import PUSHES, VELOCITIES, Compensation, drawn, emitted, module
@@ -288,6 +289,50 @@ def test_the_level_is_that_at_the_width() -> None:
     assert found["error"] == pytest.approx(s.gain * level / s.push_width, rel=2e-6)
     assert found["omega_m"] == pytest.approx(s.gain * level / s.fade, rel=2e-6)
     assert found["theta_m"] == found["torque"] == 0.0
+
+
+X, Y, K = sp.symbols("x y k", real=True)
+STEPS = [  # an expression, its largest slopes for |x| <= 2 and |y| <= 3 with k = 1.5, in closed form
+    (steps.Clipped(X, -(1 + sp.Abs(Y)), 1 + K * sp.Abs(Y)), {"x": 1.0, "y": 1.5}),
+    (K * sp.Abs(X), {"x": 1.5}),
+    (sp.Piecewise((X, sp.Eq(K, 0)), (K * X, True)), {"x": 1.5}),
+]
+
+
+@pytest.mark.parametrize(("expression", "expected"), STEPS, ids=lambda given: str(given)[:12])
+def test_no_slope_is_left_out(expression: sp.Expr, expected: dict[str, float]) -> None:
+    """A limit that moves makes what it limits move; a factor made of parameters stays a factor."""
+    walk = Walk({X: sp.Integer(2), Y: sp.Integer(3)}, frozenset())
+    found = walk(expression).slopes
+
+    assert {x.name: float(k.subs(K, 1.5)) for x, k in found.items()} == expected
+
+
+def test_a_slope_of_a_number_made_of_parameters_is_kept() -> None:
+    """F_N made proportional to the angle, by a definition of parameters alone."""
+    model = load_model("c2_parallel")
+    given = {d.symbol.name: d for d in model.definitions}
+    stiff = quantity("stiff", "N/rad", "normal force per angle")
+    letters = {q.name: q.symbol for q in model.parameters}
+    force = dataclasses.replace(given["F_N"], value=stiff.symbol * sp.Abs(vocabulary.theta_m.symbol))
+    own = (given["J"], Definition(stiff, letters["M"] * letters["g"] * letters["L"]), force)
+    found = steepness(dataclasses.replace(model, definitions=own))
+    numbers = {q.symbol.name: q.default for q in model.parameters if q.default is not None}
+    known = {**numbers, "speed_at_most": sp.Integer(40)}
+    for name, value in found.assignments:
+        known[name] = value.subs({x: known[x.name] for x in value.free_symbols})
+    slope = found.by["theta_m"].subs({x: known[x.name] for x in found.by["theta_m"].free_symbols})
+    p = extended
+
+    expected = (p.MU * 0.08 + p.MU**2 * 0.004 * 40.0) * p.M * p.G * p.L
+    assert float(slope) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_choice_by_an_input_is_refused() -> None:
+    """It may jump, and no slope bounds a jump."""
+    walk = Walk({X: sp.Integer(2)}, frozenset())
+    with pytest.raises(InputError, match="a choice by parameters alone"):
+        walk(sp.Piecewise((X, X > 0), (2 * X, True)))
 
 
 TINY = [0.0, 5e-324, 1e-310, 2.3e-308, 1e-30]

@@ -16,7 +16,7 @@ from mpmath import mpf
 from eccentric.cli import main
 from eccentric.emission.program import accuracy as stated
 from eccentric.model import load_model
-from tests import accelerated, accuracy, extended, oracle, promised
+from tests import accelerated, accuracy, extended, oracle, promised, test_rest
 from tests.compiled import Real
 from tests.emitted import (
     MODELS,
@@ -254,6 +254,24 @@ def test_motor_constants_that_are_not_given() -> None:
     assert 4.0 + 5.0 * 6.0 / 4.0 * 0.5 == m.friction_force(0.5, driven)
     assert (0.5, 1.0) == (slopes.B, slopes.C)
     assert all(np.isfinite(slope) for slope in jax.tree.leaves(slopes))
+
+
+def test_a_loss_beyond_the_inertia_is_an_error_and_nan_for_arrays() -> None:
+    """An error at the call, also while tracing; of several drives, those with one solution keep it."""
+    lossy = executed(test_rest.lossy())
+    inertia = {"J_m": test_rest.J_M, "J_l": test_rest.J_L}
+    below, above = test_rest.beside_the_bound(*test_rest.LOSSES[3])
+    with pytest.raises(ValueError, match=r"^gear_eta: expected friction that takes less"):
+        jax.jit(
+            lambda torque: lossy.acceleration(0.3, 0.0, 0.0, torque, lossy.Parameters(**above, **inertia))
+        )(0.1)
+
+    drives = lossy.Parameters(**{name: np.array([below[name], above[name]]) for name in below}, **inertia)
+    found = lossy.acceleration(np.full((3, 1), 0.3), 0.0, 0.0, 0.1, drives)
+    assert np.array_equal(np.isnan(found), [[False, True]] * 3)
+    step = lossy.friction_step(0.3, 0.0, 0.0, 0.1, 1e-3, drives)
+    assert np.array_equal(np.isnan(step), [[False] * 2, [True] * 2])
+    assert np.isfinite(lossy.mechanical_friction_torque(0.3, 1.0, 0.0, drives)).all()
 
 
 def test_it_runs_where_only_jax_is_installed(tmp_path: Path) -> None:

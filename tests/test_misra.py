@@ -11,7 +11,8 @@ import pytest
 
 from eccentric.emission import render
 from tests.adapted import emitted as with_estimator
-from tests.emitted import MODELS, quick
+from tests.compensated import emitted as with_compensation
+from tests.emitted import MODELS
 from tests.extended import AT_WORK, ONE, at_work, some_at_work
 
 GENERATED = Path(__file__).resolve().parent.parent / "generated"
@@ -79,14 +80,23 @@ def test_a_further_deviation_is_seen(tmp_path: Path) -> None:
     assert "15.1" in deviations(tmp_path, files, "c2_parallel", "double")
 
 
-@pytest.mark.parametrize("real", quick(("float", "double"), {"float"}))
-def test_the_estimator_declares_its_deviations(tmp_path: Path, real: str) -> None:
+@pytest.mark.parametrize(
+    ("part", "real"),
+    [
+        ("adapt", "float"),
+        pytest.param("adapt", "double", marks=pytest.mark.slow),
+        pytest.param("compensation", "float", marks=pytest.mark.slow),
+        pytest.param("compensation", "double", marks=pytest.mark.slow),
+    ],
+)
+def test_what_is_emitted_beside_declares_its_deviations(tmp_path: Path, part: str, real: str) -> None:
     """What is found is what its header says, and what the model's header pastes together, 20.10."""
-    folder = with_estimator(tmp_path)
-    header = (folder / "c2_parallel_adapt.h").read_text(encoding="utf-8")
+    folder = (with_estimator if part == "adapt" else with_compensation)(tmp_path)
+    header = (folder / f"c2_parallel_{part}.h").read_text(encoding="utf-8")
     (stated,) = re.findall(r"advisory ones are: (.*?return early)", header, re.DOTALL)
     digits = ("-DFLT_MANT_DIG=24", "-DDBL_MANT_DIG=53")
 
-    found = checked(folder, "c2_parallel_adapt", *digits, f"-DECCENTRIC_REAL={real}")
+    found = checked(folder, f"c2_parallel_{part}", *digits, f"-DECCENTRIC_REAL={real}")
 
     assert found - {"20.10"} == set(re.findall(r"\d+\.\d+", stated))
+    assert found <= ADVISORY | {"15.5"}

@@ -9,7 +9,6 @@ import itertools
 import math
 import subprocess
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -24,7 +23,7 @@ from eccentric.core import InputError
 from eccentric.effects import Effect
 from eccentric.emission import inertial_loss
 from eccentric.emission.hot import load_module
-from eccentric.model import load_model, with_values
+from eccentric.model import Model, load_model, with_values
 from tests import extended, oracle
 from tests.compiled import CFunctions
 from tests.emitted import MODELS, every_model, module, with_inertia
@@ -344,31 +343,67 @@ def test_a_loss_of_the_transmitted_torque_has_its_closed_form() -> None:
     assert found.loss == pytest.approx(eta * extended.MU**2 * J_L, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("effect", "cases"),
-    [
-        ("load_dependent[transmitted]", {"load_eta": {}}),
-        ("gear_efficiency[transmitted]", {"gear_eta": {"gear_rho": 0.5}, "gear_rho": {"gear_eta": 0.25}}),
-    ],
-)
-def test_prepare_refuses_a_loss_beyond_the_inertia(
-    effect: str, cases: dict[str, dict[str, float]], tmp_path: Path
-) -> None:
-    """From where its share of mu^2 J_l is J_m + mu^2 J_l it returns the parameter's number; not without J."""
+LOSSES = [  # a loss that is tried, the others, and how much of it makes a loss of so much of mu^2 J_l
+    ("load_eta", {}, lambda whole: whole),
+    ("gear_eta", {"gear_rho": 0.5}, lambda whole: whole),
+    ("gear_rho", {"gear_eta": 0.25}, lambda whole: whole / 0.25),
+    ("gear_eta", {"load_eta": 0.4, "gear_rho": 0.5}, lambda whole: whole - 0.4),
+    ("gear_rho", {"load_eta": 0.4, "gear_eta": 0.25}, lambda whole: (whole - 0.4) / 0.25),
+]
+"""The losses of several effects add up, and the parameter with which they reach the inertia is named."""
+
+
+@cache
+def lossy() -> Model:
+    """The model of case C2 with two losses of the transmitted torque; all friction is 0 but what is set."""
+    model = load_model("c2_parallel")
+    for name in ("load_dependent[transmitted]", "gear_efficiency[transmitted]"):
+        model = extended.effects("C2")[name].extend(model, {})
+    return with_values(model, dict.fromkeys((q.name for q in model.friction_parameters), 0.0), "lossy")
+
+
+def beside_the_bound(
+    parameter: str, values: dict[str, float], own: Callable[[float], float]
+) -> list[dict[str, float]]:
+    """Values just below and just above those that make the losses (J_m + mu^2 J_l)/(mu^2 J_l)."""
+    least = own((J_M + extended.MU**2 * J_L) / (extended.MU**2 * J_L))
+    return [values | {parameter: share * least} for share in (0.999, 1.001)]
+
+
+def test_a_loss_beyond_the_inertia_is_refused(tmp_path: Path) -> None:
+    """By `prepare` in C, with the number of the parameter; in Python by what solves for a motion."""
     need("gcc")
-    model = replace(extended.effects("C2")[effect].extend(load_model("c2_parallel"), {}), name="lossy")
-    eccentric.emit(model, tmp_path / "out", functions=["friction_step"], backend="c99")
+    eccentric.emit(lossy(), tmp_path / "out", functions=["friction_step"], backend="c99")
     c = CFunctions("lossy", np.float64, tmp_path / "lossy.so", tmp_path / "out")
     letters = [name for name, _ in c.ffi.typeof("lossy_parameters").fields]
-    for parameter, values in cases.items():
-        p: Any = c.ffi.new("lossy_parameters *", c["default_parameters"])
-        prepared = c.ffi.new("lossy_coefficients *")
-        for name in letters[letters.index("J_l") + 1 :]:
-            setattr(p, name, values.get(name, 0.0))
-        least = (J_M + p.mu**2 * J_L) / (p.mu**2 * J_L) / values.get("gear_eta", 1.0)
-        for share, expected in ((0.999, 0), (1.001, 1 + letters.index(parameter))):
-            setattr(p, parameter, share * least)
-            p.J_m, p.J_l = J_M, J_L
-            assert c["prepare"](p, prepared) == expected
+    modules = load_module(lossy()), eccentric.compile(lossy())
+    for parameter, values, own in LOSSES:
+        for given, refused in zip(beside_the_bound(parameter, values, own), (False, True), strict=True):
+            p: Any = c.ffi.new("lossy_parameters *", c["default_parameters"])
+            prepared = c.ffi.new("lossy_coefficients *")
+            for name, value in (given | {"J_m": J_M, "J_l": J_L}).items():
+                setattr(p, name, value)
+            assert c["prepare"](p, prepared) == (1 + letters.index(parameter) if refused else 0)
             p.J_m = math.nan
             assert c["prepare"](p, prepared) == 0
+            for emitted in modules:
+                require_one_solution(
+                    emitted, emitted.Parameters(**given, J_m=J_M, J_l=J_L), parameter * refused
+                )
+
+
+def require_one_solution(emitted: ModuleType, p: object, refused: str) -> None:
+    """Call what solves for a motion, on numbers and arrays; `refused` is the parameter it names, if any."""
+    state, many = (0.3, 0.0, 0.0), (np.full(3, 0.3), 0.0, np.zeros((2, 1)))
+    assert np.isfinite(emitted.mechanical_residual(*state, 0.1, p))
+    for at in (state, many):
+        for function, rest in (
+            (emitted.friction_step, (0.1, 1e-3)),
+            (emitted.acceleration, (0.1,)),
+            (emitted.acceleration, (0.0,)),
+        ):
+            if refused:
+                with pytest.raises(ValueError, match=f"^{refused}: expected friction that takes less"):
+                    function(*at, *rest, p)
+            else:
+                assert np.isfinite(function(*at, *rest, p)).all()

@@ -23,7 +23,7 @@ from eccentric.diagnosis import (
     script,
 )
 from eccentric.diagnosis import diagnose as diagnose_logs
-from eccentric.emission import complete, write
+from eccentric.emission import complete, inertial_loss, write
 from eccentric.model import Model
 from eccentric.presentation import (
     Parameter,
@@ -31,6 +31,7 @@ from eccentric.presentation import (
     diagnosis_document,
     diagnosis_lines,
     horizons_document,
+    not_emitted,
     page,
     plot_report,
     report_data,
@@ -114,11 +115,15 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
     fits = {"linear": models.linear, "paper": models.paper, "extended": models.extended}
     simulated = simulated_errors(fits)
     document, estimates = diagnosis_document(found), axis.estimates(found.result.estimates)
+    model, data = extended_model(found), report_data(found, simulated)
+    unsolvable = not_emitted(inertial_loss(model), axis)
+    document |= {"warnings": [*document["warnings"], *unsolvable]}
+    log = dataclasses.replace(data.log, warnings=(*data.log.warnings, *unsolvable))
     fitted = {name: fitted_model(fit, axis) for name, fit in reversed([*fits.items()])}
     if found.data.drive.along is not None:
         fitted = {name: dataclasses.replace(model, drive=None) for name, model in fitted.items()}
     return DiagnosisResult(
-        model=extended_model(found),
+        model=model,
         origin="model.py",
         estimates=estimates,
         fitted=fitted,
@@ -127,7 +132,8 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
         own={**own} | ({BASE: base_source(given)} if isinstance(given, Model) else {}),
         warnings=tuple(document["warnings"]),
         lines=tuple(diagnosis_lines(found)),
-        data=report_data(found, simulated),
+        solvable=not unsolvable,
+        data=dataclasses.replace(data, log=log),
         document=document | {"simulated": None if simulated is None else horizons_document(simulated)},
     )
 
@@ -153,6 +159,8 @@ class DiagnosisResult(Result):
         script: the derivation of the extended model, the text of model.py.
         own: name -> text of the scripts that it loads: your own, and base.py if the base model was given as a
             Model.
+        solvable: whether friction takes less of an acceleration than the inertia; otherwise a time step has
+            no single solution, and the model is not emitted.
         data: the content of the report.
         model, origin, estimates, lines, warnings, document, fitted: as in Result; the model is the
             extended one, without an adopted effect the base model, fitted; the document is the content of
@@ -161,6 +169,7 @@ class DiagnosisResult(Result):
 
     script: str
     own: Mapping[str, str]
+    solvable: bool
     data: ReportData
 
     @property
@@ -252,7 +261,8 @@ class DiagnosisResult(Result):
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write the files of `eccentric diagnose`: report, JSON, script and the emitted model.
 
-        The emitted model is omitted if the log does not fit the rig.
+        The emitted model is omitted if the log does not fit the rig, and if friction takes as much of an
+        acceleration as the inertia.
 
         Raises:
             InputError: the folder cannot be written.
@@ -267,7 +277,8 @@ class DiagnosisResult(Result):
         (folder / "model.py").write_text(self.script, encoding="utf-8")
         for name, text in self.own.items():
             (folder / name).write_text(text, encoding="utf-8")
-        emitted = complete(self.model, "eccentric diagnose", "model.py") if self.fits_the_rig else {}
+        holds = self.fits_the_rig and self.solvable
+        emitted = complete(self.model, "eccentric diagnose", "model.py") if holds else {}
         write(emitted, folder)
         text = page(dataclasses.replace(self.data, files=_described(self.own, emitted, self.model.name)))
         (folder / "report.html").write_text(text, encoding="utf-8")

@@ -34,6 +34,7 @@ from eccentric.emission import (
     prior_of,
     render_adapt,
     render_compensation,
+    require_solvable,
     write,
 )
 from eccentric.identification import Estimate, Fit, Refit
@@ -424,12 +425,14 @@ class Result(Printed):
 
         Raises:
             InputError: the log does not fit the rig, the prefix is no name that C and Python leave free,
-                there is no such target, or the folder cannot be written.
+                there is no such target, the folder cannot be written, or friction follows the acceleration by
+                more than the inertia, so that `friction_step` would have no single solution.
         """
         require_fit(self.fits_the_rig, "this result", accept_misfit)
         name = self.model.name if prefix is None else checked_name(prefix, "prefix")
         of_a_fit = self.document if str(self.document["format"]).startswith("eccentric-fit/") else None
         model = dataclasses.replace(self.model, name=name)
+        require_solvable(model, *speeds_of(self.document)[1:])
         return write_emitted(model, self.origin, out, backend, compensation=compensation, fit=of_a_fit)
 
 

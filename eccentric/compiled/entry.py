@@ -47,6 +47,7 @@ class Signature:
         width: numbers per sample; 0 for a single number that is not a row.
         requires: parameters without a default that are needed where the last input is not zero.
         length: entries of every input along its last axis; 0 where inputs are numbers.
+        steps: whether friction may take no more of an acceleration than the inertia.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Signature:
     width: int
     requires: tuple[str, ...]
     length: int
+    steps: bool
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,7 @@ def read_entry(name: str, key: str) -> CacheEntry | None:
     if found is None:
         return None
     called = [
-        Signature(f["name"], tuple(f["inputs"]), f["width"], tuple(f["requires"]), f["length"])
+        Signature(f["name"], tuple(f["inputs"]), f["width"], tuple(f["requires"]), f["length"], f["steps"])
         for f in found["functions"]
     ]
     coefficients = tuple(found["single"]), tuple(found["double"])

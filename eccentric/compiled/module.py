@@ -76,10 +76,11 @@ def _prepare(entry: CacheEntry, source: ModuleType) -> Callable[[Any, Any], tupl
 
     @lru_cache(maxsize=64)
     def prepared(parameters: Any, real: Any) -> tuple[np.ndarray, bool]:
-        """The coefficients as stored in C, and whether there are inertias for an acceleration."""
+        """The coefficients as stored in C, and whether there are inertias, above what friction takes."""
         numbers = source._model.prepared(parameters, real).numbers  # noqa: SLF001 - emission's own
         given = source._model.default if parameters is None else parameters  # noqa: SLF001 - emission's own
         complete = all(getattr(given, name) is not None for name in inertias)
+        complete = complete and not source._model.unsolvable(parameters)  # noqa: SLF001 - emission's own
         return np.array([getattr(numbers, name) for name in held[real]] or [0.0], real), complete
 
     def prepare(parameters: Any, real: Any) -> tuple[np.ndarray, bool]:
@@ -101,6 +102,8 @@ def _general(
         source._model.check(parameters)  # noqa: SLF001 - emission's own
         if called.requires:
             source._model.require(called.requires, called.inputs[-1], inputs[-1], parameters)  # noqa: SLF001 - emission's own
+        if called.steps:
+            source._model.require_solvable(parameters)  # noqa: SLF001 - emission's own
         arrays, real = source.runtime.arrays(inputs, called.inputs) if inputs else ([], np.float64)
         shape, ends = _samples(called, arrays)
         if out is not None:
@@ -204,7 +207,14 @@ def _compiled(program: Program, files: Mapping[str, str], compiler: Compiler) ->
         program.name,
         module,
         tuple(
-            Signature(r.name, tuple(x.quantity.name for x in r.inputs), len(r.labels), r.requires, _length(r))
+            Signature(
+                r.name,
+                tuple(x.quantity.name for x in r.inputs),
+                len(r.labels),
+                r.requires,
+                _length(r),
+                r.name in program.conditioned,
+            )
             for r in program.routines
         ),
         tuple(s.name for s in program.held(single=True)),
@@ -225,9 +235,10 @@ def view(program: Program) -> dict[str, Any]:
             "inputs": [x.quantity.name for x in r.inputs],
             "width": len(r.labels),
             "length": _length(r),
-            "inertia": int(bool(r.requires)),
+            "inertia": 2 if r.name in program.conditioned else int(bool(r.requires)),
             "optional": int(r.last_is_optional),
-            "plain": bool(r.inputs) and not r.labels and not r.requires and not _length(r),
+            "plain": bool(r.inputs)
+            and not (r.labels or r.requires or _length(r) or r.name in program.conditioned),
         }
         for r in program.routines
     ]

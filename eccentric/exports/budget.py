@@ -47,7 +47,6 @@ def write(drive: ExportedDrive) -> Exported:
     absent = {"J_m": drive.p.J_m is None, "J_l": not drive.p.J_l}
     missing = tuple(name for name, is_missing in absent.items() if is_missing)
     if not missing:
-        lines = template("exports/written.xml").render(names).splitlines()
-        files[f"{drive.name}.xml"] = written(drive, FREE, lines)
+        files[f"{drive.name}.xml"] = written(drive, FREE)
         return Exported(files, left_out=drive.gravity[1])
     return Exported(files, unwritten=(f"{drive.name}.xml", missing))

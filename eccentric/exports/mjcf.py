@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from eccentric.emission import template
 from eccentric.exports.drive import ExportedDrive
 from eccentric.exports.export import Exported, decimal, pendulum, stated
@@ -21,8 +23,8 @@ def write(drive: ExportedDrive) -> Exported:
     return Exported({f"{drive.name}.xml": written(drive, law, stated(drive, law))}, law, drive.gravity[1])
 
 
-def written(drive: ExportedDrive, law: ConstantLaw, lines: list[str]) -> str:
-    """The model with this friction; `lines` say of it how close it is."""
+def written(drive: ExportedDrive, law: ConstantLaw, lines: Sequence[str] = ()) -> str:
+    """The model with this friction; `lines` state how close it is, none that it is written at run time."""
     p, left_out = drive.p, drive.gravity[1]
     about = max(p.M * p.g * p.L, law.level)
     return template("exports/mjcf.xml").render(

@@ -49,6 +49,7 @@ from eccentric.presentation.simulation_text import horizons_document as horizons
 from eccentric.presentation.simulation_text import loss_sentence as loss_sentence
 from eccentric.presentation.simulation_text import loss_warnings as loss_warnings
 from eccentric.presentation.simulation_text import no_inertia_sentence as no_inertia_sentence
+from eccentric.presentation.simulation_text import not_emitted as not_emitted
 from eccentric.presentation.simulation_text import plot_simulation as plot_simulation
 from eccentric.presentation.simulation_text import refined_document as refined_document
 from eccentric.presentation.simulation_text import refined_lines as refined_lines

@@ -142,6 +142,13 @@ def loss_sentence(loss: InertialLoss, axis: AxisKind) -> str:
     )
 
 
+def not_emitted(loss: InertialLoss | None, axis: AxisKind) -> tuple[str, ...]:
+    """The warning that a diagnosis writes no code of its model, if friction takes as much as the inertia."""
+    if loss is None or loss.solvable:
+        return ()
+    return (f"{loss_sentence(loss, axis)}: the extended model is not emitted; model.py has its physics",)
+
+
 def no_inertia_sentence(name: str, axis: AxisKind) -> str:
     """What is wrong with an inertia that a log puts at 0."""
     inertia = f"{axis.named(name)}, the {axis.term('inertia')} of the drive,"

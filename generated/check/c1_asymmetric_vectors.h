@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_asymmetric.c (program 2fdf2c6f).
+ * Generated: do not edit. Belongs to c1_asymmetric.c (program 1c96c41c).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -236,6 +236,10 @@ def views(model: Model, files: Mapping[str, str], *, arrays: bool = True) -> dic
     missing = [q.name for q in model.parameters if q.name not in defaults]
     assumed = {name: _ASSUMED.get(name, _ELSE_ASSUMED) for name in missing}
     assumed |= {name: value for name, value in _ASSUMED.items() if defaults.get(name) == 0}
+    # Inertias assumed for a model without them are above what its friction takes of an acceleration.
+    name, factor = ("J_m", 2.0) if "J_m" in assumed else ("J_l", 0.5)
+    while name in assumed and module._model.unsolvable(module.Parameters(**assumed)):  # noqa: SLF001 - emission's own
+        assumed[name] *= factor
     given = {
         "name": model.name,
         "program": re.findall(r"program \w+", source)[0],

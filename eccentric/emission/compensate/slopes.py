@@ -95,6 +95,8 @@ class Walk:
         raise InputError("compensation", "an operation whose slope is bounded", str(e.func))
 
     def _cases(self, e: sp.Piecewise) -> SlopeBound:
+        if any(self(x).slopes for _, condition in e.args for x in condition.free_symbols):
+            raise InputError("compensation", "a choice by parameters alone", str(e))
         values = [(self(value), condition) for value, condition in e.args]
 
         def of(pick: object) -> sp.Expr:
@@ -202,12 +204,13 @@ def _difference_of_squares(_: sp.Expr, v: SlopeBound, w: SlopeBound) -> SlopeBou
 
 
 def _bounded(_: sp.Expr, x: SlopeBound, most: SlopeBound) -> SlopeBound:
+    """A value limited to a parameter."""
     return SlopeBound(sp.Min(x.size, most.size), x.least and ZERO, x.slopes)
 
 
 def _limited(_: sp.Expr, x: SlopeBound, low: SlopeBound, high: SlopeBound) -> SlopeBound:
-    """A value limited to numbers on both sides of 0."""
-    return SlopeBound(sp.Max(low.size, high.size), None, x.slopes)
+    """A value limited to one on either side of 0: as steep as the steepest of the three."""
+    return SlopeBound(sp.Max(low.size, high.size), None, _steepest(x, low, high))
 
 
 def _bump(_: sp.Expr, x: SlopeBound) -> SlopeBound:

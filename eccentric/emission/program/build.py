@@ -13,7 +13,7 @@ import sympy as sp
 
 from eccentric.core import InputError, meant
 from eccentric.emission.program.accuracy import promises
-from eccentric.emission.program.conditions import conditions
+from eccentric.emission.program.conditions import conditions, stepped
 from eccentric.emission.program.lower import HalfTurns, Lowering, written_out
 from eccentric.emission.program.prepare import Prepare, notes
 from eccentric.emission.program.program import BELOW, Condition, Helper, Pick, Program, Routine
@@ -320,8 +320,10 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
         fixed=choice.fixed,
         needed_for={name: output.name for output in interface.outputs for name in output.needs},
         inertia=frozenset(name for output in interface.outputs for name in output.requires),
-        conditions=conditions(model, routines),
     )
+    if moving := stepped(routines):
+        found = conditions(model)
+        program = replace(program, conditions=found, conditioned=moving if found else frozenset())
     program = spoken_program(program, model.axis)
     require_distinct(program)
     if choice.functions and not program.coefficients and model.declares is None:

@@ -178,6 +178,7 @@ class Program:
         needed_for: parameter -> the function of the model that it is needed for, where it has no default.
         inertia: parameters without a default that nothing depends on without acceleration.
         conditions: what parameters have to satisfy beside the sign of each.
+        conditioned: names of the routines that have no single result where a condition fails.
     """
 
     name: str
@@ -201,6 +202,7 @@ class Program:
     needed_for: Mapping[str, str] = field(default_factory=dict)
     inertia: frozenset[str] = frozenset()
     conditions: tuple[Condition, ...] = ()
+    conditioned: frozenset[str] = frozenset()
 
     def hot(self) -> tuple[Assignment, ...]:
         """Every assignment that is evaluated for each sample."""

@@ -141,6 +141,7 @@ def view(program: Program, _: str) -> dict[str, Any]:
     guarded = any(nan_without(program, r) for r in program.routines)
     vectors = any(x.length for r in program.routines for x in r.inputs)
     options = ["needs", *(["nan_without"] if guarded else []), *(["vectors"] if vectors else [])]
+    options += ["steps"] if program.conditions else []
     return {
         **module(differentiable(program), DIALECT),
         "guarded": guarded,

@@ -250,7 +250,12 @@ def functions(program: Program, dialect: Dialect) -> dict[str, list[dict[str, An
         "helpers": [_helper(h, spelling) for h in program.helpers],
         "shared": [_shared(body) for body in shared],
         "routines": [
-            _routine(r, b, nan_without(program, r) if dialect.guarded else ())
+            _routine(
+                r,
+                b,
+                nan_without(program, r) if dialect.guarded else (),
+                steps=r.name in program.conditioned,
+            )
             for r, b in zip(program.routines, bodies, strict=True)
         ],
     }
@@ -339,7 +344,7 @@ def _shared(body: CodeBody) -> dict[str, Any]:
     }
 
 
-def _routine(r: Routine, body: CodeBody, absent: Sequence[str]) -> dict[str, Any]:
+def _routine(r: Routine, body: CodeBody, absent: Sequence[str], *, steps: bool) -> dict[str, Any]:
     names = [x.quantity.name for x in r.inputs]
     defaults = ["=0.0" if r.last_is_optional and x is r.inputs[-1] else "" for x in r.inputs]
     vectors = {x.quantity.name: x.length for x in r.inputs if x.length is not None}
@@ -349,6 +354,7 @@ def _routine(r: Routine, body: CodeBody, absent: Sequence[str]) -> dict[str, Any
     options = [f"needs={quoted(r.requires)}"] if r.requires else []
     options += [f"nan_without={quoted(absent)}"] if absent else []
     options += [f"vectors={vectors}"] if vectors else []
+    options += ["steps=True"] if steps else []
     return {
         "name": r.name,
         "formerly": r.formerly,

@@ -49,9 +49,28 @@ def prepare(program: Program, dialect: Dialect) -> list[str]:
     ]
 
 
-def _default(q: Quantity, dialect: Dialect) -> str:
+def losses(program: Program, dialect: Dialect) -> dict[str, Any]:
+    """The lines of `_losses`, where a parameter without a value fails no condition; {} without conditions."""
+    if not program.conditions:
+        return {}
+    used = {s for c in program.conditions for s in c.loss.free_symbols | c.inertia.free_symbols}
+    optional = [
+        q for q in program.parameters if q.symbol in used and (q.default is None or q.default.free_symbols)
+    ]
+    names = {q.name for q in optional}
+    plain = dialect.language(dialect.prepare, lambda name: name if name in names else f"p.{name}")
+    given = [part for q in optional for part in dialect.broken(_default(q, dialect, 'float("nan")'))]
+    return {
+        "given": given,
+        "inertia": printed(program.conditions[0].inertia, plain),
+        "unit": program.axis.unit("kg m^2"),
+        "rows": [(c.parameter.name, printed(c.loss, plain)) for c in program.conditions],
+    }
+
+
+def _default(q: Quantity, dialect: Dialect, absent: str = "") -> str:
     plain = dialect.language(dialect.prepare, lambda name: f"p.{name}")
-    missing = dialect.divisor if q.domain == "positive" else dialect.missing
+    missing = absent or (dialect.divisor if q.domain == "positive" else dialect.missing)
     value = missing if q.default is None else printed(q.default, plain)
     return f"{q.name} = {value} if p.{q.name} is None else p.{q.name}"
 
@@ -80,6 +99,7 @@ def module(program: Program, dialect: Dialect) -> dict[str, Any]:
         "parameters": [_parameter(q, program) for q in program.parameters],
         "inputs": _inputs(program.routines),
         "prepare": prepare(program, dialect),
+        "losses": losses(program, dialect),
         "states": quoted([q.name for q, _ in program.states]) if program.states else "",
         "decorator": dialect.decorator,
         **functions(program, dialect),
