@@ -258,7 +258,7 @@ def test_a_speed_and_a_drive_without_signs_beside_a_direction() -> None:
 
     (doubt,) = [p.doubt for p in draft.proposals if p.channel.startswith("omega")]
     assert '"`rad/s` * (2 * dir - 1)"' in doubt
-    assert any("* (2 * dir - 1)" in p.doubt for p in draft.proposals if p.channel == "current")
+    assert any("its sign is missing" in p.doubt for p in draft.proposals if p.channel == "current")
 
 
 def test_the_temperature_is_that_of_the_motor_and_of_its_joint() -> None:

@@ -25,6 +25,7 @@ from eccentric.drafting import (
     toml_of,
     upright,
 )
+from eccentric.drafting.words import read_name
 from eccentric.emission import inertial_loss, read_parameters, with_fitted
 from eccentric.identification import Fit
 from eccentric.identification import fit as fit_channels
@@ -212,7 +213,10 @@ def draft_rig(
 
 def _without_time(draft: Draft, rate_hz: float) -> Draft:
     """The draft of a log whose clock is its rate."""
-    rate = RigLine("", "sample_rate_hz", f"{rate_hz:g}", "as given: time is the number of the row over it")
+    given = "as given: time is the number of the row over it"
+    timed = [name for name in draft.left_out if read_name(name).quantity == "time"]
+    doubt = f"{few(timed)}: by its name a time, which this rate replaces" if timed else ""
+    rate = RigLine("", "sample_rate_hz", f"{rate_hz:g}", given, doubt)
     channels = tuple(p for p in draft.proposals if p.channel != "time")
     return replace(draft, proposals=channels, entries=(rate, *draft.entries))
 

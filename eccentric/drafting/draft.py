@@ -147,7 +147,7 @@ def draft_of(log: Log) -> Draft:
         raise InputError(
             log.path,
             problem="expected an angle or a speed, and a drive; no name says that a column is one"
-            f" ({few(columns)}), and none follows another as a drive follows a motion",
+            f" ({few(left)}), and none follows another as a drive follows a motion",
         )
     left_out = {n: why for n, why in left_out.items() if n not in {p.source for p in drives}}
     shown = Shown(

@@ -395,10 +395,14 @@ def with_direction(proposals: Sequence[Proposal], columns: Mapping[str, LoggedCo
         return list(proposals)
     name, levels = quoted(direction.text), set(direction.levels.tolist())
     factor = name if levels <= {-1.0, 0.0, 1.0} and -1.0 in levels else f"(2 * {name} - 1)"
-    said = f"never negative beside {direction.text}: if that is its sign, multiply it, as in "
-    return [
-        p.doubted(f'{said}"{quoted(p.source)} * {factor}"') if _is_size(p, columns) else p for p in proposals
-    ]
+    never = f"never negative beside {direction.text}"
+
+    def doubt(p: Proposal) -> str:
+        if p.channel.startswith(("current", "torque")):
+            return f"{never}: its sign is missing where the drive brakes"
+        return f'{never}: if that is its sign, multiply it, as in "{quoted(p.source)} * {factor}"'
+
+    return [p.doubted(doubt(p)) if _is_size(p, columns) else p for p in proposals]
 
 
 def _is_size(proposal: Proposal, columns: Mapping[str, LoggedColumn]) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
@@ -17,14 +18,15 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few, so_more
 from eccentric.drafting import limits
 from eccentric.drafting.columns import LoggedColumn, columns_of, nice_counts
-from eccentric.drafting.proposal import Proposal
-from eccentric.drafting.words import is_like, read_name
+from eccentric.drafting.proposal import Proposal, quoted
+from eccentric.drafting.words import Name, is_like, read_name
 from eccentric.logs import Log, falls, mended, parse_unit
 
 # The clock of a log and its runs: which column is the time, in which unit, and where a run ends.
 
 
 Array = NDArray[np.float64]
+_NANO = re.compile(r"^(.*?)(nano_?secs?|nsecs?|nanoseconds?)(.*)$")
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 
 
@@ -119,9 +121,26 @@ def opened(log: Log, rows: int) -> Opened:
         InputError: no column rises from row to row.
     """
     columns, texts = columns_of(log, slice(0, rows))
+    columns = _with_nanoseconds(columns)
     run, ends = find_runs(columns, texts, rows)
     could = {n: c for n, c in columns.items() if not c.is_flag and (run is None or n != run.column)}
     return Opened(columns, texts, run, ends, find_clock(could, ends, log.path, texts))
+
+
+def _with_nanoseconds(columns: Mapping[str, LoggedColumn]) -> dict[str, LoggedColumn]:
+    """The columns, with a time in place of one in whole seconds and one in the nanoseconds beyond them."""
+    found = dict(columns)
+    for name, beyond in columns.items():
+        whole = _NANO.sub(lambda one: one[1] + "sec" + one[3], name)
+        seconds = next((found[n] for n in (whole, f"{whole}s") if n in found), None)
+        if seconds is None or whole == name or not (seconds.is_whole and np.all(np.abs(beyond.values) < 1e9)):
+            continue
+        text = f"{quoted(seconds.text)} + {quoted(name)} / 1000000000"
+        # From the first second: floating point has no nanoseconds of seconds since 1970.
+        values = seconds.values - seconds.values[0] + beyond.values * 1e-9
+        del found[name], found[seconds.text]
+        found[text] = LoggedColumn(Name(text, "time", "s", word="sec"), values)
+    return found
 
 
 def opened_to_draft(log: Log) -> Opened:

@@ -24,7 +24,15 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few
 from eccentric.logs import limits
 from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, overlaps
-from eccentric.logs.cells import EXACT, POINT, cells_to_column, is_number, plain_column, units_row
+from eccentric.logs.cells import (
+    EXACT,
+    POINT,
+    cells_to_column,
+    has_decimal_commas,
+    is_number,
+    plain_column,
+    units_row,
+)
 from eccentric.logs.clocks import of_clocks, of_topics
 from eccentric.logs.foreign import (
     library,
@@ -34,7 +42,7 @@ from eccentric.logs.foreign import (
     require_room_for_text,
     text_of,
 )
-from eccentric.logs.layout import Layout, is_content, layout_of, rows_of
+from eccentric.logs.layout import Layout, is_content, is_prose, layout_of, rows_of
 
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
 
@@ -133,14 +141,22 @@ def _start(path: Path, text: Sequence[str]) -> Layout:
         found = layout_of(sample, path)
         if found is not None:
             return dataclasses.replace(found, names=_unique(found, path))
+    if not is_row and _only_numbers(re.split(r"[,;\s]+", text[skipped].strip())):
+        line = " ".join(text[skipped].split())[:60]
+        raise InputError(
+            path, "a header row with column names, and rows below it", f"{line!r} in line {skipped + 1}"
+        )
     return Layout(_header(names, path), delimiter, before)
 
 
 def _is_table(names: Sequence[str], delimiter: str, below: Sequence[str]) -> bool:
     """Whether the first line is the header of the lines below it, of which one of the first has a number."""
-    rows = [row for _, row in itertools.islice(rows_of(iter(below), delimiter), 3)]
+    every = [row for _, row in rows_of(iter(below), delimiter)]
+    rows = every[:3]
     if not rows:
         return True
+    if 2 * sum(len(row) == len(names) for row in every) < len(every):
+        return False  # settings of two cells above a wider table
     if len(names) == 1 and any(len(row[0].split()) > 1 for row in rows if row):
         return False
     widths = {len(row) for row in rows} == {len(names)}
@@ -181,7 +197,7 @@ def _names(comment: str, line: str) -> tuple[list[str], str, bool]:
         names = _cells(comment, delimiter)
         if len(names) != len(first):
             names = comment.split()
-        if len(names) == len(first):
+        if len(names) == len(first) and not is_prose(comment):
             return names, delimiter, True
     return _cells(line, delimiter), delimiter, False
 
@@ -201,13 +217,16 @@ def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
     found = [(before + line, row) for line, row in rows_of(text[before:], layout.delimiter)]
     units = units_row(header, *(row for _, row in found[:2])) if len(found) > 1 else {}
     found = _rectangular(found[1:] if units else found, layout, path)
-    values = zip(*(row for _, row in found), strict=True)
+    values = list(zip(*(row for _, row in found), strict=True))
+    points = layout.delimiter != "," and any(map(has_decimal_commas, values))
     lines = np.array([line for line, _ in found], dtype=np.int64)
     columns: dict[str, Column] = {}
     notes: list[str] = []
     units = {**layout.units, **units}
     for name, cells in zip(header, values, strict=False):
-        columns[name], unit, note = cells_to_column(name, cells, decimal_comma=layout.delimiter != ",")
+        columns[name], unit, note = cells_to_column(
+            name, cells, decimal_comma=layout.delimiter != ",", points=points
+        )
         notes += [note] if note else []
         units |= {name: unit} if unit else {}
     return Read(columns, lines, tuple(notes), units)

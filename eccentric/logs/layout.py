@@ -31,6 +31,10 @@ _CLOCK = re.compile(r".*\d:\d\d(:\d\d)?([.,]\d+)?\s*([AaPp][Mm])?\s*Z?|\s*\d{4}-
 _SETTING = re.compile(r"\s*[^\d\s,;=:][^,;=:]*[:=]\s*\S")
 """A line of settings, such as "Device: X"."""
 _COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
+_PROSE = re.compile(
+    r"[:=]\s*\S|\d{4}-\d\d-\d\d|\b(of|with|the|and|for|from|is|by|some|this|mit|der|die|das|und|von|für)\b",
+    re.IGNORECASE,
+)
 _NAMED = re.compile(r"[^\W\d]\w*\s*[:=]\s*[-+]?[\d.]")
 
 
@@ -79,6 +83,7 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     above = [
         (k, [cell.strip() for cell in cells])
         for k, line in enumerate(lines[:first], start=1)
+        if not (line.startswith("#") and is_prose(line))
         for _, cells in rows_of([line.lstrip("# \t") if line.startswith("#") else line], delimiter)
     ]
     found = _labelled(above, width) or _header(above, rows, delimiter)
@@ -109,6 +114,11 @@ def require_bare_values(lines: Sequence[str], path: object) -> None:
 def is_content(line: str) -> bool:
     """Whether a line is neither empty nor a comment."""
     return bool(line.strip()) and not line.startswith("#")
+
+
+def is_prose(comment: str) -> bool:
+    """Whether a comment is a sentence, a date or a setting, whose words are no names of columns."""
+    return bool(_PROSE.search(comment))
 
 
 def has_rows(lines: Sequence[str]) -> bool:
