@@ -274,6 +274,14 @@ def test_the_temperature_is_that_of_the_motor_and_of_its_joint() -> None:
     two |= {"temperature_1": warm + 9.0, "temperature_2": warm}
     assert channels(eccentric.draft_rig(two))["temperature"] == "temperature_2"
 
+    american = {
+        "t_s": b["time"],
+        "q_rad": b["angle"],
+        "i_A": b["torque"],
+        "Motor Temp (F)": 1.8 * warm + 32.0,
+    }
+    assert channels(eccentric.draft_rig(american))["temperature"] == "(`Motor Temp (F)` - 32) / 1.8"
+
 
 def test_a_torque_sensor_of_no_joint_is_asked_about() -> None:
     """A joint with a current of its own, and a sensor beside it: the draft names it."""
@@ -379,6 +387,18 @@ def test_where_two_joints_move_a_draft_asks() -> None:
         log |= {f"q_{key}": np.roll(b["angle"], phase), f"tau_{key}": np.roll(b["torque"], phase)}
 
     assert any("--arm reads all joints" in doubt for doubt in eccentric.draft_rig(log).doubts)
+
+
+@pytest.mark.parametrize(("one", "other"), [("L_", "R_"), ("Motor A ", "Motor B "), ("inner ", "outer ")])
+def test_of_two_machines_a_draft_asks(one: str, other: str) -> None:
+    """Two that move in ways of their own, whatever tells their names apart."""
+    b, still = bare(), np.arange(0.0, 20.0, STEP)
+    log = {"t_s": b["time"], f"{one}angle [rad]": b["angle"], f"{other}angle [rad]": np.sin(2.9 * still)}
+    draft = eccentric.draft_rig(log | {f"{one}torque [Nm]": b["torque"]})
+
+    (angle,) = [p for p in draft.proposals if p.channel.startswith("theta")]
+    assert angle.column == f"{one}angle [rad]"
+    assert "moves" in angle.doubt
 
 
 def test_a_drive_of_no_joint_goes_to_the_joint_that_explains_it() -> None:

@@ -272,6 +272,13 @@ def test_what_shows_no_motion_is_refused(columns: dict[str, np.ndarray], said: s
         ("min", "", "", ""),
         ("iq_pu", "current", "pu", ""),
         ("out.theta.signals.values", "angle", "", ""),
+        ("Velocity (degrees/sec)", "speed", "deg/s", ""),
+        ("Position (revolutions)", "angle", "rev", ""),
+        ("Torque (Newton-meters)", "torque", "N m", ""),
+        ("Torque (in-lbs)", "torque", "lbfin", ""),
+        ("n [min⁻¹]", "speed", "rpm", ""),
+        ("power meter", "", "", ""),
+        ("ω", "speed", "", ""),
         ("ch3", "", "", ""),
     ],
 )

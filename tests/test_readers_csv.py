@@ -241,7 +241,7 @@ def test_numbered_columns_are_described_and_mapped(
     [
         ('t,i\n"0,5","1,25"\n"1,0","2"\n', {"t": [0.5, 1.0], "i": [1.25, 2.0]}),
         ('t,n\n998,1\n"1,000","2,345.5"\n', {"t": [998.0, 1000.0], "n": [1.0, 2345.5]}),
-        ("t;n;i\n98;-9,5;0,5\n1.000;-1.234,5;0,25\n", {"t": [98, 1e3], "n": [-9.5, -1234.5], "i": [0.5, 0.25]}),
+        ("t;n;i\n98;-9,5;0,5\n1.000;-1.234,5;1,0\n", {"t": [98, 1e3], "n": [-9.5, -1234.5], "i": [0.5, 1]}),
         ("t;n\n0.125;1.234.567\n0.250;2.000\n", {"t": [0.125, 0.25], "n": [1234567.0, 2000.0]}),
         ("t;i\n0,125;1,500\n0,250;2,125\n", {"t": [0.125, 0.25], "i": [1.5, 2.125]}),
         ("t;i\n0.125;1.500\n0.250;2.125\n", {"t": [0.125, 0.25], "i": [1.5, 2.125]}),
@@ -311,3 +311,43 @@ def test_one_row_of_numbers_is_no_header(read: Callable[[str], Log]) -> None:
     """The message shows the line and says what is expected."""
     with pytest.raises(InputError, match=r"expected a header row with column names.*'0\.0 2.5 3' in line 1"):
         read("0.0 2.5 3\n")
+
+
+@pytest.mark.parametrize(
+    "above",
+    [
+        "Motor test 17,,\n,,\nOperator,AB,\nTime (s),Angle (deg),Current (A)\n",
+        "Time (s)   Angle (deg)   Current (A)\n",
+        "Time (s)|Angle (deg)|Current (A)\n",
+    ],
+)
+def test_names_with_units_are_the_header(above: str, read: Callable[[str], Log]) -> None:
+    """Below a title, with blanks in the names, and between bars."""
+    mark = next(mark for mark in (",", "|", "   ") if mark in above)
+    rows = "".join(mark.join((f"{0.1 * k:.1f}", f"{k}.5", f"{k % 4}.25")) + "\n" for k in range(30))
+
+    assert list(read(above + rows).columns) == ["Time (s)", "Angle (deg)", "Current (A)"]
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 123\n", "git lfs pull"),
+        ("<!DOCTYPE html>\n<html><body>404</body></html>\n", "download the raw file"),
+        ("t,i,i\n0,1,2\n1,2,3\n", "a name of its own"),
+    ],
+)
+def test_a_refusal_says_what_to_do(content: str, said: str, read: Callable[[str], Log]) -> None:
+    """Files that stand in place of a log, and names that are given twice."""
+    with pytest.raises(InputError, match=said):
+        read(content)
+
+
+def test_chinese_names_in_their_own_encoding(tmp_path: Path) -> None:
+    """Words in GB 2312 are read as such, umlauts in Latin-1 stay what they are."""
+    path = tmp_path / "log.csv"
+    path.write_bytes("时间(s),角度(deg)\n0,1\n1,2\n".encode("gb2312"))
+    assert list(read_log(path).columns) == ["时间(s)", "角度(deg)"]
+
+    path.write_bytes("Größe,Öl für Äste °\n0,1\n1,2\n".encode("latin-1"))
+    assert list(read_log(path).columns) == ["Größe", "Öl für Äste °"]

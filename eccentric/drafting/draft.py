@@ -123,7 +123,11 @@ def draft_of(log: Log) -> Draft:
     joint = joint_of({n: c for n, c in left.items() if n not in ratio}, grid)
     temperature, supply = find_slow([c for n, c in left.items() if n not in joint.others])
     voltage = find_voltage(list(left.values()), supply)
-    taken = {*ratio} | {c.text for c in flags} | ({temperature.column} if temperature else set())
+    taken = (
+        {*ratio}
+        | {c.text for c in flags}
+        | ({temperature.source, *temperature.reads} if temperature else set())
+    )
     left_out = {n: f"of joint {key}; joint {joint.key} is drafted" for n, key in joint.others.items()}
     left_out |= {n: CONSTANT for n, c in left.items() if c.is_constant and n not in taken}
     left_out |= {n: _BY_RUN for n, c in left.items() if n not in taken and _is_of_runs(c, ends)}
@@ -137,6 +141,7 @@ def draft_of(log: Log) -> Draft:
     rest = [c for c in free if c not in (angle, speed)]
     rest, copies = _without_copies(grid, rest, angle, speed)
     left_out |= copies
+    doubt = "; ".join(filter(None, (doubt, _moves_too([left[n] for n in copies], angle, speed, grid))))
     constant = [c for n, c in left.items() if c.is_constant and n not in taken and n not in joint.others]
     rest, of_none = joint.of_its_own([*rest, *constant])
     drives, balances, others = find_drives(grid, motion, rest, lasting=angle is not None)
@@ -395,6 +400,26 @@ def _beside_sensor(drives: list[Proposal], of_no_joint: Sequence[LoggedColumn]) 
         return drives
     said = f"a sensor of its own? {sensors[0].text} is of no joint, and may be the torque of this one"
     return [drives[0].doubted(said), *drives[1:]]
+
+
+def _moves_too(
+    others: Sequence[LoggedColumn], angle: LoggedColumn | None, speed: LoggedColumn | None, grid: Grid
+) -> str:
+    """That another column of the same quantity moves in a way of its own, as that of another machine does."""
+    of = angle or speed
+    for column in others if of else ():
+        same = column.name.quantity == of.name.quantity and column.name.signal and column.range > 0.0
+        if (
+            not same
+            or column.name.role == "electrical"
+            or wrap_of(column, grid.breaks)
+            or wrap_of(of, grid.breaks)
+        ):
+            continue
+        x, y = (grid.smooth(one) for one in (of, column))
+        if np.std(y) > limits.MOVES * np.std(x) and abs(np.corrcoef(x, y)[0, 1]) < limits.DERIVATIVE:
+            return f"{column.text} moves in a way of its own: is it of another machine?"
+    return ""
 
 
 def _with_duty(

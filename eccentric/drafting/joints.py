@@ -17,7 +17,7 @@ from eccentric.drafting.words import read_name
 _SLOW = ("temperature",)
 _MOTIONS, _DRIVES = ("angle", "speed"), ("current", "torque", "voltage", "duty")
 _SIDES = re.compile(
-    r"(?<![a-z])(left|right|front|rear|shoulder|elbow|wrist|hip|knee|ankle|pan|tilt|yaw|pitch|roll|x|y|z)(?![a-z])",
+    r"(?<![a-z])(left|right|front|rear|shoulder|elbow|wrist|hip|knee|ankle|pan|tilt|yaw|pitch|roll|x|y|z|l|r|a|b)(?![a-z])",
     re.IGNORECASE,
 )
 

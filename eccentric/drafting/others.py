@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -12,6 +13,8 @@ from eccentric.drafting.columns import Grid, LoggedColumn
 from eccentric.drafting.drives import no_drive
 from eccentric.drafting.proposal import Proposal, quoted
 from eccentric.drafting.words import is_like
+
+_FAHRENHEIT = re.compile(r"(?<![A-Za-z])(°|deg ?)?F\W*$|fahrenheit", re.IGNORECASE)
 
 
 def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedColumn | None]:
@@ -41,7 +44,12 @@ def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedC
         doubts.append("unit only from its size")
     elif not temperature.name.unit:
         evidence.append(f"{unit} by its size")
-    return Proposal("temperature", temperature.text, unit, tuple(evidence), sure, "; ".join(doubts)), supply
+    text, reads = temperature.text, ()
+    if _FAHRENHEIT.search(text):
+        reads, text, unit = (text,), f"({quoted(text)} - 32) / 1.8", "degC"
+        evidence.append("in degrees Fahrenheit")
+    said = tuple(evidence), sure, "; ".join(doubts)
+    return Proposal("temperature", text, unit, *said, reads=reads), supply
 
 
 def _far_from_motor(column: LoggedColumn) -> int:

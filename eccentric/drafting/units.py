@@ -21,6 +21,7 @@ from eccentric.drafting.columns import LoggedColumn, columns_of, nice_counts
 from eccentric.drafting.proposal import Proposal, quoted
 from eccentric.drafting.words import Name, is_like, read_name
 from eccentric.logs import Log, falls, mended, parse_unit
+from eccentric.logs.clocks import TIME
 
 # The clock of a log and its runs: which column is the time, in which unit, and where a run ends.
 
@@ -158,9 +159,9 @@ def by_rate(log: Log, rate_hz: float) -> Log:
     """
     if not (math.isfinite(rate_hz) and rate_hz > 0.0):
         raise InputError("rate", "a number of rows per second above 0", f"{rate_hz:g}")
-    if "time_s" in log.columns:
-        raise InputError(log.path, "a log without a column of time", "'time_s'", why="with a rate")
-    return dataclasses.replace(log, columns={"time_s": np.arange(log.rows) / rate_hz, **log.columns})
+    if TIME in log.columns:
+        raise InputError(log.path, "a log without a column of time", f"{TIME!r}", why="with a rate")
+    return dataclasses.replace(log, columns={TIME: np.arange(log.rows) / rate_hz, **log.columns})
 
 
 def find_clock(
@@ -378,7 +379,7 @@ def readings(given: Shown) -> list[Reading]:
 def _units_of(column: LoggedColumn, usual: list[str], like: str) -> list[str]:
     """The units that a motion may be in, with one of its name that is none of the usual, as krpm."""
     said = _SAME.get(column.name.unit, column.name.unit)
-    return [*usual, said] if said not in usual and is_like(said, like) else usual
+    return [*usual, said] if said not in usual and "count" not in said and is_like(said, like) else usual
 
 
 def _factor(unit: str, usual: Mapping[str, float]) -> float:

@@ -18,12 +18,12 @@ from eccentric.logs import parse_unit
 _WORDS = {
     "time": "t time times timestamp stamp zeit clock tick ticks uptime elapsed millis micros sec secs seconds"
     " nsec nanosec nanoseconds msec usec dt ts epoch utc date datetime tiempo temps tempo latency jitter"
-    " 时间 時間 время",
+    " zeitstempel uhrzeit datum 时间 時間 время",
     "angle": "theta angle ang pos position q winkel lage enc encoder rotation drehwinkel phi th stroke weg"
-    " angulo posicion posizione posicao qpos observationstate 角度 位置 угол положение",
+    " angulo posicion posizione posicao qpos observationstate 角度 位置 угол положение θ ϑ φ ϕ",
     "speed": "omega w speed spd vel velo velocity drehzahl dq qd qdot thetadot dtheta rpm geschwindigkeit"
     " n om vitesse velocidad velocidade velocita phidot dphi gyro angularvelocity qvel erpm 转速 速度 回転数"
-    " скорость",
+    " скорость ω",
     "acceleration": "acc accel acceleration qdd ddq ddtheta beschleunigung qacc a 加速度",
     "current": "i iq current curr cur strom amps ampere amp amperage isense imot motorstrom isq corriente"
     " corrente courant 电流 電流 ток",
@@ -32,7 +32,7 @@ _WORDS = {
     " pidout pidoutput controlleroutput controloutput controlsignal manipulatedvariable stellgroesse"
     " stellgrosse",
     "torque": "tau torque torq moment trq drehmoment tq mot_torque force kraft thrust couple coppia"
-    " 转矩 扭矩 力矩 トルク момент",
+    " 转矩 扭矩 力矩 トルク момент τ",
     "temperature": "temp temperature temperatures temperatur temperatura celsius tmot 温度 температура",
     "supply": "supply vsupply bus vbus vdc battery vbat batt dclink vin ubat zwischenkreis mains mainvoltage"
     " ubus ibus idc udc inputvoltage voltagein inputcurrent currentin",
@@ -51,9 +51,9 @@ CONTROLS = frozenset(
 """Outputs of controllers, which are voltages at best."""
 _OF_WORD = {word: quantity for quantity, words in _WORDS.items() for word in words.split()}
 _ROLES = {
-    "other": "quat quaternion orientation qx qy qz qw power energy work mass weight inertia constant ratio"
-    " coefficient gain kp ki kd efficiency pressure humidity altitude latitude longitude strain mode status"
-    " id isd ud usd ld flux ialpha ibeta ualpha ubeta valpha vbeta phase mask layout offset"
+    "other": "quat quaternion orientation qx qy qz qw power leistung energy work mass weight inertia constant"
+    " ratio coefficient gain kp ki kd efficiency pressure humidity altitude latitude longitude strain mode"
+    " status id isd ud usd ld flux ialpha ibeta ualpha ubeta valpha vbeta phase mask layout offset"
     " daxis dcurrent dvoltage",
     "computed": "model modelled modeled predicted prediction predict pred computed calc calculated"
     " calculation simulated simulation sim fitted ideal theoretical theory expected rigid rnea"
@@ -95,7 +95,8 @@ _SPELLINGS = {
     "rad_s": "rad/s", "rads": "rad/s", "rad/sec": "rad/s", "rad_sec": "rad/s", "rad s^-1": "rad/s",
     "rad_per_s": "rad/s", "deg_s": "deg/s", "°/s": "deg/s", "dps": "deg/s", "deg/sec": "deg/s",
     "deg_per_s": "deg/s", "1/min": "rpm", "min^-1": "rpm", "min-1": "rpm", "u/min": "rpm", "r/min": "rpm",
-    "rev/min": "rpm", "rev_s": "rev/s", "rps": "rev/s", "counts_s": "counts/s", "cnt": "counts",
+    "rev/min": "rpm", "об/мин": "rpm", "r.p.m.": "rpm",
+    "rev_s": "rev/s", "rps": "rev/s", "counts_s": "counts/s", "cnt": "counts",
     "count": "counts", "inc": "counts", "ticks": "counts", "grad": "deg", "nm": "Nm", "n m": "N m",
     "n_m": "N m", "n*m": "N m", "mnm": "mNm", "ma": "mA", "mv": "mV", "degc": "degC", "c": "degC",
     "celsius": "degC", "°c": "degC", "sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "µs": "us",
@@ -110,10 +111,22 @@ _SPELLINGS = {
 }  # fmt: skip
 """In lower case; what is not here is taken as it is written."""
 _OF_WEIGHTS = {
+    "inlbs": "lbfin", "inlbf": "lbfin", "ftlbs": "lbfft", "ftlbf": "lbfft",
     "ozin": "ozfin", "inoz": "ozfin", "ozfin": "ozfin", "lbin": "lbfin", "inlb": "lbfin", "lbfin": "lbfin",
     "lbft": "lbfft", "ftlb": "lbfft", "lbfft": "lbfft", "kgcm": "kgfcm", "kgfcm": "kgfcm",
 }  # fmt: skip
 """Torques by a weight and a length, in lower case without what is between the two."""
+_WORDED = {
+    "radians": "rad", "radian": "rad", "rads": "rad", "degrees": "deg", "degree": "deg", "grd": "deg",
+    "rotations": "rev", "revolutions": "rev", "turns": "rev", "revs": "rev", "tr": "rev", "umdr": "rev",
+    "seconds": "s", "second": "s", "secs": "s", "sec": "s", "minutes": "min", "minute": "min", "hours": "h",
+    "milliseconds": "ms", "millisec": "ms", "millis": "ms", "microseconds": "us", "nanoseconds": "ns",
+    "amps": "A", "amperes": "A", "ampere": "A", "milliamps": "mA", "mamps": "mA", "volts": "V",
+    "millivolts": "mV", "newton": "N", "newtons": "N",
+    "meters": "m", "metres": "m", "meter": "m", "metre": "m",
+    "pulses": "counts", "ticks": "counts", "cts": "counts",
+}  # fmt: skip
+"""Units by their words, as parts of one: degrees/sec, newton-meters."""
 _BRACKETS = re.compile(r"\s*(?:\[([^\]]*)\]|\(([^)]*)\)|\bin\s+(\S+)$|\s/\s*(\S+)$)")
 _TOKENS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[°µ%]\w*|[^\W\d_a-zA-Z]+")
 _RATED = ("%", "‰", "pu")
@@ -333,7 +346,11 @@ def spelled(text: str) -> str:
     try:
         parse_unit(one, "", 1.0)
     except InputError:
-        return ""
+        # "turns/s", "N-m" and "min⁻¹"; one word alone may be of the name, as in "power meter".
+        parts = re.sub(r"[^\W\d_]+", lambda word: _WORDED.get(word[0].lower(), word[0]), clean)
+        parts = re.sub(r"(?<=[A-Za-z])-(?=[A-Za-z])", " ", parts.replace("⁻¹", "^-1").replace(" per ", "/"))
+        alone = clean.lower() in ("second", "minute", "meter", "metre", "newton", "radian", "tr")
+        return spelled(parts.removesuffix(".")) if parts != clean and not alone else ""
     return one
 
 

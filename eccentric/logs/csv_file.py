@@ -14,7 +14,7 @@ import io
 import itertools
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +44,11 @@ from eccentric.logs.foreign import (
 )
 from eccentric.logs.layout import Layout, is_content, is_prose, layout_of, rows_of
 
+_NO_TABLES = {
+    "version https://git-lfs": "a pointer of Git LFS: fetch the file itself, as with git lfs pull",
+    "<": "a web page or XML: download the raw file, or export a CSV file",
+}
+"""How files begin that stand in place of a log, and what to do."""
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
 
 
@@ -134,6 +139,9 @@ def _start(path: Path, text: Sequence[str]) -> Layout:
     skipped = next((k for k, line in enumerate(text) if is_content(line)), len(text))
     if skipped == len(text):
         raise InputError(path, "a header row with column names", "an empty file")
+    other = next((said for start, said in _NO_TABLES.items() if text[skipped].lstrip().startswith(start)), "")
+    if other:
+        raise InputError(path, "a table of text", other)
     names, delimiter, is_row = _names(text[skipped - 1] if skipped else "", text[skipped])
     before = skipped + (not is_row)
     sample = text[: before + limits.LAYOUT_LINES]
@@ -191,7 +199,7 @@ def _lines(path: Path) -> int:
 def _names(comment: str, line: str) -> tuple[list[str], str, bool]:
     """Column names from the first line with content, or from the comment before it; if it is a row."""
     comment = comment.lstrip("# \t")
-    delimiter = max(",;\t", key=line.count)
+    delimiter = max(",;\t|", key=line.count)
     # numpy.savetxt writes the column names as a comment.
     if comment.strip() and _only_numbers(first := _cells(line, delimiter)):
         names = _cells(comment, delimiter)
@@ -252,6 +260,11 @@ def _decoded(path: Path) -> tuple[str, tuple[str, ...]]:
     except UnicodeDecodeError as error:
         if error.object[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
             return text_of(path, "utf-16"), ()
+        with suppress(UnicodeDecodeError):
+            # Of two bytes above 0xA0 each, and of the usual Chinese characters: no text in Latin-1 is.
+            text = text_of(path, "gb2312")
+            if all(c.isascii() or c.encode("gb2312") < b"\xd8" for c in set(text)):
+                return text, ("read as GB 2312, since it is no UTF-8",)
         text = text_of(path, "cp1252")  # raises where Latin-1 of Windows has no character
         if _NO_TEXT.search(text):
             raise
@@ -296,7 +309,8 @@ def _header(cells: Sequence[str], path: Path) -> tuple[str, ...]:
         raise InputError(path, "a header row with column names", "numbers")
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise InputError(path, "unique column names", f"{twice!r} {names.count(twice)}x")
+        named = f"{twice!r} {names.count(twice)}x: give each column a name of its own in the file"
+        raise InputError(path, "unique column names", named)
     return tuple(names)
 
 
