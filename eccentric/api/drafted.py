@@ -30,7 +30,6 @@ from eccentric.identification import Fit
 from eccentric.identification import fit as fit_channels
 from eccentric.joints import fit_arm as fit_joints
 from eccentric.logs import Log, log_names
-from eccentric.logs.clocks import TIME
 from eccentric.model import load_model, with_numbers
 from eccentric.presentation import (
     arm_fit_lines,
@@ -213,11 +212,6 @@ def draft_rig(
 
 def _without_time(draft: Draft, rate_hz: float) -> Draft:
     """The draft of a log whose clock is its rate."""
-    for time in draft.proposals:
-        if time.channel == "time" and time.source != TIME:
-            raise InputError(
-                draft.path, "a log without a column of time", f"{time.source!r}", why="with a rate"
-            )
     rate = RigLine("", "sample_rate_hz", f"{rate_hz:g}", "as given: time is the number of the row over it")
     channels = tuple(p for p in draft.proposals if p.channel != "time")
     return replace(draft, proposals=channels, entries=(rate, *draft.entries))

@@ -21,7 +21,6 @@ from eccentric.drafting.columns import LoggedColumn, columns_of, nice_counts
 from eccentric.drafting.proposal import Proposal, quoted
 from eccentric.drafting.words import Name, is_like, read_name
 from eccentric.logs import Log, falls, mended, parse_unit
-from eccentric.logs.clocks import TIME
 
 # The clock of a log and its runs: which column is the time, in which unit, and where a run ends.
 
@@ -159,9 +158,11 @@ def by_rate(log: Log, rate_hz: float) -> Log:
     """
     if not (math.isfinite(rate_hz) and rate_hz > 0.0):
         raise InputError("rate", "a number of rows per second above 0", f"{rate_hz:g}")
-    if TIME in log.columns:
-        raise InputError(log.path, "a log without a column of time", f"{TIME!r}", why="with a rate")
-    return dataclasses.replace(log, columns={TIME: np.arange(log.rows) / rate_hz, **log.columns})
+    for name, x in log.columns.items():
+        timed = x.dtype.kind == "f" and read_name(name, log.units.get(name, "")).quantity == "time"
+        if name == "time_s" or (timed and np.all(np.diff(x) > 0.0)):
+            raise InputError(log.path, "a log without a column of time", f"{name!r}", why="with a rate")
+    return dataclasses.replace(log, columns={"time_s": np.arange(log.rows) / rate_hz, **log.columns})
 
 
 def find_clock(
