@@ -351,3 +351,15 @@ def test_chinese_names_in_their_own_encoding(tmp_path: Path) -> None:
 
     path.write_bytes("Größe,Öl für Äste °\n0,1\n1,2\n".encode("latin-1"))
     assert list(read_log(path).columns) == ["Größe", "Öl für Äste °"]
+
+
+def test_thousands_are_read_alike_in_parts(tmp_path: Path) -> None:
+    """The first of them is far behind the rows that show how a file is written."""
+    path = tmp_path / "log.csv"
+    path.write_text(
+        "t;i\n" + "".join(f"{k:,};0,{k % 10}5\n".replace(",", ".", k >= 1000) for k in range(3000))
+    )
+
+    assert read_log(path).numbers("t").tolist() == list(range(3000))
+    parts = stream_log(path).batches(["t"], [(0, 3000)])
+    assert np.concatenate([part.columns["t"] for part in parts]).tolist() == list(range(3000))

@@ -227,6 +227,11 @@ def _measured_current(kept: list[Driven], left_out: dict[str, str]) -> list[Driv
                 left_out[torque.column.text] = (
                     f"{factor:.4g} times {current.column.text}: computed from it, by this torque constant"
                 )
+                if torque.column.name.side == "l" != current.column.name.side:
+                    # Behind the gear: this is no torque constant of the motor.
+                    left_out[torque.column.text] += ", times the gear"
+                    kept = [one for one in kept if one is not torque]
+                    break
                 unit = f"{torque.column.name.unit or 'N m'}/{current.column.name.unit or 'A'}"
                 constant = f"{factor:.4g} {unit}", f"{torque.column.text}: {left_out[torque.column.text]}"
                 kept = [

@@ -161,7 +161,13 @@ def by_rate(log: Log, rate_hz: float) -> Log:
     for name, x in log.columns.items():
         timed = x.dtype.kind == "f" and read_name(name, log.units.get(name, "")).quantity == "time"
         if name == "time_s" or (timed and np.all(np.diff(x) > 0.0)):
-            raise InputError(log.path, "a log without a column of time", f"{name!r}", why="with a rate")
+            raise InputError(
+                log.path,
+                "a log without a column of time",
+                repr(name),
+                why="with a rate",
+                hint="leave the rate out",
+            )
     return dataclasses.replace(log, columns={"time_s": np.arange(log.rows) / rate_hz, **log.columns})
 
 

@@ -63,12 +63,14 @@ def cells_to_column(
     return column, "", ""
 
 
-def plain_column(cells: Sequence[str], *, decimal_comma: bool) -> Column:
+def plain_column(cells: Sequence[str], *, decimal_comma: bool, points: bool = False) -> Column:
     """Return cells as numbers, with decimal commas where most are such, or as text.
 
     Where a comma separates the cells, those in quotation marks can have one: a decimal comma, unless all of
-    them may be thousands.
+    them may be thousands. `points` as for `cells_to_column`.
     """
+    if points and _separator(_given(cells), points=True) == ".":
+        return column_of([cell.replace(".", "").replace(",", ".") for cell in cells])
     column = column_of(cells)
     if column.dtype.kind == "f":
         return column

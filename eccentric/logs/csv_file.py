@@ -105,6 +105,10 @@ def csv_source(path: Path) -> InParts | None:
     except UnicodeDecodeError:
         return None
     header, before = layout.names, layout.before
+    sample = (
+        row for _, row in rows_of(_first_lines(path, before + limits.SAMPLE_ROWS)[before:], layout.delimiter)
+    )
+    points = _has_points(layout, list(itertools.zip_longest(*sample, fillvalue="")))
 
     def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
         chosen, at = [header.index(name) for name in names], 0
@@ -117,7 +121,7 @@ def csv_source(path: Path) -> InParts | None:
                     found = _rectangular(block[first - at : end - at], layout, path)
                     values = list(zip(*(row for _, row in found), strict=True))
                     columns = {
-                        name: plain_column(values[k], decimal_comma=layout.delimiter != ",")
+                        name: plain_column(values[k], decimal_comma=layout.delimiter != ",", points=points)
                         for name, k in zip(names, chosen, strict=True)
                     }
                     yield Part(first, columns, np.array([line for line, _ in found], dtype=np.int64))
@@ -226,7 +230,7 @@ def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
     units = units_row(header, *(row for _, row in found[:2])) if len(found) > 1 else {}
     found = _rectangular(found[1:] if units else found, layout, path)
     values = list(zip(*(row for _, row in found), strict=True))
-    points = layout.delimiter != "," and any(map(has_decimal_commas, values))
+    points = _has_points(layout, values)
     lines = np.array([line for line, _ in found], dtype=np.int64)
     columns: dict[str, Column] = {}
     notes: list[str] = []
@@ -238,6 +242,11 @@ def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
         notes += [note] if note else []
         units |= {name: unit} if unit else {}
     return Read(columns, lines, tuple(notes), units)
+
+
+def _has_points(layout: Layout, columns: Sequence[Sequence[str]]) -> bool:
+    """Whether points can separate thousands: some column has decimal commas."""
+    return layout.delimiter != "," and any(map(has_decimal_commas, columns))
 
 
 def _all_numbers(lines: Sequence[str], layout: Layout) -> NDArray[np.float64] | None:
