@@ -407,14 +407,11 @@ def _moves_too(
 ) -> str:
     """That another column of the same quantity moves in a way of its own, as that of another machine does."""
     of = angle or speed
-    for column in others if of else ():
+    if of is None or wrap_of(of, grid.breaks):
+        return ""
+    for column in others:
         same = column.name.quantity == of.name.quantity and column.name.signal and column.range > 0.0
-        if (
-            not same
-            or column.name.role == "electrical"
-            or wrap_of(column, grid.breaks)
-            or wrap_of(of, grid.breaks)
-        ):
+        if not same or column.name.role == "electrical" or wrap_of(column, grid.breaks):
             continue
         x, y = (grid.smooth(one) for one in (of, column))
         if np.std(y) > limits.MOVES * np.std(x) and abs(np.corrcoef(x, y)[0, 1]) < limits.DERIVATIVE:
