@@ -188,6 +188,18 @@ def test_columns_left_out_for_one_reason_share_a_line() -> None:
         ("d_axis_current", "current", "other"),
         ("input_voltage", "supply", ""),
         ("torque_feed_forward", "torque", "computed"),
+        ("current_position", "angle", ""),
+        ("current motor speed", "speed", ""),
+        ("current time", "time", ""),
+        ("torque current", "current", ""),
+        ("rotation speed", "speed", ""),
+        ("axis0.encoder.vel_estimate", "speed", "estimated"),
+        ("axis0.controller.input_vel", "speed", "set"),
+        ("DC bus current [A]", "supply", ""),
+        ("eRPM", "speed", "electrical"),
+        ("实际位置(deg)", "angle", "measured"),
+        ("Stellgröße", "voltage", ""),
+        ("Drehrichtung", "direction", ""),
     ],
 )
 def test_a_name_says_where_a_column_comes_from(text: str, quantity: str, role: str) -> None:
@@ -195,6 +207,93 @@ def test_a_name_says_where_a_column_comes_from(text: str, quantity: str, role: s
     name = read_name(text)
 
     assert (name.quantity, name.role) == (quantity, role)
+
+
+@pytest.mark.parametrize(
+    ("names", "wanted"),
+    [
+        ({"angle": "axis0.encoder.pos", "speed": "axis0.encoder.vel"}, ("angle", "speed")),
+        ({"angle": "a1 pos [rad]", "turns": "c1 pos [rev]", "hz": "c1 vel [Hz]", "speed": "a1 vel [rad/s]"},
+         ("angle", "speed")),
+        ({"electrical": "eRPM", "rpm": "RPM"}, ("", "rpm")),
+        ({"angle": "deg", "speed": "rad/s"}, ("angle", "speed")),
+        ({"angle": "theta", "electrical": "erpm"}, ("angle", "")),
+        ({"mrad": "theta_mrad", "mrad_s": "omega_mrad_s"}, ("mrad", "mrad_s")),
+        ({"speed": "speed_rad_s", "krpm": "set speed [krpm]"}, ("", "speed")),
+        ({"krpm": "n [krpm]"}, ("", "krpm")),
+    ],
+)  # fmt: skip
+def test_angle_and_speed_are_of_one_sensor(names: dict[str, str], wanted: tuple[str, str]) -> None:
+    """Columns of one prefix and of the shaft itself, in units that no other test has."""
+    b = bare()
+    rpm = b["speed"] * 30.0 / np.pi
+    b |= {
+        "turns": b["angle"] / (2.0 * np.pi),
+        "hz": b["speed"] / (2.0 * np.pi),
+        "rpm": rpm,
+        "krpm": rpm / 1e3,
+    }
+    b |= {"electrical": 7.0 * rpm, "mrad": 1e3 * b["angle"], "mrad_s": 1e3 * b["speed"]}
+    # The speed of a filter of its own: it follows the other angle worse.
+    b["speed"] = b["speed"] + np.random.default_rng(3).normal(0.0, 0.05, len(b["time"]))
+    draft = eccentric.draft_rig(
+        {"time_s": b["time"]} | {n: b[k] for k, n in names.items()} | {"torque_Nm": b["torque"]}
+    )
+
+    found = channels(draft)
+    told = tuple(next((c for k, c in found.items() if k.startswith(what)), "") for what in ("theta", "omega"))
+    assert told == tuple(names.get(what, "") for what in wanted)
+
+
+def test_a_speed_and_a_drive_without_signs_beside_a_direction() -> None:
+    """The doubt gives the arithmetic that puts the sign back, and a rig file with it is right."""
+    b = bare()
+    log = {
+        "t_s": b["time"],
+        "rad/s": abs(b["speed"]),
+        "dir": 1.0 * (b["speed"] > 0.0),
+        "mA": 1e3 * abs(b["torque"]),
+    }
+    draft = eccentric.draft_rig(log)
+
+    (doubt,) = [p.doubt for p in draft.proposals if p.channel.startswith("omega")]
+    assert '"`rad/s` * (2 * dir - 1)"' in doubt
+    assert any("its sign is missing" in p.doubt for p in draft.proposals if p.channel == "current")
+
+
+def test_the_temperature_is_that_of_the_motor_and_of_its_joint() -> None:
+    """Not the first one: a converter and another joint have one too."""
+    b = bare()
+    warm = 30.0 + 5.0 * (1.0 - np.exp(-b["time"] / 9.0))
+    alone = {"t_s": b["time"], "q_rad": b["angle"], "i_A": b["torque"]}
+    alone |= {"temp_mosfet": warm + 9.0, "temp_motor": warm}
+    assert channels(eccentric.draft_rig(alone))["temperature"] == "temp_motor"
+
+    still = 1e-5 * np.sin(40.0 * b["time"])
+    two = {"t_s": b["time"], "q_1": still, "q_2": b["angle"], "tau_1": still + 1.0, "tau_2": b["torque"]}
+    two |= {"temperature_1": warm + 9.0, "temperature_2": warm}
+    assert channels(eccentric.draft_rig(two))["temperature"] == "temperature_2"
+
+    american = {
+        "t_s": b["time"],
+        "q_rad": b["angle"],
+        "i_A": b["torque"],
+        "Motor Temp (F)": 1.8 * warm + 32.0,
+    }
+    assert channels(eccentric.draft_rig(american))["temperature"] == "(`Motor Temp (F)` - 32) / 1.8"
+
+
+def test_a_torque_sensor_of_no_joint_is_asked_about() -> None:
+    """A joint with a current of its own, and a sensor beside it: the draft names it."""
+    b = bare()
+    other = b["torque"] + np.random.default_rng(8).normal(0.0, 0.05, len(b["time"]))
+    log = {"t_s": b["time"], "a1 q [rad]": b["angle"], "a2 q [rad]": 0.0 * b["angle"] + 1e-6 * b["speed"]}
+    log |= {"a1 i [A]": b["torque"], "a2 i [A]": 0.01 * np.sin(b["time"]), "sensor torque [Nm]": other}
+    draft = eccentric.draft_rig(log)
+
+    (current,) = [p for p in draft.proposals if p.channel == "current"]
+    assert current.column == "a1 i [A]"
+    assert "sensor torque [Nm]" in current.doubt
 
 
 KNOWN = {
@@ -288,6 +387,18 @@ def test_where_two_joints_move_a_draft_asks() -> None:
         log |= {f"q_{key}": np.roll(b["angle"], phase), f"tau_{key}": np.roll(b["torque"], phase)}
 
     assert any("--arm reads all joints" in doubt for doubt in eccentric.draft_rig(log).doubts)
+
+
+@pytest.mark.parametrize(("one", "other"), [("L_", "R_"), ("Motor A ", "Motor B "), ("inner ", "outer ")])
+def test_of_two_machines_a_draft_asks(one: str, other: str) -> None:
+    """Two that move in ways of their own, whatever tells their names apart."""
+    b, still = bare(), np.arange(0.0, 20.0, STEP)
+    log = {"t_s": b["time"], f"{one}angle [rad]": b["angle"], f"{other}angle [rad]": np.sin(2.9 * still)}
+    draft = eccentric.draft_rig(log | {f"{one}torque [Nm]": b["torque"]})
+
+    (angle,) = [p for p in draft.proposals if p.channel.startswith("theta")]
+    assert angle.column == f"{one}angle [rad]"
+    assert "moves" in angle.doubt
 
 
 def test_a_drive_of_no_joint_goes_to_the_joint_that_explains_it() -> None:

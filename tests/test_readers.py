@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import gzip
 import json
 import sys
@@ -15,6 +16,7 @@ import pytest
 
 from eccentric.core import InputError
 from eccentric.logs import Log, limits, read_log
+from eccentric.logs.foreign import reading
 
 ENTRIES = [
     {"timestamp": 0.0, "position": -0.5, "load": 0, "torque_enable": True, "note": "ok"},
@@ -178,3 +180,23 @@ def test_a_log_above_the_limit_is_refused_without_unpacking_all_of_it(
     path.write_bytes(gzip.compress(b"a,b\n" + b"1,2\n" * 1000))
     with pytest.raises(InputError, match="expected at most 1,000 characters, got more"):
         read_log(path)
+
+
+def test_json_with_an_object_in_each_line(tmp_path: Path) -> None:
+    """Rows as loggers append them; a key may be missing."""
+    path = tmp_path / "log.json"
+    path.write_text('{"t": 0.0, "q": 1.5}\n{"t": 0.1, "q": 2.5}\n\n{"t": 0.2}\n')
+    log = read_log(path)
+
+    assert log.numbers("t").tolist() == [0.0, 0.1, 0.2]
+    assert log.numbers("q")[:2].tolist() == [1.5, 2.5]
+
+
+def test_a_file_that_is_not_read_is_not_called_damaged(tmp_path: Path) -> None:
+    """What the system refuses says nothing of the content."""
+    path = tmp_path / "log.xyz"
+    path.write_bytes(b"\0\1")
+    with pytest.raises(IsADirectoryError), reading(path, "workbook"):
+        raise IsADirectoryError(errno.EISDIR, "is a directory")
+    with pytest.raises(InputError, match="damaged"), reading(path, "workbook"):
+        raise OSError("unable to open file: truncated")

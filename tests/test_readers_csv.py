@@ -234,3 +234,132 @@ def test_numbered_columns_are_described_and_mapped(
     expected = channels_of(tmp_path, {name: STANDARD[name] for name in names.values()})
     np.testing.assert_array_equal(channels.motion.alpha_m, expected.motion.alpha_m)
     np.testing.assert_array_equal(channels.motor.measured, expected.motor.measured)
+
+
+@pytest.mark.parametrize(
+    ("content", "values"),
+    [
+        ('t,i\n"0,5","1,25"\n"1,0","2"\n', {"t": [0.5, 1.0], "i": [1.25, 2.0]}),
+        ('t,n\n998,1\n"1,000","2,345.5"\n', {"t": [998.0, 1000.0], "n": [1.0, 2345.5]}),
+        ("t;n;i\n98;-9,5;0,5\n1.000;-1.234,5;1,0\n", {"t": [98, 1e3], "n": [-9.5, -1234.5], "i": [0.5, 1]}),
+        ("t;n\n0.125;1.234.567\n0.250;2.000\n", {"t": [0.125, 0.25], "n": [1234567.0, 2000.0]}),
+        ("t;i\n0,125;1,500\n0,250;2,125\n", {"t": [0.125, 0.25], "i": [1.5, 2.125]}),
+        ("t;i\n0.125;1.500\n0.250;2.125\n", {"t": [0.125, 0.25], "i": [1.5, 2.125]}),
+        ("t,i\n0.5 sec,12 mA\n1 sec,13.5 mA\n", {"t": [0.5, 1.0], "i": [12.0, 13.5]}),
+    ],
+)  # fmt: skip
+def test_numbers_as_spreadsheets_write_them(
+    content: str, values: dict[str, list[float]], read: Callable[[str], Log]
+) -> None:
+    """Decimal commas in quotation marks, separators of thousands, and a unit in every cell."""
+    log = read(content)
+
+    assert {name: log.numbers(name).tolist() for name in log.columns} == values
+    assert log.units == ({"t": "s", "i": "mA"} if "sec" in content else {})
+
+
+def test_thousands_or_decimals_are_not_guessed(read: Callable[[str], Log]) -> None:
+    """Every value has a comma and three digits behind it: either is possible, so it stays text."""
+    log = read('t,i\n0,"1,234"\n1,"2,345"\n')
+
+    with pytest.raises(InputError, match="'1,234'"):
+        log.numbers("i")
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        "# Motor test with an arm",
+        "# date 2020-01-02, gain 3, x, y",
+        "# rate: 100 Hz, a, b",
+        "# recorded by the robot",
+    ],
+)
+def test_the_words_of_a_comment_are_no_names(comment: str, read: Callable[[str], Log]) -> None:
+    """As many words as columns, above rows without a header."""
+    rows = "".join(f"{0.1 * k:.1f} {k % 7}.5 {k}.25 {k % 3}.5 1.5\n" for k in range(9))
+    width = 5 if comment.count(" ") > 4 else 4
+    rows = "".join(" ".join(line.split()[:width]) + "\n" for line in rows.splitlines())
+
+    assert list(read(f"{comment}\n{rows}").columns) == [f"column_{k + 1}" for k in range(width)]
+
+
+@pytest.mark.parametrize("key", ["joint", "motor id"])
+def test_a_row_for_every_joint_at_every_time(key: str, read: Callable[[str], Log]) -> None:
+    """Long tables become a column for each joint and value; a mode that alternates stays one."""
+    names = ["hip", "knee"] if key == "joint" else ["1", "2"]
+    rows = "".join(f"{k},{names[j]},{10 * k + j},{k}\n" for k in range(20) for j in range(2))
+    log = read(f"t,{key},q,i\n{rows}")
+
+    first = names[0] if key == "joint" else f"{key} 1"
+    assert log.numbers(f"{first}/q").tolist() == [10.0 * k for k in range(20)]
+    assert log.rows == 20
+
+    modes = "".join(f"{k},{'ab'[k % 2]},{k},{k}\n" for k in range(40))
+    assert list(read(f"t,mode,q,i\n{modes}").columns) == ["t", "mode", "q", "i"]
+
+
+def test_settings_of_two_cells_above_a_wider_table(read: Callable[[str], Log]) -> None:
+    """As LabVIEW writes them: the first lines look like a table of their own."""
+    above = "Writer\t\nVersion\t2\nReader\t2\nColumns\t3\n***End***\t\n\t\nX_Value\tAngle\tCurrent\tComment\n"
+    rows = "".join(f"{0.1 * k:.1f}\t{k}.5\t{k % 4}.25\t\n" for k in range(30))
+
+    assert list(read(above + rows).columns)[:3] == ["X_Value", "Angle", "Current"]
+
+
+def test_one_row_of_numbers_is_no_header(read: Callable[[str], Log]) -> None:
+    """The message shows the line and says what is expected."""
+    with pytest.raises(InputError, match=r"expected a header row with column names.*'0\.0 2.5 3' in line 1"):
+        read("0.0 2.5 3\n")
+
+
+@pytest.mark.parametrize(
+    "above",
+    [
+        "Motor test 17,,\n,,\nOperator,AB,\nTime (s),Angle (deg),Current (A)\n",
+        "Time (s)   Angle (deg)   Current (A)\n",
+        "Time (s)|Angle (deg)|Current (A)\n",
+    ],
+)
+def test_names_with_units_are_the_header(above: str, read: Callable[[str], Log]) -> None:
+    """Below a title, with blanks in the names, and between bars."""
+    mark = next(mark for mark in (",", "|", "   ") if mark in above)
+    rows = "".join(mark.join((f"{0.1 * k:.1f}", f"{k}.5", f"{k % 4}.25")) + "\n" for k in range(30))
+
+    assert list(read(above + rows).columns) == ["Time (s)", "Angle (deg)", "Current (A)"]
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 123\n", "git lfs pull"),
+        ("<!DOCTYPE html>\n<html><body>404</body></html>\n", "download the raw file"),
+        ("t,i,i\n0,1,2\n1,2,3\n", "a name of its own"),
+    ],
+)
+def test_a_refusal_says_what_to_do(content: str, said: str, read: Callable[[str], Log]) -> None:
+    """Files that stand in place of a log, and names that are given twice."""
+    with pytest.raises(InputError, match=said):
+        read(content)
+
+
+def test_chinese_names_in_their_own_encoding(tmp_path: Path) -> None:
+    """Words in GB 2312 are read as such, umlauts in Latin-1 stay what they are."""
+    path = tmp_path / "log.csv"
+    path.write_bytes("时间(s),角度(deg)\n0,1\n1,2\n".encode("gb2312"))
+    assert list(read_log(path).columns) == ["时间(s)", "角度(deg)"]
+
+    path.write_bytes("Größe,Öl für Äste °\n0,1\n1,2\n".encode("latin-1"))
+    assert list(read_log(path).columns) == ["Größe", "Öl für Äste °"]
+
+
+def test_thousands_are_read_alike_in_parts(tmp_path: Path) -> None:
+    """The first of them is far behind the rows that show how a file is written."""
+    path = tmp_path / "log.csv"
+    path.write_text(
+        "t;i\n" + "".join(f"{k:,};0,{k % 10}5\n".replace(",", ".", k >= 1000) for k in range(3000))
+    )
+
+    assert read_log(path).numbers("t").tolist() == list(range(3000))
+    parts = stream_log(path).batches(["t"], [(0, 3000)])
+    assert np.concatenate([part.columns["t"] for part in parts]).tolist() == list(range(3000))

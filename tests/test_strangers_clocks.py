@@ -223,6 +223,41 @@ def test_the_draft_of_a_log_without_a_time(tmp_path: Path) -> None:
     assert abs(estimate.value / 0.03 - 1.0) < 0.05
 
 
+def drafted(**clock: np.ndarray) -> eccentric.RigDraft:
+    """The draft of a log with these columns as its clock."""
+    return eccentric.draft_rig({**clock, "angle_rad": THETA, "speed_rad_s": OMEGA, "current_A": CURRENT})
+
+
+@pytest.mark.parametrize(
+    ("whole", "beyond"),
+    [("stamp.sec", "stamp.nanosec"), ("time_sec", "time_nsec"), ("header.stamp.secs", "header.stamp.nsecs")],
+)
+def test_a_stamp_in_seconds_and_nanoseconds(whole: str, beyond: str) -> None:
+    """As ROS and robot controllers write it: the time is their sum, and a rig file takes it so."""
+    t = 1.7e9 + 0.3 + T
+    draft = drafted(**{whole: np.floor(t), beyond: np.round((t % 1.0) * 1e9)})
+
+    (time,) = [p for p in draft.proposals if p.channel == "time"]
+    assert time.unit == "s"
+    assert time.doubt == ""
+    assert time.column.replace("`", "") == f"{whole} + {beyond} / 1000000000"
+
+
+def test_a_rate_beside_a_time_is_refused() -> None:
+    """One of the two would be wrong."""
+    columns = {"Zeit [ms]": 1e3 * T, "angle_rad": THETA, "speed_rad_s": OMEGA, "current_A": CURRENT}
+
+    with pytest.raises(InputError, match=r"a log without a column of time with a rate, got 'Zeit \[ms\]'"):
+        eccentric.draft_rig(columns, rate_hz=50.0)
+
+
+def test_a_date_names_no_run() -> None:
+    """Midnight is in the middle of a log as any other time."""
+    date = np.where(np.arange(len(T)) < len(T) // 2, "03.05.2022", "04.05.2022")
+
+    assert "run" not in {p.channel for p in drafted(time_s=T, Datum=date).proposals}
+
+
 @pytest.mark.parametrize("rate", [0.0, -1.0, float("nan")])
 def test_a_rate_is_a_number_above_0(rate: float) -> None:
     """Anything else is refused."""

@@ -23,13 +23,21 @@ from eccentric.drafting.balance import (
 )
 from eccentric.drafting.carriage import carriage_channels, carriage_entries, driven, is_carriage
 from eccentric.drafting.columns import Grid, LoggedColumn, Pair, grid_of, pairs_of, step_of, wrap_of
-from eccentric.drafting.drives import CONSTANT, KINDS, UNSIGNED, coasts, find_drives, without_sign
+from eccentric.drafting.drives import (
+    CONSTANT,
+    KINDS,
+    UNSIGNED,
+    coasts,
+    find_drives,
+    with_direction,
+    without_sign,
+)
 from eccentric.drafting.joints import joint_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.questions import added_asked, entries_of, facts_of, line_asked, one_way, turns_asked
 from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, opened_to_draft, readings
-from eccentric.drafting.words import is_mass, of_a_carriage
+from eccentric.drafting.words import Name, is_mass, of_a_carriage
 from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
 
@@ -44,6 +52,7 @@ _NAMED = (
     "supply",
     "duty",
     "run",
+    "direction",
     "other",
 )
 
@@ -109,12 +118,16 @@ def draft_of(log: Log) -> Draft:
             f"{1.0 / grid.step:.2g}: no acceleration is to be seen (is {clock.proposal.source!r} the time?)"
         )
         raise InputError(log.path, f"at least {limits.SLOWEST_HZ:g} rows a second", said)
-    temperature, supply = find_slow(list(left.values()))
-    voltage = find_voltage(list(left.values()), supply)
     flags = [c for c in left.values() if c.is_flag]
     ratio = {c.text: _RATIO[c.name.quantity] for c in left.values() if c.name.quantity in _RATIO}
-    taken = {*ratio} | {c.text for c in flags} | ({temperature.column} if temperature else set())
     joint = joint_of({n: c for n, c in left.items() if n not in ratio}, grid)
+    temperature, supply = find_slow([c for n, c in left.items() if n not in joint.others])
+    voltage = find_voltage(list(left.values()), supply)
+    taken = (
+        {*ratio}
+        | {c.text for c in flags}
+        | ({temperature.source, *temperature.reads} if temperature else set())
+    )
     left_out = {n: f"of joint {key}; joint {joint.key} is drafted" for n, key in joint.others.items()}
     left_out |= {n: CONSTANT for n, c in left.items() if c.is_constant and n not in taken}
     left_out |= {n: _BY_RUN for n, c in left.items() if n not in taken and _is_of_runs(c, ends)}
@@ -128,17 +141,18 @@ def draft_of(log: Log) -> Draft:
     rest = [c for c in free if c not in (angle, speed)]
     rest, copies = _without_copies(grid, rest, angle, speed)
     left_out |= copies
+    doubt = "; ".join(filter(None, (doubt, _moves_too([left[n] for n in copies], angle, speed, grid))))
     constant = [c for n, c in left.items() if c.is_constant and n not in taken and n not in joint.others]
-    rest, others = joint.of_its_own([*rest, *constant])
-    left_out |= others
+    rest, of_none = joint.of_its_own([*rest, *constant])
     drives, balances, others = find_drives(grid, motion, rest, lasting=angle is not None)
-    left_out |= others
+    left_out |= of_none | others
+    drives = _beside_sensor(drives, [left[n] for n in of_none])
     drives, balances = _with_duty(drives, balances, voltage, grid, motion, left, lasting=angle is not None)
     if not drives and not any(c is not None and c.name.quantity for c in (angle, speed)):
         raise InputError(
             log.path,
             problem="expected an angle or a speed, and a drive; no name says that a column is one"
-            f" ({few(columns)}), and none follows another as a drive follows a motion",
+            f" ({few(left)}), and none follows another as a drive follows a motion",
         )
     left_out = {n: why for n, why in left_out.items() if n not in {p.source for p in drives}}
     shown = Shown(
@@ -172,7 +186,8 @@ def draft_of(log: Log) -> Draft:
     named, unclear = find_flags(flags, grid, motion, drive)
     left_out |= unclear
     left_out |= {n: why for n, why in ratio.items() if not any(n in p.reads for p in drives)}
-    proposals += [*drives, *([temperature] if temperature else []), *named]
+    proposals = with_direction([*proposals, *drives], left)
+    proposals += [*([temperature] if temperature else []), *named]
     if gear is None:
         largest = float(np.quantile(np.abs(drive.values), 0.999)) if drive else 0.0
         entries = carriage_entries(evidence, moving, drives, largest, one_way(motion))
@@ -234,6 +249,9 @@ def _moving(
     signals = [c for c in free if c.name.signal]
     could = [c for c in signals if c.name.quantity not in _NAMED or _letter(c)]
     could = _few(could, ("angle", "speed"))
+    if any(c.name.quantity in ("angle", "speed") and c.name.role != "electrical" for c in could):
+        # An electrical speed is that of the shaft times the pole pairs: taken where there is nothing else.
+        could = [c for c in could if c.name.role != "electrical"]
     by_name = {c.text: c for c in could}
     pairs = [p for p in pairs_of(grid, could) if _is_motion(p, by_name, every)]
     if pairs:
@@ -245,7 +263,9 @@ def _moving(
             second = 0.05 * (_SECOND.get(a.role, 0) + _SECOND.get(b.role, 0))
             # Of two alike, the shorter name: a filter adds to it.
             longer = 1e-3 * (len(a.text) + len(b.text))
-            return p.r + named - second - 0.1 * (p.angle in slopes) - longer
+            # Of two sensors of one shaft, both columns of one, then that in SI.
+            apart = 0.1 * (a.whose != b.whose) + 0.01 * (not _in_si(a)) + 0.01 * (not _in_si(b))
+            return p.r + named - second - 0.1 * (p.angle in slopes) - longer - apart
 
         best = max(pairs, key=worth)
         a, b = by_name[best.angle], by_name[best.speed]
@@ -261,6 +281,10 @@ def _moving(
         None,
         "no name: it is what explains the other columns best as a motion",
     )
+
+
+def _in_si(name: Name) -> bool:
+    return name.unit in ("", "rad", "rad/s", "m", "m/s")
 
 
 def _few(columns: list[LoggedColumn], quantities: Sequence[str]) -> list[LoggedColumn]:
@@ -299,7 +323,7 @@ def _is_motion(p: Pair, by_name: Mapping[str, LoggedColumn], others: Sequence[Lo
     )
 
 
-_SECOND = {"estimated": 1, "filtered": 2}
+_SECOND = {"estimated": 1, "filtered": 2, "electrical": 3}
 """What comes after a column as it was measured."""
 
 
@@ -369,6 +393,32 @@ def _without_copies(
     return kept, why
 
 
+def _beside_sensor(drives: list[Proposal], of_no_joint: Sequence[LoggedColumn]) -> list[Proposal]:
+    """The drives, the first with a doubt where a torque beside the joint's own is measured."""
+    sensors = [c for c in of_no_joint if c.name.quantity == "torque" and c.varies > limits.HARDLY]
+    if not drives or not sensors:
+        return drives
+    said = f"a sensor of its own? {sensors[0].text} is of no joint, and may be the torque of this one"
+    return [drives[0].doubted(said), *drives[1:]]
+
+
+def _moves_too(
+    others: Sequence[LoggedColumn], angle: LoggedColumn | None, speed: LoggedColumn | None, grid: Grid
+) -> str:
+    """That another column of the same quantity moves in a way of its own, as that of another machine does."""
+    of = angle or speed
+    if of is None or wrap_of(of, grid.breaks):
+        return ""
+    for column in others:
+        same = column.name.quantity == of.name.quantity and column.name.signal and column.range > 0.0
+        if not same or column.name.role == "electrical" or wrap_of(column, grid.breaks):
+            continue
+        x, y = (grid.smooth(one) for one in (of, column))
+        if np.std(y) > limits.MOVES * np.std(x) and abs(np.corrcoef(x, y)[0, 1]) < limits.DERIVATIVE:
+            return f"{column.text} moves in a way of its own: is it of another machine?"
+    return ""
+
+
 def _with_duty(
     drives: list[Proposal],
     balances: dict[str, Explained],
@@ -427,6 +477,8 @@ def _channels(
         if column.name.quantity == what:
             said.insert(0, f"{what} by its name")
         doubts = [doubt] if doubt else []
+        if column.name.role == "electrical":
+            doubts.append("electrical, by its name: divide it by the pole pairs of the motor")
         if sure < limits.SURE:
             others = _others(found, what, unit)
             turn = (

@@ -7,7 +7,8 @@ are logged, voltage = R current + k_e speed.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,9 +18,9 @@ from eccentric.core import few
 from eccentric.drafting import limits
 from eccentric.drafting.balance import Explained, Moved, balance_of, most_explained
 from eccentric.drafting.columns import Grid, LoggedColumn
-from eccentric.drafting.proposal import Proposal
+from eccentric.drafting.proposal import Proposal, quoted
 from eccentric.drafting.units import magnitudes
-from eccentric.drafting.words import CONTROLS, Name
+from eccentric.drafting.words import CONTROLS, Name, is_like
 
 Array = NDArray[np.float64]
 KINDS = ("current", "torque", "voltage")
@@ -107,6 +108,10 @@ def find_drives(
         if _role(one.column.name) > _role(first.column.name):
             left_out[one.column.text] = f"another {one.kind}: {first.column.text} is measured by its name"
             continue
+        units = first.column.name.unit, one.column.name.unit
+        if all(is_like(unit, "N m", "N") for unit in units) and not is_like(*units):
+            left_out[one.column.text] = f"in {units[1]}, not as {first.column.text} in {units[0]}"
+            continue
         doubt = f"{one.column.text} could be this {one.kind} as well"
         proposals[one.kind] = proposals[one.kind].doubted(doubt)
         left_out[one.column.text] = (
@@ -192,7 +197,7 @@ def _steady(column: LoggedColumn) -> Proposal:
     largest = float(np.max(np.abs(column.values)))
     unit = (
         column.name.unit
-        if column.name.unit not in ("", "%", "‰")
+        if column.name.unit and not column.name.is_rated
         else magnitudes(column, kind, largest)[0][0]
     )
     doubt = (
@@ -205,7 +210,7 @@ def _steady(column: LoggedColumn) -> Proposal:
 def _rank(column: LoggedColumn, balance: Explained) -> tuple[int, bool, bool, bool, float]:
     """Measured before set, named before unnamed, in a unit before in percent, then the better explained."""
     name = column.name
-    return _role(name), name.quantity not in KINDS, name.weak, name.unit in ("%", "‰"), -balance.r2
+    return _role(name), name.quantity not in KINDS, name.weak, name.is_rated, -balance.r2
 
 
 def _role(name: Name) -> int:
@@ -222,6 +227,11 @@ def _measured_current(kept: list[Driven], left_out: dict[str, str]) -> list[Driv
                 left_out[torque.column.text] = (
                     f"{factor:.4g} times {current.column.text}: computed from it, by this torque constant"
                 )
+                if torque.column.name.side == "l" != current.column.name.side:
+                    # Behind the gear: this is no torque constant of the motor.
+                    left_out[torque.column.text] += ", times the gear"
+                    kept = [one for one in kept if one is not torque]
+                    break
                 unit = f"{torque.column.name.unit or 'N m'}/{current.column.name.unit or 'A'}"
                 constant = f"{factor:.4g} {unit}", f"{torque.column.text}: {left_out[torque.column.text]}"
                 kept = [
@@ -338,9 +348,9 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
     unit, sure = units[0]
     evidence, doubts = list(one.evidence), [one.doubt] if one.doubt else []
     name = one.column.name
-    if name.unit in ("%", "‰"):
+    if name.is_rated:
         unit, sure = {"torque": "N m", "current": "A", "voltage": "V"}[one.kind], 0.3
-        part = "percent" if name.unit == "%" else "parts per thousand"
+        part = {"%": "percent", "‰": "parts per thousand", "pu": "parts"}[name.unit]
         doubts.append(f"in {part} of a rated value that the log does not hold")
     elif name.unit:
         evidence.append(f"{unit} by its name")
@@ -354,6 +364,12 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
                 "whole numbers: counts of a converter, or thousandths of a rated value (CiA 402), whose"
                 " factor the log does not hold"
             )
+    if _RMS.search(name.text):
+        doubts.append(
+            "rms values: give the torque constant per ampere rms as well"
+            if one.kind == "current"
+            else "rms values"
+        )
     if name.commanded:
         doubts.append("a set value by its name: what the motor got is not logged")
     if name.role == "estimated":
@@ -371,6 +387,34 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
         evidence.append("its sign is turned: it falls where friction and inertia need it to rise")
     said = tuple(evidence), min(one.sure, sure), "; ".join(doubts)
     return Proposal(one.kind, one.column.text, unit, *said, turned=turned, constant=one.constant)
+
+
+_RMS = re.compile(r"(?<![a-z])[AV]?[ _(]?(rms|eff)(?![a-z])", re.IGNORECASE)
+
+
+def with_direction(proposals: Sequence[Proposal], columns: Mapping[str, LoggedColumn]) -> list[Proposal]:
+    """The proposals, with a doubt where a column of a direction may hold the sign of one that has none."""
+    of = (c for c in columns.values() if c.name.quantity == "direction" and not c.is_constant)
+    direction = next(of, None)
+    if direction is None:
+        return list(proposals)
+    name, levels = quoted(direction.text), set(direction.levels.tolist())
+    factor = name if levels <= {-1.0, 0.0, 1.0} and -1.0 in levels else f"(2 * {name} - 1)"
+    never = f"never negative beside {direction.text}"
+
+    def doubt(p: Proposal) -> str:
+        if p.channel.startswith(("current", "torque")):
+            return f"{never}: its sign is missing where the drive brakes"
+        return f'{never}: if that is its sign, multiply it, as in "{quoted(p.source)} * {factor}"'
+
+    return [p.doubted(doubt(p)) if _is_size(p, columns) else p for p in proposals]
+
+
+def _is_size(proposal: Proposal, columns: Mapping[str, LoggedColumn]) -> bool:
+    """Whether a speed or a drive is never negative."""
+    moves = proposal.channel.startswith(("omega", *KINDS))
+    column = columns.get(proposal.source)
+    return moves and column is not None and bool(np.all(column.values >= 0.0))
 
 
 UNSIGNED = "never negative though the shaft turns both ways: its sign is missing, and no fit can be right"

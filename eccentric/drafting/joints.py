@@ -14,11 +14,15 @@ from eccentric.drafting.balance import balance_of, motion_from
 from eccentric.drafting.columns import Grid, LoggedColumn
 from eccentric.drafting.words import read_name
 
+_SLOW = ("temperature",)
 _MOTIONS, _DRIVES = ("angle", "speed"), ("current", "torque", "voltage", "duty")
 _SIDES = re.compile(
-    r"(?<![a-z])(left|right|front|rear|shoulder|elbow|wrist|hip|knee|ankle|pan|tilt|yaw|pitch|roll|x|y|z)(?![a-z])",
+    r"(?<![a-z])(left|right|front|rear|shoulder|elbow|wrist|hip|knee|ankle|pan|tilt|yaw|pitch|roll|x|y|z|l|r|a|b)(?![a-z])",
     re.IGNORECASE,
 )
+
+
+OF_NONE = "of no joint"
 
 
 @dataclass(frozen=True)
@@ -43,7 +47,7 @@ class JointColumns:
         if not own:
             return list(rest), {}
         left = [c for c in rest if c.name.quantity in _DRIVES and c.name.signal and c.text not in self.own]
-        why = f"of no joint; {own[0].text} is of joint {self.key}"
+        why = f"{OF_NONE}; {own[0].text} is of joint {self.key}"
         return [c for c in rest if c not in left], {c.text: why for c in left}
 
 
@@ -102,7 +106,7 @@ def _families(columns: Mapping[str, LoggedColumn]) -> list[dict[str, str]]:
     for patterns in (_by_path, _by_word, _by_number):
         seen: dict[tuple[str, str], dict[str, str]] = {}
         for name, column in columns.items():
-            if column.name.quantity in (*_MOTIONS, *_DRIVES) and column.name.signal:
+            if column.name.quantity in (*_MOTIONS, *_DRIVES, *_SLOW) and column.name.signal:
                 for pattern, key in patterns(name):
                     seen.setdefault((pattern, column.name.quantity), {})[key] = name
         found = [members for members in seen.values() if len(members) > 1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -11,14 +12,21 @@ from eccentric.drafting.balance import Moved, balance_of
 from eccentric.drafting.columns import Grid, LoggedColumn
 from eccentric.drafting.drives import no_drive
 from eccentric.drafting.proposal import Proposal, quoted
+from eccentric.drafting.words import is_like
+
+_FAHRENHEIT = re.compile(r"(?<![A-Za-z])(°|deg ?)?F\W*$|fahrenheit", re.IGNORECASE)
 
 
 def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedColumn | None]:
     """The temperature, and the supply voltage, if the log has them."""
     slow = [c for c in columns if not c.is_flag and not c.is_constant and is_slow(c)]
     named = [c for c in columns if c.name.quantity == "temperature" and not c.is_flag]
-    supply = next((c for c in columns if c.name.quantity == "supply" and not c.is_flag), None)
-    temperature = next(iter(named), None) or next(
+    of_supply = (c for c in columns if c.name.quantity == "supply" and not c.is_flag)
+    supply = next(
+        (c for c in of_supply if "current" not in c.text.lower() and not is_like(c.name.unit, "A")), None
+    )
+    # The motor's own heats its winding and its magnets; a converter has one of its own.
+    temperature = min(named, key=_far_from_motor, default=None) or next(
         (c for c in slow if c.name.quantity == "" and c.name.signal and _warm(c)), None
     )
     if temperature is None:
@@ -36,7 +44,18 @@ def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedC
         doubts.append("unit only from its size")
     elif not temperature.name.unit:
         evidence.append(f"{unit} by its size")
-    return Proposal("temperature", temperature.text, unit, tuple(evidence), sure, "; ".join(doubts)), supply
+    text, reads = temperature.text, ()
+    if _FAHRENHEIT.search(text):
+        reads, text, unit = (text,), f"({quoted(text)} - 32) / 1.8", "degC"
+        evidence.append("in degrees Fahrenheit")
+    said = tuple(evidence), sure, "; ".join(doubts)
+    return Proposal("temperature", text, unit, *said, reads=reads), supply
+
+
+def _far_from_motor(column: LoggedColumn) -> int:
+    words = set(column.name.whose.split())
+    near = ({"winding", "stator", "coil"}, {"motor", "mot", "rotor", "magnet", "joint"})
+    return next((k for k, some in enumerate(near) if words & some), 3 if words - {"actual", "present"} else 2)
 
 
 def is_slow(column: LoggedColumn) -> bool:

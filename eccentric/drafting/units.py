@@ -8,6 +8,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
@@ -17,15 +18,16 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few, so_more
 from eccentric.drafting import limits
 from eccentric.drafting.columns import LoggedColumn, columns_of, nice_counts
-from eccentric.drafting.proposal import Proposal
-from eccentric.drafting.words import read_name
-from eccentric.logs import Log, falls, mended
+from eccentric.drafting.proposal import Proposal, quoted
+from eccentric.drafting.words import Name, is_like, read_name
+from eccentric.logs import Log, falls, mended, parse_unit
 
 # The clock of a log and its runs: which column is the time, in which unit, and where a run ends.
 
 
 Array = NDArray[np.float64]
-SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
+_NANO = re.compile(r"^(.*?)(nano_?secs?|nsecs?|nanoseconds?)(.*)$")
+SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,10 @@ def find_runs(
     """The column that names runs, and its changes (n-1,): text or whole numbers in few contiguous blocks."""
     found: list[tuple[float, str, NDArray[np.bool_], int]] = []
     for name, values in texts.items():
-        found += _blocks(name, values, rows, 0.5 + _named_run(name))
+        quantity = read_name(name).quantity
+        # A date is no run: midnight ends none. A text that never changes names one where it is called so.
+        if quantity != "time" and (quantity == "run" or np.any(values[1:] != values[:-1])):
+            found += _blocks(name, values, rows, 0.5 + (quantity == "run"))
     for name, column in columns.items():
         if (column.is_whole or column.is_flag) and column.name.quantity in ("run", ""):
             if column.is_constant and column.name.quantity != "run":
@@ -68,10 +73,6 @@ def find_runs(
         return None, np.zeros(rows - 1, dtype=bool)
     evidence = f"{count} value{'s' if count > 1 else ''}, each in one block of rows"
     return Proposal("run", name, "", (evidence,), 0.95 if score > 0.4 else 0.7), changes
-
-
-def _named_run(name: str) -> float:
-    return 1.0 if read_name(name).quantity == "run" else 0.0
 
 
 def _blocks(
@@ -120,9 +121,26 @@ def opened(log: Log, rows: int) -> Opened:
         InputError: no column rises from row to row.
     """
     columns, texts = columns_of(log, slice(0, rows))
+    columns = _with_nanoseconds(columns)
     run, ends = find_runs(columns, texts, rows)
     could = {n: c for n, c in columns.items() if not c.is_flag and (run is None or n != run.column)}
     return Opened(columns, texts, run, ends, find_clock(could, ends, log.path, texts))
+
+
+def _with_nanoseconds(columns: Mapping[str, LoggedColumn]) -> dict[str, LoggedColumn]:
+    """The columns, with a time in place of one in whole seconds and one in the nanoseconds beyond them."""
+    found = dict(columns)
+    for name, beyond in columns.items():
+        whole = _NANO.sub(lambda one: one[1] + "sec" + one[3], name)
+        seconds = next((found[n] for n in (whole, f"{whole}s") if n in found), None)
+        if seconds is None or whole == name or not (seconds.is_whole and np.all(np.abs(beyond.values) < 1e9)):
+            continue
+        text = f"{quoted(seconds.text)} + {quoted(name)} / 1000000000"
+        # From the first second: floating point has no nanoseconds of seconds since 1970.
+        values = seconds.values - seconds.values[0] + beyond.values * 1e-9
+        del found[name], found[seconds.text]
+        found[text] = LoggedColumn(Name(text, "time", "s", word="sec"), values)
+    return found
 
 
 def opened_to_draft(log: Log) -> Opened:
@@ -140,8 +158,16 @@ def by_rate(log: Log, rate_hz: float) -> Log:
     """
     if not (math.isfinite(rate_hz) and rate_hz > 0.0):
         raise InputError("rate", "a number of rows per second above 0", f"{rate_hz:g}")
-    if "time_s" in log.columns:
-        raise InputError(log.path, "a log without a column of time", "'time_s'", why="with a rate")
+    for name, x in log.columns.items():
+        timed = x.dtype.kind == "f" and read_name(name, log.units.get(name, "")).quantity == "time"
+        if name == "time_s" or (timed and np.all(np.diff(x) > 0.0)):
+            raise InputError(
+                log.path,
+                "a log without a column of time",
+                repr(name),
+                why="with a rate",
+                hint="leave the rate out",
+            )
     return dataclasses.replace(log, columns={"time_s": np.arange(log.rows) / rate_hz, **log.columns})
 
 
@@ -263,7 +289,7 @@ def _units(column: LoggedColumn, step: float, length: float) -> dict[str, float]
     for unit, seconds in SECONDS.items():
         rate, duration = 1.0 / (step * seconds), length * seconds
         decades = math.log10(rate / limits.USUAL_HZ) / limits.USUAL_DECADES
-        weight = math.exp(-0.5 * decades**2) * {"s": 1.0, "min": 1e-4}.get(unit, 0.5)
+        weight = math.exp(-0.5 * decades**2) * {"s": 1.0, "min": 1e-4, "h": 1e-6}.get(unit, 0.5)
         possible = (
             limits.SLOWEST_HZ <= rate <= limits.FASTEST_HZ
             and limits.SHORTEST_S <= duration <= limits.LONGEST_S
@@ -344,8 +370,8 @@ class Reading:
 
 def readings(given: Shown) -> list[Reading]:
     """All readings, best first; their weights add up to 1."""
-    angles = [""] if given.angle is None else [*_ANGLES, "counts"]
-    speeds = [""] if given.speed is None else [*_SPEEDS, "counts/s"]
+    angles = [""] if given.angle is None else _units_of(given.angle, [*_ANGLES, "counts"], "rad")
+    speeds = [""] if given.speed is None else _units_of(given.speed, [*_SPEEDS, "counts/s"], "rad/s")
     found = [
         reading
         for time, angle, speed in itertools.product(given.time, angles, speeds)
@@ -355,6 +381,19 @@ def readings(given: Shown) -> list[Reading]:
     total = sum(reading.weight for reading in found) or 1.0
     found = [Reading(**{**reading.__dict__, "weight": reading.weight / total}) for reading in found]
     return sorted(found, key=lambda reading: -reading.weight)
+
+
+def _units_of(column: LoggedColumn, usual: list[str], like: str) -> list[str]:
+    """The units that a motion may be in, with one of its name that is none of the usual, as krpm."""
+    said = _SAME.get(column.name.unit, column.name.unit)
+    return [*usual, said] if said not in usual and "count" not in said and is_like(said, like) else usual
+
+
+def _factor(unit: str, usual: Mapping[str, float]) -> float:
+    """The SI value of one of a unit of motion; 0 for none and for counts."""
+    if unit in ("", "counts", "counts/s"):
+        return 0.0
+    return usual.get(unit) or parse_unit(unit, "").factor
 
 
 def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
@@ -367,7 +406,7 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
         counts, product, said = _counts(given, speed, later)
         by_gravity += said if product else ()
         why["angle"] += said
-    unit = TURN / counts if counts else _ANGLES.get(angle, 0.0)
+    unit = TURN / counts if counts else _factor(angle, _ANGLES)
     if angle and given.angle is not None:
         weight *= _named(given.angle, angle)
         if given.angle.name.unit:
@@ -381,7 +420,7 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
         weight *= factor
         by_gravity += said
         why["angle"] += said
-    per = unit if speed == "counts/s" else _SPEEDS.get(speed, 0.0)
+    per = unit if speed == "counts/s" else _factor(speed, _SPEEDS)
     ratio = 1.0
     if speed and given.speed is not None:
         weight *= _named(given.speed, speed)
@@ -410,8 +449,8 @@ def _counts(given: Shown, speed: str, later: float) -> tuple[float, bool, tuple[
     """Counts per turn of the shaft of the angle, by what shows it best, and whether a gear may be in them."""
     if given.wrap:
         return given.wrap, False, (f"it restarts every {given.wrap:.6g} counts",)
-    if given.factor and speed in _SPEEDS:
-        turn = TURN * later / (abs(given.factor) * _SPEEDS[speed])
+    if given.factor and (per := _factor(speed, _SPEEDS)):
+        turn = TURN * later / (abs(given.factor) * per)
         found = nice_counts(turn, limits.FACTOR) or turn
         return found, False, (f"by the logged speed a turn has {turn:.6g} counts",)
     if given.period:
@@ -482,7 +521,7 @@ def _slope(off: float, factor: float, gear: float) -> tuple[float, float, tuple[
 
 def magnitudes(column: LoggedColumn, quantity: str, largest: float) -> list[tuple[str, float]]:
     """Units of a drive signal with their probabilities: by the name, else by the size that drives have."""
-    if column.name.unit and column.name.unit not in ("%", "‰"):
+    if column.name.unit and not column.name.is_rated:
         return [(column.name.unit, 0.99)]
     weights: dict[str, float] = {}
     for unit, (usual, decades, weight) in _USUAL[quantity].items():

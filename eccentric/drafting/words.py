@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,21 +17,27 @@ from eccentric.logs import parse_unit
 
 _WORDS = {
     "time": "t time times timestamp stamp zeit clock tick ticks uptime elapsed millis micros sec secs seconds"
-    " nsec nanosec nanoseconds msec usec dt ts epoch utc date datetime tiempo temps tempo latency jitter",
+    " nsec nanosec nanoseconds msec usec dt ts epoch utc date datetime tiempo temps tempo latency jitter"
+    " zeitstempel uhrzeit datum 时间 時間 время",
     "angle": "theta angle ang pos position q winkel lage enc encoder rotation drehwinkel phi th stroke weg"
-    " angulo posicion posizione qpos observationstate",
+    " angulo posicion posizione posicao qpos observationstate 角度 位置 угол положение θ ϑ φ ϕ",
     "speed": "omega w speed spd vel velo velocity drehzahl dq qd qdot thetadot dtheta rpm geschwindigkeit"
-    " n om vitesse velocidad velocita phidot dphi gyro angularvelocity qvel erpm",
-    "acceleration": "acc accel acceleration qdd ddq ddtheta beschleunigung qacc a",
+    " n om vitesse velocidad velocidade velocita phidot dphi gyro angularvelocity qvel erpm 转速 速度 回転数"
+    " скорость ω",
+    "acceleration": "acc accel acceleration qdd ddq ddtheta beschleunigung qacc a 加速度",
     "current": "i iq current curr cur strom amps ampere amp amperage isense imot motorstrom isq corriente"
-    " courant",
+    " corrente courant 电流 電流 ток",
     "voltage": "u uq vq voltage volt volts spannung umot vmot v klemmenspannung usq tension"
-    " pidout pidoutput controlleroutput controloutput controlsignal manipulatedvariable stellgroesse",
-    "torque": "tau torque torq moment trq drehmoment tq mot_torque force kraft thrust",
-    "temperature": "temp temperature temperatures temperatur celsius tmot",
+    " tensione tensao voltaje 电压 電圧 напряжение"
+    " pidout pidoutput controlleroutput controloutput controlsignal manipulatedvariable stellgroesse"
+    " stellgrosse",
+    "torque": "tau torque torq moment trq drehmoment tq mot_torque force kraft thrust couple coppia"
+    " 转矩 扭矩 力矩 トルク момент τ",
+    "temperature": "temp temperature temperatures temperatur temperatura celsius tmot 温度 температура",
     "supply": "supply vsupply bus vbus vdc battery vbat batt dclink vin ubat zwischenkreis mains mainvoltage"
     " ubus ibus idc udc inputvoltage voltagein inputcurrent currentin",
     "duty": "pwm duty dutycycle motorpwm",
+    "direction": "direction dir drehrichtung richtung sign cw ccw clockwise",
     "run": "run trial experiment versuch lauf series record test messung",
     "on": "enable enabled on active powered",
     "off": "off coast free disabled released",
@@ -38,14 +45,15 @@ _WORDS = {
     "bad": "suspect invalid fault bad outlier disturbance disturbed restored error",
 }
 CONTROLS = frozenset(
-    "pidout pidoutput controlleroutput controloutput controlsignal manipulatedvariable stellgroesse".split()  # noqa: SIM905
+    "pidout pidoutput controlleroutput controloutput controlsignal manipulatedvariable stellgroesse"  # noqa: SIM905
+    " stellgrosse".split()
 )
 """Outputs of controllers, which are voltages at best."""
 _OF_WORD = {word: quantity for quantity, words in _WORDS.items() for word in words.split()}
 _ROLES = {
-    "other": "quat quaternion orientation qx qy qz qw power energy work mass weight inertia constant ratio"
-    " coefficient gain kp ki kd efficiency pressure humidity altitude latitude longitude strain mode status"
-    " id isd ud usd ld flux ialpha ibeta ualpha ubeta valpha vbeta phase mask layout offset"
+    "other": "quat quaternion orientation qx qy qz qw power leistung energy work mass weight inertia constant"
+    " ratio coefficient gain kp ki kd efficiency pressure humidity altitude latitude longitude strain mode"
+    " status id isd ud usd ld flux ialpha ibeta ualpha ubeta valpha vbeta phase mask layout offset"
     " daxis dcurrent dvoltage",
     "computed": "model modelled modeled predicted prediction predict pred computed calc calculated"
     " calculation simulated simulation sim fitted ideal theoretical theory expected rigid rnea"
@@ -56,11 +64,14 @@ _ROLES = {
     " limited threshold saturation tolerance",
     "set": "goal target targ tgt cmd cmds cmnd command commanded commands ref refs reference set setp sp"
     " setpoint setvalue setpos setvelo settorque desired des soll sollwert demand demanded des wanted"
-    " request requested req planned plan trajectory traj profile nominal action actions ctrl",
+    " request requested req planned plan trajectory traj profile nominal action actions ctrl inputpos"
+    " inputvel controllerinput 目标 目標 指令 给定",
+    "electrical": "erpm electrical elec elektrisch elektrische",
     "filtered": "filtered filt averaged avg smoothed smooth lowpass clean gefiltert",
     "estimated": "estimate estimated est hat observer observed obs kalman ekf ukf",
     "measured": "measured mess gemessen meas measurement mes actual act feedback fb fbk ist istwert sensed"
-    " sensor real present raw observation actpos actvelo acttorque actcurrent",
+    " sensor real present raw observation actpos actvelo acttorque actcurrent"
+    " 实际 反馈",
 }
 """Words that say where a column comes from, besides what it is of; the first that a name has decides."""
 _OF_ROLE = {word: role for role, words in _ROLES.items() for word in words.split()}
@@ -80,23 +91,46 @@ _MOTOR = frozenset({"motor", "mot", "m", "rotor", "input", "in", "antrieb"})
 
 _SPELLINGS = {
     "m_s": "m/s", "mm_s": "mm/s", "um_s": "um/s", "cm_s": "cm/s",
+    "mrad_s": "mrad/s",
     "rad_s": "rad/s", "rads": "rad/s", "rad/sec": "rad/s", "rad_sec": "rad/s", "rad s^-1": "rad/s",
     "rad_per_s": "rad/s", "deg_s": "deg/s", "°/s": "deg/s", "dps": "deg/s", "deg/sec": "deg/s",
     "deg_per_s": "deg/s", "1/min": "rpm", "min^-1": "rpm", "min-1": "rpm", "u/min": "rpm", "r/min": "rpm",
-    "rev/min": "rpm", "rev_s": "rev/s", "rps": "rev/s", "counts_s": "counts/s", "cnt": "counts",
+    "rev/min": "rpm", "об/мин": "rpm", "r.p.m.": "rpm",
+    "rev_s": "rev/s", "rps": "rev/s", "counts_s": "counts/s", "cnt": "counts",
     "count": "counts", "inc": "counts", "ticks": "counts", "grad": "deg", "nm": "Nm", "n m": "N m",
     "n_m": "N m", "n*m": "N m", "mnm": "mNm", "ma": "mA", "mv": "mV", "degc": "degC", "c": "degC",
     "celsius": "degC", "°c": "degC", "sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "µs": "us",
     "pct": "%", "percent": "%", "prozent": "%", "% rated": "%", "‰": "‰", "permille": "‰", "per mille": "‰",
     "promille": "‰", "permil": "‰", "0.1%": "‰", "0.1 %": "‰", "1/1000": "‰", "hz": "rev/s",
     "kmh": "km/h", "km_h": "km/h", "kph": "km/h", "km/h": "km/h", "m_min": "m/min", "mph": "mph",
+    "aeff": "A", "arms": "A", "a rms": "A", "a_rms": "A", "veff": "V", "vrms": "V", "v rms": "V",
+    "pu": "pu", "p.u.": "pu", "per unit": "pu",
     "amps": "A", "volts": "V", "volt": "V", "turns": "turn", "revs": "rev",
     "rad": "rad", "deg": "deg", "rpm": "rpm", "counts": "counts", "ms": "ms", "us": "us", "ns": "ns",
     "mrad": "mrad", "rev": "rev",
 }  # fmt: skip
 """In lower case; what is not here is taken as it is written."""
+_OF_WEIGHTS = {
+    "inlbs": "lbfin", "inlbf": "lbfin", "ftlbs": "lbfft", "ftlbf": "lbfft",
+    "ozin": "ozfin", "inoz": "ozfin", "ozfin": "ozfin", "lbin": "lbfin", "inlb": "lbfin", "lbfin": "lbfin",
+    "lbft": "lbfft", "ftlb": "lbfft", "lbfft": "lbfft", "kgcm": "kgfcm", "kgfcm": "kgfcm",
+}  # fmt: skip
+"""Torques by a weight and a length, in lower case without what is between the two."""
+_WORDED = {
+    "radians": "rad", "radian": "rad", "rads": "rad", "degrees": "deg", "degree": "deg", "grd": "deg",
+    "rotations": "rev", "revolutions": "rev", "turns": "rev", "revs": "rev", "tr": "rev", "umdr": "rev",
+    "seconds": "s", "second": "s", "secs": "s", "sec": "s", "minutes": "min", "minute": "min", "hours": "h",
+    "milliseconds": "ms", "millisec": "ms", "millis": "ms", "microseconds": "us", "nanoseconds": "ns",
+    "amps": "A", "amperes": "A", "ampere": "A", "milliamps": "mA", "mamps": "mA", "volts": "V",
+    "millivolts": "mV", "newton": "N", "newtons": "N",
+    "meters": "m", "metres": "m", "meter": "m", "metre": "m",
+    "pulses": "counts", "ticks": "counts", "cts": "counts",
+}  # fmt: skip
+"""Units by their words, as parts of one: degrees/sec, newton-meters."""
 _BRACKETS = re.compile(r"\s*(?:\[([^\]]*)\]|\(([^)]*)\)|\bin\s+(\S+)$|\s/\s*(\S+)$)")
-_TOKENS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[°µ%]\w*")
+_TOKENS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[°µ%]\w*|[^\W\d_a-zA-Z]+")
+_RATED = ("%", "‰", "pu")
+"""Parts of a rated value, which no log holds."""
 
 _KINDS = {
     "time": ("s",), "angle": ("rad", "m"), "speed": ("rad/s", "m/s"), "current": ("A",), "voltage": ("V",),
@@ -110,9 +144,11 @@ class Name:
 
     Attributes:
         quantity: as in the table of words, or "other" for what is no signal of a drive.
-        unit: one of `eccentric.logs`, "%" or "‰".
+        unit: one of `eccentric.logs`, "%", "‰" or "pu" (parts of a rated value).
         side: "m", "l" or empty.
-        role: "measured", "estimated", "filtered", "set", "computed" or "other", where the name says so.
+        role: "measured", "estimated", "filtered", "electrical" (times the pole pairs), "set", "computed" or
+            "other", where the name says so.
+        whose: the words that say neither quantity nor role, as "a 1", "motor" and "axis 0".
         word: the one that the quantity is by.
         weak: whether that is a letter alone, which values may overrule.
     """
@@ -124,6 +160,12 @@ class Name:
     role: str = ""
     word: str = ""
     weak: bool = False
+    whose: str = ""
+
+    @property
+    def is_rated(self) -> bool:
+        """Whether it is a part of a rated value."""
+        return self.unit in _RATED
 
     @property
     def commanded(self) -> bool:
@@ -133,7 +175,9 @@ class Name:
     @property
     def signal(self) -> bool:
         """Whether it may be a signal of the machine: a set value, a result and a flag of status are none."""
-        return self.role in ("", "measured", "estimated", "filtered") and self.quantity != "other"
+        return (
+            self.role in ("", "measured", "estimated", "filtered", "electrical") and self.quantity != "other"
+        )
 
 
 def read_name(text: str, unit: str = "") -> Name:
@@ -142,17 +186,26 @@ def read_name(text: str, unit: str = "") -> Name:
     A text there that is no unit is read as a part of the name.
     """
     told = "" if spelled(unit) else unit.strip()
-    bracket = _BRACKETS.search(text)
-    given = ("" if told else unit.strip()) or (
-        next((g for g in bracket.groups() if g), "") if bracket else ""
-    )
+    brackets = [b for b in _BRACKETS.finditer(text) if not (b[1] or b[2] or "").strip().isdigit()]
+    bracket = next((b for b in brackets if spelled(_inside(b))), next(iter(brackets), None))
+    given = ("" if told else unit.strip()) or (_inside(bracket) if bracket else "")
     plain = text[: bracket.start()] + text[bracket.end() :] if bracket else text
     plain = f"{plain} {told}" if told else plain
+    if (
+        not given
+        and len(plain) > 1
+        and plain.lower() not in _NO_UNITS
+        and dimension_of(spelled(plain)) in _KINDS
+    ):
+        return Name(text, dimension_of(spelled(plain)), spelled(plain))
     found, plain = (spelled(given), plain) if given else _suffix(plain)
-    words = [word for token in _TOKENS.findall(plain) for word in _parts(token.lower())]
+    plain = _OUTPUT.sub("", plain)
+    words = [word for token in _TOKENS.findall(_letters(plain)) for word in _parts(token.lower())]
     # "feed forward", "LuGre" and "set point" are one word each, as is a name in parts.
     pairs = [first + second for first, second in itertools.pairwise(words)]
     named = [(_OF_WORD[w], w) for w in (*words, *pairs) if w in _OF_WORD]
+    heads = _heads(words)
+    named = [one for one in named if one[1] in heads] or named
     joined = "".join(words)
     if joined in _OF_WORD:
         named.insert(0, (_OF_WORD[joined], joined))
@@ -169,12 +222,52 @@ def read_name(text: str, unit: str = "") -> Name:
     if not quantity and _INDEX & set(words):
         quantity = "other"
     side = "l" if _LINK & set(words) else "m" if _MOTOR & set(words) else ""
-    return Name(text, quantity, found, side, role, word, weak=len(word) == 1 and not found)
+    whose = " ".join(w for w in words if w not in _OF_WORD and w not in _OF_ROLE)
+    return Name(text, quantity, found, side, role, word, len(word) == 1 and not found, whose)
+
+
+_NO_UNITS = frozenset({"min", "hz", "count", "counts", "cnt", "inc", "ticks", "grad", "rev", "rads"})
+"""Units that are names of other things where they are the whole name of a column."""
+_OUTPUT = re.compile(r"^out\.")
+"""What Simulink calls the structure that holds all outputs: no side of a gear."""
+
+
+def _inside(bracket: re.Match[str]) -> str:
+    return next((g for g in bracket.groups() if g), "")
+
+
+def _letters(text: str) -> str:
+    """A text without accents."""
+    split = unicodedata.normalize("NFD", text.replace("ß", "ss"))
+    return unicodedata.normalize("NFC", "".join(c for c in split if not "\u0300" <= c <= "\u036f"))
+
+
+def _heads(words: Sequence[str]) -> list[str]:
+    """The words without those that stand for an adjective or a sensor beside another quantity.
+
+    As in "current position", "current motor speed", "rotation speed" and "encoder velocity".
+    """
+    of = [_OF_WORD.get(w, "") if len(w) > 1 else "" for w in words]
+    heads: list[str] = []
+    for k, word in enumerate(words):
+        after = [q for w, q in zip(words[k + 1 :], of[k + 1 :], strict=True) if w not in _MOTOR | _LINK]
+        adjective = word == "current" and after[:1] != [""] and {*after[:1]} <= _KINDS.keys() - {"current"}
+        motion = of[k] == "angle" and "speed" in after
+        sensor = word in ("encoder", "enc") and {*of[:k], *of[k + 1 :]} & (_KINDS.keys() - {"time"})
+        if not ((adjective and after) or motion or sensor):
+            heads.append(word)
+    return [*heads, *(a + b for a, b in itertools.pairwise(words))]
 
 
 def _parts(word: str) -> tuple[str, ...]:
     """A compound of two known words, as "motorcurrent", "cmdvel" and "Drehzahlsollwert"; else the word."""
-    if word in _OF_WORD or word in _OF_ROLE or len(word) < 6:
+    if word in _OF_WORD or word in _OF_ROLE:
+        return (word,)
+    if not word.isascii():
+        # Chinese and Japanese write words without blanks.
+        within = [w for w in (*_OF_WORD, *_OF_ROLE) if not w.isascii() and w in word]
+        return tuple(w for w in within if not any(w != other and w in other for other in within)) or (word,)
+    if len(word) < 6:
         return (word,)
     known = _OF_WORD.keys() | _OF_ROLE.keys() | _MOTOR | _LINK
     for at in range(3, len(word) - 2):
@@ -207,22 +300,28 @@ def _chosen(named: list[tuple[str, str]], unit: str) -> tuple[str, str]:
     return by_unit, ""
 
 
-_COMPATIBLE = {("supply", "voltage"), ("duty", "angle"), ("voltage", "angle"), ("torque", "ratio")}
+_COMPATIBLE = {
+    ("supply", "voltage"),
+    ("supply", "current"),
+    ("duty", "angle"),
+    ("voltage", "angle"),
+    ("torque", "ratio"),
+}
 
 
 def of_a_carriage(unit: str) -> bool:
     """Whether a unit is one of length or velocity."""
-    return _is_like(unit, "m", "m/s")
+    return is_like(unit, "m", "m/s")
 
 
 def is_mass(unit: str) -> bool:
     """Whether a unit is one of mass."""
-    return _is_like(unit, "kg")
+    return is_like(unit, "kg")
 
 
-def _is_like(unit: str, *others: str) -> bool:
+def is_like(unit: str, *others: str) -> bool:
     """Whether a unit is of the dimension of one of the others; a ratio, or none, is not."""
-    if unit in ("", "%", "‰", "1", "-"):
+    if unit in ("", *_RATED, "1", "-"):
         return False
     try:
         own = parse_unit(unit, "", 1.0).dimension
@@ -233,21 +332,25 @@ def _is_like(unit: str, *others: str) -> bool:
 
 def dimension_of(unit: str) -> str:
     """The quantity that a unit belongs to, empty for % and 1; "other" for that of no signal."""
-    if unit in ("", "%", "‰", "1", "-") or not spelled(unit):
+    if unit in ("", *_RATED, "1", "-") or not spelled(unit):
         return ""
-    return next((quantity for quantity, units in _KINDS.items() if _is_like(unit, *units)), "other")
+    return next((quantity for quantity, units in _KINDS.items() if is_like(unit, *units)), "other")
 
 
 def spelled(text: str) -> str:
     """A unit in the spelling of `eccentric.logs`; empty if it is none."""
     clean = " ".join(text.split())
-    one = _SPELLINGS.get(clean.lower(), clean)
-    if one in ("%", "‰"):
+    one = _OF_WEIGHTS.get(re.sub(r"[\s.*·_-]+", "", clean.lower())) or _SPELLINGS.get(clean.lower(), clean)
+    if one in _RATED:
         return one
     try:
         parse_unit(one, "", 1.0)
     except InputError:
-        return ""
+        # "turns/s", "N-m" and "min⁻¹"; one word alone may be of the name, as in "power meter".
+        parts = re.sub(r"[^\W\d_]+", lambda word: _WORDED.get(word[0].lower(), word[0]), clean)
+        parts = re.sub(r"(?<=[A-Za-z])-(?=[A-Za-z])", " ", parts.replace("⁻¹", "^-1").replace(" per ", "/"))
+        alone = clean.lower() in ("second", "minute", "meter", "metre", "newton", "radian", "tr")
+        return spelled(parts.removesuffix(".")) if parts != clean and not alone else ""
     return one
 
 
@@ -258,8 +361,8 @@ def _suffix(text: str) -> tuple[str, str]:
     """The unit at the end of a name, as in `q_rad`, `w_rad_s`, `i_A_2`, `linkAngleDeg`, and the rest."""
     match = re.fullmatch(r"(.*?)([\s_.-]*\d+)?", text)
     body, number = (match[1], match[2] or "") if match else (text, "")
-    if body.lower() in ("rpm", "dps"):
-        return spelled(body), text
+    if body.lower() in ("rpm", "erpm", "dps"):
+        return spelled(body.lower().removeprefix("e")), text
     for pattern in _ENDS:
         tail = re.search(pattern, body)
         if tail is None:

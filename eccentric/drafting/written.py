@@ -19,8 +19,8 @@ _WIDTH = 100
 def toml_of(draft: Draft, name: str) -> str:
     """The text of a rig file; without the questions answered, it may be too little for a fit."""
     lines = [
-        "# Drafted by eccentric from the log. A # comment gives the evidence for the next line, # ? marks a",
-        "# line to check, and #? asks for a value that no log shows: uncomment the line and enter yours.",
+        "# Drafted by eccentric from the log. # gives the evidence for the next line; #? marks what",
+        "# needs you: a doubt about the next line, or a line to uncomment, with a value that no log shows.",
         *(f"# {_line(fact)}" for fact in draft.facts),
         "",
         f"name = {_quoted(name)}",
@@ -67,7 +67,7 @@ def _entry(entry: RigLine) -> Iterator[str]:
 
 
 def _comments(evidence: Iterable[str], doubt: str) -> Iterator[str]:
-    for mark, text in (("# ", "; ".join(evidence)), ("# ? ", doubt)):
+    for mark, text in (("# ", "; ".join(evidence)), ("#? ", doubt)):
         if text:
             yield from textwrap.wrap(
                 " ".join(_line(text).split()), _WIDTH, initial_indent=mark, subsequent_indent="#   "

@@ -6,13 +6,22 @@ import itertools
 import math
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from datetime import UTC, datetime
 
 import numpy as np
 
+from eccentric.core import InputError
 from eccentric.logs import limits
 from eccentric.logs.assemble import MISSING, Column, column_of, number_of
+from eccentric.logs.units import parse_unit
 
+_THOUSANDS = re.compile(r"\s*[-+]?[1-9]\d{0,2}(?:,\d{3})+(?P<rest>\.\d*)?\s*")
+_POINTS = re.compile(r"\s*[-+]?[1-9]\d{0,2}(?:\.\d{3})+(?P<rest>,\d*)?\s*")
+"""Numbers with a comma, or a point, between groups of three digits."""
+_WITH_UNIT = re.compile(
+    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z°µμΩ%][\w°µμΩ%/^·* ]*?)\s*"
+)
 POINT = "; expected a decimal point, as in 1.5"
 _COMMA = re.compile(r"\s*[-+]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][-+]?\d+)?\s*")
 _DATE = re.compile(r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
@@ -26,16 +35,27 @@ EXACT = 2**53
 """Whole numbers above this are not exact as floating point: nanoseconds since 1970 are in steps of 256."""
 
 
-def cells_to_column(name: str, cells: Sequence[str], *, decimal_comma: bool) -> tuple[Column, str, str]:
+def cells_to_column(
+    name: str, cells: Sequence[str], *, decimal_comma: bool, points: bool = False
+) -> tuple[Column, str, str]:
     """Return a column of text as numbers where it can be, its unit if the cells say it, and a note.
 
     Args:
-        decimal_comma: whether a comma can be one, since it does not separate the cells.
+        decimal_comma: whether a comma does not separate the cells.
+        points: whether the decimal sign of the table is a comma, so that a point separates thousands.
     """
+    given = _given(cells)
+    if (of := _separator(given, points=points)) is not None:
+        clean = [c.replace(of, "").replace(",", ".") for c in cells]
+        return column_of(clean), "", f"{name}: {of!r} separates thousands"
     column = plain_column(cells, decimal_comma=decimal_comma)
     if column.dtype.kind == "f":
         return _counter(name, cells, column)
-    given = _given(cells)
+    if len(units := {one[2] if (one := _WITH_UNIT.fullmatch(c)) else "" for c in given}) == 1 and (
+        unit := _as_unit(units.pop())
+    ):
+        found = [_WITH_UNIT.fullmatch(cell) for cell in cells]
+        return column_of([one[1] if one else "" for one in found]), unit, ""
     if given and all(map(_DATE.match, given)):
         return _dates(name, cells, column)
     if given and all(map(_CLOCK.fullmatch, given)):
@@ -43,16 +63,58 @@ def cells_to_column(name: str, cells: Sequence[str], *, decimal_comma: bool) -> 
     return column, "", ""
 
 
-def plain_column(cells: Sequence[str], *, decimal_comma: bool) -> Column:
-    """Return cells as numbers, with decimal commas where most are such and a comma can be one, or as text."""
+def plain_column(cells: Sequence[str], *, decimal_comma: bool, points: bool = False) -> Column:
+    """Return cells as numbers, with decimal commas where most are such, or as text.
+
+    Where a comma separates the cells, those in quotation marks can have one: a decimal comma, unless all of
+    them may be thousands. `points` as for `cells_to_column`.
+    """
+    if points and _separator(_given(cells), points=True) == ".":
+        return column_of([cell.replace(".", "").replace(",", ".") for cell in cells])
     column = column_of(cells)
-    if column.dtype.kind == "f" or not decimal_comma:
+    if column.dtype.kind == "f":
         return column
     given = _given(cells)
+    if not decimal_comma and all(_THOUSANDS.fullmatch(c) for c in given if "," in c):
+        return column
     # A cell that is no number stays as it is: whoever asks for numbers is told its line.
     if given and 2 * sum(map(bool, map(_COMMA.fullmatch, given))) > len(given):
         return column_of([c.replace(",", ".") if _COMMA.fullmatch(c) else c for c in cells])
     return column
+
+
+def has_decimal_commas(cells: Sequence[str]) -> bool:
+    """Whether most cells of a column are numbers with a decimal comma."""
+    given = _given(cells)
+    commas = [cell for cell in given if "," in cell and _COMMA.fullmatch(cell)]
+    return 2 * len(commas) > len(given) and not all(map(_THOUSANDS.fullmatch, commas))
+
+
+def _separator(given: Sequence[str], *, points: bool) -> str | None:
+    """What separates the thousands of numbers: a comma or a point, and None where it may be decimal."""
+    for of, form in ((",", _THOUSANDS), (".", _POINTS)):
+        grouped = [cell for cell in given if of in cell]
+        found = [form.fullmatch(cell) for cell in grouped]
+        # What has no separator is a number below 1000, with the other sign as the decimal one.
+        rest = [cell.replace(",", ".") if of == "." else cell for cell in given if of not in cell]
+        numbers = [number_of(cell) for cell in rest]
+        if not grouped or not all(found) or None in numbers:
+            continue
+        twice = any(
+            cell.count(of) > 1 or (one and one["rest"]) for cell, one in zip(grouped, found, strict=True)
+        )
+        small = [abs(x) < 1000.0 for x in numbers if x is not None]
+        if twice or (of == "." and points) or (of == "," and not points and small and all(small)):
+            return of
+    return None
+
+
+def _as_unit(text: str) -> str:
+    """A unit as cells and MATLAB's durations spell it; "" for none."""
+    one = {"sec": "s", "secs": "s", "msec": "ms", "hr": "h", "C": "degC"}.get(text, text)
+    with suppress(InputError):
+        return parse_unit(one, "", 1.0).text
+    return ""
 
 
 def _given(cells: Sequence[str]) -> list[str]:

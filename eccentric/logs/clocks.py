@@ -10,6 +10,7 @@ apart or a table has rows, or groups of columns, of several channels.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -262,7 +263,10 @@ def of_topics(read: Read, path: Path) -> Read:
 
 def _joined(read: Read, channels: list[Recorded], path: Path, time: str, what: str) -> Read:
     start = min(c.time[0] for c in channels)
-    moved = [Recorded(c.name, c.time - start, c.values, read.units.get(c.name, "")) for c in channels]
+    units = {
+        c.name: read.units.get(c.name) or read.units.get(c.name.rpartition("/")[2], "") for c in channels
+    }
+    moved = [Recorded(c.name, c.time - start, c.values, units[c.name]) for c in channels]
     found = on_one_clock(moved, path, (*read.notes, what), time)
     return Read(found.columns, notes=found.notes, units={**found.units, time: read.units.get(time, "")})
 
@@ -297,21 +301,40 @@ def of_clocks(read: Read, clocks: Sequence[int], path: Path) -> Read:
 
 
 def _named(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
-    """Two columns of numbers and one of names that change from row to row."""
+    """A column of time, one of names that change from row to row, and others of numbers.
+
+    With one value beside the time, rows are in any order; with several, each time has a row of every name.
+    Names may be numbers of joints or motors.
+    """
     texts = [name for name, x in columns.items() if x.dtype.kind != "f"]
     numbers = [name for name, x in columns.items() if x.dtype.kind == "f"]
-    if len(texts) != 1 or len(numbers) != 2:
-        return None
-    names = columns[texts[0]]
-    kinds = np.unique(names)
-    changes = np.count_nonzero(names[1:] != names[:-1])
-    if not 2 <= len(kinds) <= limits.MOST_PARTS or changes < 5 * len(kinds):
-        return None
     time = next((name for name in numbers if _rises(columns[name])), None)
-    if time is None:
+    if len(texts) > 1 or time is None:
         return None
-    (value,) = (name for name in numbers if name != time)
-    return time, [Recorded(str(k), columns[time][names == k], columns[value][names == k]) for k in kinds]
+    for key in texts or [name for name in numbers if _JOINT.search(name)]:
+        names, values = columns[key], [name for name in numbers if name not in (time, key)]
+        kinds, counts = np.unique(names, return_counts=True)
+        changes = np.count_nonzero(names[1:] != names[:-1])
+        if not 2 <= len(kinds) <= limits.MOST_PARTS or changes < 5 * len(kinds) or not values:
+            continue
+        if texts and len(values) == 1:
+            return time, [
+                Recorded(str(k), columns[time][names == k], columns[values[0]][names == k]) for k in kinds
+            ]
+        stamps = [columns[time][names == k] for k in kinds]
+        # A mode or a direction that changes often is of one machine: its rows are each of their own time.
+        if np.ptp(counts) == 0 and all(np.array_equal(one, stamps[0]) for one in stamps):
+            called = [str(k) if texts else f"{key} {k:g}" for k in kinds]
+            return time, [
+                Recorded(f"{name}/{value}", t, columns[value][names == k])
+                for name, k, t in zip(called, kinds, stamps, strict=True)
+                for value in values
+            ]
+    return None
+
+
+_JOINT = re.compile(r"(?<![a-z])(id|joint|motor|axis|servo|actuator|device|node)(?![a-z])", re.IGNORECASE)
+"""What a column of numbers is called that says of which of several machines a row is."""
 
 
 def _sparse(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:

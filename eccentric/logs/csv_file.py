@@ -14,7 +14,7 @@ import io
 import itertools
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,15 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few
 from eccentric.logs import limits
 from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, overlaps
-from eccentric.logs.cells import EXACT, POINT, cells_to_column, is_number, plain_column, units_row
+from eccentric.logs.cells import (
+    EXACT,
+    POINT,
+    cells_to_column,
+    has_decimal_commas,
+    is_number,
+    plain_column,
+    units_row,
+)
 from eccentric.logs.clocks import of_clocks, of_topics
 from eccentric.logs.foreign import (
     library,
@@ -34,8 +42,13 @@ from eccentric.logs.foreign import (
     require_room_for_text,
     text_of,
 )
-from eccentric.logs.layout import Layout, is_content, layout_of, rows_of
+from eccentric.logs.layout import Layout, is_content, is_prose, layout_of, rows_of
 
+_NO_TABLES = {
+    "version https://git-lfs": "a pointer of Git LFS: fetch the file itself, as with git lfs pull",
+    "<": "a web page or XML: download the raw file, or export a CSV file",
+}
+"""How files begin that stand in place of a log, and what to do."""
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
 
 
@@ -92,6 +105,10 @@ def csv_source(path: Path) -> InParts | None:
     except UnicodeDecodeError:
         return None
     header, before = layout.names, layout.before
+    sample = (
+        row for _, row in rows_of(_first_lines(path, before + limits.SAMPLE_ROWS)[before:], layout.delimiter)
+    )
+    points = _has_points(layout, list(itertools.zip_longest(*sample, fillvalue="")))
 
     def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
         chosen, at = [header.index(name) for name in names], 0
@@ -104,7 +121,7 @@ def csv_source(path: Path) -> InParts | None:
                     found = _rectangular(block[first - at : end - at], layout, path)
                     values = list(zip(*(row for _, row in found), strict=True))
                     columns = {
-                        name: plain_column(values[k], decimal_comma=layout.delimiter != ",")
+                        name: plain_column(values[k], decimal_comma=layout.delimiter != ",", points=points)
                         for name, k in zip(names, chosen, strict=True)
                     }
                     yield Part(first, columns, np.array([line for line, _ in found], dtype=np.int64))
@@ -126,6 +143,9 @@ def _start(path: Path, text: Sequence[str]) -> Layout:
     skipped = next((k for k, line in enumerate(text) if is_content(line)), len(text))
     if skipped == len(text):
         raise InputError(path, "a header row with column names", "an empty file")
+    other = next((said for start, said in _NO_TABLES.items() if text[skipped].lstrip().startswith(start)), "")
+    if other:
+        raise InputError(path, "a table of text", other)
     names, delimiter, is_row = _names(text[skipped - 1] if skipped else "", text[skipped])
     before = skipped + (not is_row)
     sample = text[: before + limits.LAYOUT_LINES]
@@ -133,14 +153,22 @@ def _start(path: Path, text: Sequence[str]) -> Layout:
         found = layout_of(sample, path)
         if found is not None:
             return dataclasses.replace(found, names=_unique(found, path))
+    if not is_row and _only_numbers(re.split(r"[,;\s]+", text[skipped].strip())):
+        line = " ".join(text[skipped].split())[:60]
+        raise InputError(
+            path, "a header row with column names, and rows below it", f"{line!r} in line {skipped + 1}"
+        )
     return Layout(_header(names, path), delimiter, before)
 
 
 def _is_table(names: Sequence[str], delimiter: str, below: Sequence[str]) -> bool:
     """Whether the first line is the header of the lines below it, of which one of the first has a number."""
-    rows = [row for _, row in itertools.islice(rows_of(iter(below), delimiter), 3)]
+    every = [row for _, row in rows_of(iter(below), delimiter)]
+    rows = every[:3]
     if not rows:
         return True
+    if 2 * sum(len(row) == len(names) for row in every) < len(every):
+        return False  # settings of two cells above a wider table
     if len(names) == 1 and any(len(row[0].split()) > 1 for row in rows if row):
         return False
     widths = {len(row) for row in rows} == {len(names)}
@@ -175,13 +203,13 @@ def _lines(path: Path) -> int:
 def _names(comment: str, line: str) -> tuple[list[str], str, bool]:
     """Column names from the first line with content, or from the comment before it; if it is a row."""
     comment = comment.lstrip("# \t")
-    delimiter = max(",;\t", key=line.count)
+    delimiter = max(",;\t|", key=line.count)
     # numpy.savetxt writes the column names as a comment.
     if comment.strip() and _only_numbers(first := _cells(line, delimiter)):
         names = _cells(comment, delimiter)
         if len(names) != len(first):
             names = comment.split()
-        if len(names) == len(first):
+        if len(names) == len(first) and not is_prose(comment):
             return names, delimiter, True
     return _cells(line, delimiter), delimiter, False
 
@@ -201,16 +229,24 @@ def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
     found = [(before + line, row) for line, row in rows_of(text[before:], layout.delimiter)]
     units = units_row(header, *(row for _, row in found[:2])) if len(found) > 1 else {}
     found = _rectangular(found[1:] if units else found, layout, path)
-    values = zip(*(row for _, row in found), strict=True)
+    values = list(zip(*(row for _, row in found), strict=True))
+    points = _has_points(layout, values)
     lines = np.array([line for line, _ in found], dtype=np.int64)
     columns: dict[str, Column] = {}
     notes: list[str] = []
     units = {**layout.units, **units}
     for name, cells in zip(header, values, strict=False):
-        columns[name], unit, note = cells_to_column(name, cells, decimal_comma=layout.delimiter != ",")
+        columns[name], unit, note = cells_to_column(
+            name, cells, decimal_comma=layout.delimiter != ",", points=points
+        )
         notes += [note] if note else []
         units |= {name: unit} if unit else {}
     return Read(columns, lines, tuple(notes), units)
+
+
+def _has_points(layout: Layout, columns: Sequence[Sequence[str]]) -> bool:
+    """Whether points can separate thousands: some column has decimal commas."""
+    return layout.delimiter != "," and any(map(has_decimal_commas, columns))
 
 
 def _all_numbers(lines: Sequence[str], layout: Layout) -> NDArray[np.float64] | None:
@@ -233,6 +269,11 @@ def _decoded(path: Path) -> tuple[str, tuple[str, ...]]:
     except UnicodeDecodeError as error:
         if error.object[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
             return text_of(path, "utf-16"), ()
+        with suppress(UnicodeDecodeError):
+            # Of two bytes above 0xA0 each, and of the usual Chinese characters: no text in Latin-1 is.
+            text = text_of(path, "gb2312")
+            if all(c.isascii() or c.encode("gb2312") < b"\xd8" for c in set(text)):
+                return text, ("read as GB 2312, since it is no UTF-8",)
         text = text_of(path, "cp1252")  # raises where Latin-1 of Windows has no character
         if _NO_TEXT.search(text):
             raise
@@ -277,7 +318,8 @@ def _header(cells: Sequence[str], path: Path) -> tuple[str, ...]:
         raise InputError(path, "a header row with column names", "numbers")
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise InputError(path, "unique column names", f"{twice!r} {names.count(twice)}x")
+        named = f"{twice!r} {names.count(twice)}x: give each column a name of its own in the file"
+        raise InputError(path, "unique column names", named)
     return tuple(names)
 
 

@@ -7,6 +7,7 @@ pickles, attachments and formulas in it are left out, with a note.
 from __future__ import annotations
 
 import contextlib
+import errno
 import gc
 import gzip
 import importlib
@@ -28,6 +29,12 @@ from eccentric.logs import limits
 _NO_TEXT = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
 
+_NOT_READ = frozenset(
+    {errno.EACCES, errno.EPERM, errno.EISDIR, errno.ENOENT, errno.EIO, errno.EMFILE, errno.ENOSPC}
+)
+"""What the system says where a file is not read at all: it says nothing of the content."""
+
+
 class DamagedError(ValueError):
     """The content of a file contradicts itself; its text says where."""
 
@@ -47,9 +54,11 @@ def errors_of(path: Path, what: str, *, collect: bool = False) -> Iterator[None]
     """Make one line of whatever a library raises on a damaged file; collect what it had half built."""
     try:
         yield
-    except (InputError, PermissionError):
+    except InputError:
         raise
-    except Exception as error:  # noqa: BLE001
+    except Exception as error:
+        if isinstance(error, OSError) and error.errno in _NOT_READ:
+            raise
         refused = _refused(path, f"a valid {what}", error)
         if collect:
             _cleared(error)

@@ -23,7 +23,7 @@ from eccentric.logs.units import parse_unit
 
 BLANKS = ""
 """The delimiter of values between blanks."""
-_SEEN = ("\t", ";", ",", BLANKS)
+_SEEN = ("\t", ";", ",", "|", BLANKS)
 _NAMES = frozenset({"name", "names", "channel", "channels", "channel name", "signal", "signal name"})
 _UNITS = frozenset({"unit", "units", "unit name", "channel unit"})
 _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]")
@@ -31,6 +31,10 @@ _CLOCK = re.compile(r".*\d:\d\d(:\d\d)?([.,]\d+)?\s*([AaPp][Mm])?\s*Z?|\s*\d{4}-
 _SETTING = re.compile(r"\s*[^\d\s,;=:][^,;=:]*[:=]\s*\S")
 """A line of settings, such as "Device: X"."""
 _COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
+_PROSE = re.compile(
+    r"[:=]\s*\S|\d{4}-\d\d-\d\d|\b(of|with|the|and|for|from|is|by|some|this|mit|der|die|das|und|von|für)\b",
+    re.IGNORECASE,
+)
 _NAMED = re.compile(r"[^\W\d]\w*\s*[:=]\s*[-+]?[\d.]")
 
 
@@ -79,9 +83,10 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     above = [
         (k, [cell.strip() for cell in cells])
         for k, line in enumerate(lines[:first], start=1)
-        for _, cells in rows_of([line.lstrip("# \t") if line.startswith("#") else line], delimiter)
+        if not (line.startswith("#") and is_prose(line))
+        for cells in _cells_above(line.lstrip("# \t") if line.startswith("#") else line, delimiter, width)
     ]
-    found = _labelled(above, width) or _header(above, rows, delimiter)
+    found = _labelled(above, width) or _header(above, rows)
     if found is None:
         others = [k for k, line in enumerate(lines[:first]) if is_content(line) and not _SETTING.match(line)]
         if others and any(not is_number(cell) for _, cells in above for cell in cells):
@@ -109,6 +114,19 @@ def require_bare_values(lines: Sequence[str], path: object) -> None:
 def is_content(line: str) -> bool:
     """Whether a line is neither empty nor a comment."""
     return bool(line.strip()) and not line.startswith("#")
+
+
+def _cells_above(line: str, delimiter: str, width: int) -> list[list[str]]:
+    """The cells of a line above a table: where blanks separate them, names may have single blanks in them."""
+    apart = re.split(r"\t|\s{2,}", line.strip())
+    if delimiter == BLANKS and len(apart) == width > 1:
+        return [apart]
+    return [cells for _, cells in rows_of([line], delimiter)]
+
+
+def is_prose(comment: str) -> bool:
+    """Whether a comment is a sentence, a date or a setting, whose words are no names of columns."""
+    return bool(_PROSE.search(comment))
 
 
 def has_rows(lines: Sequence[str]) -> bool:
@@ -239,15 +257,13 @@ def _labelled(above: Sequence[tuple[int, list[str]]], width: int) -> _Found | No
     return line, called, found | ({"time": step_unit} if step_unit else {}), clocks
 
 
-def _header(
-    above: Sequence[tuple[int, list[str]]], rows: Sequence[Sequence[str]], delimiter: str
-) -> _Found | None:
+def _header(above: Sequence[tuple[int, list[str]]], rows: Sequence[Sequence[str]]) -> _Found | None:
     """The last line of text above the rows that names every column, with the units in the lines below it."""
     width = len(rows[0])
     empty = [not any(row[k].strip() for row in rows) for k in range(width)]
     block: list[tuple[int, list[str]]] = []
     for k, cells in reversed(above[-limits.PREAMBLE_LINES :]):
-        full = _full(cells, width, empty, delimiter)
+        full = _full(cells, width, empty)
         if full is None or any(map(is_number, full)) or not any(full):
             break
         block.insert(0, (k, full))
@@ -256,7 +272,7 @@ def _header(
     # A row of units names a column more than once, or all of its cells are units.
     once = [place for place, (_, cells) in enumerate(block) if not _repeats(cells)]
     place = once[-1] if once else 0
-    if place and all(_unit(cell) or cell in ("", "-") for cell in block[place][1]):
+    if place and all(_is_unit(cell) or cell in ("", "-") for cell in block[place][1]):
         place -= 1
     line, cells = block[place]
     # A delimiter at the end of every row makes no column.
@@ -273,24 +289,23 @@ def _header(
     return line, names, units, clocks if is_pairs else ()
 
 
-def _full(cells: list[str], width: int, empty: Sequence[bool], delimiter: str) -> list[str] | None:
+def _full(cells: list[str], width: int, empty: Sequence[bool]) -> list[str] | None:
     """The cells of a line, one for each column; None if it has none for one that has values."""
     if len(cells) > width and not any(cells[width:]):
         cells = cells[:width]
     if len(cells) < width and all(empty[len(cells) :]):
         cells = [*cells, *[""] * (width - len(cells))]
-    if len(cells) == width:
-        return cells
-    if delimiter == BLANKS and len(cells) > width:
-        # Names with a blank in them, further apart than by one.
-        apart = re.split(r"\t|\s{2,}", "  ".join(cells))
-        return apart if len(apart) == width else None
-    return None
+    return cells if len(cells) == width else None
 
 
 def _repeats(cells: Sequence[str]) -> bool:
     given = [cell for cell in cells if cell]
     return len(set(given)) < len(given)
+
+
+def _is_unit(cell: str) -> bool:
+    """Whether a cell is a unit and nothing else: "Angle (deg)" is a name."""
+    return bool(_unit(cell)) and _unit(cell) == cell.strip("[]() ")
 
 
 def _unit(cell: str) -> str:

@@ -22,7 +22,9 @@ from eccentric.logs.foreign import library, reading, require_room_for_numbers, r
 
 
 def read_json(path: Path) -> Read:
-    """Read a JSON log: columns by the entries' keys, NaN for a missing key, 1 and 0 for true and false.
+    """Read a JSON log, or one with an object in each line: columns by the entries' keys.
+
+    A missing key is NaN, true and false are 1 and 0.
 
     Numbers and text beside the rows become columns that repeat them in every row, so that arithmetic in the
     rig can use them.
@@ -34,6 +36,8 @@ def read_json(path: Path) -> Read:
     try:
         content = json.loads(text)
     except json.JSONDecodeError as error:
+        if (records := _records(text)) is not None:
+            return assemble({"": records})
         rest = text[error.pos :].split(maxsplit=1)
         raise InputError(
             f"{path}: line {error.lineno}, column {error.colno}",
@@ -55,6 +59,15 @@ def read_json(path: Path) -> Read:
         keys = ", ".join(map(repr, list(content)[:8]))
         raise InputError(path, "a JSON log with a list of entries", f"keys {keys or 'none'}")
     return read
+
+
+def _records(text: str) -> list[dict[str, Any]] | None:
+    """The objects of a text with one in each line; None for another text."""
+    try:
+        found = [json.loads(line) for line in text.splitlines() if line.strip()]
+    except (ValueError, RecursionError):
+        return None
+    return found if all(isinstance(one, dict) for one in found) else None
 
 
 def _require_table(content: object, path: Path, name: str = "") -> None:

@@ -16,7 +16,8 @@ from eccentric.model import DRIVE_PARTS, NO_PART
 def read_pair(value: object, where: str) -> tuple[Any, Any]:
     """Return the two ends of a range, unchanged; InputError for anything but a list of two."""
     if not isinstance(value, list) or len(value) != 2:
-        raise InputError(where, "a range of two values, [lower, upper]", f"{value!r}")
+        known = "a value that is known goes under [known]" if isinstance(value, str | int | float) else ""
+        raise InputError(where, "a range of two values, [lower, upper]", f"{value!r}", hint=known)
     return value[0], value[1]
 
 
