@@ -95,8 +95,9 @@ def backlash(setting: Setting) -> Iterator[Effect]:
         )
 
     free = Sgn(left.symbol)
-    columns: list[Column] = [(B, -free * mu**2 * force * omega_m), (C, -free * mu * force * direction)]
-    roles = [Role.VISCOUS, Role.COULOMB]
+    # The first names the effect: after a reversal the speed is low, and a log seldom shows the viscous part.
+    columns: list[Column] = [(C, -free * mu * force * direction), (B, -free * mu**2 * force * omega_m)]
+    roles = [Role.COULOMB, Role.VISCOUS]
     if by_force:
         columns.insert(0, (G, -free * gravity(setting)))
         roles.insert(0, Role.NONE)

@@ -136,6 +136,19 @@ GRAVITY = Kin(
 
 
 @dataclass(frozen=True)
+class Cause:
+    """What may be behind an effect whose headline says what it does.
+
+    Attributes:
+        text: a noun phrase.
+        only_with: the parts that a drive needs for it, as in `Effect`.
+    """
+
+    text: str
+    only_with: Parts = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class Words:
     """What a person reads about an effect.
 
@@ -155,7 +168,7 @@ class Words:
     title: str = ""
     meaning: str = ""
     hint: str = ""
-    causes: tuple[str, ...] = ()
+    causes: tuple[Cause, ...] = ()
     kin: Kin | None = None
     tell_apart: Mapping[str, str] = field(default_factory=dict)
 
@@ -344,7 +357,7 @@ class Effect:
         own = self.words
         apart = {other: axis.text(text) for other, text in own.tell_apart.items()}
         named = {name: axis.text(getattr(own, name)) for name in ("headline", "title", "meaning", "hint")}
-        causes = tuple(map(axis.text, own.causes))
+        causes = tuple(replace(cause, text=axis.text(cause.text)) for cause in own.causes)
         words = replace(own, tell_apart=apart, causes=causes, **named)
         return replace(self, formula=axis.text(self.formula), words=words)
 

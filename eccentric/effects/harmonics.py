@@ -7,9 +7,20 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from eccentric.effects.effect import GRAVITY, Effect, Plausible, Setting, Shape, Words
+from eccentric.effects.effect import GRAVITY, Cause, Effect, Plausible, Setting, Shape, Words
 from eccentric.effects.forms import addition, direction, harmonic, mu, nonnegative, of_flux, positive, theta_m
-from eccentric.model import ANGLE, IRON, MAGNETS, MOTOR_ANGLE, HalfSine, Quantity, Role, quantity
+from eccentric.effects.loads import ROLLING
+from eccentric.model import (
+    ANGLE,
+    GEARS,
+    IRON,
+    MAGNETS,
+    MOTOR_ANGLE,
+    HalfSine,
+    Quantity,
+    Role,
+    quantity,
+)
 from eccentric.model import vocabulary as v
 
 LINK_ORDERS, MOTOR_ORDERS = range(1, 13), range(1, 25)
@@ -68,9 +79,11 @@ def motor_harmonic_friction(setting: Setting) -> Iterator[Effect]:
     """One effect for each order n and line, but those that are an order of the link, n/mu, already."""
     words = Words(
         title="Friction that varies over a turn of the motor",
-        meaning=(
-            "Friction that varies with the motor angle: a bearing or seal of the motor, the teeth of its"
-            " pinion, the two lobes of the wave generator of a strain-wave gear."
+        meaning="Friction that varies with the motor angle.",
+        causes=(
+            Cause("a bearing or seal of the motor"),
+            Cause("the teeth of its pinion", {"gear": ("planetary", "worm", "spur")}),
+            Cause("the two lobes of a wave generator", {"gear": ("strain wave",)}),
         ),
         hint="slow turns of the motor in both directions: friction changes its sign with the direction",
         tell_apart={
@@ -252,7 +265,12 @@ def local_defect(setting: Setting) -> Iterator[Effect]:
         inputs=(v.theta_m,),
         words=Words(
             headline="a tight spot at one angle of the link",
-            meaning="A tight spot at one link angle: a dent in a race, a rubbing seal, dirt between teeth.",
+            meaning="A tight spot at one link angle.",
+            causes=(
+                Cause("a dent in the race of a bearing", {"bearing": ROLLING}),
+                Cause("a rubbing seal"),
+                Cause("dirt between teeth", {"gear": GEARS}),
+            ),
             hint="slow full turns of the link in both directions, with friction plotted over the link angle",
         ),
     )

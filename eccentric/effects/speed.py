@@ -7,11 +7,14 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import SPEED, Effect, Setting, Shape, Words
+from eccentric.effects.effect import SPEED, Cause, Effect, Setting, Shape, Words
 from eccentric.effects.forms import addition, direction, nonnegative, omega_m, positive
+from eccentric.effects.motor import WITH_IRON
+from eccentric.effects.temperature import FILM
 from eccentric.model import Backward, Definition, Forward, Magnitude, Role, quantity
 
 forward, backward = Forward(omega_m), Backward(omega_m)
+BRUSHED = {"motor": ("brushed", "coreless")}
 
 # What the base model of case C1 already contains, and the column of it.
 IN_C1 = {
@@ -109,10 +112,10 @@ def sublinear_viscous(setting: Setting) -> Iterator[Effect]:
         ),
         hint="steady runs over a speed range of 1 to 10 or more, warm and cold, in both directions",
         causes=(
-            "grease or oil that thins by shear",
-            "a lubricant that warms in its contacts as speed rises",
-            "a seal",
-            "the excess part of the motor's iron losses",
+            Cause("grease or oil that thins by shear", FILM),
+            Cause("a lubricant that warms in its contacts as speed rises", FILM),
+            Cause("a seal"),
+            Cause("the excess part of the motor's iron losses", WITH_IRON),
         ),
         kin=SPEED,
     )
@@ -189,7 +192,8 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
     )
     dry = Words(
         headline="Coulomb friction that differs between the directions",
-        meaning="Dry friction that differs by direction: a tilted bearing, seal or brush.",
+        meaning="Dry friction that differs by direction.",
+        causes=(Cause("a tilted bearing or seal"), Cause("a tilted brush", BRUSHED)),
         hint=hint,
         tell_apart={
             "current_bias": "Log the voltage as well, or the current at rest.",
@@ -201,8 +205,8 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
         dry = replace(
             dry,
             headline=f"{dry.headline}, or an offset of the drive's sensor",
-            meaning="Dry friction that differs by direction (a tilted bearing, seal or brush), or an offset"
-            " of the sensor of the drive: in motion they are the same.",
+            meaning="Dry friction that differs by direction, or an offset of the sensor of the drive: in"
+            " motion they are the same.",
         )
     yield addition(
         "coulomb_asymmetry",
@@ -224,8 +228,8 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
         reference=reference,
         words=Words(
             headline="viscous friction that differs between the directions",
-            meaning="Viscous friction that differs by direction: a seal lip, or grease pumped in one"
-            " direction.",
+            meaning="Viscous friction that differs by direction.",
+            causes=(Cause("a seal lip"), Cause("grease pumped in one direction", {"lubricant": ("grease",)})),
             hint=hint,
         ),
     )
