@@ -76,6 +76,18 @@ def test_parts_and_ranges_are_complete(case: str) -> None:
             assert known.usual is None or known.low <= known.usual <= known.high
 
 
+def test_families_without_a_known_range_are_these() -> None:
+    """Where no source gives a range that a rig file could be compared with, none is declared."""
+    known = {e.family for case in CASES for e in effects(case).values() if e.plausible}
+
+    assert set(FAMILIES) - known == {
+        "cubic_drag", "sublinear_viscous", "eddy_current", "coulomb_temperature", "local_defect",
+        "cable_spring", "gravity_tilt", "angle_offset", "mass_mismatch", "inertia_mismatch",
+        "kt_saturation", "magnetic_hysteresis", "current_bias", "inverter_deadtime", "armature_inductance",
+        "wear_runin", "time_drift", "sensor_delay", "joint_compliance",
+    }  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("parts", "families"),
     [

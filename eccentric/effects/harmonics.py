@@ -8,7 +8,17 @@ from collections.abc import Iterator
 import sympy as sp
 
 from eccentric.effects.effect import GRAVITY, Cause, Effect, Plausible, Setting, Shape, Words
-from eccentric.effects.forms import addition, direction, harmonic, mu, nonnegative, of_flux, positive, theta_m
+from eccentric.effects.forms import (
+    addition,
+    direction,
+    harmonic,
+    mu,
+    nonnegative,
+    of_flux,
+    part_of_dry,
+    positive,
+    theta_m,
+)
 from eccentric.effects.loads import ROLLING
 from eccentric.model import (
     ANGLE,
@@ -38,6 +48,15 @@ def _parts(name: str, n: int, unit: str, what: str, angle: str) -> tuple[Quantit
         quantity(f"{name}_c{n}", unit, f"{what} by cos({angle})", letter=f"c_{n}"),
         quantity(f"{name}_s{n}", unit, f"{what} by sin({angle})", letter=f"s_{n}"),
     )
+
+
+def _size(C: Quantity, S: Quantity) -> sp.Expr:
+    """The amplitude of a harmonic."""
+    return sp.sqrt(C.symbol**2 + S.symbol**2)
+
+
+VARIES = "the part of the dry friction that varies"
+DETENT = "myelectrical2015.com, Stepper Motor Terminology, 2019: 5 to 10 % of the holding torque"
 
 
 def link_harmonic_friction(setting: Setting) -> Iterator[Effect]:
@@ -70,6 +89,7 @@ def link_harmonic_friction(setting: Setting) -> Iterator[Effect]:
             one_of=len(LINK_ORDERS),
             # Dry friction has no other sign where the harmonic takes away more than there is.
             second_order=("bearing_load", "local_defect"),
+            plausible=part_of_dry(setting, _size(C, S), VARIES),
             words=words,
             headline=f"friction that varies {how_often(n)} per turn of the link",
         )
@@ -111,6 +131,7 @@ def motor_harmonic_friction(setting: Setting) -> Iterator[Effect]:
             repeats=True,
             one_of=max(n, len(MOTOR_ORDERS)),
             only_with={ANGLE: MOTOR_ANGLE},
+            plausible=part_of_dry(setting, _size(C, S), VARIES),
             per_turn=n,
             words=words,
             headline=f"friction that varies {how_often(n)} per turn of the motor",
@@ -157,6 +178,7 @@ def nonsynchronous_friction(setting: Setting) -> Iterator[Effect]:
         shapes=(Shape(order, low, high, "linear", 5),),
         # It lies between two harmonics: there are as many such places.
         one_of=len(MOTOR_ORDERS),
+        plausible=part_of_dry(setting, _size(C, S), VARIES),
         per_turn=order.symbol,
         inputs=(v.theta_m,),
         words=Words(
@@ -187,6 +209,17 @@ def cogging(setting: Setting) -> Iterator[Effect]:
         cosine, sine = harmonic(rate)
         angle = f"{n} theta_{'m' if turns else 'l'}"
         C, S = _parts("cogging", n, "N m", "cogging torque", angle)
+        # A rig does not declare the rated torque. That of the largest current of a log is seldom above it.
+        detent = Plausible(
+            100 * _size(C, S) / (v.k_i.symbol * setting.current_max),
+            "%",
+            0.0,
+            math.inf,
+            f"none but of steppers: {DETENT}",
+            "the cogging as part of the torque at the largest current",
+            above="more than a stepper's detent torque, or a log that uses little of the motor's torque",
+            by_part={"stepper": (0.0, 10.0, DETENT)},
+        )
         yield addition(
             "cogging",
             [(C, cosine), (S, sine)],
@@ -199,6 +232,7 @@ def cogging(setting: Setting) -> Iterator[Effect]:
             repeats=True,
             one_of=max(n, len(MOTOR_ORDERS)),
             only_with={"motor": IRON, ANGLE: MOTOR_ANGLE},
+            plausible=(detent,),
             per_turn=rate,
             words=words,
             headline=f"cogging that repeats {how_often(n)} per turn of the motor",
@@ -219,7 +253,7 @@ def kt_ripple(setting: Setting) -> Iterator[Effect]:
         C, S = _parts("kt_ripple", n, "1", "relative ripple of the torque constant", f"{n} theta_m")
         # A sine commutated in six steps falls to cos 30 deg between them: the most of a sound motor.
         size = Plausible(
-            100 * sp.sqrt(C.symbol**2 + S.symbol**2),
+            100 * _size(C, S),
             "%",
             0.0,
             50.0 * (1.0 - math.cos(math.pi / 6.0)),
