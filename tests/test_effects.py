@@ -35,7 +35,7 @@ from eccentric.model import (
 )
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import of_expression, of_unit
-from tests.extended import BASE, CASES, effects, every_case, setting
+from tests.extended import BASE, CASES, KNOWN, effects, every_case, setting
 
 
 @every_case
@@ -113,6 +113,16 @@ def test_a_drive_has_no_cause_without_the_part_that_makes_it(
 ) -> None:
     """No teeth, no backlash; no slots, no cogging; what a rig does not say rules out nothing."""
     assert families == {effect.family for effect in effects("C2").values() if effect.lacks(parts)}
+
+
+@pytest.mark.parametrize(("known", "linked"), [({}, True), ({"M_l": 0.0}, False), ({"M_l": 0.3}, True)])
+def test_no_link_is_to_be_removed_from_a_bare_motor(known: dict[str, float], linked: bool) -> None:
+    """Without an imbalance and a mass of the link, nobody is told to take it off; a disc may be."""
+    bare = {**KNOWN, "M": 0.0, "L": 0.0, **known} if known else KNOWN
+    made = library(dataclasses.replace(setting("C1", warm=False), known=bare))
+    advice = [text for effect in made for text in effect.words.tell_apart.values()]
+
+    assert linked == any("link removed" in text for text in advice)
 
 
 def test_parameter_names_are_short_and_tell_the_family() -> None:

@@ -92,6 +92,12 @@ class Setting:
         return "rad" if self.base.axis.wraps else "radian"
 
     @property
+    def has_link(self) -> bool:
+        """Whether the motor may turn a link: not without an imbalance and a mass of the link."""
+        known = self.known
+        return 0.0 not in (known.get("M"), known.get("L")) or known.get("M_l", 0.0) > 0.0
+
+    @property
     def measured_twice(self) -> bool:
         """Whether the circuit is a balance of its own: a voltage beside the measured current."""
         return self.has("current", "voltage") and not self.by_voltage

@@ -201,7 +201,11 @@ def cogging(setting: Setting) -> Iterator[Effect]:
         meaning="Cogging: magnets attract the teeth; the torque needs no current and dissipates no energy"
         " over a turn.",
         hint="slow turns of the motor in both directions, at low and at high current: cogging stays the same",
-        tell_apart={"gravity": "Turn the motor slowly with the link removed."},
+        tell_apart={
+            "gravity": "Turn the motor slowly with the link removed."
+            if setting.has_link
+            else "Turn the motor slowly with its axis vertical: cogging stays."
+        },
     )
     turns = setting.base.axis.wraps
     for n in (*MOTOR_ORDERS, *setting.lines):

@@ -62,6 +62,7 @@ def kinematic_error(setting: Setting) -> Iterator[Effect]:
         "kinematic_share_B", "1", "link's share of the viscous friction without F_N", "s_B"
     )
     load = quantity("kinematic_torque", "N m", "torque that the gear transmits, motor side", letter="T")
+    load_off = "the link removed" if setting.has_link else "the gear uncoupled"
     words = Words(
         title="Kinematic error of the gear",
         meaning=(
@@ -71,12 +72,12 @@ def kinematic_error(setting: Setting) -> Iterator[Effect]:
         hint="an encoder on the link: its angle less mu times that of the motor, over whole turns",
         kin=LOAD,
         tell_apart={
-            "cogging": "Turn the motor slowly with the link removed: cogging stays.",
+            "cogging": f"Turn the motor slowly with {load_off}: cogging stays.",
             "encoder_eccentricity": "Log current and voltage: a misread angle shows in both, the gear in"
             " one.",
             "kt_ripple": "Log current and voltage: a ripple shows in both, an error of the gear in one.",
             "link_harmonic_friction": ONLY_FRICTION,
-            "motor_harmonic_friction": "Turn slowly with the link removed: friction of the motor stays.",
+            "motor_harmonic_friction": f"Turn slowly with {load_off}: friction of the motor stays.",
         },
     )
     orders: list[tuple[str, str, int, sp.Expr]] = [
