@@ -125,6 +125,14 @@ def test_no_link_is_to_be_removed_from_a_bare_motor(known: dict[str, float], lin
     assert linked == any("link removed" in text for text in advice)
 
 
+@every_case
+def test_backlash_is_named_by_what_stands_in_the_gap(case: str) -> None:
+    """The share of gravity that the motor does not carry; without gravity, dry friction: the speed is low."""
+    expected = {"C1": "backlash_C", "C2": "backlash_G"}[case]
+
+    assert expected == effects(case)["backlash"].coefficients[0].name
+
+
 def test_parameter_names_are_short_and_tell_the_family() -> None:
     """A name of a parameter belongs to one family and has 24 characters at most."""
     owner: dict[str, str] = {}

@@ -11,7 +11,15 @@ import sympy as sp
 from eccentric.diagnosis import Diagnosis
 from eccentric.diagnosis.models import RangeCheck, range_checks
 from eccentric.effects import Effect, Plausible
-from eccentric.presentation.ranges_text import outside_sentences, range_line, ruled_out_sentence
+from eccentric.presentation.ranges_text import (
+    declare_sentence,
+    excluded_sentence,
+    outside_sentences,
+    possible_causes,
+    range_line,
+    ruled_out_sentence,
+    undeclared,
+)
 from tests.extended import effects
 
 NORMAL = 1.959963984540054
@@ -199,6 +207,66 @@ def test_an_estimate_outside_is_a_sentence_with_its_meaning() -> None:
     ] == outside_sentences(cast("Diagnosis", SimpleNamespace(ranges=checks)))
     expected = "the rise: 1.6 %/K (95 % interval 1 to 2 %/K), above the known range, 0.25 to 0.43 %/K"
     assert f"{expected} (IEC 60028, 1925)" == range_line(checks[0])
+
+
+def named(parts: dict[str, tuple[str, ...]], covers: tuple[str, ...] = (), excluded: bool = False) -> Any:
+    """A diagnosis of viscous friction that grows less than proportionally to speed."""
+    brake = SimpleNamespace(id="eddy_current", family="eddy_current", instead_of="sublinear_viscous")
+    brake.words = effects("C2")["eddy_current"].words
+    return SimpleNamespace(
+        offered=(effects("C2")["eddy_current"], THINNING),
+        attribution=SimpleNamespace(
+            candidates=() if excluded else (brake,),
+            excluded=(brake,) if excluded else (),
+            adopted_as=lambda _: SimpleNamespace(covers=covers),
+        ),
+        rig=SimpleNamespace(parts=parts),
+    )
+
+
+THINNING = effects("C2")["sublinear_viscous[n=0.5]"]
+BRAKE, IRON = "an eddy-current brake (eddy_current)", "the excess part of the motor's iron losses"
+OF_GREASE = ("grease or oil that thins by shear", "a lubricant that warms in its contacts as speed rises")
+
+
+@pytest.mark.parametrize(
+    ("found", "possible", "sentence", "keys"),
+    [
+        (named({}, ("eddy_current",)), (*OF_GREASE, "a seal", IRON, BRAKE), "", ("motor", "lubricant")),
+        (named({"motor": ("brushless",)}), (*OF_GREASE, "a seal", IRON), "", ("lubricant",)),
+        (
+            named({"lubricant": ("none",), "motor": ("brushless",)}, (), excluded=True),
+            ("a seal", IRON),
+            (
+                f'Excluded by the rig file: {" and ".join(OF_GREASE)}, which need lubricant = "grease" or "oil"'
+                f' where the rig file has "none"; {BRAKE}, which needs motor = "eddy-current brake" or'
+                ' "induction" where the rig file has "brushless".'
+            ),
+            (),
+        ),
+    ],
+    ids=["undeclared", "motor", "both"],
+)
+def test_the_causes_behind_a_name_are_those_of_the_drive(
+    found: Any, possible: tuple[str, ...], sentence: str, keys: tuple[str, ...]
+) -> None:
+    """What the drive cannot have is excluded with the reason; what is not declared would narrow the rest."""
+    causes = possible_causes(found, THINNING)
+
+    assert possible == tuple(cause.text for cause in causes)
+    assert sentence == excluded_sentence(found, [THINNING])
+    assert keys == undeclared(found.rig.parts, [cause.only_with for cause in causes])
+
+
+def test_the_keys_that_would_narrow_a_tie_are_named() -> None:
+    """Where every cause needs the same part, declaring it narrows nothing."""
+    gear, motor = {"gear": ("worm",)}, {"motor": ("brushed",)}
+
+    assert ("gear", "motor") == undeclared({}, [gear, motor])
+    assert () == undeclared({}, [gear, gear])
+    assert ("motor",) == undeclared({"gear": ("worm",)}, [gear, motor])
+    expected = 'To narrow this down, declare gear = "..." and motor = "..." in the rig file.'
+    assert expected == declare_sentence(("gear", "motor"))
 
 
 def test_a_cause_that_is_ruled_out_is_told_with_the_part_that_it_needs() -> None:

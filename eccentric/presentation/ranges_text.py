@@ -96,7 +96,10 @@ def excluded_sentence(found: Diagnosis, effects: Iterable[Effect]) -> str:
     for effect in effects:
         for cause in excluded_causes(found, effect):
             by_part.setdefault(_needs(cause.only_with, found.rig.parts), {})[cause.text] = None
-    causes = [f"{' and '.join(texts)}, for want of {needs}" for needs, texts in by_part.items()]
+    causes = [
+        f"{' and '.join(texts)}, which need{'s' * (len(texts) == 1)} {needs}"
+        for needs, texts in by_part.items()
+    ]
     return f"Excluded by the rig file: {'; '.join(causes)}." if causes else ""
 
 
