@@ -238,8 +238,8 @@ OF_GREASE = ("grease or oil that thins by shear", "a lubricant that warms in its
             named({"lubricant": ("none",), "motor": ("brushless",)}, (), excluded=True),
             ("a seal", IRON),
             (
-                f'Excluded by the rig file: {" and ".join(OF_GREASE)}, which need lubricant = "grease" or "oil"'
-                f' where the rig file has "none"; {BRAKE}, which needs motor = "eddy-current brake" or'
+                f'Excluded by the rig file: {" and ".join(OF_GREASE)}, which need lubricant = "grease" or'
+                f' "oil" where the rig file has "none"; {BRAKE}, which needs motor = "eddy-current brake" or'
                 ' "induction" where the rig file has "brushless".'
             ),
             (),
