@@ -142,7 +142,7 @@ GRAVITY = Kin(
 
 
 @dataclass(frozen=True)
-class Cause:
+class PossibleCause:
     """What may be behind an effect whose headline says what it does.
 
     Attributes:
@@ -174,7 +174,7 @@ class Words:
     title: str = ""
     meaning: str = ""
     hint: str = ""
-    causes: tuple[Cause, ...] = ()
+    causes: tuple[PossibleCause, ...] = ()
     kin: Kin | None = None
     tell_apart: Mapping[str, str] = field(default_factory=dict)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from eccentric.effects.effect import GRAVITY, Cause, Effect, Plausible, Setting, Shape, Words
+from eccentric.effects.effect import GRAVITY, Effect, Plausible, PossibleCause, Setting, Shape, Words
 from eccentric.effects.forms import (
     addition,
     direction,
@@ -101,9 +101,9 @@ def motor_harmonic_friction(setting: Setting) -> Iterator[Effect]:
         title="Friction that varies over a turn of the motor",
         meaning="Friction that varies with the motor angle.",
         causes=(
-            Cause("a bearing or seal of the motor"),
-            Cause("the teeth of its pinion", {"gear": ("planetary", "worm", "spur")}),
-            Cause("the two lobes of a wave generator", {"gear": ("strain wave",)}),
+            PossibleCause("a bearing or seal of the motor"),
+            PossibleCause("the teeth of its pinion", {"gear": ("planetary", "worm", "spur")}),
+            PossibleCause("the two lobes of a wave generator", {"gear": ("strain wave",)}),
         ),
         hint="slow turns of the motor in both directions: friction changes its sign with the direction",
         tell_apart={
@@ -305,9 +305,9 @@ def local_defect(setting: Setting) -> Iterator[Effect]:
             headline="a tight spot at one angle of the link",
             meaning="A tight spot at one link angle.",
             causes=(
-                Cause("a dent in the race of a bearing", {"bearing": ROLLING}),
-                Cause("a rubbing seal"),
-                Cause("dirt between teeth", {"gear": GEARS}),
+                PossibleCause("a dent in the race of a bearing", {"bearing": ROLLING}),
+                PossibleCause("a rubbing seal"),
+                PossibleCause("dirt between teeth", {"gear": GEARS}),
             ),
             hint="slow full turns of the link in both directions, with friction plotted over the link angle",
         ),

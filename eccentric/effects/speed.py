@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import SPEED, Cause, Effect, Plausible, Setting, Shape, Words
+from eccentric.effects.effect import SPEED, Effect, Plausible, PossibleCause, Setting, Shape, Words
 from eccentric.effects.forms import (
     addition,
     direction,
@@ -141,10 +141,10 @@ def sublinear_viscous(setting: Setting) -> Iterator[Effect]:
         ),
         hint="steady runs over a speed range of 1 to 10 or more, warm and cold, in both directions",
         causes=(
-            Cause("grease or oil that thins by shear", FILM),
-            Cause("a lubricant that warms in its contacts as speed rises", FILM),
-            Cause("a seal"),
-            Cause("the excess part of the motor's iron losses", WITH_IRON),
+            PossibleCause("grease or oil that thins by shear", FILM),
+            PossibleCause("a lubricant that warms in its contacts as speed rises", FILM),
+            PossibleCause("a seal"),
+            PossibleCause("the excess part of the motor's iron losses", WITH_IRON),
         ),
         kin=SPEED,
     )
@@ -222,7 +222,7 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
     dry = Words(
         headline="Coulomb friction that differs between the directions",
         meaning="Dry friction that differs by direction.",
-        causes=(Cause("a tilted bearing or seal"), Cause("a tilted brush", BRUSHED)),
+        causes=(PossibleCause("a tilted bearing or seal"), PossibleCause("a tilted brush", BRUSHED)),
         hint=hint,
         tell_apart={
             "current_bias": "Log the voltage as well, or the current at rest.",
@@ -262,7 +262,10 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
         words=Words(
             headline="viscous friction that differs between the directions",
             meaning="Viscous friction that differs by direction.",
-            causes=(Cause("a seal lip"), Cause("grease pumped in one direction", {"lubricant": ("grease",)})),
+            causes=(
+                PossibleCause("a seal lip"),
+                PossibleCause("grease pumped in one direction", {"lubricant": ("grease",)}),
+            ),
             hint=hint,
         ),
     )

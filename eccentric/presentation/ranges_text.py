@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from eccentric.diagnosis import Diagnosis, RangeCheck
-from eccentric.effects import Cause, Effect
+from eccentric.effects import Effect, PossibleCause
 from eccentric.model import ANGLE, DRIVE_PARTS, Parts, missing
 
 
@@ -70,22 +70,22 @@ def ruled_out_sentence(found: Diagnosis) -> str:
     return f"{name[0].upper()}{name[1:]} explains more of it, but it needs {needs}."
 
 
-def possible_causes(found: Diagnosis, effect: Effect) -> tuple[Cause, ...]:
+def possible_causes(found: Diagnosis, effect: Effect) -> tuple[PossibleCause, ...]:
     """What may be behind an effect whose name says what it does: also families that fit this log as well."""
     own, effects = found.attribution.adopted_as(effect.id), {one.id: one for one in found.offered}
     best = {c.family: c for c in reversed(found.attribution.candidates)}
     covered = [best[family] for family in own.covers if family in best] if own else []
     return (
         *(cause for cause in effect.words.causes if not missing(cause.only_with, found.rig.parts)),
-        *(Cause(effect_name(c.words.headline, c.id), effects[c.id].only_with) for c in covered),
+        *(PossibleCause(effect_name(c.words.headline, c.id), effects[c.id].only_with) for c in covered),
     )
 
 
-def excluded_causes(found: Diagnosis, effect: Effect) -> tuple[Cause, ...]:
+def excluded_causes(found: Diagnosis, effect: Effect) -> tuple[PossibleCause, ...]:
     """The causes of an effect that this drive cannot have, also families that explain the log as well."""
     effects = {one.id: one for one in found.offered}
     families = [effects[c.id] for c in found.attribution.excluded if c.instead_of == effect.family]
-    covered = (Cause(effect_name(one.words.headline, one.id), one.only_with) for one in families)
+    covered = (PossibleCause(effect_name(one.words.headline, one.id), one.only_with) for one in families)
     impossible = (cause for cause in effect.words.causes if missing(cause.only_with, found.rig.parts))
     return (*impossible, *covered)
 
