@@ -253,7 +253,7 @@ def test_the_causes_behind_a_name_are_those_of_the_drive(
     """What the drive cannot have is excluded with the reason; what is not declared would narrow the rest."""
     causes = possible_causes(found, THINNING)
 
-    assert possible == tuple(cause.text for cause in causes)
+    assert possible == tuple(cause.name for cause in causes)
     assert sentence == excluded_sentence(found, [THINNING])
     assert keys == undeclared(found.rig.parts, [cause.only_with for cause in causes])
 

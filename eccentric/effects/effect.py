@@ -146,11 +146,11 @@ class PossibleCause:
     """What may be behind an effect whose headline says what it does.
 
     Attributes:
-        text: a noun phrase.
+        name: a noun phrase.
         only_with: the parts that a drive needs for it, as in `Effect`.
     """
 
-    text: str
+    name: str
     only_with: Parts = field(default_factory=dict)
 
 
@@ -363,7 +363,7 @@ class Effect:
         own = self.words
         apart = {other: axis.text(text) for other, text in own.tell_apart.items()}
         named = {name: axis.text(getattr(own, name)) for name in ("headline", "title", "meaning", "hint")}
-        causes = tuple(replace(cause, text=axis.text(cause.text)) for cause in own.causes)
+        causes = tuple(replace(cause, name=axis.text(cause.name)) for cause in own.causes)
         words = replace(own, tell_apart=apart, causes=causes, **named)
         return replace(self, formula=axis.text(self.formula), words=words)
 

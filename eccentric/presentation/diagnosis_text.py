@@ -292,7 +292,7 @@ def aliases_of(found: Diagnosis, effect: Effect) -> tuple[str, ...]:
 def _causes(found: Diagnosis) -> str:
     """The possible causes of named effects."""
     every = [
-        ", ".join(cause.text for cause in possible_causes(found, effect))
+        ", ".join(cause.name for cause in possible_causes(found, effect))
         for effect, _ in (*found.effects, *found.clear)
     ]
     return "".join(f" Possible causes: {causes}." for causes in every if causes)

@@ -95,7 +95,7 @@ def excluded_sentence(found: Diagnosis, effects: Iterable[Effect]) -> str:
     by_part: dict[str, dict[str, None]] = {}
     for effect in effects:
         for cause in excluded_causes(found, effect):
-            by_part.setdefault(_needs(cause.only_with, found.rig.parts), {})[cause.text] = None
+            by_part.setdefault(_needs(cause.only_with, found.rig.parts), {})[cause.name] = None
     causes = [
         f"{' and '.join(texts)}, which need{'s' * (len(texts) == 1)} {needs}"
         for needs, texts in by_part.items()

@@ -103,8 +103,10 @@ class Search:
         if screen is None or not screen.candidates:
             return found
         effective = self.screen.effective(self.best)
-        beside = [(None, list(self.best.variants)), *((k, _without(self.best, k)) for k in self._places)]
-        for place, others in [*beside, *([(None, list[Variant]())] if len(self.best.variants) > 1 else [])]:
+        beside: list[tuple[int | None, list[Variant]]] = [(None, list(self.best.variants))]
+        beside += [(k, _without(self.best, k)) for k in range(len(self.best.variants))]
+        beside += [(None, [])] if len(self.best.variants) > 1 else []
+        for place, others in beside:
             for fitted in screen.rank(others, leaders=limits.LEADERS_OF_A_SWAP):
                 candidate = fitted.variants[-1]
                 if self.worth_it(self.best, fitted, screen):
@@ -117,10 +119,6 @@ class Search:
                     if expit(ahead) > limits.POSSIBLE and self._gained(others, candidate, fitted, screen):
                         found.as_well.append((own.candidate.family, fitted))
         return found
-
-    @property
-    def _places(self) -> range:
-        return range(len(self.best.variants))
 
     def release(self) -> None:
         """Forget all columns, as `Screen.release` does."""
