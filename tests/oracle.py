@@ -296,12 +296,12 @@ def expected(
     levels = [(sides[sign][0], abs(sizes[sign][0])) for sign in (-1, 1)]
     if function == "breakaway_torque":
         return levels
+    ahead = 1 if x.omega_m > 0 else -1
     if function == "friction_budget":
-        ahead = 1 if x.omega_m > 0 else -1
         return [*levels, (sides[ahead][1], sizes[ahead][1])]
     J = p.J_m + p.mu**2 * p.J_l
     if function == "acceleration":
-        size = (abs(x.torque) + max(size for _, size in levels) + sizes[1][1] * abs(x.omega_m)) / J
+        size = (abs(x.torque) + max(size for _, size in levels) + sizes[ahead][1] * abs(x.omega_m)) / J
         if x.omega_m:
             return [((x.torque - f) / J, size)]
         return [((x.torque - min(max(x.torque, levels[0][0]), levels[1][0])) / J, size)]

@@ -43,6 +43,32 @@ def test_finds_effects_of_several_kinds(kind: str, tmp_path: Path) -> None:
     assert ("named", [effect[0]]) == (found.attribution.verdict, [e.family for e, _ in found.effects])
 
 
+PARTS = {
+    "gear": (9103, ("backlash", 0.2), {"gear": "strain wave"}, {"seconds": 30.0}),
+    "motor": (9104, ("cogging", 0.2), {"motor": "coreless"}, {"seconds": 20.0}),
+    "bearing": (9106, ("bearing_load", 0.2), {"bearing": "air"}, {"seconds": 30.0}),
+    "lubricant": (
+        9105, ("viscosity_temperature", 0.2), {"lubricant": "none"}, {"seconds": 40.0, "temperature": True},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", PARTS)
+def test_a_cause_that_the_drive_cannot_have_is_excluded_with_the_reason(kind: str, tmp_path: Path) -> None:
+    """It is planted, and named where nothing is declared; else no other name takes its place."""
+    seed, effect, parts, options = PARTS[kind]
+    log, rig = log_of(tmp_path, seed, effect, **options)
+    content = json.loads(rig.read_text(encoding="utf-8"))
+    free, found = (diagnosis_document(diagnose([log], content | given)) for given in ({}, parts))
+
+    assert ("named", [effect[0]]) == (free["verdict"], [e["family"] for e in free["effects"]])
+    assert ("unexplained", []) == (found["verdict"], found["effects"])
+    assert effect[0] not in {c["family"] for c in found["candidates"]}
+    assert {"family": effect[0], "explains": "more"}.items() <= found["ruled_out"][0].items()
+    assert [kind] == list(found["ruled_out"][0]["needs"])
+
+
 def test_leaves_a_control_alone(tmp_path: Path) -> None:
     """Without an undeclared effect nothing is missing, and the emitted model is the paper's."""
     log, rig = log_of(tmp_path, 9004, seconds=20.0)

@@ -35,7 +35,7 @@ from eccentric.model import (
 )
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import of_expression, of_unit
-from tests.extended import BASE, CASES, effects, every_case, setting
+from tests.extended import BASE, CASES, KNOWN, effects, every_case, setting
 
 
 @every_case
@@ -76,6 +76,18 @@ def test_parts_and_ranges_are_complete(case: str) -> None:
             assert known.usual is None or known.low <= known.usual <= known.high
 
 
+def test_families_without_a_known_range_are_these() -> None:
+    """Where no source gives a range that a rig file could be compared with, none is declared."""
+    known = {e.family for case in CASES for e in effects(case).values() if e.plausible}
+
+    assert set(FAMILIES) - known == {
+        "cubic_drag", "sublinear_viscous", "eddy_current", "coulomb_temperature", "local_defect",
+        "cable_spring", "gravity_tilt", "angle_offset", "mass_mismatch", "inertia_mismatch",
+        "kt_saturation", "magnetic_hysteresis", "current_bias", "inverter_deadtime", "armature_inductance",
+        "wear_runin", "time_drift", "sensor_delay", "joint_compliance",
+    }  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("parts", "families"),
     [
@@ -101,6 +113,24 @@ def test_a_drive_has_no_cause_without_the_part_that_makes_it(
 ) -> None:
     """No teeth, no backlash; no slots, no cogging; what a rig does not say rules out nothing."""
     assert families == {effect.family for effect in effects("C2").values() if effect.lacks(parts)}
+
+
+@pytest.mark.parametrize(("known", "linked"), [({}, True), ({"M_l": 0.0}, False), ({"M_l": 0.3}, True)])
+def test_no_link_is_to_be_removed_from_a_bare_motor(known: dict[str, float], linked: bool) -> None:
+    """Without an imbalance and a mass of the link, nobody is told to take it off; a disc may be."""
+    bare = {**KNOWN, "M": 0.0, "L": 0.0, **known} if known else KNOWN
+    made = library(dataclasses.replace(setting("C1", warm=False), known=bare))
+    advice = [text for effect in made for text in effect.words.tell_apart.values()]
+
+    assert linked == any("link removed" in text for text in advice)
+
+
+@every_case
+def test_backlash_is_named_by_what_stands_in_the_gap(case: str) -> None:
+    """The share of gravity that the motor does not carry; without gravity, dry friction: the speed is low."""
+    expected = {"C1": "backlash_C", "C2": "backlash_G"}[case]
+
+    assert expected == effects(case)["backlash"].coefficients[0].name
 
 
 def test_parameter_names_are_short_and_tell_the_family() -> None:

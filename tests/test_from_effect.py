@@ -41,6 +41,31 @@ def test_a_temperature_scales_the_viscous_friction_of_another_effect() -> None:
     assert np.array_equal(scaling.on(cogging.roles), np.ones((len(T), len(cogging.roles))))
 
 
+@pytest.mark.parametrize("family", ["presliding", "wear_runin[travel]"])
+def test_the_history_of_an_instrument_is_that_of_the_angle(family: str) -> None:
+    """A (z - sgn w) and C exp(-s/x) sgn w have z and s of the whole motion, and sgn w of the slow one.
+
+    The slow speed alone reverses at other angles: its bristles would bend elsewhere.
+    """
+    swing = 2.0 * np.sin(1.3 * T) + 0.3 * np.sin(20.0 * T)
+    speed, still = 2.6 * np.cos(1.3 * T) + 6.0 * np.cos(20.0 * T), np.full_like(T, DT)
+    values = {"theta_m": swing, "omega_m": speed, "alpha_m": 0.0 * T, "t": T}
+    signals = Signals(values, still, (0,), KNOWN, base=MODEL)
+    slow = Signals(values | {"omega_m": 2.6 * np.cos(1.3 * T)}, still, (0,), KNOWN, base=MODEL)
+    effect, friction = effects("C2")[family], np.ones(len(signals.columns(MODEL)))
+    made = candidate_of(effect, MODEL, signals, friction, None, instruments=slow)
+    (shape,) = effect.shapes
+    assert made.instrument is not None
+
+    at = {shape.quantity.name: 1.7}
+    here, there = made.columns(at)[:, 0], made.instrument(at)[:, 0]
+    sign, slow_sign = (np.sign(s.values["omega_m"]) for s in (signals, slow))
+    if family == "presliding":
+        assert np.allclose(here + sign, there + slow_sign, rtol=0.0, atol=1e-12)
+    else:
+        assert np.allclose(here * sign, there * slow_sign, rtol=0.0, atol=1e-12)
+
+
 UNDECLARED = {letter: value for letter, value in KNOWN.items() if letter != "R"}
 
 

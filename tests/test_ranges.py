@@ -11,7 +11,15 @@ import sympy as sp
 from eccentric.diagnosis import Diagnosis
 from eccentric.diagnosis.models import RangeCheck, range_checks
 from eccentric.effects import Effect, Plausible
-from eccentric.presentation.ranges_text import outside_sentences, range_line, ruled_out_sentence
+from eccentric.presentation.ranges_text import (
+    declare_sentence,
+    excluded_sentence,
+    outside_sentences,
+    possible_causes,
+    range_line,
+    ruled_out_sentence,
+    undeclared,
+)
 from tests.extended import effects
 
 NORMAL = 1.959963984540054
@@ -116,6 +124,72 @@ def test_a_range_of_some_drives_says_nothing_of_others() -> None:
     assert () == checked(effect, values, {"stribeck_v": 1.0})
 
 
+M, M_L, L, G, MU = 0.5, 0.2, 0.25, 9.81, 0.2
+RIG = {"M": M, "M_l": M_L, "L": L, "g": G, "mu": MU, "k_i": 0.02, "k_e": 0.05, "R": 1.0, "F_T": 3.0}
+FRICTION = {"C_m": 0.01, "C_lN": 0.002, "C_lT": 0.004, "B_m": 1e-3, "B_lN": 2e-4, "B_lT": 3e-4}
+DRY = {"C2": 0.01 + MU * 0.002 * (M + M_L) * G, "C1": 0.01 + MU * 0.004 * 3.0}
+VISCOUS = {"C2": 1e-3 + MU**2 * 2e-4 * (M + M_L) * G, "C1": 1e-3 + MU**2 * 3e-4 * 3.0}
+GEAR = {"gear": ("planetary",)}
+WAVE = {"gear": ("strain wave",)}
+STEPPER = {"motor": ("stepper",)}
+
+
+@pytest.mark.parametrize(
+    ("case", "effect", "values", "parts", "expected"),
+    [
+        # A plate at the end of the link, of its length squared, in air: half the density times speed squared.
+        ("C2", "quadratic_drag", {"drag_2": 1.5 * 0.5 * 1.225 * L**5 * MU**3}, {}, 1.5),
+        ("C1", "oneway_windage[-]", {"windage_neg": 2.5 * 0.5 * 1.225 * L**5 * MU**3}, {}, 2.5),
+        *(
+            (case, effect, {name: 0.5 * size[case]}, {}, 50.0)
+            for case in ("C1", "C2")
+            for effect, name, size in (
+                ("coulomb_asymmetry", "coulomb_asym", DRY),
+                ("viscous_asymmetry", "viscous_asym", VISCOUS),
+                ("hidden_thermal_drift[coulomb]", "heat_C", DRY),
+                ("hidden_thermal_drift[bearing]", "heat_B", VISCOUS),
+            )
+        ),
+        *(
+            ("C2", effect, {cosine: 0.9 * DRY["C2"], sine: 1.2 * DRY["C2"]}, {}, 150.0)
+            for effect, cosine, sine in (
+                ("link_harmonic_friction[n=2]", "link_harmonic_c2", "link_harmonic_s2"),
+                ("motor_harmonic_friction[n=4]", "motor_harmonic_c4", "motor_harmonic_s4"),
+                ("nonsynchronous_friction", "nonsync_c", "nonsync_s"),
+            )
+        ),
+        ("C2", "cogging[n=2]", {"cogging_c2": 0.0, "cogging_s2": 0.02 * 15.0}, STEPPER, 100.0),
+        ("C2", "presliding", {"presliding_x": 0.05 / MU}, {}, 50.0),
+        ("C2", "backlash", {"backlash_gap": math.radians(2.0) / MU}, GEAR, 2.0),
+        ("C2", "kinematic_error[link,n=1]", {"kinematic_c": math.pi / 3600, "kinematic_s": 0.0}, WAVE, 3.0),
+        ("C2", "ki_mismatch", {"current_scale": 0.25}, {}, -20.0),
+        ("C2", "ke_mismatch", {"armature_k": 0.004}, {}, 8.0),
+        ("C2", "resistance_mismatch", {"armature_R": 0.9}, {}, 90.0),
+    ],
+)  # fmt: skip
+def test_a_figure_is_that_of_its_closed_form(
+    case: str, effect: str, values: dict[str, float], parts: dict[str, tuple[str, ...]], expected: float
+) -> None:
+    """Drag of a plate, parts of the friction at rest, angles at the output, errors of declared values."""
+    errors = dict.fromkeys(values, 1e-9)
+    (found, *_) = checked(effects(case)[effect], RIG | FRICTION | values, errors, parts)
+
+    assert expected == pytest.approx(found.value)
+    known = found.known
+    assert ("above" if expected > known.high else "below" if expected < known.low else "") == found.outside
+
+
+def test_a_part_of_no_friction_is_no_figure() -> None:
+    """Where the log finds no dry friction, a harmonic is no part of it."""
+    values = {"link_harmonic_c2": 0.1, "link_harmonic_s2": 0.1}
+    none = dict.fromkeys(FRICTION, 0.0)
+
+    assert () == checked(effects("C2")["link_harmonic_friction[n=2]"], RIG | none | values, {})
+    assert () == checked(
+        effects("C2")["link_harmonic_friction[n=2]"], RIG | none | values, dict.fromkeys(values, 0.01)
+    )
+
+
 def test_an_estimate_outside_is_a_sentence_with_its_meaning() -> None:
     """It is so many times the usual value where there is one; a line has the interval and the source."""
     known = Plausible(
@@ -133,6 +207,66 @@ def test_an_estimate_outside_is_a_sentence_with_its_meaning() -> None:
     ] == outside_sentences(cast("Diagnosis", SimpleNamespace(ranges=checks)))
     expected = "the rise: 1.6 %/K (95 % interval 1 to 2 %/K), above the known range, 0.25 to 0.43 %/K"
     assert f"{expected} (IEC 60028, 1925)" == range_line(checks[0])
+
+
+def named(parts: dict[str, tuple[str, ...]], covers: tuple[str, ...] = (), excluded: bool = False) -> Any:
+    """A diagnosis of viscous friction that grows less than proportionally to speed."""
+    brake = SimpleNamespace(id="eddy_current", family="eddy_current", instead_of="sublinear_viscous")
+    brake.words = effects("C2")["eddy_current"].words
+    return SimpleNamespace(
+        offered=(effects("C2")["eddy_current"], THINNING),
+        attribution=SimpleNamespace(
+            candidates=() if excluded else (brake,),
+            excluded=(brake,) if excluded else (),
+            adopted_as=lambda _: SimpleNamespace(covers=covers),
+        ),
+        rig=SimpleNamespace(parts=parts),
+    )
+
+
+THINNING = effects("C2")["sublinear_viscous[n=0.5]"]
+BRAKE, IRON = "an eddy-current brake (eddy_current)", "the excess part of the motor's iron losses"
+OF_GREASE = ("grease or oil that thins by shear", "a lubricant that warms in its contacts as speed rises")
+
+
+@pytest.mark.parametrize(
+    ("found", "possible", "sentence", "keys"),
+    [
+        (named({}, ("eddy_current",)), (*OF_GREASE, "a seal", IRON, BRAKE), "", ("motor", "lubricant")),
+        (named({"motor": ("brushless",)}), (*OF_GREASE, "a seal", IRON), "", ("lubricant",)),
+        (
+            named({"lubricant": ("none",), "motor": ("brushless",)}, (), excluded=True),
+            ("a seal", IRON),
+            (
+                f'Excluded by the rig file: {" and ".join(OF_GREASE)}, which need lubricant = "grease" or'
+                f' "oil" where the rig file has "none"; {BRAKE}, which needs motor = "eddy-current brake" or'
+                ' "induction" where the rig file has "brushless".'
+            ),
+            (),
+        ),
+    ],
+    ids=["undeclared", "motor", "both"],
+)
+def test_the_causes_behind_a_name_are_those_of_the_drive(
+    found: Any, possible: tuple[str, ...], sentence: str, keys: tuple[str, ...]
+) -> None:
+    """What the drive cannot have is excluded with the reason; what is not declared would narrow the rest."""
+    causes = possible_causes(found, THINNING)
+
+    assert possible == tuple(cause.name for cause in causes)
+    assert sentence == excluded_sentence(found, [THINNING])
+    assert keys == undeclared(found.rig.parts, [cause.only_with for cause in causes])
+
+
+def test_the_keys_that_would_narrow_a_tie_are_named() -> None:
+    """Where every cause needs the same part, declaring it narrows nothing."""
+    gear, motor = {"gear": ("worm",)}, {"motor": ("brushed",)}
+
+    assert ("gear", "motor") == undeclared({}, [gear, motor])
+    assert () == undeclared({}, [gear, gear])
+    assert ("motor",) == undeclared({"gear": ("worm",)}, [gear, motor])
+    expected = 'To narrow this down, declare gear = "..." and motor = "..." in the rig file.'
+    assert expected == declare_sentence(("gear", "motor"))
 
 
 def test_a_cause_that_is_ruled_out_is_told_with_the_part_that_it_needs() -> None:

@@ -1,5 +1,6 @@
 """Every run left out once: the errors are those of least squares on the other runs' rows."""
 
+import json
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,15 +12,18 @@ import eccentric
 from eccentric.diagnosis import diagnose, leave_runs_out
 from eccentric.diagnosis.models import Models, confirms, contradiction
 from eccentric.diagnosis.score import BelowLowPass, Score, score
-from eccentric.identification import FitData, refit
+from eccentric.identification import FitData, fit, refit
 from eccentric.model import Model
 from eccentric.presentation import diagnosis_sentence
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
 from eccentric.virtual_bench import simulate
 from tests.extended import effects
-from tests.identified import prepared
+from tests.identified import inertia, prepared
 from tests.swing import Array, Swing, driven, sines, write_rig, write_runs
 from tests.virtual import drawn_scenario
 
+BENCH = Path(__file__).resolve().parent.parent / "examples" / "bench"
 RIG = Swing()
 WEIGHT = RIG.M * RIG.g
 
@@ -138,6 +142,23 @@ def test_to_leave_out_the_held_out_run_is_the_fit_itself(tmp_path: Path) -> None
     one, base = data(tmp_path, 6)
     expected, actual = refit(base, (), one), refit(base, (), one, without=2)
     assert expected.values == pytest.approx(actual.values, rel=1e-12)
+
+
+@pytest.mark.slow
+def test_the_baseline_of_an_open_inertia_is_that_of_a_fit() -> None:
+    """Here Coulomb + viscous friction takes less inertia than the mass alone has, in both commands."""
+    log = BENCH / "bench.csv.gz"
+    content = json.loads((BENCH / "bench.json").read_text(encoding="utf-8"))
+    content["known"] = {k: x for k, x in content["known"].items() if not k.startswith("J_")}
+    rig = read_rig(content)
+    data, model = prepared(log, content)
+    expected = fit(read_channels([log], rig), rig, model).rmse
+    found = {name: refit(model, (), data, linear=name == "linear") for name in ("linear", "paper")}
+
+    assert expected["linear"] == pytest.approx(found["linear"].held_out("mechanical"), rel=1e-9)
+    assert expected["paper"] == pytest.approx(found["paper"].held_out("mechanical"), rel=1e-9)
+    mass = content["known"]["M_kg"] * content["known"]["L_m"] ** 2 * content["known"]["mu"] ** 2
+    assert inertia(found["linear"], content["known"]["mu"]) < mass
 
 
 def test_gain_over_runs_counts_the_better_ones(tmp_path: Path) -> None:

@@ -110,6 +110,17 @@ def test_a_cause_that_the_drive_cannot_have_is_no_headline(
     assert ["a"] == [c.family for c in found.candidates]
 
 
+@pytest.mark.parametrize(("odds", "expected"), [(0.5, ["x"]), (1.1 / 19.0, ["x"]), (0.9 / 19.0, [])])
+def test_what_explains_the_log_as_well_on_another_drive_is_excluded(odds: float, expected: list[str]) -> None:
+    """It would be tied; here the name is that of the other. Odds of 1 to 19 are a probability of 0.05."""
+    assert limits.POSSIBLE == 0.05
+    found = verdict({2: 3.0}, A, B, ruled_out=(replace(rival("x", odds), possible=False),))
+
+    assert ("named", ()) == (found.verdict, found.ruled_out)
+    assert expected == [c.family for c in found.excluded if c.instead_of == "a"]
+    assert "x" not in {c.family for c in found.candidates}
+
+
 @pytest.mark.parametrize("least_blocks", [1, 10**6], ids=["variants", "the log alone"])
 def test_a_family_beside_an_effect_is_not_tied_with_it(
     least_blocks: int, monkeypatch: pytest.MonkeyPatch

@@ -140,6 +140,8 @@ def _notes(effect: Effect) -> list[str]:
     for kind, words in effect.only_with.items():
         only = f"a {kind} that is not declared or {', '.join(words)}"
         said.append(f"Only with {'the angle of the motor' if kind == ANGLE else only}.")
+    if causes := effect.words.causes:
+        said.append(f"Possible causes: {', '.join(cause.name for cause in causes)}.")
     for known in effect.plausible:
         unit = "" if known.unit == "1" else f" {known.unit}"
         ranges = [("", known.low, known.high, known.source)]

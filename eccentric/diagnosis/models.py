@@ -363,7 +363,7 @@ def _check(effect: Effect, known: Plausible, fit: Refit) -> RangeCheck | None:
     if not {letter.name for letter in letters} <= set(fit.values):
         return None
     at: dict[sp.Basic, float] = {letter: fit.values[letter.name] for letter in letters}
-    value = float(known.value.subs(at))
+    value = _number(known.value, at)
     own = [letter for letter in letters if letter.name in fit.estimates]
     if not own:
         return None
@@ -380,7 +380,7 @@ def _of_one(
     ends = fit.estimates[str(letter)].interval
     if not all(map(np.isfinite, ends)):
         return np.nan, np.nan
-    low, high = sorted(float(known.value.subs({**at, letter: end})) for end in ends)
+    low, high = sorted(_number(known.value, {**at, letter: end}) for end in ends)
     return low, high
 
 
@@ -388,8 +388,14 @@ def _of_several(
     known: Plausible, own: list[sp.Basic], at: Mapping[sp.Basic, float], fit: Refit
 ) -> tuple[float, float]:
     """The interval by the slopes of the figure and the covariance of its parameters."""
-    value, names = float(known.value.subs(at)), list(fit.estimates)
+    value, names = _number(known.value, at), list(fit.estimates)
     places = [names.index(str(letter)) for letter in own]
-    slope = np.array([float(sp.diff(known.value, letter).subs(at)) for letter in own])
+    slope = np.array([_number(sp.diff(known.value, letter), at) for letter in own])
     spread = ndtri(0.975) * np.sqrt(slope @ fit.covariance[np.ix_(places, places)] @ slope)
     return value - spread, value + spread
+
+
+def _number(expression: sp.Expr, at: Mapping[sp.Basic, float]) -> float:
+    """The value of an expression; NaN where it has none, such as a part of friction that is 0."""
+    value = expression.subs(at)
+    return float(value) if value.is_finite else np.nan

@@ -30,6 +30,7 @@ from eccentric.effects.effect import (
     Evidence,
     Kin,
     Plausible,
+    PossibleCause,
     Setting,
     Shape,
     Words,
@@ -41,9 +42,29 @@ from eccentric.effects.harmonics import HIGHEST as HIGHEST_ORDER
 from eccentric.effects.motor import CURRENT_DELAYS_S
 
 __all__ = [
-    "ANGLES", "CURRENT_DELAYS_S", "FAMILIES", "HIGHEST_ORDER", "LOAD", "Correction", "Curve", "Effect",
-    "Evidence", "Kin", "Plausible", "Setting", "Shape", "Words", "base_aliases", "constant_load",
-    "empirical_term", "library", "load_effects", "measurement_between", "variable_of", "with_constant_load",
+    "ANGLES",
+    "CURRENT_DELAYS_S",
+    "FAMILIES",
+    "HIGHEST_ORDER",
+    "LOAD",
+    "Correction",
+    "Curve",
+    "Effect",
+    "Evidence",
+    "Kin",
+    "Plausible",
+    "PossibleCause",
+    "Setting",
+    "Shape",
+    "Words",
+    "base_aliases",
+    "constant_load",
+    "empirical_term",
+    "library",
+    "load_effects",
+    "measurement_between",
+    "variable_of",
+    "with_constant_load",
 ]  # fmt: skip
 
 FAMILIES = MappingProxyType(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Setting, Shape, Words
+from eccentric.effects.effect import Effect, Plausible, Setting, Shape, Words
 from eccentric.effects.forms import (
     F_N,
     Column,
@@ -26,6 +27,7 @@ from eccentric.effects.forms import (
 from eccentric.model import GEARS, Load, Role, Sgn, State, quantity
 from eccentric.model import vocabulary as v
 
+LOOSE = "maxon motor, Program 2012/13: average backlash of planetary gearheads without load"
 STILL = 0.01
 """Part of the top speed below which a drive stands: the noise of a speed is less, a drive soon passes it."""
 
@@ -74,6 +76,20 @@ def backlash(setting: Setting) -> Iterator[Effect]:
         ),
         # A strain-wave gear is preloaded: some of its teeth are always in mesh on both flanks.
         "only_with": {"gear": tuple(gear for gear in GEARS if gear != "strain wave")},
+        "plausible": (
+            Plausible(
+                180 / sp.pi * mu * gap.symbol,
+                "deg",
+                0.0,
+                math.inf,
+                f"none but of planetary gears: {LOOSE}",
+                "the backlash at the output",
+                above="more than such a gear has: wear, or another loose part",
+                by_part={"planetary": (0.0, 3.0, LOOSE)},
+            ),
+        )
+        if setting.base.axis.wraps
+        else (),
         "words": Words(
             title="Backlash",
             meaning="Backlash: when the load on the gear changes sides, the motor turns freely until the"
@@ -95,8 +111,9 @@ def backlash(setting: Setting) -> Iterator[Effect]:
         )
 
     free = Sgn(left.symbol)
-    columns: list[Column] = [(B, -free * mu**2 * force * omega_m), (C, -free * mu * force * direction)]
-    roles = [Role.VISCOUS, Role.COULOMB]
+    # The first names the effect: after a reversal the speed is low, and a log seldom shows the viscous part.
+    columns: list[Column] = [(C, -free * mu * force * direction), (B, -free * mu**2 * force * omega_m)]
+    roles = [Role.COULOMB, Role.VISCOUS]
     if by_force:
         columns.insert(0, (G, -free * gravity(setting)))
         roles.insert(0, Role.NONE)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from eccentric.effects.effect import GRAVITY, LOAD, Correction, Effect, Setting, Shape, Words
+import sympy as sp
+
+from eccentric.effects.effect import GRAVITY, LOAD, Correction, Effect, Plausible, Setting, Shape, Words
 from eccentric.effects.forms import (
     addition,
     alpha_m,
@@ -27,6 +29,38 @@ IN_C1 = {
     "mass_mismatch": "a factor on the columns of B_lN and C_lN; its inertia is inertia_mismatch",
     "ki_mismatch": "a factor on the inertia: inertia_mismatch",
 }
+
+
+TOLERANCES = "HIWIN, TM-Komponenten-04-0-EN, 2021: 10 % for all values of a motor"
+HOT = f"{TOLERANCES}; copper, IEC 60028, 1925, up to 180 degC, class H of IEC 60085, 2007"
+
+
+def constant_off(part: sp.Expr, name: str) -> Plausible:
+    """A constant of the motor beside the declared one, from its relative error."""
+    return Plausible(
+        100 * part,
+        "%",
+        -10.0,
+        10.0,
+        TOLERANCES,
+        f"the true {name} less the declared one",
+        above="another winding, or a current in other units",
+        below="another winding, a current in other units, or weakened magnets",
+    )
+
+
+def resistance_off(part: sp.Expr) -> Plausible:
+    """The resistance beside the declared one, from its relative error: tolerance and a hot winding."""
+    return Plausible(
+        100 * part,
+        "%",
+        -10.0,
+        79.0,
+        HOT,
+        "the true resistance less the declared one",
+        above="not the winding alone: cable, brushes, or another winding",
+        below="another winding",
+    )
 
 
 def mass_mismatch(setting: Setting) -> Iterator[Effect]:
@@ -158,6 +192,7 @@ def ki_mismatch(setting: Setting) -> Iterator[Effect]:
         aliases=("resistance_mismatch",) if setting.by_voltage else (),
         inputs=(v.theta_m,),
         needs=("current",),
+        plausible=(constant_off(1 / (1 + ratio.symbol) - 1, "torque constant"),),
         words=Words(
             headline="a correction of the declared torque constant",
             meaning="The torque constant, or the scale of the current sensor, differs from the declared one.",
@@ -189,6 +224,7 @@ def armature_mismatch(setting: Setting) -> Iterator[Effect]:
         formula="(k_e + dk) for k_e",
         corrects=Correction(v.k_e, v.k_e.symbol + back_emf.symbol, tolerance=0.02),
         special_of=("magnet_temperature",),
+        plausible=(constant_off(back_emf.symbol / v.k_e.symbol, "back-EMF constant"),),
         reference=reference,
         needs=("current", "voltage"),
         words=Words(
@@ -207,6 +243,7 @@ def armature_mismatch(setting: Setting) -> Iterator[Effect]:
         formula="(R + dR) for R",
         corrects=Correction(v.R, v.R.symbol + resistance.symbol, tolerance=0.02),
         special_of=("resistance_temperature",),
+        plausible=(resistance_off(resistance.symbol / v.R.symbol),),
         reference=reference,
         needs=("current", "voltage"),
         words=Words(

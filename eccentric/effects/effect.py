@@ -92,6 +92,12 @@ class Setting:
         return "rad" if self.base.axis.wraps else "radian"
 
     @property
+    def has_link(self) -> bool:
+        """Whether the motor may turn a link: not without an imbalance and a mass of the link."""
+        known = self.known
+        return 0.0 not in (known.get("M"), known.get("L")) or known.get("M_l", 0.0) > 0.0
+
+    @property
     def measured_twice(self) -> bool:
         """Whether the circuit is a balance of its own: a voltage beside the measured current."""
         return self.has("current", "voltage") and not self.by_voltage
@@ -136,6 +142,19 @@ GRAVITY = Kin(
 
 
 @dataclass(frozen=True)
+class PossibleCause:
+    """What may be behind an effect whose headline says what it does.
+
+    Attributes:
+        name: a noun phrase.
+        only_with: the parts that a drive needs for it, as in `Effect`.
+    """
+
+    name: str
+    only_with: Parts = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class Words:
     """What a person reads about an effect.
 
@@ -155,7 +174,7 @@ class Words:
     title: str = ""
     meaning: str = ""
     hint: str = ""
-    causes: tuple[str, ...] = ()
+    causes: tuple[PossibleCause, ...] = ()
     kin: Kin | None = None
     tell_apart: Mapping[str, str] = field(default_factory=dict)
 
@@ -344,7 +363,7 @@ class Effect:
         own = self.words
         apart = {other: axis.text(text) for other, text in own.tell_apart.items()}
         named = {name: axis.text(getattr(own, name)) for name in ("headline", "title", "meaning", "hint")}
-        causes = tuple(map(axis.text, own.causes))
+        causes = tuple(replace(cause, name=axis.text(cause.name)) for cause in own.causes)
         words = replace(own, tell_apart=apart, causes=causes, **named)
         return replace(self, formula=axis.text(self.formula), words=words)
 

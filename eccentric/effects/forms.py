@@ -260,6 +260,42 @@ def _link_inertia_torque(setting: Setting) -> sp.Expr:
     return Gated(v.J_l.symbol, alpha_m) * sp.diff(link, v.J_l.symbol) + beside * alpha_m
 
 
+# Friction of the base model at rest, of which an effect cannot take away more than there is.
+
+DISSIPATES = (
+    "friction never drives: B. Armstrong-Hélouvry, P. Dupont and C. Canudas de Wit, Automatica 30(7), 1994"
+)
+
+
+def part_of_dry(
+    setting: Setting, torque: sp.Expr, name: str, *, either_sign: bool = False
+) -> tuple[Plausible, ...]:
+    """A torque as part of the dry friction at rest; none in a tilted plane, where the tilt decides on it."""
+    link = v.C_lT.symbol * v.F_T.symbol if setting.case == "C1" else v.C_lN.symbol * _weight()
+    return _part_of(setting, torque / (v.C_m.symbol + mu * link), "dry", name, either_sign)
+
+
+def part_of_viscous(
+    setting: Setting, coefficient: sp.Expr, name: str, *, either_sign: bool = False
+) -> tuple[Plausible, ...]:
+    """A coefficient as part of that of the viscous friction at rest; none in a tilted plane."""
+    link = v.B_lT.symbol * v.F_T.symbol if setting.case == "C1" else v.B_lN.symbol * _weight()
+    return _part_of(setting, coefficient / (v.B_m.symbol + mu**2 * link), "viscous", name, either_sign)
+
+
+def _weight() -> sp.Expr:
+    return (v.M.symbol + v.M_l.symbol) * v.g.symbol
+
+
+def _part_of(
+    setting: Setting, part: sp.Expr, kind: str, name: str, either_sign: bool
+) -> tuple[Plausible, ...]:
+    if setting.base.tilted:
+        return ()
+    low, beyond = -100.0 if either_sign else 0.0, f"more than the {kind} friction itself: not friction alone"
+    return (Plausible(100 * part, "%", low, 100.0, DISSIPATES, name, above=beyond, below=beyond),)
+
+
 def weight(setting: Setting) -> float:
     """Weight of mass and link in the plane of motion [N]; 0 if the rig does not know it.
 

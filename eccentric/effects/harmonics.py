@@ -7,9 +7,30 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from eccentric.effects.effect import GRAVITY, Effect, Plausible, Setting, Shape, Words
-from eccentric.effects.forms import addition, direction, harmonic, mu, nonnegative, of_flux, positive, theta_m
-from eccentric.model import ANGLE, IRON, MAGNETS, MOTOR_ANGLE, HalfSine, Quantity, Role, quantity
+from eccentric.effects.effect import GRAVITY, Effect, Plausible, PossibleCause, Setting, Shape, Words
+from eccentric.effects.forms import (
+    addition,
+    direction,
+    harmonic,
+    mu,
+    nonnegative,
+    of_flux,
+    part_of_dry,
+    positive,
+    theta_m,
+)
+from eccentric.effects.loads import ROLLING
+from eccentric.model import (
+    ANGLE,
+    GEARS,
+    IRON,
+    MAGNETS,
+    MOTOR_ANGLE,
+    HalfSine,
+    Quantity,
+    Role,
+    quantity,
+)
 from eccentric.model import vocabulary as v
 
 LINK_ORDERS, MOTOR_ORDERS = range(1, 13), range(1, 25)
@@ -27,6 +48,15 @@ def _parts(name: str, n: int, unit: str, what: str, angle: str) -> tuple[Quantit
         quantity(f"{name}_c{n}", unit, f"{what} by cos({angle})", letter=f"c_{n}"),
         quantity(f"{name}_s{n}", unit, f"{what} by sin({angle})", letter=f"s_{n}"),
     )
+
+
+def _size(C: Quantity, S: Quantity) -> sp.Expr:
+    """The amplitude of a harmonic."""
+    return sp.sqrt(C.symbol**2 + S.symbol**2)
+
+
+VARIES = "the part of the dry friction that varies"
+DETENT = "myelectrical2015.com, Stepper Motor Terminology, 2019: 5 to 10 % of the holding torque"
 
 
 def link_harmonic_friction(setting: Setting) -> Iterator[Effect]:
@@ -59,6 +89,7 @@ def link_harmonic_friction(setting: Setting) -> Iterator[Effect]:
             one_of=len(LINK_ORDERS),
             # Dry friction has no other sign where the harmonic takes away more than there is.
             second_order=("bearing_load", "local_defect"),
+            plausible=part_of_dry(setting, _size(C, S), VARIES),
             words=words,
             headline=f"friction that varies {how_often(n)} per turn of the link",
         )
@@ -68,9 +99,11 @@ def motor_harmonic_friction(setting: Setting) -> Iterator[Effect]:
     """One effect for each order n and line, but those that are an order of the link, n/mu, already."""
     words = Words(
         title="Friction that varies over a turn of the motor",
-        meaning=(
-            "Friction that varies with the motor angle: a bearing or seal of the motor, the teeth of its"
-            " pinion, the two lobes of the wave generator of a strain-wave gear."
+        meaning="Friction that varies with the motor angle.",
+        causes=(
+            PossibleCause("a bearing or seal of the motor"),
+            PossibleCause("the teeth of its pinion", {"gear": ("planetary", "worm", "spur")}),
+            PossibleCause("the two lobes of a wave generator", {"gear": ("strain wave",)}),
         ),
         hint="slow turns of the motor in both directions: friction changes its sign with the direction",
         tell_apart={
@@ -98,6 +131,7 @@ def motor_harmonic_friction(setting: Setting) -> Iterator[Effect]:
             repeats=True,
             one_of=max(n, len(MOTOR_ORDERS)),
             only_with={ANGLE: MOTOR_ANGLE},
+            plausible=part_of_dry(setting, _size(C, S), VARIES),
             per_turn=n,
             words=words,
             headline=f"friction that varies {how_often(n)} per turn of the motor",
@@ -144,6 +178,7 @@ def nonsynchronous_friction(setting: Setting) -> Iterator[Effect]:
         shapes=(Shape(order, low, high, "linear", 5),),
         # It lies between two harmonics: there are as many such places.
         one_of=len(MOTOR_ORDERS),
+        plausible=part_of_dry(setting, _size(C, S), VARIES),
         per_turn=order.symbol,
         inputs=(v.theta_m,),
         words=Words(
@@ -166,7 +201,11 @@ def cogging(setting: Setting) -> Iterator[Effect]:
         meaning="Cogging: magnets attract the teeth; the torque needs no current and dissipates no energy"
         " over a turn.",
         hint="slow turns of the motor in both directions, at low and at high current: cogging stays the same",
-        tell_apart={"gravity": "Turn the motor slowly with the link removed."},
+        tell_apart={
+            "gravity": "Turn the motor slowly with the link removed."
+            if setting.has_link
+            else "Turn the motor slowly with its axis vertical: cogging stays."
+        },
     )
     turns = setting.base.axis.wraps
     for n in (*MOTOR_ORDERS, *setting.lines):
@@ -174,6 +213,17 @@ def cogging(setting: Setting) -> Iterator[Effect]:
         cosine, sine = harmonic(rate)
         angle = f"{n} theta_{'m' if turns else 'l'}"
         C, S = _parts("cogging", n, "N m", "cogging torque", angle)
+        # A rig does not declare the rated torque. That of the largest current of a log is seldom above it.
+        detent = Plausible(
+            100 * _size(C, S) / (v.k_i.symbol * setting.current_max),
+            "%",
+            0.0,
+            math.inf,
+            f"none but of steppers: {DETENT}",
+            "the cogging as part of the torque at the largest current",
+            above="more than a stepper's detent torque, or a log that uses little of the motor's torque",
+            by_part={"stepper": (0.0, 10.0, DETENT)},
+        )
         yield addition(
             "cogging",
             [(C, cosine), (S, sine)],
@@ -186,6 +236,7 @@ def cogging(setting: Setting) -> Iterator[Effect]:
             repeats=True,
             one_of=max(n, len(MOTOR_ORDERS)),
             only_with={"motor": IRON, ANGLE: MOTOR_ANGLE},
+            plausible=(detent,),
             per_turn=rate,
             words=words,
             headline=f"cogging that repeats {how_often(n)} per turn of the motor",
@@ -206,7 +257,7 @@ def kt_ripple(setting: Setting) -> Iterator[Effect]:
         C, S = _parts("kt_ripple", n, "1", "relative ripple of the torque constant", f"{n} theta_m")
         # A sine commutated in six steps falls to cos 30 deg between them: the most of a sound motor.
         size = Plausible(
-            100 * sp.sqrt(C.symbol**2 + S.symbol**2),
+            100 * _size(C, S),
             "%",
             0.0,
             50.0 * (1.0 - math.cos(math.pi / 6.0)),
@@ -252,7 +303,12 @@ def local_defect(setting: Setting) -> Iterator[Effect]:
         inputs=(v.theta_m,),
         words=Words(
             headline="a tight spot at one angle of the link",
-            meaning="A tight spot at one link angle: a dent in a race, a rubbing seal, dirt between teeth.",
+            meaning="A tight spot at one link angle.",
+            causes=(
+                PossibleCause("a dent in the race of a bearing", {"bearing": ROLLING}),
+                PossibleCause("a rubbing seal"),
+                PossibleCause("dirt between teeth", {"gear": GEARS}),
+            ),
             hint="slow full turns of the link in both directions, with friction plotted over the link angle",
         ),
     )

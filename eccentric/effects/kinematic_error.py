@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -29,6 +30,7 @@ from eccentric.model import vocabulary as v
 # A strain-wave gear errs twice per turn of its wave generator, and once where that is off its centre; an
 # output wheel off its centre errs once per turn of the link, and an oval one twice.
 MOTOR_ORDERS, LINK_ORDERS = (1, 2), (1, 2)
+ACCURACY = "Harmonic Drive LLC, CSF-CSG catalogue, undated: positioning accuracy of 0.5 to 2 arcmin, span"
 ONLY_FRICTION = "Turn slowly in both directions: only friction changes its sign."
 
 IN_C1 = {"joint_compliance": "nothing at all: without gravity it shows in jerk and snap of the motor alone"}
@@ -60,6 +62,7 @@ def kinematic_error(setting: Setting) -> Iterator[Effect]:
         "kinematic_share_B", "1", "link's share of the viscous friction without F_N", "s_B"
     )
     load = quantity("kinematic_torque", "N m", "torque that the gear transmits, motor side", letter="T")
+    load_off = "the link removed" if setting.has_link else "the gear uncoupled"
     words = Words(
         title="Kinematic error of the gear",
         meaning=(
@@ -69,12 +72,12 @@ def kinematic_error(setting: Setting) -> Iterator[Effect]:
         hint="an encoder on the link: its angle less mu times that of the motor, over whole turns",
         kin=LOAD,
         tell_apart={
-            "cogging": "Turn the motor slowly with the link removed: cogging stays.",
+            "cogging": f"Turn the motor slowly with {load_off}: cogging stays.",
             "encoder_eccentricity": "Log current and voltage: a misread angle shows in both, the gear in"
             " one.",
             "kt_ripple": "Log current and voltage: a ripple shows in both, an error of the gear in one.",
             "link_harmonic_friction": ONLY_FRICTION,
-            "motor_harmonic_friction": "Turn slowly with the link removed: friction of the motor stays.",
+            "motor_harmonic_friction": f"Turn slowly with {load_off}: friction of the motor stays.",
         },
     )
     orders: list[tuple[str, str, int, sp.Expr]] = [
@@ -83,6 +86,17 @@ def kinematic_error(setting: Setting) -> Iterator[Effect]:
     for n in LINK_ORDERS:
         same = any(abs(n * setting.mu - m) < 1e-3 * m for m in MOTOR_ORDERS)
         orders += [] if same else [("link", "theta_l", n, n * mu)]
+    # One order of an error has at most 4/pi of half of its span.
+    accurate = Plausible(
+        10800 / sp.pi * sp.sqrt(cosine_part.symbol**2 + sine_part.symbol**2),
+        "arcmin",
+        0.0,
+        math.inf,
+        f"none but of strain-wave gears: {ACCURACY}",
+        "the error of the gear at the link",
+        above="more than such a gear's: an eccentric or oblique mounting",
+        by_part={"strain wave": (0.0, 4.0 / math.pi, ACCURACY)},
+    )
     torque, constants = transmitted("kinematic", setting, share.symbol, viscous_share.symbol)
     by_speed, by_angle, sloping = _slopes("kinematic", torque, setting)
     for where, letter, n, rate in orders:
@@ -116,6 +130,7 @@ def kinematic_error(setting: Setting) -> Iterator[Effect]:
             inputs=(v.theta_m,),
             shapes=tuple(Shape(one, 0.0, 1.0, "linear", 3) for one in (share, viscous_share)),
             only_with={"gear": GEARS},
+            plausible=(accurate,) if setting.base.axis.wraps else (),
             per_turn=rate,
             words=words,
             headline=f"a gear whose ratio varies {how_often(n)} per turn of the {where}",

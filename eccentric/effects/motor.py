@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import sympy as sp
 
+from eccentric.effects.declared import constant_off, resistance_off
 from eccentric.effects.effect import LOAD, TEMPERATURE, Effect, Plausible, Setting, Shape, Words
 from eccentric.effects.forms import (
     addition,
@@ -102,7 +103,7 @@ def magnet_temperature(setting: Setting) -> Iterator[Effect]:
         definitions=(zero,),
         inputs=(v.temperature,),
         only_with={"motor": MAGNETS},
-        plausible=(known,),
+        plausible=(known, constant_off(cold.symbol, "torque constant at the median temperature")),
         words=Words(
             headline="torque and back-EMF constants that fall as the magnets warm up",
             meaning=(
@@ -277,7 +278,7 @@ def resistance_temperature(setting: Setting) -> Iterator[Effect]:
             definitions=(zero,),
             inputs=(v.temperature,),
             needs=(*BOTH, "temperature"),
-            plausible=(copper,),
+            plausible=(copper,) if setting.by_voltage else (copper, resistance_off(cold.symbol)),
             words=words,
             headline="a winding resistance that rises with temperature",
         )

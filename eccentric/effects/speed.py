@@ -7,17 +7,47 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import SPEED, Effect, Setting, Shape, Words
-from eccentric.effects.forms import addition, direction, nonnegative, omega_m, positive
+from eccentric.effects.effect import SPEED, Effect, Plausible, PossibleCause, Setting, Shape, Words
+from eccentric.effects.forms import (
+    addition,
+    direction,
+    mu,
+    nonnegative,
+    omega_m,
+    part_of_dry,
+    part_of_viscous,
+    positive,
+)
+from eccentric.effects.motor import WITH_IRON
+from eccentric.effects.temperature import FILM
 from eccentric.model import Backward, Definition, Forward, Magnitude, Role, quantity
+from eccentric.model import vocabulary as v
 
 forward, backward = Forward(omega_m), Backward(omega_m)
+BRUSHED = {"motor": ("brushed", "coreless")}
 
 # What the base model of case C1 already contains, and the column of it.
 IN_C1 = {
     "quadratic_drag": "w|w|, the column of C_lN: F_N is M L omega_l^2",
     "cubic_drag": "w^3, the column of B_lN: F_N is M L omega_l^2",
 }
+
+
+AIR = 1.225
+"""Density of air at sea level [kg/m^3]."""
+
+
+def _in_air(coefficient: sp.Symbol) -> Plausible:
+    """The least drag coefficient of the link that makes a drag: with an area that no link has."""
+    return Plausible(
+        2 * coefficient / (AIR * mu**3 * v.L.symbol**5),
+        "1",
+        0.0,
+        1.98,
+        "S. F. Hoerner, Fluid-Dynamic Drag, 1965: a long plate across the flow; air: ISO 2533, 1975",
+        "the drag coefficient of the link in air, with an area of its length squared at its end,",
+        above="not the air around the link alone",
+    )
 
 
 def drag(setting: Setting) -> Iterator[Effect]:
@@ -46,6 +76,7 @@ def drag(setting: Setting) -> Iterator[Effect]:
             depends_on=("velocity", "direction"),
             formula=f"D w|w| for w {side} 0 only",
             reference="J. E. Vrancik, NASA TN D-4849, 1968 (windage grows with the square of the speed)",
+            plausible=(_in_air(q.symbol),),
             words=one_way,
             headline=f"windage in the {which} direction only",
         )
@@ -64,6 +95,7 @@ def drag(setting: Setting) -> Iterator[Effect]:
         depends_on=("velocity",),
         formula="D w|w|",
         reference="S. S. Ge, T. H. Lee and S. X. Ren, Int. J. Systems Science 32(4), 2001",
+        plausible=(_in_air(quadratic.symbol),),
         words=Words(
             headline="drag that grows with the square of the speed",
             meaning="Drag of air or oil in turbulent flow: it grows with the square of the speed.",
@@ -109,10 +141,10 @@ def sublinear_viscous(setting: Setting) -> Iterator[Effect]:
         ),
         hint="steady runs over a speed range of 1 to 10 or more, warm and cold, in both directions",
         causes=(
-            "grease or oil that thins by shear",
-            "a lubricant that warms in its contacts as speed rises",
-            "a seal",
-            "the excess part of the motor's iron losses",
+            PossibleCause("grease or oil that thins by shear", FILM),
+            PossibleCause("a lubricant that warms in its contacts as speed rises", FILM),
+            PossibleCause("a seal"),
+            PossibleCause("the excess part of the motor's iron losses", WITH_IRON),
         ),
         kin=SPEED,
     )
@@ -189,7 +221,8 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
     )
     dry = Words(
         headline="Coulomb friction that differs between the directions",
-        meaning="Dry friction that differs by direction: a tilted bearing, seal or brush.",
+        meaning="Dry friction that differs by direction.",
+        causes=(PossibleCause("a tilted bearing or seal"), PossibleCause("a tilted brush", BRUSHED)),
         hint=hint,
         tell_apart={
             "current_bias": "Log the voltage as well, or the current at rest.",
@@ -201,8 +234,8 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
         dry = replace(
             dry,
             headline=f"{dry.headline}, or an offset of the drive's sensor",
-            meaning="Dry friction that differs by direction (a tilted bearing, seal or brush), or an offset"
-            " of the sensor of the drive: in motion they are the same.",
+            meaning="Dry friction that differs by direction, or an offset of the sensor of the drive: in"
+            " motion they are the same.",
         )
     yield addition(
         "coulomb_asymmetry",
@@ -213,6 +246,7 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
         reference=reference,
         aliases=() if setting.has("voltage") else ("current_bias",),
         special_of=("cable_spring",),
+        plausible=part_of_dry(setting, C.symbol, "the difference between the directions", either_sign=True),
         words=dry,
     )
     yield addition(
@@ -222,10 +256,16 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
         depends_on=("direction", "velocity"),
         formula="b |w|: viscous friction B_m + b forwards, B_m - b backwards",
         reference=reference,
+        plausible=part_of_viscous(
+            setting, B.symbol, "the difference between the directions", either_sign=True
+        ),
         words=Words(
             headline="viscous friction that differs between the directions",
-            meaning="Viscous friction that differs by direction: a seal lip, or grease pumped in one"
-            " direction.",
+            meaning="Viscous friction that differs by direction.",
+            causes=(
+                PossibleCause("a seal lip"),
+                PossibleCause("grease pumped in one direction", {"lubricant": ("grease",)}),
+            ),
             hint=hint,
         ),
     )

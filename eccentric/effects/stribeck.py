@@ -146,6 +146,7 @@ def stribeck_load(setting: Setting) -> Iterator[Effect]:
             reference=f"eq (9), its Coulomb part; R. Stribeck, Zeitschrift des VDI 46, 1902; {HERSEY}",
             shapes=(Shape(w_s, low, high, "log", 4),),
             inputs=(v.theta_m,),
+            plausible=(_at_the_output(w_s),),
             words=words,
             headline="Stribeck friction in proportion to the normal force",
         )

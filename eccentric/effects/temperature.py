@@ -17,6 +17,8 @@ from eccentric.effects.forms import (
     loss,
     nonnegative,
     omega_m,
+    part_of_dry,
+    part_of_viscous,
     positive,
     reference_temperature,
     rule,
@@ -108,7 +110,10 @@ def viscosity_temperature(setting: Setting) -> Iterator[Effect]:
         reference=f"{REYNOLDS}; {ROBOT}",
         shapes=(falls,),
         definitions=(zero,),
-        plausible=(thinning(b.symbol),),
+        plausible=(
+            thinning(b.symbol),
+            *part_of_viscous(setting, B.symbol, "the part of the viscous friction that warms up"),
+        ),
         headline="viscous friction of one bearing that falls with temperature",
         **shared,
     )
@@ -225,6 +230,7 @@ def hidden_thermal_drift(setting: Setting) -> Iterator[Effect]:
         shapes=(time_constant, Shape(fall, 0.1, 2.5, "log", 3)),
         definitions=definitions,
         states=(state,),
+        plausible=part_of_viscous(setting, B.symbol, "the part of the viscous friction that warms up"),
         headline="viscous friction of one bearing that falls as the drive warms up",
         **shared,
     )
@@ -237,6 +243,7 @@ def hidden_thermal_drift(setting: Setting) -> Iterator[Effect]:
         shapes=(time_constant,),
         definitions=definitions,
         states=(state,),
+        plausible=part_of_dry(setting, C.symbol, "the fall of the dry friction over the log"),
         headline="Coulomb friction that falls as the drive warms up",
         **shared,
     )

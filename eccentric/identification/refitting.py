@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from eccentric.effects import Effect, Shape
 from eccentric.identification import limits
-from eccentric.identification.drive import Machine, in_drive_unit
+from eccentric.identification.drive import Drive, Machine, in_drive_unit
 from eccentric.identification.expressions import alike, base_coefficients
 from eccentric.identification.extended import Extended, Step
 from eccentric.identification.fit_data import FitData, Values, drive_noise
@@ -352,7 +352,8 @@ def refit(
     friction = base_coefficients(base, data.signals)[: len(columns)]
     groups = alike(columns) if linear else [(k,) for k in range(len(columns))]
     groups = tuple(tuple(friction[k] for k in group) for group in groups)
-    fitted = Extended(model, effects, replace(data, rows=rows), groups, bounds)
+    drive = _with_any_inertia(data.drive) if linear else data.drive
+    fitted = Extended(model, effects, replace(data, rows=rows, drive=drive), groups, bounds)
     step, change = fitted.fitted(base)
     found, covariance = ({}, np.empty((0, 0))) if without is not None else estimates(fitted, step)
     values = step.point.values
@@ -369,6 +370,21 @@ def refit(
         data,
         change,
     )
+
+
+def _with_any_inertia(drive: Drive) -> Drive:
+    """The drive whose open inertia has the range that the rig gives it, as in the baseline of `identify.fit`.
+
+    Otherwise a link that the rig does not know has at least the inertia of its mass: friction without F_N
+    would like less, and the rotor, which stands for all of it here, cannot have less than nothing.
+    """
+    machine, rig = drive.machine, drive.channels.rig
+    if not drive.opens("inertia") or not machine.link or machine.link in rig.known:
+        return drive
+    known = {**drive.known, machine.link: rig.unknown.get(machine.link, (0.0, 0.0))[0]}
+    least = rig.known.get(machine.rotor, 0.0)
+    opened = tuple(replace(c, lower=least) if c.role == "inertia" else c for c in drive.open)
+    return replace(drive, known=known, open=opened)
 
 
 def residual_samples(fitted: Refit) -> Array:

@@ -11,10 +11,15 @@ from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Effect
 from eccentric.identification import Estimate, in_drive_unit
 from eccentric.model import TURNING, AxisKind
-from eccentric.presentation.diagnosis_text import causes_of, diagnosis_sentence, tied_families
+from eccentric.presentation.diagnosis_text import (
+    aliases_of,
+    diagnosis_sentence,
+    tied_families,
+    undeclared_parts,
+)
 from eccentric.presentation.fit_json import estimate_entry, gain_entry
 from eccentric.presentation.measurement_text import measurement_sentence
-from eccentric.presentation.ranges_text import range_document
+from eccentric.presentation.ranges_text import excluded_causes, possible_causes, range_document
 from eccentric.signals import Channels
 
 
@@ -56,6 +61,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "range_checks": [range_document(check) for check in found.ranges],
         "parts": {kind: list(words) for kind, words in found.rig.parts.items()},
         "ruled_out": _ruled_out(found),
+        "undeclared_parts": list(undeclared_parts(found)),
         "extended_by": [effect.id for effect, _ in found.result.effects],
         "empirical": _empirical(found),
         "residual_depends_on": [axis.named(variable) for variable in a.depends_on],
@@ -106,15 +112,20 @@ def holdout_entry(channels: Channels) -> dict[str, Any]:
 
 
 def _ruled_out(found: Diagnosis) -> list[dict[str, Any]]:
-    """Effects that would explain what is left, with the parts that they need and this drive does not have."""
+    """Effects that explain more, or as well, with the parts that they need and this drive does not have."""
     effects = {effect.id: effect for effect in found.offered}
     return [
         {
             "id": c.id,
             "family": c.family,
+            "explains": explains,
             "needs": {k: list(words) for k, words in effects[c.id].lacks(found.rig.parts).items()},
         }
-        for c in found.attribution.ruled_out
+        for explains, ranked in (
+            ("more", found.attribution.ruled_out),
+            ("as well", found.attribution.excluded),
+        )
+        for c in ranked
     ]
 
 
@@ -242,7 +253,8 @@ def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
         "id": effect.id,
         "family": effect.family,
         "headline": effect.words.headline,
-        "causes": list(causes_of(found, effect)),
+        "causes": [cause.name for cause in possible_causes(found, effect)],
+        "excluded_causes": [cause.name for cause in excluded_causes(found, effect)],
         "balance": effect.balance,
         "corrects": None if effect.corrects is None else axis.named(effect.corrects.quantity.name),
         "equation": axis.named(f"{equation.left} = {sp.sstr(equation.right)}"),
@@ -251,5 +263,5 @@ def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
         "parameters": parameters,
         "share_of_friction_rms": found.models.extended.shares.get(effect.id, 0.0),
         "stability": _stability(found, effect),
-        "aliases": list(effect.evidence.aliases),
+        "aliases": list(aliases_of(found, effect)),
     }

@@ -14,11 +14,20 @@ from eccentric.core import few
 from eccentric.diagnosis import PROVABLE, ROUNDING, Diagnosis, OverRuns, SearchRequest, only_below
 from eccentric.effects import Correction, Effect
 from eccentric.identification import in_drive_unit
-from eccentric.model import spoken_quantity
+from eccentric.model import DRIVE_PARTS, spoken_quantity
 from eccentric.presentation.calls_text import calls, share_words
 from eccentric.presentation.fit_text import band_line, inertia_words
 from eccentric.presentation.measurement_text import measurement_sentence
-from eccentric.presentation.ranges_text import effect_name, outside_sentences, range_line, ruled_out_sentence
+from eccentric.presentation.ranges_text import (
+    declare_sentence,
+    effect_name,
+    excluded_sentence,
+    outside_sentences,
+    possible_causes,
+    range_line,
+    ruled_out_sentence,
+    undeclared,
+)
 
 VERDICTS = {
     "named": "effect named",
@@ -113,8 +122,15 @@ def tied_families(found: Diagnosis) -> tuple[str, ...]:
 
 
 def further_sentences(found: Diagnosis) -> list[str]:
-    """What else predicts the log: a cause ruled out, the best candidate, another model, a smooth term."""
-    sentences = ruled_out_sentence(found), _closest(found), _better_model(found), empirical_sentence(found)
+    """What else predicts the log: causes ruled out, the best candidate, another model, a smooth term."""
+    sentences = (
+        excluded_sentence(found, [effect for effect, _ in found.models.extended.effects]),
+        declare_sentence(undeclared_parts(found)),
+        ruled_out_sentence(found),
+        _closest(found),
+        _better_model(found),
+        empirical_sentence(found),
+    )
     return [sentence for sentence in sentences if sentence]
 
 
@@ -257,25 +273,44 @@ def _tied(found: Diagnosis, last: str) -> str:
 
 def _alike(found: Diagnosis) -> str:
     """What no log of this rig, as declared, distinguishes from the named effects."""
-    aliases = {effect.id: effect.evidence.aliases for effect, _ in found.effects}
+    aliases = {effect.id: aliases_of(found, effect) for effect, _ in found.effects}
     alike = {name: " or ".join(others) for name, others in aliases.items() if others}
     return "".join(
         f" As the rig is declared, {name} looks the same as {other}." for name, other in alike.items()
     )
 
 
-def causes_of(found: Diagnosis, effect: Effect) -> tuple[str, ...]:
-    """What may be behind an effect whose name says what it does: also families that fit this log as well."""
-    own = found.attribution.adopted_as(effect.id)
-    best = {c.family: c for c in reversed(found.attribution.candidates)}
-    covered = [best[family] for family in own.covers if family in best] if own else []
-    return (*effect.words.causes, *(effect_name(c.words.headline, c.id) for c in covered))
+def aliases_of(found: Diagnosis, effect: Effect) -> tuple[str, ...]:
+    """What no log of this rig distinguishes from an effect, without families that the drive cannot have."""
+    parts, offered = found.rig.parts, found.offered
+    impossible = {e.family for e in offered if e.lacks(parts)} - {
+        e.family for e in offered if not e.lacks(parts)
+    }
+    return tuple(name for name in effect.evidence.aliases if name.partition("[")[0] not in impossible)
 
 
 def _causes(found: Diagnosis) -> str:
     """The possible causes of named effects."""
-    every = [", ".join(causes_of(found, effect)) for effect, _ in (*found.effects, *found.clear)]
+    every = [
+        ", ".join(cause.name for cause in possible_causes(found, effect))
+        for effect, _ in (*found.effects, *found.clear)
+    ]
     return "".join(f" Possible causes: {causes}." for causes in every if causes)
+
+
+def undeclared_parts(found: Diagnosis) -> tuple[str, ...]:
+    """Kinds of parts that would narrow the causes of a name, or a tie, if the rig declared them."""
+    offered, best = (
+        {effect.id: effect for effect in found.offered},
+        {c.family: c.id for c in reversed(found.attribution.candidates)},
+    )
+    groups = [
+        [cause.only_with for cause in possible_causes(found, effect)]
+        for effect, _ in (*found.effects, *found.clear)
+    ]
+    groups.append([offered[best[family]].only_with for family in tied_families(found)])
+    kinds = {kind for needs in groups for kind in undeclared(found.rig.parts, needs)}
+    return tuple(kind for kind in DRIVE_PARTS if kind in kinds)
 
 
 def _grave(found: Diagnosis) -> str:

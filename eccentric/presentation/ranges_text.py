@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from eccentric.diagnosis import Diagnosis, RangeCheck
-from eccentric.effects import Effect
-from eccentric.model import ANGLE, Parts
+from eccentric.effects import Effect, PossibleCause
+from eccentric.model import ANGLE, DRIVE_PARTS, Parts, missing
 
 
 def effect_name(headline: str, effect_id: str) -> str:
@@ -65,15 +66,68 @@ def ruled_out_sentence(found: Diagnosis) -> str:
     if best is None:
         return ""
     name = effect_name(best.words.headline, best.id)
-    return f"{name[0].upper()}{name[1:]} explains more of it, but {_needs(best, found.rig.parts)}."
+    needs = _needs(best.only_with, found.rig.parts)
+    return f"{name[0].upper()}{name[1:]} explains more of it, but it needs {needs}."
 
 
-def _needs(effect: Effect, parts: Parts) -> str:
+def possible_causes(found: Diagnosis, effect: Effect) -> tuple[PossibleCause, ...]:
+    """What may be behind an effect whose name says what it does: also families that fit this log as well."""
+    own, effects = found.attribution.adopted_as(effect.id), {one.id: one for one in found.offered}
+    best = {c.family: c for c in reversed(found.attribution.candidates)}
+    covered = [best[family] for family in own.covers if family in best] if own else []
+    return (
+        *(cause for cause in effect.words.causes if not missing(cause.only_with, found.rig.parts)),
+        *(PossibleCause(effect_name(c.words.headline, c.id), effects[c.id].only_with) for c in covered),
+    )
+
+
+def excluded_causes(found: Diagnosis, effect: Effect) -> tuple[PossibleCause, ...]:
+    """The causes of an effect that this drive cannot have, also families that explain the log as well."""
+    effects = {one.id: one for one in found.offered}
+    families = [effects[c.id] for c in found.attribution.excluded if c.instead_of == effect.family]
+    covered = (PossibleCause(effect_name(one.words.headline, one.id), one.only_with) for one in families)
+    impossible = (cause for cause in effect.words.causes if missing(cause.only_with, found.rig.parts))
+    return (*impossible, *covered)
+
+
+def excluded_sentence(found: Diagnosis, effects: Iterable[Effect]) -> str:
+    """What may not be behind these effects, since the drive cannot have it, and why; "" for nothing."""
+    by_part: dict[str, dict[str, None]] = {}
+    for effect in effects:
+        for cause in excluded_causes(found, effect):
+            by_part.setdefault(_needs(cause.only_with, found.rig.parts), {})[cause.name] = None
+    causes = [
+        f"{' and '.join(texts)}, which need{'s' * (len(texts) == 1)} {needs}"
+        for needs, texts in by_part.items()
+    ]
+    return f"Excluded by the rig file: {'; '.join(causes)}." if causes else ""
+
+
+def undeclared(given: Parts, needs: Sequence[Parts]) -> tuple[str, ...]:
+    """Kinds of parts that a rig does not declare and that would rule out some of these needs, not all."""
+
+    def narrows(kind: str, word: str) -> bool:
+        return 0 < sum(bool(missing(one, {kind: (word,)})) for one in needs) < len(needs)
+
+    return tuple(
+        kind
+        for kind, words in DRIVE_PARTS.items()
+        if kind not in given and any(narrows(kind, word) for word in words)
+    )
+
+
+def declare_sentence(kinds: Iterable[str]) -> str:
+    """Which keys of the rig file would narrow the causes; "" for none."""
+    keys = " and ".join(f'{kind} = "..."' for kind in kinds)
+    return f"To narrow this down, declare {keys} in the rig file." if keys else ""
+
+
+def _needs(only_with: Parts, parts: Parts) -> str:
     return " and ".join(
-        "it needs the angle of the motor, which is not in a log of the output of this gear (mu = 1)"
+        "the angle of the motor, which is not in a log of the output of this gear (mu = 1)"
         if kind == ANGLE
-        else f'it needs {kind} = "{_any_of(words)}" where the rig file has "{" + ".join(parts[kind])}"'
-        for kind, words in effect.lacks(parts).items()
+        else f'{kind} = "{_any_of(words)}" where the rig file has "{" + ".join(parts[kind])}"'
+        for kind, words in missing(only_with, parts).items()
     )
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import expit
@@ -26,6 +27,17 @@ from eccentric.diagnosis.search.stability import Stability, beats_chance, stabil
 from eccentric.identification import BalanceDesign
 
 Array = np.ndarray
+
+
+class RuledOut(NamedTuple):
+    """Models with a candidate that the drive cannot have, last in each.
+
+    better: those that explain more than the best model; as_well: those that explain the log as well, each
+    with the family of the adopted effect in whose place the candidate is.
+    """
+
+    better: list[Fitted]
+    as_well: list[tuple[str, Fitted]]
 
 
 @dataclass
@@ -81,24 +93,32 @@ class Search:
         self._share_names()
         self.smoothed = self.smooth.rank(self.best.variants)
 
-    def better_but_ruled_out(self) -> list[Fitted]:
-        """Models with a candidate that the drive cannot have, last, that explain more than the best one.
+    def models_ruled_out(self) -> RuledOut:
+        """What explains the log at least as well as the best model, on a drive with other parts.
 
         It stands alone, beside the adopted effects, or in the place of one of them: several of those may
-        imitate what it does.
+        imitate what it does. As well as an adopted effect is what would be among its alternatives.
         """
-        screen = self.ruled_out
+        screen, found = self.ruled_out, RuledOut([], [])
         if screen is None or not screen.candidates:
-            return []
-        places = range(len(self.best.variants))
-        beside = [list(self.best.variants), *(_without(self.best, place) for place in places), []]
-        return [
-            fitted
-            for others in beside
-            for fitted in screen.rank(others, leaders=limits.LEADERS_OF_A_SWAP)
-            if self.worth_it(self.best, fitted, screen)
-            and self._gained(list(others), fitted.variants[-1], fitted, screen)
-        ]
+            return found
+        effective = self.screen.effective(self.best)
+        beside: list[tuple[int | None, list[Variant]]] = [(None, list(self.best.variants))]
+        beside += [(k, _without(self.best, k)) for k in range(len(self.best.variants))]
+        beside += [(None, [])] if len(self.best.variants) > 1 else []
+        for place, others in beside:
+            for fitted in screen.rank(others, leaders=limits.LEADERS_OF_A_SWAP):
+                candidate = fitted.variants[-1]
+                if self.worth_it(self.best, fitted, screen):
+                    if self._gained(others, candidate, fitted, screen):
+                        found.better.append(fitted)
+                elif place is not None:
+                    own = self.best.variants[place]
+                    ahead = _log_evidence(candidate, fitted, effective)
+                    ahead -= _log_evidence(own, self.best, effective)
+                    if expit(ahead) > limits.POSSIBLE and self._gained(others, candidate, fitted, screen):
+                        found.as_well.append((own.candidate.family, fitted))
+        return found
 
     def release(self) -> None:
         """Forget all columns, as `Screen.release` does."""
@@ -386,9 +406,7 @@ class Search:
                 if better and (fitted.score > self.best.score or self.confirmed(fitted)):
                     rivals[family] = (fitted.variants[-1], fitted)
             log = {
-                family: -0.5 * effective * float(np.log(fitted.score))
-                - 0.5 * len(own.values)
-                - float(np.log(own.candidate.evidence.one_of))
+                family: _log_evidence(own, fitted, effective)
                 + limits.SPECIAL * any(general in rivals for general in own.candidate.evidence.special_of)
                 for family, (own, fitted) in rivals.items()
             }
@@ -406,6 +424,12 @@ def aliased(one: Candidate, other: Candidate) -> bool:
     """Whether the record of one of them names the other as the same within the base model."""
     named = (*one.evidence.aliases, *other.evidence.aliases)
     return not {one.id, one.family, other.id, other.family}.isdisjoint(named)
+
+
+def _log_evidence(own: Variant, fitted: Fitted, effective: float) -> float:
+    """The log of how likely a variant is, by its model's score, up to a constant of the log."""
+    fit = -0.5 * effective * float(np.log(fitted.score))
+    return fit - 0.5 * len(own.values) - float(np.log(own.candidate.evidence.one_of))
 
 
 def _without(fitted: Fitted, place: int) -> list[Variant]:

@@ -33,6 +33,7 @@ def candidate_of(
     balance: str | None,
     current: Array | None = None,
     instruments: Signals | None = None,
+    travelled: Array | None = None,
 ) -> Candidate:
     """The effect as columns of torque.
 
@@ -48,10 +49,14 @@ def candidate_of(
             on the flux depends on it: the current of `signals` follows from the voltage with the declared
             back-EMF.
         instruments: the same signals without the noise of the target, None where there are none.
+        travelled: the speed (samples,) [rad/s] that hidden states follow, None for that of `signals`.
     """
     extended = effect.extend(model)
     names = tuple(shape.quantity.name for shape in effect.shapes)
-    states = States(extended, effect.change.states, signals, names)
+    followed = signals
+    if travelled is not None:
+        followed = replace(signals, values={**signals.values, "omega_m": travelled})
+    states = States(extended, effect.change.states, followed, names)
     # On the flux: it adds a torque, and a voltage that depends on the speed.
     circuit = effect.change.terms.get("electrical", ())
     emf = any(v.omega_m.symbol in term.basis.free_symbols for term in circuit)
@@ -106,7 +111,8 @@ def candidate_of(
     def twin() -> Candidate:
         slow = signals if instruments is None else instruments
         own_current = None if current is None else slow.values["i"]
-        return candidate_of(effect, model, slow, friction, balance, own_current)
+        speed = signals.values["omega_m"]
+        return candidate_of(effect, model, slow, friction, balance, own_current, travelled=speed)
 
     def also_instrument(values: Values) -> Array:
         shows = twin().also

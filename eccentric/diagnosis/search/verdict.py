@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from eccentric.diagnosis.search import limits
-from eccentric.diagnosis.search.attribution import Search
+from eccentric.diagnosis.search.attribution import RuledOut, Search
 from eccentric.diagnosis.search.candidate import Candidate, Variables, Variant
 from eccentric.diagnosis.search.screen import Fitted
 from eccentric.diagnosis.search.stability import null_quantile
@@ -119,7 +119,8 @@ class Attribution:
     next_measurement: None if nothing is open; searches: per balance;
     deviance: per balance, the gain of the best addition and the level that chance reaches (99 %);
     unconfirmed: adopted effects that did not predict the held-out part;
-    ruled_out: candidates that would explain what is left, on a drive that has the parts they need.
+    ruled_out: candidates that would explain what is left, on a drive that has the parts they need;
+    excluded: those that explain the log as well as an adopted effect, likewise.
     """
 
     verdict: str
@@ -132,6 +133,7 @@ class Attribution:
     deviance: dict[str, tuple[float, float]]
     unconfirmed: tuple[str, ...] = ()
     ruled_out: tuple[Ranked, ...] = ()
+    excluded: tuple[Ranked, ...] = ()
 
     def adopted_as(self, effect_id: str) -> Adopted | None:
         """The adopted effect of this id."""
@@ -161,7 +163,8 @@ def decided(searches: dict[str, Search], runs: int = 1) -> Attribution:
     """The verdict on searches that have run, by balance; `runs`: number of those that were fitted."""
     adopted, leading, tied = _adopted(searches)
     unexplained = limits.UNEXPLAINED if runs < MANY_RUNS else limits.UNEXPLAINED_OVER_RUNS
-    unexplained_by = _left(searches, unexplained)
+    impossible = {name: search.models_ruled_out() for name, search in searches.items()}
+    unexplained_by = _left(searches, unexplained, impossible)
     left, depends = [(f.last.variable, name) for name, f in unexplained_by], _depends(searches)
     patched = _patched(adopted)
     if left or patched:
@@ -186,9 +189,15 @@ def decided(searches: dict[str, Search], runs: int = 1) -> Attribution:
         for name, f in reversed(unexplained_by)
         if not f.last.possible
     }
+    excluded = {
+        f.last.family: replace(_ranked(f.last, name, searches[name], f, 0.0), instead_of=family)
+        for name, models in impossible.items()
+        for family, f in reversed(models.as_well)
+        if f.last.family not in ruled_out
+    }
     return Attribution(
         verdict, tuple(adopted), tuple(tied), tuple(listed), follows, following, searches, deviance,
-        ruled_out=tuple(reversed(ruled_out.values())),
+        ruled_out=tuple(reversed(ruled_out.values())), excluded=tuple(reversed(excluded.values())),
     )  # fmt: skip
 
 
@@ -319,15 +328,17 @@ def _instead(search: Search, place: int, family: str, on_the_log: float) -> floa
     return search.stability.weight(family, {adopted}) if search.stability.variants else on_the_log
 
 
-def _left(searches: dict[str, Search], unexplained: float) -> list[tuple[str, Fitted]]:
+def _left(
+    searches: dict[str, Search], unexplained: float, impossible: Mapping[str, RuledOut]
+) -> list[tuple[str, Fitted]]:
     """What explains a part of the structure that the adopted effects do not, each with its balance.
 
     Smooth terms, and models with an effect that the drive cannot have. The larger part comes first.
     """
     left: list[tuple[float, str, Fitted]] = []
     for name, search in searches.items():
-        best, ruled_out = search.best, search.better_but_ruled_out()
-        for fitted in [*search.smoothed, *ruled_out]:
+        best = search.best
+        for fitted in [*search.smoothed, *impossible[name].better]:
             part = (best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
             if fitted.last.possible:
                 enough = part > unexplained or _outlines(search, fitted)
