@@ -51,7 +51,7 @@ def arms(n: int, geared: bool) -> tuple[Chain, ModuleType, object]:
 @cache
 def _drawn(n: int, geared: bool) -> tuple[Any, ...]:
     chain = random_chain(RANDOM, n, aligned=n > 5, geared=geared, rotors=geared)
-    # Every function of a large arm takes a minute to derive.
+    # Seven joints are at right angles, as in most arms. Every function of a large arm takes a minute.
     found = emitted(arm(chain, "An arm"), FUNCTIONS if n < 5 else OF_THE_LAW)
     p = rubbing(found)
     return RANDOM.bit_generator.state, chain, found, p
