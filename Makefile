@@ -20,7 +20,7 @@ LINT := $(VENV)/.stamp-lint
 DOCS := $(VENV)/.stamp-docs
 DERIVED := $(VENV)/.stamp-derived
 
-.PHONY: run test test-slow test-exports derive figures docs lint check bench freeze compare mutants weight clean
+.PHONY: run test test-slow test-all test-exports derive figures docs lint check bench freeze compare mutants weight clean
 .NOTPARALLEL:
 
 run: $(DERIVED)
@@ -32,12 +32,18 @@ run: $(DERIVED)
 
 # One process per processor: threads of a linear algebra library would only wait for each other. In the order of
 # tests/conftest.py: the files with the fewest tests, which would come last, take the longest.
+PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
+
 test: $(TEST)
-	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m "not slow"
+	@$(PYTEST) -m "not slow"
 
 # What `make test` samples; of some of it `make bench` has more.
 test-slow: $(TEST)
-	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m slow
+	@$(PYTEST) -m slow
+
+# Both: collected once, and what the tests of a file share is made once.
+test-all: $(TEST)
+	@$(PYTEST)
 
 # Every export in the package that it is for. Warp and Newton take 700 MB: an environment of their own, over the
 # first one, that no other target needs. Its tests are skipped by `make test`, which says so.

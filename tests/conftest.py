@@ -31,14 +31,15 @@ gc.set_threshold(50_000, 20, 50)
 
 BENCH = Path(__file__).resolve().parent.parent / "examples" / "bench"
 LONGEST = (
-    "test_flags", "test_fleet_run", "test_accuracy_extended", "test_effect_pairs",
-    "test_rig_variants", "test_misra", "test_emitted_module", "test_real_rigs",
-    "test_proof", "test_tutorial", "test_docs", "test_diagnose", "test_browser",
-    "test_voltage_alone", "test_closed_forms_numpy", "test_compiled_backend", "test_tilted",
+    "test_diagnose", "test_tutorial", "test_flags", "test_misra", "test_real_rigs",
+    "test_fleet_run", "test_accuracy_extended", "test_effect_pairs", "test_arm_rest", "test_arm_checks",
+    "test_rig_variants", "test_emitted_module", "test_simulate_rig", "test_row_kinds",
+    "test_proof", "test_docs", "test_browser", "test_long_logs_used", "test_fleet_ended",
+    "test_voltage_alone", "test_linear_fit", "test_encoder", "test_request", "test_empirical",
+    "test_closed_forms_numpy", "test_compiled_backend", "test_tilted",
     "test_diagnose_input", "test_api_diagnose", "test_jax", "test_jax_arms", "test_compiled_cache",
-    "test_accuracy", "test_target",
-    "test_friction_of_a_voltage", "test_from_python", "test_arm_extended", "test_fuzz",
-    "test_selftest", "test_c99", "test_arms_pinocchio",
+    "test_accuracy", "test_target", "test_friction_of_a_voltage", "test_from_python",
+    "test_arm_extended", "test_fuzz", "test_selftest", "test_c99", "test_arms_pinocchio",
 )  # fmt: skip
 """In the whole suite or among the slow tests: a file is one process's, and begun last it would run alone."""
 

@@ -71,8 +71,14 @@ def test_a_wrong_sign_is_seen(folder_of: Callable[[str], Path], tmp_path: Path) 
         run(tmp_path / "wrong")
 
 
-@pytest.mark.parametrize("real", [pytest.param("float", marks=slow), "double"])
-@every_arm
+@pytest.mark.parametrize(
+    ("name", "real"),
+    [
+        pytest.param("planar_2r", "float", marks=slow),
+        ("planar_2r", "double"),
+        pytest.param("six_joints", "float", marks=slow),
+    ],
+)
 def test_misra_as_declared(folder_of: Callable[[str], Path], tmp_path: Path, name: str, real: str) -> None:
     """The deviations that the header lists, and no others."""
     folder = folder_of(name)

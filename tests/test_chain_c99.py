@@ -2,6 +2,7 @@
 
 import ctypes
 import subprocess
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +35,12 @@ def chosen(precision: str, text: str) -> list[str]:
     return [] if precision == "double" else [f"{text}=float"]
 
 
+@cache
+def emitted(name: str) -> dict[str, str]:
+    """The files of an arm."""
+    return render(arm(ARMS[name], "An arm"), "a test", "a test")
+
+
 @pytest.mark.parametrize("precision", REAL)
 @pytest.mark.parametrize(
     "name",
@@ -41,8 +48,7 @@ def chosen(precision: str, text: str) -> list[str]:
 )
 def test_c_has_the_bits_of_numpy(name: str, precision: str, tmp_path: Path) -> None:
     """Every result of every function, on motions over several turns."""
-    chain, real = ARMS[name], REAL[precision]
-    n, files = len(chain.joints), render(arm(chain, "An arm"), "a test", "a test")
+    n, real, files = len(ARMS[name].joints), REAL[precision], emitted(name)
     module = executed(files, "arm")
     for file, text in files.items():
         (tmp_path / file).write_text(text, encoding="utf-8")

@@ -232,6 +232,7 @@ def test_shared_examples_have_the_error_of_their_readme(name: str, expected: flo
     assert found.rmse["paper_unbounded"] == pytest.approx(expected, rel=0.03)
 
 
+@pytest.mark.slow
 @needs_shared
 def test_disc_of_eindhoven_shows_no_gain() -> None:
     """On the measured disc the alignment is that of its README, and the paper's model gains nothing."""

@@ -103,17 +103,12 @@ def test_a_scheduler_without_workers_ends_in_one_line(
 
 
 def test_a_scheduler_that_is_not_there_is_one_line(
-    fleet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    fleet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Exit status 2, and the address."""
-    arguments = [
-        "fleet",
-        str(fleet / "logs"),
-        "--rigs",
-        str(fleet / "rigs.csv"),
-        "--out",
-        str(tmp_path / "o"),
-    ]
+    monkeypatch.setattr(cluster_of_fleet, "CONNECT", "100ms")
+    logs, table, out = (str(path) for path in (fleet / "logs", fleet / "rigs.csv", tmp_path / "o"))
+    arguments = ["fleet", logs, "--rigs", table, "--out", out]
 
     status = main([*arguments, "--scheduler", "tcp://127.0.0.1:9"])
 

@@ -190,6 +190,7 @@ def test_the_slopes_of_friction_are_the_emitted_gradient() -> None:
         np.testing.assert_allclose((moved[0] - moved[1]) / (2 * step), slopes[:, k], 2e-5, 1e-6 * scale)
 
 
+@pytest.mark.slow
 def test_the_slopes_by_the_coefficients_are_the_loads() -> None:
     """The postulate (7): C_lN multiplies mu sgn(omega_m) and the load of its joint, B_lN mu^2 omega_m."""
     name = "three joints, geared, one slides"

@@ -173,8 +173,8 @@ def test_no_gain_is_no_controller() -> None:
 
 @pytest.fixture(scope="module")
 def diagnosed() -> eccentric.DiagnosisResult:
-    """The bundled log."""
-    return eccentric.diagnose(LOG, RIG)
+    """The bundled log with the effect that it has."""
+    return eccentric.diagnose(LOG, RIG, only="link_harmonic_friction")
 
 
 def test_a_refined_fit_moves_closer_and_keeps_its_values(diagnosed: eccentric.DiagnosisResult) -> None:

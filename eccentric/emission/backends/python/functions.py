@@ -199,7 +199,7 @@ def inlined(lines: Iterable[Line]) -> list[Line]:
     for line in [line for line in kept if _PART.fullmatch(line.targets[0])]:
         (name,) = line.targets
         place = re.compile(rf"(?<![\w.]){name}\b")
-        readers = [k for k, other in enumerate(kept) if place.search(other.text)]
+        readers = [k for k, other in enumerate(kept) if name in other.text and place.search(other.text)]
         at = kept.index(next(other for other in kept if other.targets == (name,)))
         text = kept[at].text
         if len(readers) != 1 or len(place.findall(kept[readers[0]].text)) != 1:
@@ -290,7 +290,8 @@ def _lines(body: CodeBody, *, vector: bool) -> list[str]:
     lines = []
     for k, line in enumerate(body.lines):
         lines += [f"# {part}" for part in textwrap.wrap(line.note, 100)]
-        read = names_in(later.text for later in body.lines[k + 1 :]) | {*body.results}
+        several = len(line.targets) > 1
+        read = names_in(later.text for later in body.lines[k + 1 :]) | {*body.results} if several else set()
         lines += _assigned(line, read)
     if body.lines and body.lines[-1].targets == body.results and vector == (len(body.results) > 1):
         own = len(_assigned(body.lines[-1], {*body.results}))
