@@ -20,7 +20,7 @@ LINT := $(VENV)/.stamp-lint
 DOCS := $(VENV)/.stamp-docs
 DERIVED := $(VENV)/.stamp-derived
 
-.PHONY: run test test-slow test-all test-exports derive figures docs lint check bench freeze compare mutants weight clean
+.PHONY: run test test-slow test-exports derive figures docs lint check bench freeze compare mutants weight clean
 .NOTPARALLEL:
 
 run: $(DERIVED)
@@ -40,10 +40,6 @@ test: $(TEST)
 # What `make test` samples; of some of it `make bench` has more.
 test-slow: $(TEST)
 	@$(PYTEST) -m slow
-
-# Both: collected once, and what the tests of a file share is made once.
-test-all: $(TEST)
-	@$(PYTEST)
 
 # Every export in the package that it is for. Warp and Newton take 700 MB: an environment of their own, over the
 # first one, that no other target needs. Its tests are skipped by `make test`, which says so.
