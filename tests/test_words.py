@@ -109,7 +109,7 @@ LEFT = {
     ),
     "drafting": (
         251,
-        "evidence, doubts and questions of a draft, words of other languages in names of columns",
+        "evidence, doubts and questions of a draft; foreign words for names of columns",
     ),
     "fleet": (37, "problems of logs and joints as they are stored in problems.csv, progress"),
     "identification": (24, "warnings of a fit, what its rows are, the remark of k_e"),
