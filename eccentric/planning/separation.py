@@ -52,8 +52,9 @@ from eccentric.signals import Rows, white_noise
 # A reference within the limits does not guarantee a motion within them: a speed loop lags behind a ramp and
 # overshoots its end, gravity and friction reversal disturb it, and the drive's mass and friction differ from
 # the fit. So a PI speed controller with filtered speed is simulated with mass and friction off by `OFF` in
-# both directions. It is tuned for the fitted inertia, also if a mass is added for one log. Dry friction sticks
-# below its level. Load and friction are taken along the reference, from which the drive deviates little.
+# both directions. It is tuned for the fitted inertia, also if a mass is added for one log. Dry friction
+# sticks below its level. Load and friction are taken along the reference, from which the drive deviates
+# little.
 
 
 Floats = NDArray[np.floating]
@@ -178,8 +179,8 @@ class Ground:
     """A log or a motion, with the designs of the rivals on it.
 
     screen: designs of the rivals' balance; candidates: by id, on its signals; seen: mask (rows,) of the rows
-    a search would use; per_row: information per row, independent samples per row over their variance; current:
-    [A] (samples,), the largest that any rival needs; met: inertia and external torques, None on a log.
+    a search would use; per_row: information per row, independent samples per row over their variance;
+    current: [A] (samples,), the largest that any rival needs; met: inertia and external torques, None on a log.
     """
 
     screen: Screen
