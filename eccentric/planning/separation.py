@@ -180,7 +180,7 @@ class Ground:
 
     screen: designs of the rivals' balance; candidates: by id, on its signals; seen: mask (rows,) of the rows
     a search would use; per_row: information per row, independent samples per row over their variance;
-    current: [A] (samples,), the largest that any rival needs; met: inertia and external torques, None on a log.
+    current: [A] (samples,), the largest that any rival needs; met: external torques, None on a log.
     """
 
     screen: Screen
