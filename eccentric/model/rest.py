@@ -70,14 +70,14 @@ def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = 
         (0, True),
     )
     names = ("f_upper", "f_lower", "b") if viscous[0] == viscous[1] else ("f_upper", "f_lower", "b^+", "b^-")
-    found = [*dry, *dict.fromkeys(viscous)]
+    rows = [*dry, *dict.fromkeys(viscous)]
     return (
         Equation(
             "levels",
             "",
             sp.Matrix(sp.symbols(names)),
-            sp.Matrix(found),
-            ("N m", "N m", *["N m s/rad"] * (len(found) - 2)),
+            sp.Matrix(rows),
+            ("N m", "N m", *["N m s/rad"] * (len(rows) - 2)),
             "Its dry part has a level for each direction of motion, and the rest is viscous, for the load at"
             " this state.",
         ),
@@ -295,10 +295,10 @@ def _split(value: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 # Emitted functions: the levels, and one time step of a drive between them.
 
 
-def budget(found: Levels, omega_m: sp.Symbol = v.omega_m.symbol) -> tuple[tuple[str, sp.Expr], ...]:
+def budget(dry: Levels, omega_m: sp.Symbol = v.omega_m.symbol) -> tuple[tuple[str, sp.Expr], ...]:
     """Lower and upper level, and the viscous coefficient in the direction of motion."""
-    viscous = chosen(omega_m, found.forward.viscous, found.backward.viscous)
-    return ("lower", found.backward.dry), ("upper", found.forward.dry), ("viscous", viscous)
+    viscous = chosen(omega_m, dry.forward.viscous, dry.backward.viscous)
+    return ("lower", dry.backward.dry), ("upper", dry.forward.dry), ("viscous", viscous)
 
 
 class NamedSteps:
@@ -320,9 +320,9 @@ class NamedSteps:
             self.listed.append(Assignment(self._named[value], value, note))
         return self._named[value]
 
-    def sides(self, found: Levels, end: str = "") -> tuple[Side, Side]:
+    def sides(self, dry: Levels, end: str = "") -> tuple[Side, Side]:
         """Both sides, with a name ending in `end` for each value."""
-        forward, backward = found.forward, found.backward
+        forward, backward = dry.forward, dry.backward
         one = "slope" if forward.viscous == backward.viscous else "slope_forward"
         return (
             Side(
@@ -345,7 +345,7 @@ class NamedSteps:
 Stepped = tuple[tuple[Assignment, ...], tuple[tuple[str, sp.Expr], ...]]
 
 
-def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
+def step(model: Model, dry: Levels, inertia: sp.Expr) -> Stepped:
     """Velocity after a time step and the friction torque in it, with their intermediate assignments.
 
     While presliding builds up, friction is the smaller of two laws: that of the bristles, linear in the
@@ -353,7 +353,7 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
     """
     omega_m, torque, dt = v.omega_m.symbol, v.torque.symbol, v.dt.symbol
     named = NamedSteps(model)
-    forward, backward = named.sides(found)
+    forward, backward = named.sides(dry)
     without = "momentum at the end of the step, if there were no friction [N m s]"
     momentum = named("momentum", inertia * omega_m + dt * torque, without)
     excess = named(
@@ -367,7 +367,7 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
 
     viscous = named("damped", by_excess("viscous"))
     held = momentum / dt
-    if not found.presliding:
+    if not dry.presliding:
         end = named("velocity_after", excess / (inertia + dt * viscous))
         # At rest within the levels, without a viscous part; in motion the level of its direction.
         friction = named("dry", Clipped(held, backward.dry, forward.dry)) + viscous * end
@@ -384,11 +384,11 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
     return tuple(named.listed), ((omega_m.name, end), ("friction", friction))
 
 
-def acceleration(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
+def acceleration(model: Model, dry: Levels, inertia: sp.Expr) -> Stepped:
     """The acceleration by a torque, 0 at rest within the levels, with its intermediate assignments."""
     omega_m, torque = v.omega_m.symbol, v.torque.symbol
     named = NamedSteps(model)
-    forward, backward = named.sides(found)
+    forward, backward = named.sides(dry)
     starting = named("starting", Shrunk(torque, backward.held, forward.held))
     damping = chosen(omega_m, forward.damping, backward.damping)
     net = BySign(omega_m, torque - forward.held, torque - backward.held, starting) - omega_m * damping

@@ -120,26 +120,28 @@ class Question:
     elsewhere: tuple[str, ...] = ()
 
 
-def question_of(found: Diagnosis) -> Question:
+def question_of(diagnosis: Diagnosis) -> Question:
     """The open question of a diagnosis.
 
     Raises:
         InputError: the log does not fit the rig.
     """
-    if not found.models.fits_the_rig:
-        raise _unfit(found.rig.path, f" ({found.models.misfit})")
-    searched, rivals = found.attribution.searches, rivals_of(found)
-    unexplained = found.attribution.verdict == "unexplained"
-    elsewhere = (a.variant.candidate.id for a in found.attribution.adopted if a.balance != rivals[0].balance)
+    if not diagnosis.models.fits_the_rig:
+        raise _unfit(diagnosis.rig.path, f" ({diagnosis.models.misfit})")
+    searched, rivals = diagnosis.attribution.searches, rivals_of(diagnosis)
+    unexplained = diagnosis.attribution.verdict == "unexplained"
+    elsewhere = (
+        a.variant.candidate.id for a in diagnosis.attribution.adopted if a.balance != rivals[0].balance
+    )
     return Question(
         rivals,
-        found.data,
-        found.models.base,
+        diagnosis.data,
+        diagnosis.models.base,
         searched["mechanical"].base.coefficients,
         searched[rivals[0].balance].screen,
-        found.offered,
-        found.attribution.next_measurement,
-        found.attribution.depends_on if unexplained else (),
+        diagnosis.offered,
+        diagnosis.attribution.next_measurement,
+        diagnosis.attribution.depends_on if unexplained else (),
         tuple(elsewhere),
     )
 

@@ -76,9 +76,9 @@ def _output(unit: str, meaning: str, **more: bool) -> Callable[[_Made], _Made]:
 class _Outputs:
     """The outputs of an arm's model, one method each."""
 
-    def __init__(self, found: Recursion, model: Model) -> None:
-        self._found, self._model = found, model
-        self._joints = range(len(found.inputs))
+    def __init__(self, recursion: Recursion, model: Model) -> None:
+        self._found, self._model = recursion, model
+        self._joints = range(len(recursion.inputs))
         self._moving = tuple(map(_assigned, model.definitions))
 
     def listed(self) -> tuple[Output, ...]:
@@ -98,8 +98,8 @@ class _Outputs:
         listed = [self._made(name, one, **more.get(name, {})) for name, one in declared.items()]
         if self._model.states:
             stepped = _Declared(*step_words(self._model))
-            held = {"without_time": held_states(self._model), "advances": True}
-            listed.append(self._made(STEP, stepped, lambda _: step_updates(self._model), **held))
+            options = {"without_time": held_states(self._model), "advances": True}
+            listed.append(self._made(STEP, stepped, lambda _: step_updates(self._model), **options))
         return tuple(listed)
 
     def _made(self, name: str, one: _Declared, method: _Made | None = None, **more: Any) -> Output:
@@ -178,7 +178,7 @@ class _Outputs:
     @cached_property
     def _both_ways(self) -> tuple[Assignment, ...]:
         """The definitions, and the direction-dependent ones for both directions."""
-        return (*self._moving, *(a for found in self._levels for a in found.definitions))
+        return (*self._moving, *(a for dry in self._levels for a in dry.definitions))
 
     def _inertia(self) -> tuple[tuple[Assignment, ...], Matrix]:
         return mass_matrix(self._found, self._moving, self._found.motor_torques)
@@ -248,8 +248,8 @@ class _Outputs:
             for j, dry in enumerate(self._levels)
             for label, direction in (("lower", -1), ("upper", 1))
         )
-        definitions, held = still(self._found, self._moving, results, self._model.parameter_symbols)
-        return _expressions(held, self._stable(definitions))
+        definitions, at_standstill = still(self._found, self._moving, results, self._model.parameter_symbols)
+        return _expressions(at_standstill, self._stable(definitions))
 
     @_output(
         "N m, N m, N m s/rad",
@@ -355,10 +355,10 @@ def _expressions(results: _Results, definitions: tuple[Assignment, ...]) -> Expr
 # Stable steps: sine and cosine of a joint by those of its half angle, as for one joint.
 
 
-def _stable(found: Recursion, model: Model, definitions: Iterable[Assignment]) -> tuple[Assignment, ...]:
+def _stable(recursion: Recursion, model: Model, definitions: Iterable[Assignment]) -> tuple[Assignment, ...]:
     """The definitions in stable steps, with plain formulas where they depend on parameters only."""
     half_turned: dict[sp.Expr, sp.Expr] = {}
-    for joint, inputs in zip(found.chain.joints, found.inputs, strict=True):
+    for joint, inputs in zip(recursion.chain.joints, recursion.inputs, strict=True):
         theta, mu = inputs.theta_m.symbol, _held(joint.mu)
         half_cosine, half_sine = HalfCosine(theta, mu), HalfSine(theta, mu)
         half_turned[sp.cos(joint.mu * theta)] = 1 - 2 * half_sine**2

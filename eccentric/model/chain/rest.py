@@ -44,13 +44,13 @@ _STEEPEST = sp.Integer(2**20)
 
 
 def mass_matrix(
-    found: Recursion, definitions: Iterable[Assignment], torques: Iterable[sp.Expr]
+    recursion: Recursion, definitions: Iterable[Assignment], torques: Iterable[sp.Expr]
 ) -> tuple[tuple[Assignment, ...], Matrix]:
     """Definitions and the inertia on the motor side: the derivatives of the torques by the accelerations.
 
     It is symmetric: the lower triangle, whose forces pass through fewer joints, is computed and mirrored.
     """
-    by = [inputs.alpha_m.symbol for inputs in found.inputs]
+    by = [inputs.alpha_m.symbol for inputs in recursion.inputs]
     wanted = [Assignment(sp.Symbol(f"moving_{j}", real=True), torque) for j, torque in enumerate(torques)]
     steps = needed((*definitions, *wanted), [a.target for a in wanted])
     steps, slopes = differentiate(steps, by)
@@ -60,14 +60,14 @@ def mass_matrix(
 
 
 def still(
-    found: Recursion, definitions: Iterable[Assignment], results: Results, parameters: Iterable[sp.Symbol]
+    recursion: Recursion, definitions: Iterable[Assignment], results: Results, parameters: Iterable[sp.Symbol]
 ) -> tuple[tuple[Assignment, ...], Results]:
     """Definitions and results without velocities and accelerations.
 
     Values that then depend on parameters only get a separate name, since they are constants, unlike those of
     the same name in other functions.
     """
-    fixed, known = set(parameters), dict(found.standing)
+    fixed, known = set(parameters), dict(recursion.standing)
 
     def folded(value: sp.Expr) -> sp.Expr:
         value = value.xreplace(known)
@@ -274,24 +274,24 @@ def _within(value: sp.Expr) -> sp.Expr:
 # Emitted functions.
 
 
-def _torques(found: Recursion) -> list[sp.Symbol]:
-    return [sp.Symbol(f"torque_{j}", real=True) for j in range(len(found.inputs))]
+def _torques(recursion: Recursion) -> list[sp.Symbol]:
+    return [sp.Symbol(f"torque_{j}", real=True) for j in range(len(recursion.inputs))]
 
 
 Stepped = tuple[tuple[Assignment, ...], Results]
 
 
-def step(found: Recursion, named: NamedSteps, inertia: Matrix, levels: Sequence[Levels]) -> Stepped:
+def step(recursion: Recursion, named: NamedSteps, inertia: Matrix, levels: Sequence[Levels]) -> Stepped:
     """Velocities after a time step and the friction torques in it, with intermediate assignments."""
     dt, joints = v.dt.symbol, range(len(levels))
-    omega_m = [inputs.omega_m.symbol for inputs in found.inputs]
+    omega_m = [inputs.omega_m.symbol for inputs in recursion.inputs]
     momentum = [
         named(
             f"momentum_{j}",
             sp.Add(*(inertia[j][k] * omega_m[k] for k in joints)) + dt * torque,
             "momentum at the end of the step, if there were no friction [N m s]",
         )
-        for j, torque in enumerate(_torques(found))
+        for j, torque in enumerate(_torques(recursion))
     ]
     solved = _Solved(named, inertia, _laws(named, levels), momentum, omega_m)
     friction = [named(f"taken_{j}", solved.friction(j)) for j in joints]
@@ -300,10 +300,12 @@ def step(found: Recursion, named: NamedSteps, inertia: Matrix, levels: Sequence[
     return tuple(named.listed), tuple(results)
 
 
-def acceleration(found: Recursion, named: NamedSteps, inertia: Matrix, levels: Sequence[Levels]) -> Stepped:
+def acceleration(
+    recursion: Recursion, named: NamedSteps, inertia: Matrix, levels: Sequence[Levels]
+) -> Stepped:
     """Accelerations by the torques; 0 for joints that stick within their levels."""
     laws = []
-    for j, (inputs, level) in enumerate(zip(found.inputs, levels, strict=True)):
+    for j, (inputs, level) in enumerate(zip(recursion.inputs, levels, strict=True)):
         omega_m = inputs.omega_m.symbol
         forward, backward = named.sides(level, f"_{j}")
         dry = chosen(omega_m, forward.held, backward.held)
@@ -312,5 +314,5 @@ def acceleration(found: Recursion, named: NamedSteps, inertia: Matrix, levels: S
         pieces = [(_Piece(named(f"{end}_{j}", AtZero(omega_m, at, moving)), _ZERO),) for at, end in ends]
         laws.append(_Law(*pieces))
     start = [_ZERO for _ in levels]
-    solved = _Solved(named, inertia, laws, _torques(found), start)
+    solved = _Solved(named, inertia, laws, _torques(recursion), start)
     return tuple(named.listed), tuple((f"alpha_m_{j}", x) for j, x in enumerate(solved.x))
