@@ -24,8 +24,8 @@ from eccentric.model import (
 )
 from eccentric.model import vocabulary as v
 
-# The toolkit's letters of a drive; LINEAR puts them into the words of a carriage: theta_m is the position,
-# J_m the mass, B_m and C_m the friction of the whole axis, T_load the load.
+# The toolkit's symbols of a drive; LINEAR translates them for a carriage: theta_m is the position, J_m the
+# mass, B_m and C_m the friction of the axis, T_load the load.
 x, velocity, acceleration = symbols(v.theta_m, v.omega_m, v.alpha_m)
 i, u, tau, f, F = symbols(v.i, v.u, v.tau_m, v.f, v.F)
 
@@ -45,7 +45,7 @@ newton = sp.Eq(mass.symbol * acceleration, tau - f - load.symbol)
 current = sp.solve(newton.subs(tau, k_f.symbol * i), i)[0]
 armature = sp.Eq(u, R.symbol * i + k_e.symbol * velocity)
 damping = k_f.symbol * k_e.symbol / R.symbol
-# What is left of (k_f/R) u without mass and load.
+# The rest of (k_f/R) u without mass and load.
 resultant = sp.expand(
     sp.solve(newton.subs(tau, k_f.symbol * sp.solve(armature, i)[0]), u)[0] * k_f.symbol / R.symbol
     - mass.symbol * acceleration

@@ -1,6 +1,6 @@
 """The rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
-Everything else is a limit of this: phi = pi/2 and alpha = 0 is case C1, phi = 0 and alpha = 0 is case C2.
+All other cases are limits of this one: phi = pi/2 and alpha = 0 is C1, phi = 0 and alpha = 0 is C2.
 Run it to read the derivation: python derivations/rotating_link.py
 """
 
@@ -48,8 +48,8 @@ acceleration = acceleration.subs({theta.diff(t, 2): alpha_l}).subs({theta.diff(t
 position, acceleration = position.subs(theta, theta_l), acceleration.subs(theta, theta_l)
 gravity = sp.Matrix([0, -g * sp.cos(phi), -g * sp.sin(phi)])
 
-# Newton for both masses (M_l is balanced: its centre is on the axis). The load on the bearing is minus the
-# reaction of the bearing on them.
+# Newton for both masses (M_l is balanced: its centre is on the axis). The bearing load is minus the reaction
+# of the bearing.
 reaction = M * acceleration - (M + M_l) * gravity
 load = -reaction
 in_plane = sp.Matrix(load[:2])
@@ -93,9 +93,9 @@ mechanical = motor_friction + mu * link_friction
 # --- The numerically stable form of F_N ---------------------------------------------------------------------
 
 # With the half angle, a = M L omega_l^2 and b the weight: the radial part a + b cos(theta_l) becomes
-# (a - b) + 2 b cos^2(theta_l/2), without cancellation near the top. All is divided by scale_N = M L mu^2,
-# so that a becomes omega_m^2 and b becomes omega_star^2. A balanced mass (M L = 0) has F_N = b: then
-# omega_star = 1 rad/s, scale_N = b/omega_star^2, and speed and acceleration are bounded by 0.
+# (a - b) + 2 b cos^2(theta_l/2), without cancellation near the top. Everything is divided by
+# scale_N = M L mu^2, so that a becomes omega_m^2 and b becomes omega_star^2. A balanced mass (M L = 0) has
+# F_N = b: then omega_star = 1 rad/s, scale_N = b/omega_star^2, and speed and acceleration are bounded by 0.
 half_cosine, half_sine = HalfCosine(theta_m, mu), HalfSine(theta_m, mu)
 radial = SquareDifference(speed, omega_star) + 2 * omega_star**2 * half_cosine**2
 tangential = Bounded(alpha_m / mu, fastest**2) - 2 * omega_star**2 * half_cosine * half_sine
@@ -118,7 +118,7 @@ definitions = (
     Definition(v.C, C_m + mu * C_lT * link_force_T),
 )
 
-# The paper's drive: motor, gear and armature, and friction of the link's bearing by the forces on it.
+# The paper's drive: motor, gear and armature, and load-dependent friction of the link bearing.
 letters = DriveSymbols(
     omega_m, i, u, mu, R, k_i, k_e, B_m, C_m, {Load.NORMAL: (B_lN, C_lN), Load.TRANSVERSAL: (B_lT, C_lT)}
 )

@@ -1,4 +1,4 @@
-"""A linear axis that a screw drives: the same carriage, with the turns of its screw known by the pitch.
+"""A linear axis driven by a screw: the carriage with the screw angle known from the pitch.
 
 Friction may then vary over a turn of the screw.
 Run it to read the derivation: python derivations/screw_axis.py
@@ -10,7 +10,7 @@ from eccentric.core import show
 from eccentric.model import load_model, quantity
 
 carriage = load_model("linear_axis")
-# The toolkit's letter of a gear: the angle of the screw is mu times the position.
+# The toolkit's symbol of a gear: the screw angle is mu times the position.
 turns = quantity("mu", "1/m", "2 pi over the pitch of the screw", "", "positive")
 
 model = replace(

@@ -1,8 +1,8 @@
-"""A serial chain of joints: the recursion along it, then the arm of two links written out.
+"""A serial chain of joints: the recursion along it, then a two-link arm written out.
 
 One joint is the rotating link. The recursion is derived once, for any joint: a frame moves in another one,
-the carrier, and its position and rotation are differentiated in time (`eccentric.model.chain`). A chain puts
-its numbers or letters in, joint by joint: outwards the motion, inwards force and moment.
+the carrier, and its position and rotation are differentiated in time (`eccentric.model.chain`). A chain
+substitutes its numbers or symbols, joint by joint: outwards the motion, inwards force and moment.
 Run it to read the derivation: python derivations/serial_chain.py
 """
 
@@ -46,7 +46,7 @@ inertia = Sigma.trace() * sp.eye(3) - Sigma
 at_centre = dict.fromkeys(h, sp.Integer(0)) | dict(zip(U, turning, strict=True))
 euler = inertia * alpha + w.cross(inertia * w)
 
-# --- A joint: what its bearing carries, what its gear passes on ---------------------------------------------
+# --- A joint: its bearing loads and transmitted torque ------------------------------------------------------
 
 f, n, p = motion.letters("f"), motion.letters("n"), motion.letters("p")
 b, F_N, F_T, M_B, T = sp.symbols("b F_N F_T M_B T", real=True)
@@ -131,7 +131,7 @@ of_motors = [
     for rotor, ratio, torque in zip(found.rotors, (mu_0, mu_1), (torque_0, torque_1), strict=True)
 ]
 mass_matrix = sp.Matrix(2, 2, lambda j, k: sp.diff(of_motors[j], (alpha_m_0, alpha_m_1)[k]))
-# Kinetic energy by the velocities of both centres of mass, and of the rotors beside those that are locked.
+# Kinetic energy from the velocities of both centres of mass, plus that of the rotors beyond locked ones.
 omega_m_0, omega_m_1 = (inputs.omega_m.symbol for inputs in found.inputs)
 turning_0, turning_1 = mu_0 * omega_m_0, mu_0 * omega_m_0 + mu_1 * omega_m_1
 energy_doubled = (
@@ -147,7 +147,7 @@ energy_doubled = (
     + J_m_1 * (omega_m_1**2 + 2 * omega_m_1 * turning_0)
 )
 velocities = sp.Matrix([omega_m_0, omega_m_1])
-# The step of n joints, here with any symmetric matrix of two.
+# The step of n joints, shown for two with any symmetric matrix.
 M_00, M_01, M_11, dt = *sp.symbols("M_00 M_01 M_11", real=True), v.dt.symbol
 any_matrix = sp.Matrix([[M_00, M_01], [M_01, M_11]])
 after, taken = (sp.Matrix(sp.symbols(f"{x}_0 {x}_1", real=True)) for x in ("omega_after", "f"))

@@ -1,10 +1,9 @@
-"""A log through the estimator that `eccentric emit --adapt` writes: how friction went, and what was not seen.
+"""Replay of a log through the estimator that `eccentric emit --adapt` writes: friction over time.
 
     replay     channels, a fitted model, its prior -> `Replay`: coefficients over time with their bands
 
 In: `Channels`, a `Model`, the content of a fit. Out: `replayed` -> `Replay`; `require_logged`, before a long
-fit. The estimator is the emitted Python,
-which has the bits of the emitted C.
+fit. The estimator is the emitted Python, which is bit-identical to the emitted C.
 May import: `signals`, `model`, `emission`.
 """
 

@@ -1,4 +1,4 @@
-"""The course of the friction coefficients along a log, by the emitted estimator."""
+"""The history of the friction coefficients along a log, by the emitted estimator."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from eccentric.model import TURNING, AxisKind, Model, spoken_quantity
 from eccentric.model import vocabulary as v
 from eccentric.signals import Channels
 
-# The signals of a log that the estimator takes.
+# Inputs of the estimator from a log.
 
 
 Array = NDArray[np.float64]
 
 CURRENT = "i"
 _CHANNELS = {CURRENT: "current", "u": "voltage", "temperature": "temperature"}
-"""What a log may lack, by the letter of the input."""
+"""Optional signals of a log: input -> channel."""
 
 
 def inputs_of(channels: Channels, axis: AxisKind, names: Sequence[str], log: str) -> list[Array]:
-    """The inputs of these names; unusable rows are NaN: the estimator leaves them out.
+    """The inputs of these names; unusable rows are NaN, which the estimator skips.
 
     Raises:
         InputError: as `require_logged`.
     """
     motion, motor = channels.motion, channels.motor
     require_logged(channels, names, log)
-    moved = {v.theta_m: motion.theta_m, v.omega_m: motion.omega_m, v.alpha_m: motion.alpha_m}
+    motion_signals = {v.theta_m: motion.theta_m, v.omega_m: motion.omega_m, v.alpha_m: motion.alpha_m}
     known = {
-        **{spoken_quantity(axis, q).name: x for q, x in moved.items()},
+        **{spoken_quantity(axis, q).name: x for q, x in motion_signals.items()},
         "t": channels.time.t,
         **_logged(channels),
     }
@@ -43,71 +43,69 @@ def inputs_of(channels: Channels, axis: AxisKind, names: Sequence[str], log: str
         raise InputError(
             log, "a model without hidden states", unknown[0], why="to follow friction along a log"
         )
-    given = [np.array(known[name], float) for name in names]
+    inputs = [np.array(known[name], float) for name in names]
     unusable = ~channels.selection.usable | motor.off
-    return [np.where(unusable, np.nan, x) for x in given]
+    return [np.where(unusable, np.nan, x) for x in inputs]
 
 
 def require_logged(channels: Channels, names: Iterable[str], log: str) -> None:
-    """Raise InputError, with the channel and the log that lacks it, unless it has all inputs.
+    """Raise InputError, naming channel and log, unless the log has all inputs.
 
-    A torque serves for the current.
+    A torque replaces the current.
 
     Args:
         channels: of the log.
-        names: letters of the inputs.
+        names: of the inputs.
         log: its name.
     """
-    found = _logged(channels)
+    logged = _logged(channels)
     by_torque = channels.motor.measured_by == "torque"
     served = {CURRENT} if by_torque else set()
-    lacking = [name for name in names if name in found and found[name] is None and name not in served]
-    if lacking:
-        there = [_CHANNELS[name] for name, x in found.items() if x is not None]
-        there += [channels.rig.axis.named("torque")] if by_torque else []
-        wanted = (
-            f"current or {channels.rig.axis.named('torque')}"
-            if lacking[0] == CURRENT
-            else _CHANNELS[lacking[0]]
-        )
+    missing = [name for name in names if name in logged and logged[name] is None and name not in served]
+    if missing:
+        present = [_CHANNELS[name] for name, x in logged.items() if x is not None]
+        present += [channels.rig.axis.named("torque")] if by_torque else []
+        wanted = _CHANNELS[missing[0]]
+        if missing[0] == CURRENT:
+            wanted = f"current or {channels.rig.axis.named('torque')}"
         raise InputError(
             log,
             f"a column for {wanted}",
-            f"{' and '.join(there)} only",
+            f"{' and '.join(present)} only",
             why=f"to follow friction; map it in [columns] of {channels.rig.path}",
         )
 
 
 def _logged(channels: Channels) -> dict[str, Array | None]:
-    """What a log may lack: letter of the input -> signal, None where it does."""
+    """Optional inputs -> signal, None where the log lacks it."""
     motor = channels.motor
     return {CURRENT: motor.current, "u": motor.voltage, "temperature": channels.temperature}
 
 
 _ENTRIES = 2000
-"""Entries of a course at most: more than a figure shows."""
+"""Most entries of a history: more than a figure shows."""
 
 
 @dataclass(frozen=True)
 class Replay:
-    """What the estimator learned along a log of m samples, at k instants.
+    """The estimator's history along a log of m samples, at k instants.
 
     Attributes:
         names, units: of the n coefficients.
-        t: time [s] (k,); where that of the log begins anew, its runs follow one another.
+        t: time [s] (k,), with the runs of the log in sequence.
         values, deviations: of the coefficients (k, n).
-        unseen: seconds since each coefficient was last known to half of its prior (k, n).
-        start, prior: values and standard deviations that the estimator began with (n,).
-        lowest, highest: bounds that it keeps the coefficients within (n,).
+        unseen: time since each coefficient's deviation was last below half its prior [s] (k, n).
+        start, prior: initial values and standard deviations (n,).
+        lowest, highest: bounds of the coefficients (n,).
         alarms: time [s], as in t, and kind, "more" or "less" friction.
         used, still, out_of_range, unusable: numbers of samples; unusable are those that no fit would use.
-        step: seconds between two samples.
+        step: sampling interval [s].
         noise: standard deviation of the innovations in motion over the assumed one.
-        correlation: of two innovations in a row.
+        correlation: of successive innovations.
         assumed: standard deviation that the estimator assumes [N m, or N].
         asked: forgetting and false alarms.
-        alarm: what is known of the alarm, in rows.
-        axis: what moves.
+        alarm: properties of the alarm, in rows.
+        axis: the kind of axis.
     """
 
     names: tuple[str, ...]
@@ -135,7 +133,7 @@ class Replay:
 
     @property
     def seen(self) -> NDArray[np.bool_]:
-        """Whether a coefficient is known to half of its prior by what was learned (k, n)."""
+        """Whether a coefficient's deviation is below half its prior (k, n)."""
         return self.deviations < 0.5 * self.prior
 
 
@@ -146,12 +144,12 @@ def replayed(
     asked: Adaptation | None = None,
     log: str = "log",
 ) -> Replay:
-    """The course along a log.
+    """Replay a log.
 
     Args:
         channels: of the log, with delay, zero angle and offset as identified.
         model: with the defaults that the estimator starts from.
-        fit: content of the fit.json of these, for the prior.
+        fit: content of the corresponding fit.json, for the prior.
         asked: forgetting and false alarms.
         log: its name, for messages.
 
@@ -169,16 +167,16 @@ def replayed(
     step = float(np.median(np.diff(channels.time.t)))
     t = _elapsed(channels.time.t, step)
     every = max(1, -(-len(t) // _ENTRIES))
-    found = estimator.replay(*inputs, state, every=every)
-    flags = found["flags"]
+    history = estimator.replay(*inputs, state, every=every)
+    flags = history["flags"]
     at = np.flatnonzero(flags & (estimator.MORE | estimator.LESS))
     return Replay(
         names=estimator.COEFFICIENTS,
         units=estimator.UNITS,
         t=t[every - 1 :: every],
-        values=found["coefficients"],
-        deviations=found["deviations"],
-        unseen=found["unseen"] * step,
+        values=history["coefficients"],
+        deviations=history["deviations"],
+        unseen=history["unseen"] * step,
         start=prior.values,
         prior=prior.deviations,
         lowest=prior.lowest,
@@ -199,6 +197,6 @@ def replayed(
 
 
 def _elapsed(t: Array, step: float) -> Array:
-    """The time [s] (m,), with runs one after another whose own begins anew: within a run it increases."""
-    passed = np.diff(t, prepend=t[0] - step)
-    return t + np.cumsum(np.where(passed > 0.0, 0.0, step - passed))
+    """Increasing time [s] (m,): runs whose time starts again are put in sequence."""
+    steps = np.diff(t, prepend=t[0] - step)
+    return t + np.cumsum(np.where(steps > 0.0, 0.0, step - steps))

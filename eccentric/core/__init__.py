@@ -1,27 +1,27 @@
-"""What every room stands on: errors, files that appear whole or not at all, paths, entries, scripts.
+"""Shared foundations: errors, atomic file output, paths, table entries, scripts.
 
-    errors       the one error that a user sees, and how lists and counts are put in a message
-    places       paths that a user gave, and folders of the project
+    errors       the one error that a user sees; formatting of lists and counts in messages
+    places       paths from the user, and folders of the project
     entries      entries of TOML and JSON files: numbers, tables, keys
-    scripts      scripts of a user, run from their text
-    atomic       one file, a set of files, or a folder of a command's files; what is printed
-    transaction  a temporary folder beside the target, and a set of files in the place of another
-    locks        who writes where: advisory locks of files; signals that are deferred while files are moved
-    cache        what was derived or built once, in the user's cache
-    targets      what models are emitted for and exported to, without importing what does so
+    scripts      user scripts, executed from their source text
+    atomic       atomic output of a file, a set of files, or a command's output folder; printing
+    transaction  staging folders next to the target, and replacement of one set of files by another
+    locks        advisory file locks; signals deferred while files are moved
+    cache        derived and built results in the user's cache
+    targets      emission and export targets, listed without importing their implementations
 
-What holds, whenever a run is killed: a file is the old one or the new one. Files of one set that are there
-are all of one run; between the first move and the last some may be missing. They are then in the folder
-`.eccentric-<hex>` beside them, with a journal, and the next run that writes there puts the old set back
-before it does anything else. That takes milliseconds, for which interrupts wait; SIGKILL does not, nor does
-SIGTERM in a program that leaves it to the system. A loss of power is not covered: nothing waits for the disk.
+Guarantee, whenever a run is killed: a file is either the old one or the new one, and the files of a set are
+never from two runs. Between the first move and the last some may be missing: they are then in the folder
+`.eccentric-<hex>` next to the target, with a journal, and the next run that writes there first restores the
+old set. The moves take milliseconds, during which interrupts are deferred; SIGKILL cannot be, nor SIGTERM
+in a program that does not handle it. Power loss is not covered: nothing is synced to disk.
 
-Locks are those of `flock`, on a file in each temporary folder and, while a set is moved, on `.eccentric-lock`
-in the target; on NFS they hold between machines. Where there are none (Windows, some network file systems)
-a temporary folder is taken for abandoned after an hour; a run that finds a younger journal is refused with
-one line, and two that move files into one folder within the same milliseconds are not kept apart.
+Locks use `flock`, on a file in each staging folder and, while a set is moved, on `.eccentric-lock` in the
+target; on NFS they work across machines. Without locks (Windows, some network file systems) a staging folder
+counts as abandoned after an hour; a run that finds a younger journal is refused with one line, and two runs
+that move files into one folder within the same milliseconds are not kept apart.
 
-May import: nothing of the toolkit but the time of its import.
+May import: nothing from the toolkit except the time of its import.
 """
 
 from eccentric.core.atomic import (

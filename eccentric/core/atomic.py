@@ -1,4 +1,4 @@
-"""What is written: one file, a set of files, or a folder of a command's files. All of it, or nothing."""
+"""Atomic output of one file, a set of files, or a command's output folder."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from eccentric.core.errors import InputError
 from eccentric.core.places import given_path
 from eccentric.core.transaction import MARKER, alone, files, is_folder, stands, swap, tidy, workshop
 
-# Which folder may be written, and which command wrote what there: the hidden file `.eccentric` lists it.
+# Output folders. The hidden file `.eccentric` lists which command wrote which file.
 
 
 _NOTICE = "Written by eccentric. The command beside a file replaces it on its next run; other files stay."
@@ -23,7 +23,7 @@ def folder_to_write(path: str | os.PathLike[str]) -> Path:
     """Return the absolute path of a folder that exists or can be created.
 
     Raises:
-        InputError: it is a file, or is below one, or its parent cannot be written.
+        InputError: it is a file or below one, or its parent is not writable.
     """
     target = given_path(path, "output").resolve()
     if target.exists() and not target.is_dir():
@@ -36,11 +36,11 @@ def folder_to_write(path: str | os.PathLike[str]) -> Path:
 
 
 def own_folder(path: str | os.PathLike[str]) -> Path:
-    """Return the absolute path of a folder that `whole_folder` may write: a check before a long run.
+    """Return the absolute path of a folder that `whole_folder` may write; for a check before a long run.
 
     Raises:
-        InputError: as `folder_to_write`; or it holds files and no `.eccentric`, or one that cannot be read;
-            or it is the working directory, or holds that.
+        InputError: as `folder_to_write`; or it contains files but no readable `.eccentric`; or it is, or
+            contains, the working directory.
     """
     target = folder_to_write(path)
     if Path.cwd().is_relative_to(target):
@@ -59,7 +59,7 @@ def own_folder(path: str | os.PathLike[str]) -> Path:
 
 
 def require_free(folder: Path, name: str, listed: dict[str, str], command: str) -> None:
-    """Raise InputError if writing a file with this name would destroy another one."""
+    """Raise InputError if writing a file with this name would overwrite another one."""
     *above, _ = Path(name).parents
     blocked = next((f for f in reversed(above) if stands(folder / f) and not is_folder(folder / f)), None)
     place = Path(name) if blocked is None else blocked
@@ -73,13 +73,13 @@ def require_free(folder: Path, name: str, listed: dict[str, str], command: str) 
 
 
 def mark(folder: Path, written: dict[str, str]) -> None:
-    """Write the marker of a folder: name -> command that wrote it."""
+    """Write the marker file, from name -> command that wrote it."""
     lines = [_NOTICE, *(f"{command}: {name}" for name, command in sorted(written.items()))]
     (folder / MARKER).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def listed_in(folder: Path) -> dict[str, str]:
-    """What the marker lists, name -> command that wrote it; nothing without a marker.
+    """Read the marker file: name -> command that wrote it; empty without a marker.
 
     Raises:
         InputError: it is not UTF-8 text, or cannot be read.
@@ -95,21 +95,21 @@ def listed_in(folder: Path) -> dict[str, str]:
     return {name: command for command, _, name in (line.partition(": ") for line in lines)}
 
 
-# Printed output. It may be read in part: a reader that closes the pipe is not an error.
+# Printing. A reader may close the pipe early (`| head`): that is not an error.
 
 
 UNREAD = 141
-"""Exit status of a program whose reader has closed the pipe, as if ended by SIGPIPE: 128 + 13."""
+"""Exit status after the reader has closed the pipe, as if terminated by SIGPIPE: 128 + 13."""
 
 
 def escape_unprintable() -> None:
-    """Let stdout print characters that its encoding lacks as escapes, as stderr does: an ASCII terminal."""
+    """Make stdout escape characters missing from its encoding (an ASCII terminal), as stderr does."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def show(what: object) -> None:
-    """Print; if the reader of a pipe has closed it, exit quietly with status 141."""
+    """Print; exit quietly with status 141 if the reader has closed the pipe."""
     escape_unprintable()
     try:
         print(what, flush=True)
@@ -119,22 +119,22 @@ def show(what: object) -> None:
 
 
 def nobody_reads() -> None:
-    """Discard stdout: the interpreter flushes it again at exit."""
+    """Discard stdout, since the interpreter flushes it again at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-# Files and folders that appear whole or not at all.
+# Atomic files and folders.
 
 
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield a path to write to; the file replaces `path` when the block ends without an exception.
 
-    The temporary file has the target's own name, so that its suffix (`.csv.gz`, `.svg`) takes effect.
+    The temporary file has the target's name, so that its suffix (`.csv.gz`, `.svg`) takes effect.
     Missing parent folders are created. After any exception, including an interrupt, `path` is unchanged.
 
     Raises:
-        InputError: `path` exists and is not a regular file, or its folder cannot be written.
+        InputError: `path` exists and is not a regular file, or its folder is not writable.
     """
     target = given_path(path, "output").resolve()
     if target.exists() and not target.is_file():
@@ -149,11 +149,11 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 def whole_files(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield an empty folder to write to; its files replace those in `path` when the block ends, as one set.
 
-    That holds as for `whole_folder`. A file that is there with the same content is not touched. There is no
-    marker, and nothing else is removed. A link in the place of a file is replaced, not followed.
+    Same guarantees as `whole_folder`, but no marker is written and no other file removed. A file with
+    unchanged content is not touched. A link in place of a file is replaced, not followed.
 
     Raises:
-        InputError: the folder cannot be written, or a folder has the name of a new file.
+        InputError: the folder is not writable, or a folder has the name of a new file.
     """
     target = folder_to_write(path)
     with workshop(target) as new:
@@ -172,18 +172,18 @@ def whole_files(path: str | os.PathLike[str]) -> Iterator[Path]:
 def whole_folder(path: str | os.PathLike[str], command: str) -> Iterator[Path]:
     """Yield an empty folder to write to; its files appear in `path` when the block ends without an exception.
 
-    A hidden file `.eccentric` lists there which command wrote what. When the same command writes again, its
-    new files replace everything it wrote before; anything else there is not touched. After any exception in
-    the block, including an interrupt, `path` is unchanged. An interrupt that comes while the files are moved
-    waits until they are. Of two runs at the same time, the last one stays.
+    The hidden file `.eccentric` in it lists which command wrote which file. When the same command runs again,
+    its new files replace everything it wrote before; other files are not touched. After any exception in
+    the block, including an interrupt, `path` is unchanged. Interrupts are deferred while files are moved.
+    Of two simultaneous runs, the last to finish wins.
 
     Raises:
-        InputError: `own_folder` refuses the path; or a file of another command, or one that eccentric did not
-            write, is in the place of a new file or its folder; or it cannot be written.
+        InputError: `own_folder` refuses the path; or a file of another command, or one not written by
+            eccentric, has the name of a new file or its folder; or it is not writable.
     """
     target = own_folder(path)
     if target.exists():
-        # In the folder itself: the same file system, and writable even if its parent is not.
+        # Stage inside the folder: same file system, and writable even if its parent is not.
         with workshop(target) as new:
             yield new
             _put(Path(path), target, new, command)
@@ -199,7 +199,7 @@ def whole_folder(path: str | os.PathLike[str], command: str) -> Iterator[Path]:
 
 
 def remove_folder(path: str | os.PathLike[str], command: str) -> None:
-    """Remove what a command wrote into a folder, and the folder if nothing else is in it.
+    """Remove a command's files from a folder, and the folder if it is then empty.
 
     Raises:
         InputError: as `whole_folder`.
@@ -216,7 +216,7 @@ def remove_folder(path: str | os.PathLike[str], command: str) -> None:
 
 
 def _appears(target: Path, new: Path, command: str) -> bool:
-    """Make the new folder the target; False if another run has made one meanwhile."""
+    """Rename the new folder to the target; False if another run has created it meanwhile."""
     mark(new, dict.fromkeys(files(new), command))
     try:
         new.rename(target)
@@ -228,22 +228,22 @@ def _appears(target: Path, new: Path, command: str) -> bool:
 
 
 def _put(path: Path, target: Path, new: Path, command: str) -> None:
-    """Replace what a command wrote into a folder that exists; messages call it `path`."""
+    """Replace a command's files in an existing folder; messages name it `path`."""
     with _moving(target, new):
         own_folder(target)
         names, there, listed = files(new), files(target), listed_in(target)
         for name in sorted(names):
             require_free(path, name, listed, command)
         owned = {name: owner for name, owner in listed.items() if name in there}
-        gone = {name for name, owner in owned.items() if owner == command} - names
-        kept = {name: owner for name, owner in owned.items() if owner != command}
-        mark(new, kept | dict.fromkeys(names, command))
-        swap(target, new.parent, gone)
+        obsolete = {name for name, owner in owned.items() if owner == command} - names
+        retained = {name: owner for name, owner in owned.items() if owner != command}
+        mark(new, retained | dict.fromkeys(names, command))
+        swap(target, new.parent, obsolete)
 
 
 @contextmanager
 def _moving(target: Path, new: Path) -> Iterator[None]:
-    """Be the only run that moves files into a folder, after whatever killed runs left there is put right."""
+    """Lock a folder against moves by other runs, and recover what killed runs left in it."""
     with alone(target):
         if tidy(target, new.parent):
             raise InputError(

@@ -1,11 +1,11 @@
-"""The user's cache: what was derived or built once, in files that only the user may write.
+"""The user's cache of derived and built results, in files that only the user may write.
 
-A file is moved into the cache atomically. Its first line is the digest of the rest, so that a damaged file is
-made again, as is one that somebody else could have written: what the cache contains is run. Its folder is the
-user's alone (mode 700). Where there are no owners and modes (Windows), the digest alone decides.
+Files are moved into the cache atomically. The first line is a digest of the rest, so a damaged file is
+rebuilt. Cached code is executed, so a file that another user could have written is rebuilt too, and the
+folder is private (mode 700). Where there are no owners and modes (Windows), the digest alone decides.
 
-`Derived` keeps results that follow from the sources of the toolkit alone, such as the model of a bundled
-derivation, all in one file. They are read when first asked for, and written when the process ends.
+`Derived` stores results that depend only on the toolkit's sources, such as the model of a bundled
+derivation, all in one file. It is read at the first lookup and written when the process ends.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from eccentric.core.places import folder
 from eccentric.core.transaction import workshop
 
 OURS_ALONE = 0o700
-"""Mode of what is in the cache, and of its folder."""
+"""Mode of the cache folder and the files in it."""
 _LIBRARIES = ("sympy", "mpmath", "jinja2", "numpy")
 _MOST_BYTES = 4 * 2**20
-"""Size of the file of derived results beyond which it begins anew; those of one log take 0.3 MB."""
+"""Size limit of the file of derived results, beyond which it is restarted; one log takes 0.3 MB."""
 
 
 def digest(parts: Iterable[str | bytes]) -> str:
-    """The digest of texts, which depends on where each of them ends."""
+    """Digest of a sequence of texts; each is prefixed with its length, so boundaries matter."""
     code = hashlib.sha256()
     for part in parts:
         data = part.encode() if isinstance(part, str) else part
@@ -43,16 +43,16 @@ def digest(parts: Iterable[str | bytes]) -> str:
 
 
 def cache_folder() -> Path:
-    """Our folder in the user's cache; it need not exist."""
+    """The toolkit's folder in the user's cache; it need not exist."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "eccentric"
 
 
 def read_cached(file: str) -> bytes | None:
-    """The content of a file in the cache; None if there is none, it is damaged, or another's."""
-    found = own_bytes(cache_folder() / file)
-    if found is None:
+    """The content of a cached file; None if it is missing, damaged, or not the user's."""
+    record = own_bytes(cache_folder() / file)
+    if record is None:
         return None
-    code, _, content = found.partition(b"\n")
+    code, _, content = record.partition(b"\n")
     return content if code == digest([content]).encode() else None
 
 
@@ -60,20 +60,20 @@ def write_cached(file: str, content: bytes) -> None:
     """Store a file in the cache.
 
     Raises:
-        InputError: the cache cannot be written, or belongs to another user.
+        InputError: the cache is not writable, or belongs to another user.
     """
     with workshop(own_cache()) as place:
-        made = place / "record"
-        made.write_bytes(digest([content]).encode() + b"\n" + content)
-        made.chmod(OURS_ALONE)
-        made.replace(cache_folder() / file)
+        record = place / "record"
+        record.write_bytes(digest([content]).encode() + b"\n" + content)
+        record.chmod(OURS_ALONE)
+        record.replace(cache_folder() / file)
 
 
 def own_cache() -> Path:
-    """Our folder in the cache, created if necessary, which nobody else may enter.
+    """The toolkit's private folder in the cache, created if necessary.
 
     Raises:
-        InputError: it cannot be written, or belongs to another user, who could replace what is run.
+        InputError: it is not writable, or belongs to another user, who could replace executed code.
     """
     place = folder_to_write(cache_folder())
     place.mkdir(mode=OURS_ALONE, parents=True, exist_ok=True)
@@ -83,54 +83,53 @@ def own_cache() -> Path:
             problem=f"expected a cache of your own, but {place} belongs to another user: set XDG_CACHE_HOME",
         )
     if place.stat().st_mode & 0o077:
-        with suppress(OSError):  # a disk without modes: what is read there is not used
+        with suppress(OSError):  # a disk without modes: files read from it are ignored
             place.chmod(OURS_ALONE)
     return place
 
 
 def own_bytes(path: Path) -> bytes | None:
-    """The content of a file; None if there is none, or somebody else may have written it."""
+    """The content of a file; None if it is missing, or another user could have written it."""
     try:
         with path.open("rb") as file:
-            place, found = path.parent.stat(), os.fstat(file.fileno())
-            for one in (place, found):
-                if not _is_ours(one) or (os.name == "posix" and one.st_mode & 0o022):
+            for status in (path.parent.stat(), os.fstat(file.fileno())):
+                if not _is_ours(status) or (os.name == "posix" and status.st_mode & 0o022):
                     return None
             return file.read()
     except OSError:
         return None
 
 
-def _is_ours(found: os.stat_result) -> bool:
-    return os.name != "posix" or found.st_uid == os.geteuid()
+def _is_ours(status: os.stat_result) -> bool:
+    return os.name != "posix" or status.st_uid == os.geteuid()
 
 
 class Derived:
-    """Results by key, as marshalled values: what Python's own compiled files contain.
+    """Results by key, as marshalled values, the format of Python's compiled files.
 
-    Those of other sources, another Python or other libraries are in a file of another name. Nothing is kept
-    if a source was changed while this process ran: it runs other code than the files contain.
+    The file name depends on the sources, the Python version and the libraries. Nothing is stored if a source
+    file changed while this process ran: the running code is then not the code in the files.
     """
 
     def __init__(self) -> None:
-        self._found: dict[str, bytes] | None = None
+        self._stored: dict[str, bytes] | None = None
         self._new: dict[str, bytes] = {}
         self._file, self._size = "", 0
 
     def get(self, key: str) -> bytes | None:
         """The result for a key; None if there is none."""
-        if self._found is None:
+        if self._stored is None:
             try:
                 self._file, is_steady = _file_of_sources()
-                self._found = self._read()
+                self._stored = self._read()
             except (OSError, RuntimeError, ImportError):  # an odd installation, a user without a home
-                self._found, is_steady = {}, False
+                self._stored, is_steady = {}, False
             if is_steady:
                 atexit.register(self._write)
-        return self._new.get(key) or self._found.get(key)
+        return self._new.get(key) or self._stored.get(key)
 
     def put(self, key: str, content: bytes) -> None:
-        """Keep a result, as long as there are not too many."""
+        """Store a result, up to the size limit."""
         self._size += len(content)
         if self._size < _MOST_BYTES:
             self._new[key] = content
@@ -140,30 +139,30 @@ class Derived:
         return {} if content is None else marshal.loads(content)  # noqa: S302 - ours
 
     def _write(self) -> None:
-        """Add the new results to what other processes have stored meanwhile."""
+        """Merge the new results with those stored by other processes meanwhile."""
         if not self._new:
             return
         with suppress(InputError, OSError, RuntimeError):
-            own = self._read()
-            if sum(map(len, own.values())) > _MOST_BYTES:  # those of expressions are of single logs
-                own = {key: x for key, x in own.items() if not key.startswith("expression")}
-            write_cached(self._file, marshal.dumps(own | self._new))
+            stored = self._read()
+            if sum(map(len, stored.values())) > _MOST_BYTES:  # expressions belong to single logs
+                stored = {key: x for key, x in stored.items() if not key.startswith("expression")}
+            write_cached(self._file, marshal.dumps(stored | self._new))
             others = (path for path in cache_folder().glob("*.derived") if path.name != self._file)
             for path in sorted(others, key=lambda path: path.stat().st_mtime)[:-2]:
                 path.unlink(missing_ok=True)
 
 
 derived = Derived()
-"""Results that follow from the sources of the toolkit and the key alone."""
+"""Results that depend only on the toolkit's sources and the key."""
 
 
 def _file_of_sources() -> tuple[str, bool]:
-    """The file of results for these sources, Python and libraries; whether no source is newer than us."""
-    found = [(str(path), path.stat()) for path in _sources()]
+    """The results file for these sources, Python and libraries; whether none changed since our import."""
+    stats = [(str(path), path.stat()) for path in _sources()]
     libraries = [f"{name} {version(name)}" for name in _LIBRARIES]
-    texts = (f"{path} {stat.st_mtime_ns} {stat.st_size}" for path, stat in found)
-    # A file's time stamp comes from a clock that may lag by some milliseconds.
-    is_steady = max(stat.st_ctime for _, stat in found) < import_time.imported_at - 0.05
+    texts = (f"{path} {stat.st_mtime_ns} {stat.st_size}" for path, stat in stats)
+    # File time stamps come from a clock that may lag by some milliseconds.
+    is_steady = max(stat.st_ctime for _, stat in stats) < import_time.imported_at - 0.05
     return f"{digest([sys.version, *libraries, *texts])}.derived", is_steady
 
 

@@ -1,6 +1,6 @@
-"""Files of tables, TOML or JSON, and their entries: numbers, tables, the allowed keys.
+"""TOML and JSON files and their entries: numbers, tables, allowed keys.
 
-`where` opens the message of every InputError: file and key.
+`where` (file and key) begins the message of every InputError.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from eccentric.core.places import readable
 
 
 def read_document(path: Path, what: str) -> Mapping[str, Any]:
-    """Return the content of a TOML or JSON file; `what` it is, such as "a rig file".
+    """Return the content of a TOML or JSON file; `what` names it in messages, such as "a rig file".
 
-    Raises InputError for any other suffix, a file that is missing or damaged, and a repeated key.
+    Raises InputError for any other suffix, a missing or invalid file, and a repeated key.
     """
     parsers: dict[str, Callable[[str], Any]] = {
         ".toml": tomllib.loads,
@@ -52,7 +52,7 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
 
 
 def _stopped_at(text: str, error: str) -> tuple[str, str]:
-    """The line that a parser stopped at, and its place, "line 3"; both empty if its message names none."""
+    """The line where a parser stopped, and its place, "line 3"; both empty if the message names none."""
     place = re.search(r"\bline (\d+)", error)
     lines = text.splitlines()
     if place is None or not 0 < int(place[1]) <= len(lines):
@@ -61,7 +61,7 @@ def _stopped_at(text: str, error: str) -> tuple[str, str]:
 
 
 def read_utf8(path: Path) -> str:
-    """Return the text of a file; InputError if it is missing, cannot be read, or is not UTF-8."""
+    """Return the text of a file; InputError if it is missing, unreadable or not UTF-8."""
     try:
         return readable(path).read_text(encoding="utf-8-sig")
     except OSError as error:
@@ -90,14 +90,14 @@ def read_number(value: object, where: str, lower: float = -math.inf, open_below:
 
 
 def read_table(value: object, where: str) -> Mapping[str, Any]:
-    """Return a table of the rig file; InputError for anything else."""
+    """Return a value that must be a table; InputError for anything else."""
     if not isinstance(value, dict):
         raise InputError(where, "a table", f"{value!r}")
     return value
 
 
 def refuse_unknown(keys: Iterable[str], allowed: Iterable[str], where: str) -> None:
-    """Raise InputError for the first key that is not allowed, with the closest one that is."""
+    """Raise InputError for the first key that is not allowed, suggesting the closest allowed one."""
     allowed = list(allowed)
     for key in keys:
         if key not in allowed:

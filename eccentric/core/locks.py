@@ -1,4 +1,4 @@
-"""Locks of files that end with their process, and signals that end a run."""
+"""File locks released when their process ends, and signals that terminate a run."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from io import FileIO
 from pathlib import Path
 from typing import Any
 
-# Signals that end a run: exceptions, so that it cleans up, and held back while files are moved.
+# Terminating signals raise exceptions, so that the run cleans up; they are deferred while files are moved.
 
 
-# SIGINT last: `held` gives the handlers back in this order, and that of SIGINT is the one that raises most.
+# SIGINT last: `held` restores the handlers in this order, and that of SIGINT is the likeliest to raise.
 _SIGNALS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGINT") if hasattr(signal, name))
 
 
 class Ended(KeyboardInterrupt):
-    """A signal asks the run to end. It is an interrupt, so that nothing mistakes it for an error.
+    """A terminating signal arrived. A KeyboardInterrupt, so that no handler of errors catches it.
 
     Attributes:
-        number: of the signal.
+        number: the signal number.
     """
 
     def __init__(self, number: int) -> None:
@@ -32,16 +32,16 @@ class Ended(KeyboardInterrupt):
 
 @contextmanager
 def ended_by_signals(*, to_the_end: bool = False) -> Iterator[None]:
-    """Let SIGTERM and SIGHUP raise `Ended` in the main thread, in this block.
+    """Within this block SIGTERM and SIGHUP raise `Ended` in the main thread.
 
-    One that is ignored (nohup) or handled by somebody else stays so. Does nothing in other threads.
+    A signal that is ignored (nohup) or already handled keeps its handler. Does nothing in other threads.
 
     Args:
-        to_the_end: the process ends with the block, and what it has imported may still have to clean up:
-            after a signal, Ctrl-C is ignored from then on.
+        to_the_end: the process ends with the block: after a signal, Ctrl-C is ignored, so that imported
+            modules can clean up.
     """
-    quiet = [n for n in _SIGNALS if signal.getsignal(n) is signal.SIG_DFL and n != signal.SIGINT]
-    before = [(number, signal.SIG_DFL) for number in quiet] if _is_main() else []
+    default = [n for n in _SIGNALS if signal.getsignal(n) is signal.SIG_DFL and n != signal.SIGINT]
+    before = [(number, signal.SIG_DFL) for number in default] if _is_main() else []
     try:
         for number, _ in before:
             signal.signal(number, _end)
@@ -56,15 +56,15 @@ def ended_by_signals(*, to_the_end: bool = False) -> Iterator[None]:
 
 @contextmanager
 def held() -> Iterator[None]:
-    """Let signals that would raise in this thread wait until the end of the block.
+    """Defer signals that would raise in this thread until the block ends.
 
-    Handlers are replaced instead of masking the signals: another thread may receive them, and its handler
-    runs in the main thread all the same.
+    Handlers are replaced rather than signals masked: another thread may receive a signal, but its handler
+    always runs in the main thread.
     """
-    came: list[int] = []
+    pending: list[int] = []
 
     def wait(number: int, _: object) -> None:
-        came.append(number)
+        pending.append(number)
 
     handlers = [(number, signal.getsignal(number)) for number in _SIGNALS] if _is_main() else []
     before = [(number, handler) for number, handler in handlers if callable(handler)]
@@ -74,7 +74,7 @@ def held() -> Iterator[None]:
         yield
     finally:
         _give_back(before)
-        for number in dict.fromkeys(came):
+        for number in dict.fromkeys(pending):
             signal.raise_signal(number)
 
 
@@ -87,7 +87,7 @@ def _is_main() -> bool:
 
 
 def _give_back(before: Sequence[tuple[int, Callable[..., Any] | int]]) -> None:
-    """Restore the handlers, all of them even if one that is restored raises at once."""
+    """Restore all handlers, even if a restored one raises at once."""
     if before:
         (number, handler), *rest = before
         try:
@@ -106,16 +106,16 @@ except ImportError:  # Windows
 
 
 class NoLocksError(OSError):
-    """This system, or this file system, has no locks."""
+    """The operating system or file system does not support locks."""
 
 
 def lock(path: Path, *, wait: bool = False) -> FileIO | None:
-    """Lock a file, which is created if necessary; closing what is returned ends the lock.
+    """Lock a file, created if necessary; closing the returned file releases the lock.
 
-    None if somebody else holds it and we do not wait. Processes and threads exclude each other.
+    Returns None if it is already locked and `wait` is false. Excludes both processes and threads.
 
     Raises:
-        NoLocksError: there are no locks here.
+        NoLocksError: locks are not supported here.
         OSError: the file cannot be created or opened.
     """
     if fcntl is None:
@@ -130,7 +130,7 @@ def lock(path: Path, *, wait: bool = False) -> FileIO | None:
         except OSError as error:
             file.close()
             raise NoLocksError(error.errno, error.strerror) from error
-        # Whoever held it may have removed it meanwhile: then this would be a lock of nothing.
+        # The previous holder may have removed the file: the lock would then protect nothing.
         if _is_at(path, file.fileno()):
             return file
         file.close()
@@ -138,7 +138,7 @@ def lock(path: Path, *, wait: bool = False) -> FileIO | None:
 
 @contextmanager
 def locked(path: Path) -> Iterator[None]:
-    """Hold the lock of a file, which is removed afterwards; wait for others. Without locks: nothing."""
+    """Wait for and hold the lock of a file, which is removed afterwards. No effect without locks."""
     try:
         file = lock(path, wait=True)
     except NoLocksError:
@@ -155,12 +155,12 @@ def locked(path: Path) -> Iterator[None]:
 
 
 def _opened(path: str, _: int) -> int:
-    plain = getattr(os, "O_NOFOLLOW", 0)
+    no_links = getattr(os, "O_NOFOLLOW", 0)
     try:
-        # For writing: NFS turns an exclusive lock into one of bytes, which requires that.
-        return os.open(path, os.O_RDWR | os.O_CREAT | plain, 0o644)
+        # For writing: NFS implements an exclusive lock as a byte-range lock, which requires it.
+        return os.open(path, os.O_RDWR | os.O_CREAT | no_links, 0o644)
     except PermissionError:  # left by a killed run of another user
-        return os.open(path, os.O_RDONLY | plain)
+        return os.open(path, os.O_RDONLY | no_links)
 
 
 def _is_at(path: Path, file: int) -> bool:

@@ -1,6 +1,6 @@
-"""Paths: those that a user gives, and those of the derivations and templates.
+"""Paths from the user, and the folders of the derivations and templates.
 
-Derivations and templates are inside an installed package, or beside it in a clone.
+Derivations and templates are inside an installed package, or next to it in a clone.
 """
 
 import os
@@ -13,7 +13,7 @@ _NO_ARMS = {".xacro", ".xml"}
 
 
 def given_path(value: object, what: str) -> Path:
-    """Return a path that a user gives; InputError for anything that cannot be one, with `what` it is of."""
+    """Return a path from the user; InputError if it cannot be one. `what` names it in the message."""
     if not isinstance(value, str | os.PathLike) or isinstance(os.fspath(value), bytes):
         raise InputError(what, "a path", type(value).__name__)
     if "\0" in os.fspath(value):
@@ -22,7 +22,7 @@ def given_path(value: object, what: str) -> Path:
 
 
 def is_arm_file(path: str | os.PathLike[str]) -> bool:
-    """Return whether a path leads to the file of an arm, by its suffix; behind # is the tip of a URDF."""
+    """Return whether a path has the suffix of an arm file; the part after # is the tip link of a URDF."""
     return Path(os.fspath(path).partition("#")[0]).suffix.lower() in _OF_ARMS
 
 
@@ -37,7 +37,7 @@ def refuse_other_files(path: str | os.PathLike[str]) -> None:
 
 
 def _instead_of(folder: Path) -> str:
-    """What to give in place of the folder of a result."""
+    """The path to use instead of a result folder."""
     if (folder / "model.py").is_file():
         return f": give its model, {shown(folder / 'model.py')}"
     if (folder / "fit.json").is_file():
@@ -46,15 +46,12 @@ def _instead_of(folder: Path) -> str:
 
 
 def shown(path: Path) -> str:
-    """Return a path as messages and results show it: bytes of its name that are not UTF-8 are replaced."""
+    """Return a path for messages and results, with bytes that are not UTF-8 replaced."""
     return os.fsencode(path).decode("utf-8", "replace")
 
 
 def readable(path: Path) -> Path:
-    """Return the path of a file to read; InputError if there is none, or it is a directory, pipe or device.
-
-    Reading a pipe would wait for a writer.
-    """
+    """Return the path of a regular file to read; InputError for anything else: a pipe would block."""
     if not path.exists():
         raise InputError(shown(path), problem="no such file")
     if not path.is_file():
@@ -64,13 +61,9 @@ def readable(path: Path) -> Path:
 
 
 def folder(name: str) -> Path:
-    """Return the folder of the scripts or templates that belong to this copy of the package.
+    """Return the folder `derivations` or `templates` of this copy of the package.
 
-    Args:
-        name: `derivations` or `templates`.
-
-    Returns:
-        The folder in the package (an installed wheel), else the one beside it (a clone).
+    It is in the package (an installed wheel), else next to it (a clone).
 
     Raises:
         InputError: neither exists, the installation is incomplete.
@@ -86,9 +79,6 @@ def folder(name: str) -> Path:
 
 
 def derivation(name_or_path: str | os.PathLike[str]) -> Path:
-    """Return the path of a script: given by its path, which ends in `.py`, or by the name of a bundled one.
-
-    The file need not exist.
-    """
+    """Return the path of a derivation, from a path ending in `.py` or a bundled name; it need not exist."""
     path = given_path(name_or_path, "model")
     return (path if path.suffix == ".py" else folder("derivations") / f"{name_or_path}.py").resolve()

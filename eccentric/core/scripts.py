@@ -1,4 +1,4 @@
-"""Scripts loaded by path, and source text run as modules; what a script loads is recorded."""
+"""Scripts loaded by path and source text executed as modules; the scripts they load are recorded."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from types import ModuleType
 
 @dataclass(frozen=True)
 class Script:
-    """A script as it was executed.
+    """An executed script.
 
     Attributes:
-        asked: the name or path that was requested.
-        path: the file that this resolved to.
-        text: the source that was executed; the file may have changed since.
+        asked: the requested name or path.
+        path: the file it resolved to.
+        text: the executed source; the file may have changed since.
     """
 
     asked: str
@@ -29,17 +29,17 @@ _loads: dict[Path, dict[str, Path]] = {}
 _running: list[Path] = []
 
 
-def asks(asked: str, path: Path) -> None:
+def asks(name: str, path: Path) -> None:
     """Record that the running script, if any, loads another."""
     if _running:
-        _loads[_running[-1]][asked] = path
+        _loads[_running[-1]][name] = path
 
 
 def run_script(path: Path, name: str) -> ModuleType:
-    """The module of that name from a script. It is compiled from its source, never from older bytecode.
+    """Execute a script as the module `name`, compiled from its source, never from cached bytecode.
 
-    The module stays in `sys.modules` unless the script fails: a dataclass with postponed annotations looks
-    its module up there. Exceptions of the script propagate.
+    The module stays in `sys.modules` unless the script fails, since a dataclass with postponed annotations
+    looks its module up there. Exceptions of the script propagate.
     """
     text = path.read_bytes()
     _executed.setdefault(path, set()).add(text)
@@ -52,7 +52,7 @@ def run_script(path: Path, name: str) -> ModuleType:
 
 
 def run_text(text: str | bytes, name: str, origin: str) -> ModuleType:
-    """The module of that name from source text; `origin` is its name in tracebacks."""
+    """Execute source text as the module `name`; `origin` is its file name in tracebacks."""
     module = ModuleType(name)
     module.__file__ = origin
     sys.modules[name] = module
@@ -65,38 +65,38 @@ def run_text(text: str | bytes, name: str, origin: str) -> ModuleType:
 
 
 def scripts_behind(asked: str, path: Path) -> tuple[Script, ...] | None:
-    """A script that was executed, and all that it loaded, recursively.
+    """An executed script and all scripts it loaded, recursively.
 
-    None if one of them was edited while this process ran, and executed both before and after.
+    None if one of them was executed in two versions, that is, edited while this process ran.
     """
-    found: list[Script] = []
-    left = [(asked, path)]
-    while left:
-        asked, path = left.pop()
+    scripts: list[Script] = []
+    pending = [(asked, path)]
+    while pending:
+        asked, path = pending.pop()
         if len(_executed[path]) > 1:
             return None
         script = Script(asked, path, *_executed[path])
-        if script not in found:
-            found.append(script)
-            left += _loads[path].items()
-    return tuple(found)
+        if script not in scripts:
+            scripts.append(script)
+            pending += _loads[path].items()
+    return tuple(scripts)
 
 
 def loads_behind(path: Path) -> dict[str, dict[str, str]]:
-    """What an executed script loaded, and what that loaded: path -> name or path as requested -> path."""
-    found: dict[str, dict[str, str]] = {}
-    left = [path]
-    while left:
-        path = left.pop()
-        if str(path) not in found:
-            found[str(path)] = {asked: str(other) for asked, other in _loads[path].items()}
-            left += _loads[path].values()
-    return found
+    """The scripts loaded by an executed script, recursively: path -> requested name or path -> path."""
+    loads: dict[str, dict[str, str]] = {}
+    pending = [path]
+    while pending:
+        path = pending.pop()
+        if str(path) not in loads:
+            loads[str(path)] = {name: str(other) for name, other in _loads[path].items()}
+            pending += _loads[path].values()
+    return loads
 
 
 def remember_loads(loads: Mapping[str, Mapping[str, str]]) -> None:
-    """Record as executed the scripts of a result that was kept; the argument is that of `loads_behind`."""
+    """Record the scripts of a cached result as executed; `loads` is as returned by `loads_behind`."""
     for name, others in loads.items():
         path = Path(name)
         _executed.setdefault(path, set()).add(path.read_bytes())
-        _loads[path] = {asked: Path(other) for asked, other in others.items()}
+        _loads[path] = {requested: Path(other) for requested, other in others.items()}

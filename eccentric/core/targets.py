@@ -1,8 +1,8 @@
-"""The targets that models are emitted for and exported to: all that help, `doctor` and messages say of them.
+"""Emission and export targets, as described by help, `doctor` and messages.
 
-A target of `emit` is a line here and a folder of its name in `eccentric/emission/backends`, one of `export` a
-line and a file of its name in `eccentric/exports`. The lines are not there, since to import those rooms is to
-import SymPy, for which no help page waits.
+An `emit` target is an entry here and a folder of its name in `eccentric/emission/backends`, an `export`
+target an entry and a file of its name in `eccentric/exports`. The entries are here because importing those
+rooms imports SymPy, which is too slow for a help page.
 """
 
 from collections.abc import Mapping
@@ -14,11 +14,11 @@ class Target:
     """One target.
 
     Attributes:
-        meaning: what is written, for a list of targets.
-        default: whether it is written if none is asked for.
-        extra, packages: extra of the toolkit that brings what runs the files, and its packages; emission
-            itself needs none of them.
-        others: names that people look for it by.
+        meaning: description for a list of targets.
+        default: whether it is written when no target is requested.
+        extra, packages: the toolkit's extra that installs the packages needed to run the files; emission
+            itself needs none.
+        others: other names people search for.
     """
 
     meaning: str

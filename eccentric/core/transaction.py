@@ -1,9 +1,9 @@
-"""A set of files in the place of another: all or none, also if the process is killed in the middle.
+"""Replace one set of files by another, all or none, even if the process is killed halfway.
 
-A file system moves one file at a time. So a journal says first what will be moved; then the old files leave
-for the folder `old` of the workshop, and only when all are gone the new ones come in: at no time do files of
-two runs lie side by side. Removing the journal is what makes the new set final. If it is still there, because
-the process was killed or a move failed, `undo` puts the old set back; it may itself be killed and repeated.
+A file system moves one file at a time. So a journal first lists the moves; then the old files are moved to
+the staging area's folder `old`, and only then the new ones into the target: files of two runs are never
+mixed. Removing the journal commits the new set. If the journal remains, because the process was killed or a
+move failed, `undo` restores the old set; it may itself be killed and repeated.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from eccentric.core.locks import NoLocksError, held, lock, locked
 
 MARKER = ".eccentric"
 NEW, OLD, JOURNAL = "new", "old", "journal"
-"""In a workshop: the new files, the old ones, and which of them are being moved."""
+"""In a staging area: the new files, the old ones, and the list of moves in progress."""
 
 
-def swap(target: Path, own: Path, gone: Collection[str] = ()) -> None:
-    """Move the files of a workshop's `new` to the target, and out of it what they replace and what is `gone`.
+def swap(target: Path, staging: Path, gone: Collection[str] = ()) -> None:
+    """Move the new files of a staging area to the target, and move out those replaced or `gone` (obsolete).
 
-    The marker is replaced by the new one, if there is one, without a moment without it: it says whose folder
-    this is. Folders that are then empty are removed. Signals wait until the end.
+    A new marker replaces the old one atomically, since it identifies the folder. Folders that are then empty
+    are removed. Signals are deferred until the end.
 
     Raises:
         OSError: a file cannot be moved; the target is unchanged.
     """
-    new, old = own / NEW, own / OLD
+    new, old = staging / NEW, staging / OLD
     names = sorted(files(new))
     leaving = [name for name in (*names, *sorted(gone)) if stands(target / name)]
     folders = {folder for name in names for folder in Path(name).parents}
@@ -47,10 +47,10 @@ def swap(target: Path, own: Path, gone: Collection[str] = ()) -> None:
     if marked and not fresh:
         old.mkdir(exist_ok=True)
         shutil.copy2(target / MARKER, old / MARKER)
-    (own / "plan").write_text(json.dumps(plan), encoding="utf-8")
+    (staging / "plan").write_text(json.dumps(plan), encoding="utf-8")
     with held():
         try:
-            (own / "plan").replace(own / JOURNAL)
+            (staging / "plan").replace(staging / JOURNAL)
             if marked:
                 (new / MARKER).replace(target / MARKER)
             for name in leaving:
@@ -60,22 +60,22 @@ def swap(target: Path, own: Path, gone: Collection[str] = ()) -> None:
             for name in names:
                 (new / name).replace(target / name)
         except BaseException:
-            undo(target, own)
+            undo(target, staging)
             raise
-        (own / JOURNAL).unlink()
+        (staging / JOURNAL).unlink()
         emptied = {folder for name in gone for folder in Path(name).parents} - {Path()}
         for folder in sorted(emptied, reverse=True):
             with suppress(OSError):  # not empty
                 (target / folder).rmdir()
 
 
-def undo(target: Path, own: Path) -> None:
-    """Put back what was in the target before a workshop's files were moved there; nothing without a journal.
+def undo(target: Path, staging: Path) -> None:
+    """Restore the target to its state before `swap`; no effect without a journal.
 
     Raises:
         OSError: a file cannot be moved; the journal stays, for the next attempt.
     """
-    new, old, journal = own / NEW, own / OLD, own / JOURNAL
+    new, old, journal = staging / NEW, staging / OLD, staging / JOURNAL
     if not journal.exists():
         return
     with held():
@@ -98,96 +98,96 @@ def undo(target: Path, own: Path) -> None:
 
 
 def files(folder: Path) -> set[str]:
-    """Names of all files below `folder`, relative to it; the marker excluded."""
+    """Names of all files below `folder`, relative to it, without the marker."""
     paths = (path for path in folder.rglob("*") if path.is_symlink() or not path.is_dir())
     return {path.relative_to(folder).as_posix() for path in paths} - {MARKER}
 
 
 def stands(path: Path) -> bool:
-    """Whether there is anything with this name, including a dangling link."""
+    """Whether the path exists, including a dangling link."""
     return os.path.lexists(path)
 
 
 def is_folder(path: Path) -> bool:
-    """Whether it is a folder itself: a link leads outside our folder."""
+    """Whether it is a folder and not a link to one, which leads outside ours."""
     return path.is_dir() and not path.is_symlink()
 
 
-# A temporary folder beside the target, and what becomes of those that killed runs left.
+# Staging areas: temporary folders next to the target, and recovery of those left by killed runs.
 
 
 _NAME = re.compile(rf"{re.escape(MARKER)}-[0-9a-f]{{16}}")
 _LOCK = "lock"
 _ABANDONED_S = 3600.0
-"""Where there are no locks: age of a temporary folder that nobody holds. Writing takes seconds."""
+"""Without locks: age at which a staging area counts as abandoned. Writing takes seconds."""
 
 
 @contextmanager
 def workshop(place: Path) -> Iterator[Path]:
     """Yield an empty folder, inside a temporary one in `place` that is removed afterwards.
 
-    `place` is created if necessary. What killed runs left there is removed, or put back if they were moving
-    files.
+    `place` is created if necessary. Staging areas of killed runs are removed, after restoring the files
+    that were being moved.
 
     Raises:
         InputError: the folder cannot be created or written.
     """
-    # The name is known before there is a folder, so that even an interrupt in between can remove it.
-    own = _free(place)
+    # The name is chosen before the folder is created, so that an interrupt in between can still remove it.
+    staging = _free(place)
     with ExitStack() as holding:
         try:
             try:
                 place.mkdir(parents=True, exist_ok=True)
-                own.mkdir(mode=0o700)
-                while not _hold(own, holding):
-                    # Another run has found the folder before it was locked, and removes it.
-                    own = _free(place)
-                    own.mkdir(mode=0o700)
-                (own / NEW).mkdir()
-                if any(other != own for other in _left(place)):
+                staging.mkdir(mode=0o700)
+                while not _hold(staging, holding):
+                    # Another run saw the folder before it was locked, and removes it.
+                    staging = _free(place)
+                    staging.mkdir(mode=0o700)
+                (staging / NEW).mkdir()
+                if any(other != staging for other in _staging_areas(place)):
                     with alone(place):
-                        tidy(place, own)
+                        tidy(place, staging)
             except OSError as error:
                 raise InputError(
                     place, problem=f"expected a place that can be written ({error.strerror})"
                 ) from error
-            yield own / NEW
+            yield staging / NEW
         finally:
             with held():
-                _remove(own)
+                _remove(staging)
 
 
 @contextmanager
 def alone(place: Path) -> Iterator[None]:
-    """Be the only run that moves sets of files into this folder; wait for others."""
+    """Wait for and hold the right to move sets of files into this folder."""
     with locked(place / f"{MARKER}-{_LOCK}"):
         yield
 
 
-def tidy(place: Path, own: Path) -> bool:
-    """Remove temporary folders that nobody holds, all but our own, and undo what those runs had half done.
+def tidy(place: Path, staging: Path) -> bool:
+    """Remove all abandoned staging areas but our own, and undo their unfinished moves.
 
-    The caller must be `alone` there. Returns whether another run is moving files here nevertheless, which
-    only happens without locks.
+    The caller must hold `alone`. Returns whether another run is moving files here nevertheless, which only
+    happens without locks.
     """
     busy = False
-    for other in _left(place):
-        if other != own:
+    for other in _staging_areas(place):
+        if other != staging:
             with ExitStack() as holding:
-                if _is_abandoned(other, own, holding):
+                if _is_abandoned(other, staging, holding):
                     undo(place, other)
                     _remove(other)
-                with suppress(PermissionError):  # another user's, whose files are not ours to move
+                with suppress(PermissionError):  # another user's files are not ours to move
                     busy |= (other / JOURNAL).exists()
     return busy
 
 
-def _is_abandoned(other: Path, own: Path, holding: ExitStack) -> bool:
-    """Whether nobody holds a temporary folder; then we hold it, if there are locks."""
+def _is_abandoned(other: Path, staging: Path, holding: ExitStack) -> bool:
+    """Whether a staging area is abandoned; if so, lock it where locks exist."""
     try:
         file = lock(other / _LOCK)
     except NoLocksError:
-        return _age(own, other) > _ABANDONED_S
+        return _age(staging, other) > _ABANDONED_S
     except OSError:  # it belongs to another user, or is just being removed
         return False
     return file is not None and bool(holding.enter_context(file))
@@ -197,10 +197,10 @@ def _free(place: Path) -> Path:
     return place / f"{MARKER}-{secrets.token_hex(8)}"
 
 
-def _hold(own: Path, holding: ExitStack) -> bool:
-    """Lock our folder, if there are locks; False if it is already being removed."""
+def _hold(staging: Path, holding: ExitStack) -> bool:
+    """Lock our staging area where locks exist; False if it is already being removed."""
     try:
-        file = lock(own / _LOCK)
+        file = lock(staging / _LOCK)
     except NoLocksError:
         return True
     except FileNotFoundError:
@@ -208,20 +208,20 @@ def _hold(own: Path, holding: ExitStack) -> bool:
     return file is not None and bool(holding.enter_context(file))
 
 
-def _left(place: Path) -> list[Path]:
+def _staging_areas(place: Path) -> list[Path]:
     names = (entry.name for entry in os.scandir(place) if entry.is_dir(follow_symlinks=False))
     return [place / name for name in sorted(names) if _NAME.fullmatch(name)]
 
 
-def _age(own: Path, other: Path) -> float:
-    """How much older a folder is than our own, s: both by the clock of their file system."""
+def _age(staging: Path, other: Path) -> float:
+    """Age of a folder relative to ours [s], by the clock of the file system."""
     with suppress(OSError):
         times = [path.stat().st_mtime for path in (other, *other.rglob("*"))]
-        return own.stat().st_mtime - max(times)
+        return staging.stat().st_mtime - max(times)
     return 0.0
 
 
 def _remove(folder: Path) -> None:
-    """Remove a temporary folder, unless it holds files that are to be put back."""
+    """Remove a staging area, unless it contains files to restore."""
     if not (folder / JOURNAL).exists():
         shutil.rmtree(folder, ignore_errors=True)

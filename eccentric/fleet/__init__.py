@@ -1,14 +1,14 @@
-"""Fleets: the logs of many joints over many periods, what drifts, and what changed.
+"""Fleets: drift and changes in the logs of many joints over many periods.
 
-    sources    LOGS -> files, each of a joint and a period; what could not be done
+    sources    LOGS -> files, each with joint and period; problems
     sums       a file -> its sums
-    work       what a worker does; the sums as Parquet, a file for each joint and period
-    cluster    Dask: work spread, survived workers
-    gathered   the sums of all files, and which rig is whose
+    work       a worker's task; the sums as Parquet files by joint
+    cluster    Dask: distribution of the work, recovery from dying workers
+    gathered   the sums of all files; the rig of each joint
     periods    sums -> coefficients with intervals, by joint and period; temperatures from the fleet
     drift      a test for each coefficient, at a false discovery rate; joints that cannot be judged
-    found      what changed
-    run        the whole run
+    found      the explanation of each change
+    run        the complete run
     limits     every threshold, with its reason
 
 In: paths of logs and rigs. Out: `FleetFound`, and the sums of a fleet on disk.

@@ -1,8 +1,8 @@
-"""Work spread over a Dask cluster: results as they come, whatever becomes of workers and scheduler.
+"""Distribution of work over a Dask cluster that survives dying workers and a lost scheduler.
 
-A task whose worker dies is tried again elsewhere, by Dask; what kills workers is told apart from what waited
-beside it, so that it is named and all else is done. Results come back to the caller, who alone
-writes: workers need to see the logs, nothing else.
+Dask retries a task whose worker dies. An item that kills its worker is distinguished from items that merely
+shared the worker, so that it is reported and the others are completed. Only the caller writes results:
+workers need read access to the logs, nothing else.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ Result = TypeVar("Result")
 
 
 class SchedulerLost(Exception):
-    """The scheduler or all of its workers went away; what was done until then has been yielded."""
+    """The scheduler or all of its workers went away; results completed before have been yielded."""
 
 
 class Failed(Exception):
-    """Why an item has no result, in a line."""
+    """An item has no result; the message gives the reason in one line."""
 
 
 @contextmanager
 def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
-    """Yield a client of the scheduler at an address, or of a cluster of this many processes on this machine.
+    """Yield a client of the scheduler at an address, or of a local cluster of this many processes.
 
     Raises InputError if Dask is not installed, nothing answers at the address, or no worker can be started.
     """
@@ -46,16 +46,16 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
         ) from None
     settings = {
         "distributed.comm.timeouts.connect": CONNECT,
-        # Ticks tell how long a loop was busy, which nobody asks here: fifty a second are work.
+        # Ticks measure how long a loop was busy, which is not used here: fifty a second cost time.
         "distributed.admin.tick.limit": "1h",
         "distributed.admin.tick.interval": "10s",
         "distributed.scheduler.allowed-failures": DEATHS,
-        # A worker that pauses at 80 % of its memory waits for results to be taken, and goes on where memory
-        # falls. Here it is the allocator's, and would never fall: the task would wait for ever.
+        # A worker that pauses at 80 % of its memory resumes when results are collected and memory falls.
+        # Here the allocator holds the memory, so it would never fall and the task would hang.
         "distributed.worker.memory.pause": False,
         "distributed.worker.memory.target": False,
         "distributed.worker.memory.spill": False,
-        # With Dask's own, 64 kB, each array goes back to the system, and the next is mapped and zeroed.
+        # With Dask's default, 64 kB, each freed array is unmapped, and the next one mapped and zeroed.
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": KEPT_BYTES,
         "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": KEPT_BYTES,
     }
@@ -71,19 +71,19 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
                         dashboard_address="127.0.0.1:0",
                         silence_logs=logging.CRITICAL,
                     )
-            except RuntimeError:  # as multiprocessing says it, in each process that reads the script again
+            except RuntimeError:  # from multiprocessing, in each process that re-imports the script
                 raise InputError(
                     "fleet",
                     problem='expected a call below `if __name__ == "__main__":`, since workers read the'
                     " script again: none could be started",
                 ) from None
-            # Ctrl-C in a callback of the garbage collector would be printed and lost.
+            # Ctrl-C in a garbage-collector callback would be printed and lost.
             distributed.gc.disable_gc_diagnosis(force=True)
             closing = ExitStack()
             try:
                 yield closing.enter_context(distributed.Client(closing.enter_context(local)))
             finally:
-                with held():  # Dask does not close a second time what was interrupted
+                with held():  # Dask cannot resume an interrupted close
                     closing.close()
             return
         for name in ("distributed.client", "distributed.core"):
@@ -91,9 +91,9 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
         try:
             client = distributed.Client(scheduler, timeout=CONNECT)
         except (OSError, ValueError) as error:
-            said = str(error).splitlines()[0]
+            reason = str(error).splitlines()[0]
             raise InputError(
-                f"--scheduler {scheduler}", problem=f"expected a Dask scheduler there ({said})"
+                f"--scheduler {scheduler}", problem=f"expected a Dask scheduler there ({reason})"
             ) from None
         try:
             yield client
@@ -103,15 +103,15 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
 
 @contextmanager
 def _without_interrupts() -> Iterator[None]:
-    """What is started here never receives Ctrl-C, which a terminal sends to all processes of a command.
+    """Block Ctrl-C, which a terminal sends to all processes of a command, for processes started here.
 
-    This process stops its workers itself. Blocked signals are inherited by threads and processes; one that
-    comes meanwhile arrives at the end.
+    This process stops its workers itself. Threads and processes inherit blocked signals; a signal that
+    arrives meanwhile is delivered at the end.
     """
     if not hasattr(signal, "pthread_sigmask"):  # as on Windows
         yield
         return
-    # Python starts its tracker with the first process, and then lets Ctrl-C through to that one.
+    # Python starts its resource tracker with the first process, and unblocks Ctrl-C for that one.
     resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -121,7 +121,7 @@ def _without_interrupts() -> Iterator[None]:
 
 
 def threads_of(client: Any) -> int:
-    """The threads of all workers, at least 1: some schedulers start workers on demand.
+    """Number of threads of all workers, at least 1: some schedulers start workers on demand.
 
     Raises:
         SchedulerLost: the scheduler does not answer.
@@ -135,10 +135,10 @@ def threads_of(client: Any) -> int:
 def spread(
     client: Any, work: Callable[[Sequence[Item]], Sequence[Result]], tasks: Iterable[Sequence[Item]]
 ) -> Iterator[tuple[Item, Result | Failed]]:
-    """Yield each item of each task with its result, in the order in which they are done.
+    """Yield each item of each task with its result, in order of completion.
 
-    Dask blames every task that waited on a worker for its death. So a task that is blamed is cut into its
-    items, and an item that is blamed waits until all else is done and is tried once more, by itself.
+    Dask blames every task assigned to a worker for its death. So a blamed task is split into its items, and
+    a blamed item is retried once, by itself, after everything else is done.
 
     Raises SchedulerLost.
     """
@@ -169,36 +169,36 @@ def spread(
                     else:
                         blamed.append(task)
                 else:
-                    future.release()  # its worker keeps a diagnosis, which is large, as long as this is held
+                    future.release()  # until then the worker keeps its result, and a diagnosis is large
                     yield from zip(task, results, strict=True)
     except (OSError, TimeoutError, distributed.CancelledError) as error:
         raise SchedulerLost(str(error).splitlines()[0] if str(error) else type(error).__name__) from None
 
 
 class _LostError(Exception):
-    """A result was there, and is no longer."""
+    """A result was computed and then lost."""
 
 
 def _done(client: Any, running: list[Any]) -> Collection[Any]:
-    """The futures that have come to an end, at least one. Raises SchedulerLost."""
+    """The completed futures, at least one. Raises SchedulerLost."""
     distributed = importlib.import_module("distributed")
-    worked = time.monotonic()
+    last_worker = time.monotonic()
     while True:
         try:
             return distributed.wait(running, timeout=ALIVE_S, return_when="FIRST_COMPLETED").done
         except TimeoutError:
-            # Futures of a scheduler that was killed wait for ever; the client knows that it has lost it.
+            # Futures of a killed scheduler never complete, but the client notices the lost connection.
             if client.status != "running":
                 raise SchedulerLost("no connection") from None
-            # A scheduler that starts workers on demand has none until tasks wait.
+            # A scheduler that starts workers on demand has none until tasks are queued.
             if client.nthreads():
-                worked = time.monotonic()
-            elif time.monotonic() - worked > WORKERLESS_S:
+                last_worker = time.monotonic()
+            elif time.monotonic() - last_worker > WORKERLESS_S:
                 raise SchedulerLost(f"no worker for {WORKERLESS_S:g} s") from None
 
 
 def _results(future: Any) -> Sequence[Any]:
-    """The results of a task that has ended. Raises Failed, _LostError, SchedulerLost."""
+    """The results of a completed task. Raises Failed, _LostError, SchedulerLost."""
     distributed = importlib.import_module("distributed")
     if future.status not in {"finished", "error"}:
         if future.client.status == "running":
@@ -214,5 +214,5 @@ def _results(future: Any) -> Sequence[Any]:
         if cancelled or isinstance(error, OSError):
             raise SchedulerLost(name) from None
         died = isinstance(error, distributed.KilledWorker)
-        said = "every worker that took it died: out of memory?" if died else f"{name}: {error}"
-        raise Failed(said.splitlines()[0]) from None
+        reason = "every worker that took it died: out of memory?" if died else f"{name}: {error}"
+        raise Failed(reason.splitlines()[0]) from None

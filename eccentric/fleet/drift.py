@@ -1,13 +1,13 @@
-"""What drifts: a test for each coefficient of each joint over its periods, and which of them count.
+"""Drift tests for each coefficient of each joint over its periods.
 
     value of a period = a + temperature part + change + scatter
 
-The change is a straight line over all periods, or a step or a ramp from one of them on; the best is taken,
-and its p-value multiplied by how many there were (Bonferroni). How far healthy periods scatter is known
-better from the fleet than from six periods of one joint: the variance of each test is shrunk towards that of
-the fleet (Smyth, Statistical Applications in Genetics and Molecular Biology 3(1), 2004). Of all p-values
-those count that the procedure of Benjamini and Hochberg (J. Royal Statistical Society B 57, 1995) leaves at
-the rate asked for, and whose change is large enough to matter.
+The change is a straight line over all periods, or a step or a ramp that begins at one of them; the best fit
+is selected, and its p-value multiplied by the number of alternatives (Bonferroni). The fleet shows the
+scatter of healthy periods better than six periods of one joint: the variance of each test is shrunk towards
+that of the fleet (Smyth, Statistical Applications in Genetics and Molecular Biology 3(1), 2004). A change
+counts if it is a discovery at the requested rate by the procedure of Benjamini and Hochberg (J. Royal
+Statistical Society B 57, 1995), and large enough to matter.
 """
 
 from __future__ import annotations
@@ -41,15 +41,15 @@ from eccentric.fleet.sums import SCALE
 Array = NDArray[np.float64]
 
 FRICTION, RESIDUAL = "friction", "residual"
-"""Tested beside the coefficients: the mean size of the friction torque, and what the model leaves of the
-drive torque, by its logarithm."""
+"""Tested in addition to the coefficients: the mean magnitude of the friction torque, and the logarithm of the
+RMS residual of the drive torque."""
 
 
 @dataclass(frozen=True)
 class Series:
     """A quantity of a joint over its periods (p,): values, their standard errors, temperatures [deg C].
 
-    A change of 1 is `torque` of the mean friction torque; it counts from `least` of it.
+    A change of 1 is `torque` times the mean friction torque; it matters from `least` times that torque.
     """
 
     joint: str
@@ -65,11 +65,10 @@ class Series:
 
 @dataclass(frozen=True)
 class FleetChange:
-    """The best change of a series: its shape, the period that it begins with, its size and part of friction.
+    """The best-fitting change of a series: shape, first period, size.
 
-    `before` and `after` are the values that the changed part starts from and has at the end, at one
-    temperature; `p` is the probability of a change at least as large where nothing changed, `counts` whether
-    it is a discovery that matters.
+    `before` and `after` are the values before the change and at the end, at one temperature; `p` is the
+    p-value under no change, `counts` whether it is a discovery large enough to matter.
     """
 
     series: Series
@@ -82,24 +81,24 @@ class FleetChange:
 
     @property
     def after(self) -> float:
-        """The value at the end."""
+        """Value at the end."""
         return self.before + self.size
 
     @property
     def part(self) -> float:
-        """The change as a part of the mean friction torque; of the residual, of its logarithm."""
+        """The change as a fraction of the mean friction torque; for the residual, of its logarithm."""
         return self.size * self.series.torque
 
 
 def level_of(history: History) -> float:
-    """The mean friction torque of a joint, the usual one of its periods [N m, or N]; NaN without any."""
+    """The mean friction torque of a joint, median over its periods [N m, or N]; NaN without periods."""
     return float(np.median([p.friction[0] for p in history.periods])) if history.periods else math.nan
 
 
 def series_of(history: History, temperatures: Mapping[str, float]) -> Iterator[Series]:
-    """The series of a joint that are tested; `temperatures` [deg C] by period, NaN where none is known.
+    """Yield the series of a joint to test; `temperatures` [deg C] by period, NaN where unknown.
 
-    None where there are too few periods, or `level_of` is not positive.
+    Yields nothing with too few periods, or if `level_of` is not positive.
     """
     periods, level = history.periods, level_of(history)
     if len(periods) < LEAST_PERIODS or not level > 0.0:
@@ -108,33 +107,34 @@ def series_of(history: History, temperatures: Mapping[str, float]) -> Iterator[S
     heat = np.array([temperatures.get(name, math.nan) for name in names])
     friction = np.array([p.friction for p in periods])
 
-    def one(name: str, unit: str, values: Array, errors: Array, torque: float, least: float) -> Series:
+    def series(name: str, unit: str, values: Array, errors: Array, torque: float, least: float) -> Series:
         return Series(history.joint, name, unit, names, values, errors, heat, torque, least)
 
     for k, heading in enumerate(history.headings):
         size = float(np.median([p.sizes[k] for p in periods]))
         values, errors = (np.array([getattr(p, what)[k] for p in periods]) for what in ("values", "errors"))
-        yield one(heading.name, heading.unit, values, errors, size / level, LEAST_CHANGE)
+        yield series(heading.name, heading.unit, values, errors, size / level, LEAST_CHANGE)
     if np.all(np.isfinite(friction)):
-        yield one(
+        yield series(
             FRICTION, history.axis.unit("N m"), friction[:, 0], friction[:, 1], 1.0 / level, LEAST_CHANGE
         )
-    left = np.array([p.residual for p in periods])
-    yield one(RESIDUAL, "1", np.log(left[:, 0]), left[:, 1] / left[:, 0], 1.0, LEAST_RESIDUAL)
+    residuals = np.array([p.residual for p in periods])
+    relative = residuals[:, 1] / residuals[:, 0]
+    yield series(RESIDUAL, "1", np.log(residuals[:, 0]), relative, 1.0, LEAST_RESIDUAL)
 
 
 def changes(series: Sequence[Series], rate: float) -> list[FleetChange]:
-    """The best change of each series, and which count at a false discovery rate."""
+    """The best change of each series, with `counts` set at a false discovery rate."""
     fitted = [_fitted(one) for one in series]
     prior = {
         name: shrunk([f.null for f, s in zip(fitted, series, strict=True) if s.name == name])
         for name in {s.name for s in series}
     }
-    found = [_best(one, fit, *prior[one.name]) for one, fit in zip(series, fitted, strict=True)]
-    called = discovered(np.array([change.p for change in found]), rate)
+    best = [_best(one, fit, *prior[one.name]) for one, fit in zip(series, fitted, strict=True)]
+    discoveries = discovered(np.array([change.p for change in best]), rate)
     return [
         replace(change, counts=bool(yes) and abs(change.part) >= change.series.least)
-        for change, yes in zip(found, called, strict=True)
+        for change, yes in zip(best, discoveries, strict=True)
     ]
 
 
@@ -144,15 +144,15 @@ def discovered(p: Array, rate: float) -> NDArray[np.bool_]:
         return np.zeros(0, bool)
     order = np.argsort(p)
     below = np.flatnonzero(p[order] <= rate * np.arange(1, len(p) + 1) / len(p))
-    called = np.zeros(len(p), bool)
-    called[order[: below[-1] + 1 if len(below) else 0]] = True
-    return called
+    rejected = np.zeros(len(p), bool)
+    rejected[order[: below[-1] + 1 if len(below) else 0]] = True
+    return rejected
 
 
 def shrunk(scatter: Sequence[tuple[float, int]]) -> tuple[float, float]:
-    """Prior variance and its degrees of freedom from variances with theirs, most of them without change.
+    """Prior variance and its degrees of freedom, from sample variances with theirs, most without change.
 
-    Moments of their logarithms, by medians, so that the few that do change say little.
+    From moments of their logarithms, estimated by medians to be robust against the few that do change.
     """
     sound = [(v, d) for v, d in scatter if v > 0.0 and d > 0]
     if len(sound) < 3:
@@ -174,13 +174,13 @@ def shrunk(scatter: Sequence[tuple[float, int]]) -> tuple[float, float]:
 
 
 def _bias(freedom: float) -> float:
-    """Mean logarithm of a variance with degrees of freedom, over the true one's."""
+    """Bias of the logarithm of a sample variance with these degrees of freedom."""
     return -float(digamma(freedom / 2.0)) + math.log(freedom / 2.0)
 
 
 @dataclass(frozen=True)
 class _Fitted:
-    """A series against its alternatives: weights, what is in every fit, and the scatter without change."""
+    """A series fitted without change: root weights, common basis (p, c), (variance, freedom)."""
 
     root: Array
     basis: Array
@@ -188,19 +188,19 @@ class _Fitted:
 
 
 def _fitted(series: Series) -> _Fitted:
-    """Each period weighs by its own error and the usual one: none is known better than periods scatter."""
+    """Weights from the period's error plus the median error, since periods scatter beyond their errors."""
     errors = series.errors
     weights = 1.0 / (errors**2 + np.median(errors) ** 2)
     root = np.sqrt(weights)
     basis = np.linalg.qr(_always(series) * root[:, None])[0]
-    left = series.values * root
-    left = left - basis @ (basis.T @ left)
-    freedom = len(left) - basis.shape[1]
-    return _Fitted(root, basis, (float(left @ left) / max(freedom, 1), freedom))
+    residual = series.values * root
+    residual = residual - basis @ (basis.T @ residual)
+    freedom = len(residual) - basis.shape[1]
+    return _Fitted(root, basis, (float(residual @ residual) / max(freedom, 1), freedom))
 
 
 def _always(series: Series) -> Array:
-    """What is in every fit (p, c): a constant, and temperature where it is known and varies."""
+    """Columns common to all fits (p, c): a constant, and temperature where it is known and varies."""
     heat = series.temperatures
     columns = [np.ones(len(heat))]
     if np.all(np.isfinite(heat)) and np.ptp(heat) >= LEAST_RANGE_K:
@@ -212,14 +212,14 @@ def _always(series: Series) -> Array:
 
 
 def course_of(change: FleetChange) -> Array:
-    """A change over the periods of its series (p,): 0 before, 1 at the end."""
+    """Unit shape of a change over the periods of its series (p,): 0 before, 1 at the end."""
     first = change.series.periods.index(change.since)
     every = _shapes(len(change.series.periods))
     return next(values for shape, at, values in every if (shape, at) == (change.shape, first))
 
 
 def _shapes(count: int) -> Iterator[tuple[str, int, Array]]:
-    """Changes over the periods, 0 before and 1 at the end: shape, number of the first period, values (p,)."""
+    """Alternative changes, 0 before and 1 at the end: shape, index of the first period, values (p,)."""
     place = np.arange(count)
     yield "trend", 1, place / (count - 1.0)
     for first in range(LEAST_SIDE, count - LEAST_SIDE + 1):
@@ -237,43 +237,43 @@ def _best(series: Series, fit: _Fitted, variance: float, prior: float) -> FleetC
         x = x - fit.basis @ (fit.basis.T @ x)
         size = float(x @ x)
         if size <= 1e-9 * float((values * fit.root) @ (values * fit.root)):
-            continue  # temperature says the same
+            continue  # collinear with temperature
         tried += 1
         slope = float(x @ y) / size
-        left = y - x * slope
-        scatter = (prior * variance + float(left @ left)) / (prior + freedom)
+        residual = y - x * slope
+        scatter = (prior * variance + float(residual @ residual)) / (prior + freedom)
         if scatter <= 0.0:
             continue
         p = 2.0 * float(stdtr(prior + freedom, -abs(slope) * math.sqrt(size / scatter)))
         if p < p_best:
             best, p_best = (shape, first, values, slope), p
     shape, first, values, slope = best
-    rest = (series.values - slope * values) * fit.root
-    at_rest = _always(series)
-    base = np.linalg.lstsq(at_rest * fit.root[:, None], rest, rcond=None)[0]
-    before = float(np.mean(at_rest @ base))
+    unchanged = (series.values - slope * values) * fit.root
+    columns = _always(series)
+    base = np.linalg.lstsq(columns * fit.root[:, None], unchanged, rcond=None)[0]
+    before = float(np.mean(columns @ base))
     return FleetChange(series, shape, series.periods[first], slope, before, min(1.0, p_best * max(tried, 1)))
 
 
-# What changed at a joint, by its sums alone: the coefficients that explain the recent periods.
+# Which coefficients explain a change at a joint, from its sums alone.
 #
-# The past fixes coefficients and what temperature does to them. The recent periods are then predicted, and
-# one coefficient after another is allowed to change: the one that leaves the smallest error is named, with
-# the error before and after. What no coefficient explains is left to a diagnosis.
+# Coefficients and their temperature dependence are fitted to the past. The recent periods are then predicted,
+# and each coefficient in turn is allowed to change: the one with the smallest remaining error is named, with
+# the error before and after. A change that no coefficient explains needs a diagnosis.
 #
-# A trend has no past to speak of: where it is short, all periods fix coefficients and temperature, beside the
-# course of the change in every coefficient.
+# A trend has hardly any past: where it is too short, all periods are fitted together, with the shape of the
+# change in every coefficient.
 
 
 @dataclass(frozen=True)
 class Changed:
-    """What the sums of a joint say about a change.
+    """Explanation of a change by the sums of a joint.
 
-    `names` are the coefficients that changed, strongest first, empty if none explains it; `kinds` what each
-    is. `before` and `after` are RMS errors [N m, or N] of the recent periods: with the coefficients of the
-    past, and with those named changed. `usual` is the error of the past's own coefficients on the past,
-    `free` that of all coefficients fitted to the recent periods, `explained` the part of the new error
-    (squared) that the names explain; `level` is the mean friction torque of the past [N m, or N].
+    `names` are the changed coefficients, strongest first, empty if none explains it; `kinds` their kinds.
+    `before` and `after` are RMS errors [N m, or N] of the recent periods: with the coefficients of the
+    past, and with the named ones refitted. `usual` is the error of the past's coefficients on the past,
+    `free` that of all coefficients fitted to the recent periods, `explained` the fraction of the new error
+    (squared) explained by the names; `level` is the mean friction torque of the past [N m, or N].
     """
 
     names: tuple[str, ...]
@@ -287,22 +287,22 @@ class Changed:
 
     @property
     def matters(self) -> bool:
-        """Whether the past predicts the recent periods worse than itself, by enough of the friction torque.
+        """Whether the recent periods are predicted worse than the past, by enough of the friction torque.
 
-        Coefficients that are alike may trade with each other and predict the same.
+        Correlated coefficients may shift against each other and predict the same.
         """
         return self.before**2 - self.usual**2 > (LEAST_CHANGE * self.level) ** 2
 
 
 def recent_of(history: History, change: FleetChange) -> tuple[list[Period], list[Period]]:
-    """Periods of the past, before a change, and the last ones: what is wrong now, all of it and no less."""
+    """The periods before a change, and the last ones, where the change is complete."""
     first = [p.period for p in history.periods].index(change.since)
     last = max(first, len(history.periods) - LEAST_SIDE)
     return list(history.periods[:first]), list(history.periods[last:])
 
 
 def against_the_past(history: History, change: FleetChange, heat: Mapping[str, float]) -> Changed:
-    """What changed at a joint since a change; `heat` [deg C] is the temperature by period, where known."""
+    """Which coefficients explain a change; `heat` [deg C] is the temperature by period, where known."""
     past, recent = recent_of(history, change)
     headings = history.headings
     k = len(headings)
@@ -322,12 +322,12 @@ def against_the_past(history: History, change: FleetChange, heat: Mapping[str, f
 
     base, usual = _least([(with_change if short else rows)(p) for p in known], known)
     base = base[: k + np.count_nonzero(friction)]
-    left = [(rows(p)[0][:, :k], rows(p)[1] - rows(p)[0] @ base) for p in recent]
+    unexplained = [(rows(p)[0][:, :k], rows(p)[1] - rows(p)[0] @ base) for p in recent]
     windows = sum(p.windows for p in recent)
 
     def error(columns: Sequence[int]) -> float:
-        x = np.concatenate([x[:, list(columns)] for x, _ in left])
-        y = np.concatenate([y for _, y in left])
+        x = np.concatenate([x[:, list(columns)] for x, _ in unexplained])
+        y = np.concatenate([y for _, y in unexplained])
         if columns:
             y = y - x @ np.linalg.lstsq(x, y, rcond=None)[0]
         return math.sqrt(float(y @ y) / windows)
@@ -358,7 +358,7 @@ def against_the_past(history: History, change: FleetChange, heat: Mapping[str, f
 
 
 def _warmth(past: Sequence[Period], recent: Sequence[Period], heat: Mapping[str, float]) -> dict[str, float]:
-    """Temperatures over their range in the past, from its mean; all 0 where the past has too little range."""
+    """Temperature deviations from the past's mean, over its range; all 0 if that range is too small."""
     known = [heat.get(p.period, math.nan) for p in (*past, *recent)]
     range_of_past = np.ptp(known[: len(past)]) if past else 0.0
     if not np.all(np.isfinite(known)) or range_of_past < LEAST_RANGE_K or len(past) < LEAST_PAST:
@@ -370,14 +370,14 @@ def _warmth(past: Sequence[Period], recent: Sequence[Period], heat: Mapping[str,
 
 
 def _least(rows: Sequence[tuple[Array, Array]], periods: Sequence[Period]) -> tuple[Array, float]:
-    """Least squares over the rows of several periods: values, and the RMS error per window."""
+    """Least squares over several periods: values, and the RMS error per window."""
     x, y = np.concatenate([x for x, _ in rows]), np.concatenate([y for _, y in rows])
     values = np.asarray(np.linalg.lstsq(x, y, rcond=None)[0], float)
-    left = y - x @ values
-    return values, math.sqrt(float(left @ left) / sum(p.windows for p in periods))
+    residual = y - x @ values
+    return values, math.sqrt(float(residual @ residual) / sum(p.windows for p in periods))
 
 
-# Why a joint cannot be judged, or its answer is not to be believed: too few periods, or a rig of another.
+# Joints that cannot be judged, or whose result is doubtful: too few periods, or another joint's rig.
 
 
 _NEAR = "expected inertia and gravity near those of the rig"
@@ -385,18 +385,18 @@ _CONSTANTS = "masses, lengths, gear and torque constant"
 
 
 def doubts_of(history: History) -> list[FleetProblem]:
-    """What speaks against the history of a joint. Of one without any period, its logs have said why."""
-    found: list[tuple[str, str]] = []
+    """Doubts about the history of a joint; a joint without any period has problems of its logs already."""
+    doubts: list[tuple[str, str]] = []
     count, axis = len(history.periods), history.axis
     if 0 < count < LEAST_PERIODS:
         text = f"expected {LEAST_PERIODS} periods with an answer to tell a change, got {count}"
-        found.append((NOT_TESTED, text))
+        doubts.append((NOT_TESTED, text))
     if (level := level_of(history)) <= 0.0:
         text = (
             f"expected a positive mean friction {axis.term('torque')}, got"
             f" {level:.3g} {axis.unit('N m')}: a wrong sign?"
         )
-        found.append(("no friction", text))
+        doubts.append(("no friction", text))
     place = next((k for k, heading in enumerate(history.headings) if heading.name == SCALE), None)
     if count and place is not None:
         scale = float(np.median([period.values[place] for period in history.periods]))
@@ -406,5 +406,5 @@ def doubts_of(history: History) -> list[FleetProblem]:
                 f"{axis.term(_NEAR)}, got {scale:.3g} times as much:"
                 f" {axis.term(_CONSTANTS)} of another joint?"
             )
-            found.append((OTHER_RIG, text))
-    return [FleetProblem(history.joint, "", "", kind, text) for kind, text in found]
+            doubts.append((OTHER_RIG, text))
+    return [FleetProblem(history.joint, "", "", kind, text) for kind, text in doubts]

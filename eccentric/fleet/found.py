@@ -1,4 +1,4 @@
-"""What is found of a joint that drifts, in words: what changed, since when, how urgent it is."""
+"""The explanation of a joint's drift in words: what changed, since when, how urgent it is."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ _KINDS = {
 }
 _NO_COEFFICIENT = "a change that no coefficient explains"
 NOT_FRICTION = frozenset({"scale", "offset", "inertia"})
-"""Kinds of columns that are not friction: of these a sensor or a load is the cause."""
+"""Kinds of columns that are not friction: a sensor or a load causes their changes."""
 
 
 @dataclass(frozen=True)
 class Suspect:
-    """A joint that drifts, before its diagnosis: its significant changes, strongest first; what sums say.
+    """A drifting joint before its diagnosis, with its significant changes, strongest first.
 
-    `content` is that of its rig as a file, None where one file holds for all joints. `past` and `recent` are
-    the logs that a diagnosis compares, None where no log of the time is there.
+    `content` is that of its rig file, None where one file serves all joints. `past` and `recent` are the
+    log samples that a diagnosis compares, None where no log is available.
     """
 
     joint: str
@@ -47,13 +47,13 @@ class Suspect:
 
 @dataclass(frozen=True)
 class Examined:
-    """What a diagnosis of recent logs says that one of the past does not: new effects, family and words.
+    """Effects that a diagnosis finds in the recent log and not in the past one: families and words.
 
-    `friction` is false where each of them is a declared value that is wrong, or is found from the circuit.
-    `before` and `after` are held-out errors of the recent log, without and with all effects found in it, in
-    `unit`; `again` are families of the past among these: the errors are then theirs as well, and say nothing
-    of the new ones alone. `tied` are families that the recent log does not distinguish, if so. `report` is
-    the path of its page below the folder of the fleet. `said` tells why there is none.
+    `friction` is false if each is a wrong declared value or an effect of the electrical circuit. `before` and
+    `after` are held-out errors of the recent log, without and with all effects found in it, in `unit`;
+    `again` are families among these that the past had too: the errors then do not measure the new effects
+    alone. `tied` are families that the recent log does not distinguish. `report` is the path of its page
+    below the fleet's folder; `said` is the reason if there is no diagnosis.
     """
 
     families: tuple[str, ...] = ()
@@ -69,19 +69,19 @@ class Examined:
 
     @property
     def gain_percent(self) -> float:
-        """By how much the new effects reduce the error; 0 where that cannot be told from the past's."""
+        """Reduction of the error by the new effects; 0 where it cannot be separated from the past's."""
         return 0.0 if self.again or not self.families else 100.0 * (1.0 - self.after / self.before)
 
 
 @dataclass(frozen=True)
 class Drifting:
-    """A joint that drifts: what changed in words and by name, since when, the errors before and after.
+    """A drifting joint: what changed, in words and by name, since when, and the errors before and after.
 
-    `names` are coefficients or families of effects, empty where nothing explains the change; `sensor` says
-    that they are none of friction. `part` is the change as a part of the friction torque; with
-    `of_residual`, that of the logarithm of what the model leaves: `part_of_friction` and `residual_factor`
-    are the one that it is, and NaN. All of this is of the change that is `shown`: of the quantity that is
-    named, else of friction, else of the strongest.
+    `names` are coefficients or families of effects, empty where nothing explains the change; `sensor` means
+    that none of them is friction. `part` is the change as a fraction of the friction torque or, with
+    `of_residual`, the change of the logarithm of the residual; of `part_of_friction` and `residual_factor`
+    the other one is NaN. All refer to the change `shown`: that of the named quantity, else of friction, else
+    the strongest.
     """
 
     joint: str
@@ -100,17 +100,17 @@ class Drifting:
 
     @property
     def of_residual(self) -> bool:
-        """Whether the change is one of what the model leaves."""
+        """Whether the residual changed."""
         return self.shown.series.name == RESIDUAL
 
     @property
     def part_of_friction(self) -> float:
-        """The change as a part of the friction torque."""
+        """The change as a fraction of the friction torque."""
         return math.nan if self.of_residual else self.part
 
     @property
     def residual_factor(self) -> float:
-        """What the model leaves, over what it left before."""
+        """Residual after the change over that before."""
         return math.exp(self.part) if self.of_residual else math.nan
 
     @property
@@ -122,17 +122,17 @@ class Drifting:
 
     @property
     def urgency(self) -> float:
-        """What to look at first: the larger the change of the torque, the higher; sensors come after."""
+        """Sort key: larger changes of the torque first, sensors last."""
         return (0.0 if self.sensor else 1e3) + abs(self.part)
 
 
 @dataclass(frozen=True)
 class FleetFound:
-    """What a run found: the histories of all joints, tests, joints that drift (most urgent first), problems.
+    """Results of a run: histories of all joints, tests, drifting joints (most urgent first), problems.
 
-    This run read `files` logs, of which `problems` names those without sums; the sums of `reused` others were
-    there, and those of `gone` count though these logs are no longer there. `without_log` are joints of the
-    table of rigs that have neither a log nor sums.
+    The run read `files` logs; `problems` lists those without sums. The sums of `reused` others were cached,
+    and those of the deleted logs `gone` still count. `without_log` are joints of the rig table with neither
+    logs nor sums.
     """
 
     histories: tuple[History, ...]
@@ -147,19 +147,19 @@ class FleetFound:
 
     @property
     def joints(self) -> int:
-        """How many joints have a log, or sums of one: those with a rig have a history."""
+        """Number of joints with a log or sums; those with a rig have a history."""
         return len(self.histories) + sum(problem.kind == NO_RIG for problem in self.problems)
 
     @property
     def behind(self) -> dict[str, str]:
-        """Joints that have no answer in the last period of the fleet, each with its own last one."""
+        """Joints without a result in the fleet's last period -> their own last period."""
         last = {history.joint: history.periods[-1].period for history in self.histories if history.periods}
         newest = in_order(last.values())[-1:]
         return {joint: period for joint, period in last.items() if period not in newest}
 
     @property
     def unchanged(self) -> list[str]:
-        """Joints that were tested and are not among those that changed."""
+        """Joints that were tested and have not changed."""
         return sorted(self.tested - {one.joint for one in self.drifting})
 
     @property
@@ -169,9 +169,9 @@ class FleetFound:
 
 
 def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
-    """The word on a joint: the coefficients that explain the change, else the new effect, else none."""
+    """Explain a joint's drift by coefficients, else by new effects, else by none."""
     changed, strongest = suspect.changed, suspect.changes[0]
-    own = {change.series.name: change for change in suspect.changes}
+    by_name = {change.series.name: change for change in suspect.changes}
     names, sensor = changed.names, False
     before, after, unit = changed.before, changed.after, suspect.rig.axis.unit("N m")
     if names:
@@ -193,7 +193,7 @@ def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
         what = f"{_NO_COEFFICIENT}, and that was not diagnosed: {examined.said}"
     else:
         what = f"{_NO_COEFFICIENT}, nor any effect of the library"
-    shown = next((own[name] for name in (*names, FRICTION) if name in own), strongest)
+    shown = next((by_name[name] for name in (*names, FRICTION) if name in by_name), strongest)
     return Drifting(
         *(suspect.joint, what, tuple(names), sensor, shown.since, shown.part, shown.p),
         *(before, after, unit, examined.report, shown, suspect.changes),

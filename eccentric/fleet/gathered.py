@@ -1,4 +1,4 @@
-"""Logs -> sums on disk: what is there stays, the rest is done on the cluster and written as it comes."""
+"""Logs -> sums on disk: existing sums are reused, missing ones computed on the cluster and written."""
 
 from __future__ import annotations
 
@@ -40,16 +40,16 @@ from eccentric.fleet.work import (
 from eccentric.model import AXES, TURNING, AxisKind
 from eccentric.rigs import Rig, knowns_of, read_rig, rig_of
 
-# RIGS -> the rig of each joint: one rig file for all, or a table that maps joints to files and own values.
+# RIGS -> the rig of each joint: one rig file for all, or a table of joints with rig files and values.
 #
-# rigs.csv      joint,rig,M_kg,k_i_Nm_per_A     further columns are keys of [known], empty for the file's
+# rigs.csv      joint,rig,M_kg,k_i_Nm_per_A     further columns are keys of [known]; empty: the file's value
 # rigs.toml     [joints.J7]  rig = "arm.toml"  known = { M = "1.2 kg" }
 #
 # Paths of rig files are relative to the table.
 
 
 class Assigned:
-    """The rigs of a fleet, read when a joint asks for its own."""
+    """The rigs of a fleet, read on demand."""
 
     def __init__(self, rigs: str) -> None:
         """Read a table or a rig file; InputError if it is neither."""
@@ -67,11 +67,11 @@ class Assigned:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The joints of the table; none where one rig holds for all."""
+        """The joints of the table; none where one rig serves all."""
         return tuple(self._table or ())
 
     def rig(self, joint: str) -> Rig:
-        """The rig of a joint. InputError for one that the table lacks, or whose rig cannot be read."""
+        """The rig of a joint. InputError if it is not in the table, or its rig cannot be read."""
         content = self.content(joint)
         if content is None:
             return _of_one_mass(read_rig(self._path))
@@ -79,44 +79,45 @@ class Assigned:
         return _of_one_mass(rig_of(content, where))
 
     def content(self, joint: str) -> Mapping[str, Any] | None:
-        """The rig file of a joint with its own values; None where one file holds for all. Raises as `rig`."""
+        """The rig file's content with the joint's values; None where one file serves all. Raises as `rig`."""
         if self._table is None:
             return None
         if joint not in self._table:
             raise InputError(self._path, f"a rig of joint {joint}", "none")
-        name, own = self._table[joint]
+        name, overrides = self._table[joint]
         path = self._path.parent / name
         if path not in self._files:
             self._files[path] = read_document(path, "a rig file")
         content = dict(self._files[path])
         axis = AXES.get(str(content.get("kind")), TURNING)
-        content["known"] = _with_own(read_table(content.get("known", {}), f"{path}: known"), own, axis)
+        known = read_table(content.get("known", {}), f"{path}: known")
+        content["known"] = _with_overrides(known, overrides, axis)
         content["name"] = joint
         return content
 
 
 def _of_one_mass(rig: Rig) -> Rig:
-    """The rig. InputError for one with masses that some runs carry: the sums of a fleet are of one link."""
+    """The rig; InputError if it has [added] masses, since a fleet's sums are of one link."""
     if rig.added:
         raise InputError(rig.path, problem="[added]: expected logs of one mass in a fleet")
     return rig
 
 
-def _with_own(known: Mapping[str, Any], own: Mapping[str, Any], axis: AxisKind) -> dict[str, Any]:
-    """The values of a rig file with those of a joint in their place, whichever of its keys either uses."""
-    letters = {_letter(key, axis) for key in own}
-    return {key: value for key, value in known.items() if _letter(key, axis) not in letters} | dict(own)
+def _with_overrides(known: Mapping[str, Any], overrides: Mapping[str, Any], axis: AxisKind) -> dict[str, Any]:
+    """The values of a rig file, overridden by those of a joint even under another key of a quantity."""
+    letters = {_letter(key, axis) for key in overrides}
+    return {key: value for key, value in known.items() if _letter(key, axis) not in letters} | dict(overrides)
 
 
 def _letter(key: str, axis: AxisKind) -> str:
-    """The letter of a key such as M_kg; a key that is none is left to the reader of rigs."""
+    """The symbol of a key such as M_kg; an unknown key is returned as it is, for the rig reader to refuse."""
     names = ((known.name, {known.key, known.name, axis.named(known.name)}) for known in knowns_of(axis))
     return next((name for name, keys in names if key in keys), key)
 
 
 def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
     reader = csv.DictReader(io.StringIO(read_utf8(path), newline=""))
-    found: dict[str, tuple[str, Mapping[str, Any]]] = {}
+    assigned: dict[str, tuple[str, Mapping[str, Any]]] = {}
     try:
         names = list(reader.fieldnames or [])
         if not {"joint", "rig"} <= set(names):
@@ -128,17 +129,17 @@ def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
             if None in row or None in row.values():
                 raise InputError(where, f"{len(names)} entries", "more or fewer")
             joint, rig = row.pop("joint"), row.pop("rig")
-            _require_new(joint, found, where)
-            found[joint] = rig, {key: _value(text) for key, text in row.items() if text.strip()}
+            _require_new(joint, assigned, where)
+            assigned[joint] = rig, {key: _value(text) for key, text in row.items() if text.strip()}
     except csv.Error as error:
         raise InputError(
             path, problem=f"after line {reader.line_num}: not a table with commas ({error})"
         ) from None
-    return found
+    return assigned
 
 
 def _value(text: str) -> float | str:
-    """A number, or a text with a unit."""
+    """A number, or text with a unit."""
     try:
         return float(text)
     except ValueError:
@@ -146,30 +147,30 @@ def _value(text: str) -> float | str:
 
 
 def _of_toml(joints: object, path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
-    found: dict[str, tuple[str, Mapping[str, Any]]] = {}
+    assigned: dict[str, tuple[str, Mapping[str, Any]]] = {}
     for joint, entry in read_table(joints, f"{path}: [joints]").items():
         where = f"{path}: [joints.{joint}]"
         table = read_table(entry, where)
         refuse_unknown(table, ("rig", "known"), where)
         if not isinstance(table.get("rig"), str):
             raise InputError(f"{where}: rig", "the path of a rig file", f"{table.get('rig')!r}")
-        found[joint] = table["rig"], read_table(table.get("known", {}), f"{where}: known")
-    return found
+        assigned[joint] = table["rig"], read_table(table.get("known", {}), f"{where}: known")
+    return assigned
 
 
-def _require_new(joint: str, found: Mapping[str, object], where: str) -> None:
-    if joint in found:
+def _require_new(joint: str, assigned: Mapping[str, object], where: str) -> None:
+    if joint in assigned:
         raise InputError(where, "each joint", f"{joint!r} twice", why="only once")
 
 
-Told = Callable[[float, str], None]
+Progress = Callable[[float, str], None]
 
 
 @dataclass
 class Plan:
-    """What has to be done: jobs by joint, the joints' rigs with their content and digests, problems so far.
+    """The jobs by joint, the joints' rigs with content and digests, and the problems so far.
 
-    `joints` are those with logs or sums; `reused` counts the files whose sums are there.
+    `joints` are those with logs or sums; `reused` counts the files with cached sums.
     """
 
     joints: frozenset[str] = frozenset()
@@ -182,18 +183,18 @@ class Plan:
 
     @property
     def files(self) -> int:
-        """How many files have to be read."""
+        """Number of files to read."""
         return sum(map(len, self.jobs.values()))
 
 
 def plan_of(logs: Iterable[LogFile], rigs: Assigned, out: Path) -> Plan:
-    """What is left to be done for the logs of a fleet; joints without a rig are problems.
+    """Plan the jobs that remain for the logs of a fleet; joints without a rig are problems.
 
-    Joints that have sums and no log any longer are joints of the fleet as well.
+    Joints that have sums but no longer any log still belong to the fleet.
     """
     plan = Plan()
     logs = list(logs)
-    there: dict[str, set[Key]] = {}
+    cached: dict[str, set[Key]] = {}
     plan.joints = frozenset({*(log.joint for log in logs), *joints_of(out)})
     for joint in sorted(plan.joints):
         try:
@@ -204,31 +205,31 @@ def plan_of(logs: Iterable[LogFile], rigs: Assigned, out: Path) -> Plan:
             continue
         plan.rigs[joint], plan.contents[joint] = rig, content
         plan.recipes[joint] = recipe_of(rig)
-        there[joint] = set(keys(out, joint))
+        cached[joint] = set(keys(out, joint))
     for log in logs:
         joint = log.joint
-        if joint not in there:
+        if joint not in cached:
             continue
-        if Key(log.period, log.name, log.size, log.changed, plan.recipes[joint]) in there[joint]:
+        if Key(log.period, log.name, log.size, log.changed, plan.recipes[joint]) in cached[joint]:
             plan.reused += 1
         else:
             plan.jobs.setdefault(joint, []).append(Job(log, plan.rigs[joint], plan.recipes[joint]))
     return plan
 
 
-def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[FleetProblem], int]:
-    """Do the jobs of a plan; the sums of a joint are written when its last file is done, many in parts.
+def gather(plan: Plan, client: Any, out: Path, progress: Progress) -> tuple[list[FleetProblem], int]:
+    """Do the jobs of a plan; a joint's sums are written after its last file, or in parts if it has many.
 
-    Returns the problems, and the number of files that were read. A scheduler that goes away ends it: what was
-    done is kept, and that is one problem.
+    Returns the problems and the number of files read. If the scheduler is lost, the completed results are
+    written and the loss is one problem.
     """
     problems: list[FleetProblem] = []
-    left = {joint: len(jobs) for joint, jobs in plan.jobs.items()}
-    made: dict[str, list[Stored]] = {}
+    remaining = {joint: len(jobs) for joint, jobs in plan.jobs.items()}
+    pending: dict[str, list[Stored]] = {}
     total, done = plan.files, 0
 
     def put(joint: str) -> None:
-        if rows := made.pop(joint, []):
+        if rows := pending.pop(joint, []):
             write(out, joint, rows, new_files)
 
     with workshop(out) as new_files:
@@ -241,72 +242,72 @@ def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[FleetPr
                 elif isinstance(result, FleetProblem):
                     problems.append(result)
                 else:
-                    made.setdefault(joint, []).append(result)
-                left[joint] -= 1
+                    pending.setdefault(joint, []).append(result)
+                remaining[joint] -= 1
                 done += 1
-                if not left[joint] or len(made.get(joint, [])) == PART_FILES:
+                if not remaining[joint] or len(pending.get(joint, [])) == PART_FILES:
                     put(joint)
-                told(done / total, "sums")
+                progress(done / total, "sums")
         except SchedulerLost as error:
             text = f"expected a scheduler with workers to the end, {total - done} of {total} files to do"
             problems.append(FleetProblem("", "", "", SCHEDULER, f"{text} ({error}): start again to go on"))
         finally:
-            for joint in list(made):
+            for joint in list(pending):
                 put(joint)
     return problems, done
 
 
 def stored_of(out: Path, joint: str, recipe: str, logs: Iterable[LogFile]) -> dict[str, list[Stored]]:
-    """The sums of a joint by period, of logs that are there and of logs that are no longer; in order of time.
+    """The valid sums of a joint by period, of present and of deleted logs, in order of time.
 
-    Sums of another rig than it has now do not count, nor those of a log that has changed since, or that is
-    there under another name.
+    Invalid are sums made with another rig than the joint has now, of a log that has changed since, or of one
+    that was renamed.
     """
-    there = _There(logs)
-    found: dict[str, list[Stored]] = {}
+    present = _PresentLogs(logs)
+    by_period: dict[str, list[Stored]] = {}
     for row in read(out, joint):
-        if row.recipe == recipe and (there.unchanged(row) or there.gone(row)):
-            found.setdefault(row.period, []).append(row)
-    return {period: found[period] for period in in_order(found)}
+        if row.recipe == recipe and (present.unchanged(row) or present.gone(row)):
+            by_period.setdefault(row.period, []).append(row)
+    return {period: by_period[period] for period in in_order(by_period)}
 
 
 def gone_of(stored: Mapping[str, Sequence[Stored]], logs: Iterable[LogFile]) -> list[str]:
-    """The names of the logs whose sums count and which are no longer there."""
-    there = _There(logs)
-    return [row.name for rows in stored.values() for row in rows if there.gone(row)]
+    """The names of deleted logs whose sums still count."""
+    present = _PresentLogs(logs)
+    return [row.name for rows in stored.values() for row in rows if present.gone(row)]
 
 
 def outdated_of(out: Path, joint: str, recipe: str, logs: Iterable[LogFile]) -> list[FleetProblem]:
-    """Sums that cannot be made anew: the rig has changed, and the log is gone."""
-    there = _There(logs)
+    """Sums that cannot be recomputed: the rig has changed, and the log is gone."""
+    present = _PresentLogs(logs)
     text = "expected the log, since its sums were made with other values of the rig, but it is gone"
     return [
         FleetProblem(joint, row.period, row.name, "no log", text)
         for row in keys(out, joint)
-        if row.recipe != recipe and there.gone(row)
+        if row.recipe != recipe and present.gone(row)
     ]
 
 
-class _There:
-    """The logs of a joint that are there, by what tells them again."""
+class _PresentLogs:
+    """The present logs of a joint, indexed to recognise them when changed, renamed or converted."""
 
     def __init__(self, logs: Iterable[LogFile]) -> None:
-        self._as_it_is: dict[tuple[str, str], tuple[int, int]] = {}
-        self._moved: set[tuple[str, int, int]] = set()
-        self._converted: set[tuple[str, str]] = set()
+        self._by_name: dict[tuple[str, str], tuple[int, int]] = {}
+        self._by_stamp: set[tuple[str, int, int]] = set()
+        self._by_stem: set[tuple[str, str]] = set()
         for log in logs:
-            self._as_it_is[log.period, log.name] = log.size, log.changed
-            self._moved.add((log.period, log.size, log.changed))
-            self._converted.add((log.period, without_suffix(log.name)))
+            self._by_name[log.period, log.name] = log.size, log.changed
+            self._by_stamp.add((log.period, log.size, log.changed))
+            self._by_stem.add((log.period, without_suffix(log.name)))
 
     def unchanged(self, row: Key) -> bool:
-        """Whether the log of some sums is as it was."""
-        return self._as_it_is.get((row.period, row.name)) == (row.size, row.changed)
+        """Whether the log of some sums is unchanged."""
+        return self._by_name.get((row.period, row.name)) == (row.size, row.changed)
 
     def gone(self, row: Key) -> bool:
-        """Whether it is gone: not changed, nor at another place, nor in another format."""
+        """Whether it is gone: not changed, renamed or converted to another format."""
         return (
-            (row.period, row.name) not in self._as_it_is
-            and (row.period, row.size, row.changed) not in self._moved
-            and (row.period, without_suffix(row.name)) not in self._converted
+            (row.period, row.name) not in self._by_name
+            and (row.period, row.size, row.changed) not in self._by_stamp
+            and (row.period, without_suffix(row.name)) not in self._by_stem
         )

@@ -1,124 +1,125 @@
 """Every threshold of this room, each with its reason."""
 
-# How a file becomes sums.
+# Sums of a file.
 
 BATCH_ROWS = 2**19
-"""Rows of a file in memory at a time: with some ten columns of 8 bytes, twice, below 100 MB."""
+"""Rows of a file in memory at a time: two copies of about ten 8-byte columns stay below 100 MB."""
 WINDOW_PERIODS = 2.4
-"""Length of a window in periods of the cut-off: the weight (1 - s^2)^4 then halves a signal at half of it."""
+"""Window length in cut-off periods: the weight (1 - s^2)^4 then halves a signal at half the cut-off."""
 SHARES = 4
-"""Windows are spaced by a quarter of their length: closer ones repeat what these have."""
+"""Windows are spaced by a quarter of their length: closer ones add no information."""
 LEAST_SHARE = 2
-"""Samples between windows: eight in a window are the fewest whose second derivative is not a difference."""
+"""Fewest samples between windows: below eight per window the second derivative is a mere difference."""
 LEAST_STEPS = 2
-"""Fewest steps in a stretch that tell its sampling rate."""
+"""Fewest steps in a stretch to determine its sampling rate."""
 SLOW = 0.03
-"""A window moves above this fraction of the fast speed of the file, unless the rig has a threshold ..."""
+"""A window moves above this fraction of the file's fast speed, unless the rig has a threshold ..."""
 FAST_PART = 0.95
-"""... which is the speed that is not exceeded in this part of the way: of the time, it would be noise in a
-file that mostly stands still."""
+"""... where fast is the speed not exceeded over this fraction of the travel; by time, it would be noise in a
+file that is mostly at rest."""
 QUANTA = 10.0
-"""A window moves by at least this many encoder steps, where the rig gives them: an encoder at rest may jitter
-by one or two."""
+"""A moving window covers at least this many encoder counts, where the rig gives them: an encoder at rest may
+jitter by one or two."""
 SPEED_BIN = 1.01
-"""Ratio of the bins of speeds: the threshold is then that of the file to 1 %, whatever its length."""
+"""Ratio of successive speed bins: the threshold is then accurate to 1 %, whatever the file's length."""
 STUCK_PART = 0.5
-"""A drive that repeats its value in this part of the moving rows is not measured: a sensor of few bits, or a
-zero of a loop, repeats less."""
+"""A drive signal that repeats its value in this fraction of the moving rows is stuck: a sensor of few bits,
+or a loop at zero, repeats less."""
 BLOCKS = 32
-"""Parts of a file with sums of their own: intervals come from how these differ, and to know a variance to a
-fourth takes some 32."""
+"""Blocks of a file with separate sums: intervals come from the scatter between blocks, and a variance
+accurate to a quarter takes about 32."""
 
 MADE_WITH = (
     *(WINDOW_PERIODS, SHARES, LEAST_SHARE, LEAST_STEPS, SLOW, FAST_PART, QUANTA, SPEED_BIN, STUCK_PART),
     *(BLOCKS,),
 )
-"""Sums that were made with other values are made anew."""
+"""Sums computed with other values are recomputed."""
 
-# Which sums have an answer.
+# Sums that can be solved.
 
 LEAST_SECONDS = 5.0
-"""A period with less motion, s, is not excited: a few moves say nothing about a month."""
+"""A period with less motion than this [s] is not excited: a few moves do not represent a month."""
 LEAST_BLOCKS = 4.0
-"""Blocks in motion per coefficient: with fewer, the variance between them is that of a few numbers."""
+"""Moving blocks per coefficient: with fewer, the variance between them is poorly determined."""
 NO_COLUMN = 1e-10
-"""A column of which the size is no more than this part of the largest is none."""
+"""A column no larger than this fraction of the largest counts as zero."""
 MEMBER_PART = 0.3
-"""A column belongs to a dependency with this part of its direction: that of ten equal columns is 0.32."""
+"""Component of the null direction from which a column belongs to it: ten equal columns have 0.32 each."""
 LEAST_DIRECTION = 0.02
-"""Part of the motion in the rarer direction, below which offset and Coulomb friction are one column."""
+"""Fraction of motion in the rarer direction below which offset and Coulomb friction are one column."""
 STUCK_PERIODS = 3
-"""Periods on end in which a temperature sensor shows one value: a cold store may do so twice."""
+"""Consecutive periods with one temperature value that make a sensor stuck: a cold store may have two."""
 
 MOST_SCALE = 1.5
-"""Inertia and gravity over those of the rig, or the inverse, from which the rig is that of another joint: a
-payload or a wrong k_i of a third are told as changes or as values, this is not."""
+"""Ratio of inertia and gravity to the rig's, or its inverse, from which the rig must be another joint's: a
+payload, or a k_i wrong by a third, is reported as a change or a value instead."""
 
-# What drifts.
+# Drift.
 
 LEAST_PERIODS = 5
-"""Fewest periods for a test: intercept, temperature, change, and two that say how far periods scatter."""
+"""Fewest periods for a test: intercept, temperature, change, and two degrees of freedom for the scatter."""
 PERIODS_FOR_CURVATURE = 10
-"""From this many periods on, the curvature of a coefficient over temperature is taken out as well: lubricants
-are exponential, and over the 16 K of a season the second order is 1 to 2 % of their friction."""
+"""From this many periods on, a quadratic temperature term is fitted too: viscosity is exponential in
+temperature, and over the 16 K of a season the second order is 1 to 2 % of the friction."""
 LEAST_RANGE_K = 2.0
-"""A temperature that varies less over the periods explains nothing: it would cost a degree of freedom."""
+"""A temperature that varies less over the periods is not fitted: it would only cost a degree of freedom."""
 LEAST_SIDE = 2
-"""Fewest periods before and after a change: one alone is an outlier."""
+"""Fewest periods before and after a change: a single one may be an outlier."""
 LEAST_CHANGE = 0.05
-"""Part of the friction torque that a change has to move: what a law of temperature leaves is some 2 %, and
-with thousands of joints the smallest of those would be significant."""
+"""Smallest change that counts, as a fraction of the friction torque: a temperature law leaves about 2 %, and
+with thousands of joints even that would be significant."""
 LEAST_RESIDUAL = 0.15
-"""Part by which what the model leaves has to change: sensors differ by less from month to month."""
+"""Smallest relative change of the residual that counts: sensors vary by less from month to month."""
 MOST_PRIOR = 60.0
-"""Degrees of freedom of the fleet's scatter at most: joints are not copies of each other."""
+"""Largest degrees of freedom of the fleet's scatter: joints are not copies of each other."""
 RATE = 0.01
-"""False discovery rate of the tests, unless another is asked for. A joint that changed has several, so the
-part of the joints that are looked at in vain may be larger."""
+"""Default false discovery rate of the tests. A changed joint has several discoveries, so the fraction of
+joints inspected in vain may be larger."""
 
-# What changed.
+# Explanation of a change.
 
 LEAST_PAST = 3
-"""Periods before a change that show what temperature does: where there are fewer, all periods are asked."""
+"""Fewest periods before a change that show the temperature dependence; with fewer, all periods are used."""
 EXPLAINED = 0.8
-"""Part of the new error (squared) that a change of coefficients has to explain: what is beyond is due to
-something that the model has no column for."""
+"""Fraction of the new error (squared) that changed coefficients have to explain: otherwise the cause has no
+column in the model."""
 SECOND = 0.15
-"""Part of the new error that a second coefficient has to explain to be named beside the first: coefficients
-that are alike share a change, and of two the second takes some 10 % by noise."""
+"""Fraction of the new error that a second coefficient has to explain to be named as well: correlated
+coefficients share a change, and noise gives the second about 10 %."""
 SAMPLE_ROWS = 20_000
-"""Rows of a log that a diagnosis sees, of the past and of now: it names effects of a tenth of the friction
-from a minute of motion, and takes 0.5 ms and 9 kB a row, here 180 MB, a fifth of a worker."""
+"""Rows of each log in a diagnosis, past and recent: it identifies effects of a tenth of the friction from a
+minute of motion, and takes 0.5 ms and 9 kB per row, here 180 MB, a fifth of a worker."""
 EFFECT_PERCENT = 15.0
-"""Least reduction of the held-out error by a new effect, in percent of what the coefficients leave."""
+"""Smallest reduction of the held-out error by a new effect, in percent of the coefficients' residual."""
 
-# How the work is spread.
+# Distribution of the work.
 
 TASK_BYTES = 2**26
-"""Files of one task: tens of times the work that the scheduler has with it."""
+"""Size of a task: its work is tens of times the scheduler's overhead."""
 TASK_PART = 0.5
-"""Part of a thread's share of what is left that is one task, where that is less: all then end together ..."""
+"""Task size as a fraction of a thread's share of the remaining bytes, if smaller: all threads then finish
+within the time of the last tasks ..."""
 LAST_BYTES = 2**22
-"""... to within the time that so much takes; smaller tasks cost more than is waited for."""
+"""... which are at least this large: smaller tasks cost more overhead than they save waiting."""
 TASK_FILES = 64
-"""Files of one task at most."""
+"""Most files in a task."""
 PART_FILES = 64
-"""Logs of a joint whose sums are written together at most: what a run that is killed has to do again."""
+"""Most logs of a joint whose sums are written together: the work lost when a run is killed."""
 MOST_PARTS = 32
-"""Files of sums of a joint, before one is made of them: each costs a reader some 0.1 ms."""
+"""Sum files of a joint before they are merged: each costs a reader about 0.1 ms."""
 AHEAD = 4
-"""Tasks per thread handed to the scheduler ahead of time."""
+"""Tasks per thread submitted ahead of time."""
 ALIVE_S = 3.0
-"""A wait for results asks this often, in s, whether the scheduler is still there."""
+"""Interval of checks that the scheduler is alive [s]."""
 WORKERLESS_S = 60.0
-"""A scheduler without any worker is waited for so long, in s: to start one on demand takes some 10."""
+"""Timeout for a scheduler without any worker [s]: starting one on demand takes about 10."""
 CONNECT = "5s"
-"""A scheduler that does not answer within this time is not there."""
+"""Timeout of a connection to the scheduler."""
 DEATHS = 1
-"""Workers that may die of a task before it is given up: one may by chance, and what takes too much
-memory does so everywhere."""
+"""Worker deaths before a task is abandoned: one may be chance, and a task that needs too much memory kills
+every worker."""
 WORKER_BYTES = 10**9
-"""Memory of a local worker: what is asked of a fleet."""
+"""Memory limit of a local worker, as documented for fleets."""
 KEPT_BYTES = 2**25
-"""Freed memory that a local worker keeps for its next arrays: more than one of a batch, little beside
-WORKER_BYTES."""
+"""Freed memory that a local worker retains for its next arrays: more than one array of a batch, small
+compared with WORKER_BYTES."""

@@ -1,4 +1,4 @@
-"""Stored sums -> what each joint's periods say: coefficients with intervals, friction, what is left over."""
+"""Stored sums -> coefficients with intervals, friction and residual of each joint by period."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Period:
-    """A joint in one period: values (k,) of its coefficients and their covariance, `freedom` of it.
+    """A joint in one period: coefficient values (k,), their covariance and its degrees of freedom.
 
-    `triangle` (k + 1, k + 1) are the sums behind them, of `windows` rows. `friction` is the mean size of the
-    friction torque over the motion and `residual` the RMS of what the columns leave, each with its standard
-    error [N m, or N]. `sizes` (k,) are the RMS of the columns: the change of a coefficient times its size is
-    a torque.
+    `triangle` (k + 1, k + 1) are the underlying sums, over `windows` rows. `friction` is the mean magnitude
+    of the friction torque in motion and `residual` the RMS residual of the fit, each with its standard error
+    [N m, or N]. `sizes` (k,) are the RMS of the columns: the change of a coefficient times its size is a
+    torque.
     """
 
     period: str
@@ -48,13 +48,13 @@ class Period:
 
     @property
     def reach(self) -> float:
-        """Half of a 95 % interval in standard errors."""
+        """Half-width of the 95 % interval in standard errors."""
         return float(stdtrit(self.freedom, 0.975))
 
 
 @dataclass(frozen=True)
 class History:
-    """The periods of a joint that have an answer, in order of time, their columns, and what moves."""
+    """The solved periods of a joint, in order of time, their columns, and the kind of axis."""
 
     joint: str
     headings: tuple[Heading, ...]
@@ -65,10 +65,10 @@ class History:
 def history_of(
     joint: str, stored: Mapping[str, Sequence[Stored]], axis: AxisKind = TURNING
 ) -> tuple[History, list[FleetProblem]]:
-    """The history of a joint from its sums by period, in order of time; periods without an answer are named.
+    """The history of a joint from its sums by period, in order of time, and its unsolvable periods.
 
-    If all motion of a period goes in one direction, an offset of the sensor is Coulomb friction there: the
-    column is then left out in all periods of the joint.
+    If a period has motion in one direction only, sensor offset and Coulomb friction cannot be separated
+    there: the offset column is then dropped in all periods of the joint.
     """
     problems: list[FleetProblem] = []
     usable: dict[str, tuple[Array, Coverage, int]] = {}
@@ -78,21 +78,21 @@ def history_of(
         windows = int(sum(row.sums.windows.sum() for row in rows))
         coverage = _together([row.sums.coverage for row in rows])
         headings = rows[0].headings
-        held = int(np.count_nonzero(np.any(stack, axis=(1, 2))))
-        if coverage.seconds < LEAST_SECONDS or held < LEAST_BLOCKS * len(headings):
+        occupied = int(np.count_nonzero(np.any(stack, axis=(1, 2))))
+        if coverage.seconds < LEAST_SECONDS or occupied < LEAST_BLOCKS * len(headings):
             text = (
                 f"expected {LEAST_SECONDS:g} s of motion in {math.ceil(LEAST_BLOCKS * len(headings))} blocks,"
-                f" got {coverage.seconds:.3g} s in {held}"
+                f" got {coverage.seconds:.3g} s in {occupied}"
             )
             problems.append(FleetProblem(joint, period, "", "not excited", text))
             continue
         usable[period] = stack, coverage, windows
     one_way = any(not LEAST_DIRECTION <= c.forward <= 1.0 - LEAST_DIRECTION for _, c, _ in usable.values())
-    kept = [k for k, h in enumerate(headings) if not (one_way and h.name == OFFSET)]
-    headings = tuple(headings[k] for k in kept)
-    found: list[Period] = []
+    selected = [k for k, h in enumerate(headings) if not (one_way and h.name == OFFSET)]
+    headings = tuple(headings[k] for k in selected)
+    solved: list[Period] = []
     for period, (stack, coverage, windows) in usable.items():
-        chosen = stack[:, :, [*kept, stack.shape[2] - 1]]
+        chosen = stack[:, :, [*selected, stack.shape[2] - 1]]
         if weak := dependent(merged(chosen)):
             names = ", ".join(headings[k].name for k in weak)
             text = (
@@ -101,8 +101,8 @@ def history_of(
             )
             problems.append(FleetProblem(joint, period, "", "singular", text))
             continue
-        found.append(_period(period, chosen, headings, coverage, windows))
-    return History(joint, headings, tuple(found), axis), problems
+        solved.append(_period(period, chosen, headings, coverage, windows))
+    return History(joint, headings, tuple(solved), axis), problems
 
 
 def _period(name: str, stack: Array, headings: Sequence[Heading], coverage: Coverage, windows: int) -> Period:
@@ -112,15 +112,15 @@ def _period(name: str, stack: Array, headings: Sequence[Heading], coverage: Cove
     friction = (math.nan, math.nan)
     sign = next((j for j, heading in enumerate(headings) if heading.kind == "coulomb"), None)
     if sign is not None:
-        # Its column is the sign of the speed, whose square is 1: sums with it are those of friction's size.
+        # Its column is sign(speed), whose square is 1: products with it sum the magnitude of friction.
         weights = np.where([heading.is_friction for heading in headings], gram[sign] / gram[sign, sign], 0.0)
         level = float(weights @ solved.values)
         friction = level, math.sqrt(float(weights @ solved.covariance @ weights))
     error = stack[:, :, k] - stack[:, :, :k] @ solved.values
     squares = np.sum(error**2, axis=1)
-    held = np.any(stack, axis=(1, 2))
+    occupied = np.any(stack, axis=(1, 2))
     rms = math.sqrt(float(squares.sum()) / windows)
-    part = squares[held] / max(float(squares[held].mean()), np.finfo(float).tiny)
+    part = squares[occupied] / max(float(squares[occupied].mean()), np.finfo(float).tiny)
     residual = rms, rms * 0.5 * float(np.std(part)) / math.sqrt(max(len(part), 1))
     sizes = np.sqrt(np.diag(gram) / windows)
     return Period(
@@ -130,10 +130,10 @@ def _period(name: str, stack: Array, headings: Sequence[Heading], coverage: Cove
 
 
 def _together(parts: Sequence[Coverage]) -> Coverage:
-    """What several files cover."""
+    """Combine the coverage of several files."""
     seconds = sum(c.seconds for c in parts)
-    moved = [c for c in parts if c.seconds > 0.0]
-    warm = [c for c in moved if math.isfinite(c.temperature)]
+    moving = [c for c in parts if c.seconds > 0.0]
+    warm = [c for c in moving if math.isfinite(c.temperature)]
 
     def mean(name: str, of: Sequence[Coverage]) -> float:
         weights = [c.seconds for c in of]
@@ -142,23 +142,23 @@ def _together(parts: Sequence[Coverage]) -> Coverage:
     return Coverage(
         rows=sum(c.rows for c in parts),
         seconds=seconds,
-        forward=mean("forward", moved),
-        low=min((c.low for c in moved), default=math.nan),
-        high=max((c.high for c in moved), default=math.nan),
+        forward=mean("forward", moving),
+        low=min((c.low for c in moving), default=math.nan),
+        high=max((c.high for c in moving), default=math.nan),
         temperature=mean("temperature", warm),
         coldest=min((c.coldest for c in warm), default=math.nan),
         warmest=max((c.warmest for c in warm), default=math.nan),
     )
 
 
-# The temperature of each joint in each period; where its sensor is stuck or has none, that of the fleet.
+# The temperature of each joint in each period; without a working sensor, that of the fleet.
 
 
 def temperatures_of(histories: Sequence[History]) -> tuple[dict[str, dict[str, float]], list[FleetProblem]]:
-    """Joint -> period -> temperature [deg C], and sensors that are stuck.
+    """Joint -> period -> temperature [deg C], and stuck sensors.
 
-    A sensor is stuck if it shows one value in several periods on end while the fleet's temperature varies.
-    There the median of the fleet's sound sensors is taken, with the usual difference of this joint to it.
+    A sensor is stuck if it shows one value in several consecutive periods while the fleet's temperature
+    varies. It is replaced by the median of the fleet's working sensors plus the joint's usual difference.
     """
     stuck = {history.joint: _stuck(history.periods) for history in histories}
     logged = {
@@ -174,21 +174,21 @@ def temperatures_of(histories: Sequence[History]) -> tuple[dict[str, dict[str, f
         period: float(np.median([sound[period] for sound in logged.values() if period in sound]))
         for period in names
     }
-    found: dict[str, dict[str, float]] = {}
+    temperatures: dict[str, dict[str, float]] = {}
     problems: list[FleetProblem] = []
     for history in histories:
-        joint, own = history.joint, logged[history.joint]
+        joint, known_here = history.joint, logged[history.joint]
         bad = stuck[joint]
         known = [usual[period] for period in bad if period in usual]
         if known and len(known) == len(bad) and np.ptp(known) < LEAST_RANGE_K:
-            own |= {p.period: p.coverage.temperature for p in history.periods if p.period in bad}
+            known_here |= {p.period: p.coverage.temperature for p in history.periods if p.period in bad}
             bad = []
-        differences = [own[period] - usual[period] for period in own]
+        differences = [known_here[period] - usual[period] for period in known_here]
         aside = float(np.median(differences)) if differences else 0.0
-        found[joint] = own | {
+        temperatures[joint] = known_here | {
             p.period: usual[p.period] + aside
             for p in history.periods
-            if p.period not in own and p.period in usual
+            if p.period not in known_here and p.period in usual
         }
         if bad:
             instead = (
@@ -198,17 +198,17 @@ def temperatures_of(histories: Sequence[History]) -> tuple[dict[str, dict[str, f
             )
             text = f"expected a temperature that varies, got one value from {bad[0]} to {bad[-1]}: {instead}"
             problems.append(FleetProblem(joint, bad[0], "", "temperature sensor", text))
-    return found, problems
+    return temperatures, problems
 
 
 def _stuck(periods: Sequence[Period]) -> list[str]:
-    """Periods of a run of equal temperatures that is long enough."""
-    found: list[str] = []
+    """Periods in runs of equal temperatures that are long enough."""
+    stuck: list[str] = []
     run: list[Period] = []
     for period in periods:
         c = period.coverage
         same = c.coldest == c.warmest and (not run or run[-1].coverage.warmest == c.warmest)
         run = [*run, period] if same else [period] if c.coldest == c.warmest else []
         if len(run) >= STUCK_PERIODS:
-            found = sorted({*found, *(p.period for p in run)})
-    return found
+            stuck = sorted({*stuck, *(p.period for p in run)})
+    return stuck

@@ -1,9 +1,8 @@
-"""LOGS -> the files of a fleet, each with the joint and the period that it belongs to.
+"""LOGS -> the files of a fleet, each with its joint and period.
 
 Both are read from folders such as `joint=J7/month=2025-03`, or from file names by a pattern such as
-`{joint}_{period}`, with or without the extension. Of several folders that name a time, the period is all of
-them in this order: year, quarter, month, week, day, period. Periods are in the order of their text, numbers
-by their size.
+`{joint}_{period}`, with or without the extension. Several time folders form one period, in this order: year,
+quarter, month, week, day, period. Periods are sorted as text, with numbers by value.
 """
 
 from __future__ import annotations
@@ -18,26 +17,26 @@ from pathlib import Path
 
 from eccentric.core import InputError, given_path, so_more
 
-# What could not be done, one row each: the run goes on, and its exit status says that there are some.
+# Problems, one row each: the run continues, and its exit status reports that there are some.
 
 
 NOT_GROUPED = "not grouped"
-"""Kind of the problem of a file that belongs to no joint or period."""
+"""Kind of problem: a file that belongs to no joint or period."""
 NO_RIG = "no rig"
-"""Kind of the problem of a joint without a rig, or whose rig cannot be used."""
+"""Kind of problem: a joint without a usable rig."""
 OTHER_RIG = "another rig"
-"""Kind of the problem of a joint whose inertia and gravity are not those of its rig."""
+"""Kind of problem: a joint whose inertia and gravity do not match its rig."""
 NOT_TESTED = "not tested"
-"""Kind of the problem of a joint with too few periods."""
+"""Kind of problem: a joint with too few periods."""
 SCHEDULER = "scheduler"
-"""Kind of the problem of a run whose scheduler went away."""
+"""Kind of problem: the scheduler was lost."""
 UNREAD = frozenset({"worker", "cannot be used"})
-"""Kinds of problems of a file that has no sums."""
+"""Kinds of problems that leave a file without sums."""
 
 
 @dataclass(frozen=True, order=True)
 class FleetProblem:
-    """A problem of a joint, period or file, as far as known; `kind` in a word or two, `text` in a line."""
+    """A problem of a joint, period or file ("" if unknown); `kind` is a short label, `text` one line."""
 
     joint: str
     period: str
@@ -56,7 +55,7 @@ def as_csv(problems: Iterable[FleetProblem]) -> str:
 
 
 SUFFIXES = (".parquet", ".csv", ".csv.gz", ".mat")
-"""Formats of a fleet's logs: not JSON, since rigs and what a bench seals are often beside them."""
+"""Formats of a fleet's logs: not JSON, since rigs and a bench's sealed answers are often next to them."""
 _TIMES = ("year", "quarter", "month", "week", "day", "period")
 _WIDTH = {"year": 4, "month": 2, "week": 2, "day": 2}
 
@@ -65,7 +64,7 @@ _WIDTH = {"year": 4, "month": 2, "week": 2, "day": 2}
 class LogFile:
     """A log of a joint in a period; `name` is its path below the root.
 
-    `size` [bytes] and `changed` [ns] tell whether it is the one that was read before.
+    `size` [bytes] and `changed` (modification time, ns) identify the version that was read.
     """
 
     joint: str
@@ -77,14 +76,13 @@ class LogFile:
 
 
 def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[FleetProblem]]:
-    """The files of a folder or a glob, and those that belong to no joint or period.
+    """The log files of a folder or glob, and problems for those that belong to no joint or period.
 
-    Raises InputError for a folder or glob without any log of a joint and a period, and for a pattern without
-    {joint} and {period}.
+    Raises InputError if no log has a joint and a period, and for a pattern without {joint} and {period}.
     """
     match = None if pattern is None else _compiled(pattern)
     root, paths = _listed(logs)
-    found: list[LogFile] = []
+    files: list[LogFile] = []
     problems: list[FleetProblem] = []
     for path in sorted(paths):
         name = path.relative_to(root).as_posix()
@@ -92,11 +90,11 @@ def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[Fle
         if "joint" not in at or "period" not in at:
             problems.append(FleetProblem("", "", name, NOT_GROUPED, f"{_required(pattern)}, got {name}"))
             continue
-        held = path.stat()
-        found.append(LogFile(at["joint"], at["period"], name, path, held.st_size, held.st_mtime_ns))
-    if not found:
+        status = path.stat()
+        files.append(LogFile(at["joint"], at["period"], name, path, status.st_size, status.st_mtime_ns))
+    if not files:
         raise InputError(logs, problem=f"{problems[0].text}{so_more(len(problems) - 1)}")
-    return sorted(found), problems
+    return sorted(files), problems
 
 
 def _required(pattern: str | None) -> str:
@@ -112,7 +110,7 @@ def without_suffix(name: str) -> str:
 
 
 def in_order(periods: Iterable[str]) -> list[str]:
-    """Periods in the order of time: numbers in them count by their size, 2025-9 before 2025-10."""
+    """Periods in order of time: numbers compare by value, 2025-9 before 2025-10."""
     return sorted(set(periods), key=_sizes)
 
 
@@ -128,9 +126,9 @@ def _listed(logs: str) -> tuple[Path, list[Path]]:
         root, listed = place, list(place.rglob("*"))
     else:
         listed = [Path(name) for name in glob(str(place), recursive=True)]  # noqa: PTH207 - absolute or not
-        # Folders such as joint=J7 count wherever they are, also in the part of a glob that is fixed.
-        plain = [k for k, part in enumerate(place.parts) if not set(part) & set("*?[=")]
-        fixed = next((k for k, part in enumerate(place.parts[:-1]) if k not in plain), len(place.parts) - 1)
+        # Folders such as joint=J7 count even in the fixed part of a glob.
+        special = [k for k, part in enumerate(place.parts) if set(part) & set("*?[=")]
+        fixed = next((k for k in special if k < len(place.parts) - 1), len(place.parts) - 1)
         root = Path(*place.parts[:fixed])
     paths = [p for p in listed if p.name.lower().endswith(SUFFIXES) and p.is_file()]
     paths = [p for p in paths if not any(part.startswith((".", "_")) for part in p.relative_to(root).parts)]
@@ -142,10 +140,10 @@ def _listed(logs: str) -> tuple[Path, list[Path]]:
 
 
 def _of_folders(parts: Iterable[str]) -> Mapping[str, str]:
-    given = dict(part.split("=", 1) for part in parts if "=" in part)
-    times = [given[key].zfill(_WIDTH.get(key, 0)) for key in _TIMES if key in given]
-    found = {"joint": given["joint"]} if given.get("joint") else {}
-    return found | ({"period": "-".join(times)} if times else {})
+    labels = dict(part.split("=", 1) for part in parts if "=" in part)
+    times = [labels[key].zfill(_WIDTH.get(key, 0)) for key in _TIMES if key in labels]
+    joint = {"joint": labels["joint"]} if labels.get("joint") else {}
+    return joint | ({"period": "-".join(times)} if times else {})
 
 
 def _compiled(pattern: str):  # noqa: ANN202 - a function from a name to its parts
@@ -157,7 +155,7 @@ def _compiled(pattern: str):  # noqa: ANN202 - a function from a name to its par
     has_suffix = without_suffix(pattern) != pattern
 
     def match(name: str) -> Mapping[str, str]:
-        found = form.fullmatch(name if has_suffix else without_suffix(name))
-        return {} if found is None else found.groupdict()
+        matched = form.fullmatch(name if has_suffix else without_suffix(name))
+        return {} if matched is None else matched.groupdict()
 
     return match

@@ -1,4 +1,4 @@
-"""What a worker does: files in, their sums or problems out."""
+"""A worker's task: files -> their sums, or problems."""
 
 from __future__ import annotations
 
@@ -34,13 +34,12 @@ from eccentric.logs import Log, stream_log
 from eccentric.rigs import Rig
 from eccentric.signals import stream_columns
 
-# Sums on disk: a folder for each joint, in it Parquet files in the order in which they were written.
+# Sums on disk: a folder for each joint with Parquet files numbered in the order of writing.
 #
-# A row holds the sums of one log file, what tells that file again (period, name, size, last change), and a
-# digest of how its sums were made: the rig's values, the rows' filters, this module's version. Where all of
-# it agrees, the log is not read again. A later row for a log replaces an earlier one; one that was made
-# otherwise stays until then, since its log may be in an archive, and the values that it was made with may
-# come back.
+# A row contains the sums of one log file, the file's identity (period, name, size, modification time), and a
+# digest of how the sums were computed: rig values, row filters, this module's version. If all agree, the log
+# is not read again. A later row for a log replaces an earlier one; until then a row with another digest is
+# retained, since its log may be archived and the rig values may be restored.
 
 
 _VERSION = 4
@@ -50,7 +49,7 @@ _Row = TypeVar("_Row", bound="Key")
 
 @dataclass(frozen=True)
 class Key:
-    """What tells whether sums are those of a log as it is now; `recipe` is a digest of how they are made."""
+    """Identity of a log version and its sums; `recipe` is a digest of how the sums are computed."""
 
     period: str
     name: str
@@ -68,42 +67,42 @@ class Stored(Key):
 
 
 def recipe_of(rig: Rig) -> str:
-    """A digest of all that the sums depend on besides the log."""
-    made = (
+    """Digest of everything the sums depend on besides the log."""
+    inputs = (
         *(_VERSION, MADE_WITH, rig.model, rig.case, sorted(rig.known.items())),
         *(sorted(rig.unknown.items()), rig.log, rig.sampling, rig.alignment),
     )
-    return hashlib.sha256(repr(made).encode()).hexdigest()[:16]
+    return hashlib.sha256(repr(inputs).encode()).hexdigest()[:16]
 
 
 def write(out: Path, joint: str, rows: Sequence[Stored], place: Path) -> None:
-    """Add the sums of log files of one joint, all of one rig; what is there stays until they are complete.
+    """Add the sums of log files of one joint, all with one rig.
 
-    They are made in the folder `place` on the same file system, and moved. Where rows are replaced, and where
-    the joint has many files, one file is made of all that have the same columns.
+    New files are written to the folder `place` on the same file system, then moved; old ones are removed
+    last. If rows are replaced, or the joint has many files, the files are merged, one per set of columns.
     """
     folder = _folder(out, joint)
     parts = _parts(folder)
     new = {(row.period, row.name): row for row in rows}
-    whole = len(parts) >= MOST_PARTS or any((key.period, key.name) in new for key in keys(out, joint))
-    kept = [row for row in read(out, joint) if (row.period, row.name) not in new] if whole else []
-    together: dict[tuple[Heading, ...], list[Stored]] = {}
-    for row in [*kept, *rows]:
-        together.setdefault(row.headings, []).append(row)
+    merge = len(parts) >= MOST_PARTS or any((key.period, key.name) in new for key in keys(out, joint))
+    retained = [row for row in read(out, joint) if (row.period, row.name) not in new] if merge else []
+    by_columns: dict[tuple[Heading, ...], list[Stored]] = {}
+    for row in [*retained, *rows]:
+        by_columns.setdefault(row.headings, []).append(row)
     folder.mkdir(parents=True, exist_ok=True)
     last = max(map(_number, parts), default=0)
-    for number, group in enumerate(together.values(), start=last + 1):
-        made = place / f"{quote(joint, safe='')}-{number}.parquet"
-        made.write_bytes(_encoded(sorted(group, key=lambda row: (row.period, row.name))))
-        made.replace(folder / f"part-{number:06d}.parquet")
-    for part in parts if whole else []:
+    for number, group in enumerate(by_columns.values(), start=last + 1):
+        staged = place / f"{quote(joint, safe='')}-{number}.parquet"
+        staged.write_bytes(_encoded(sorted(group, key=lambda row: (row.period, row.name))))
+        staged.replace(folder / f"part-{number:06d}.parquet")
+    for part in parts if merge else []:
         part.unlink()
 
 
 def joints_of(out: Path) -> list[str]:
     """The joints that have sums."""
-    found = (folder.name.removeprefix("joint=") for folder in (out / "sums").glob("joint=*"))
-    return sorted(map(unquote, found))
+    names = (folder.name.removeprefix("joint=") for folder in (out / "sums").glob("joint=*"))
+    return sorted(map(unquote, names))
 
 
 def _folder(out: Path, joint: str) -> Path:
@@ -111,9 +110,9 @@ def _folder(out: Path, joint: str) -> Path:
 
 
 def _parts(folder: Path) -> list[Path]:
-    """The files of a joint in the order in which they were written; a copy that somebody made is none."""
-    found = folder.glob("part-*.parquet")
-    return sorted((p for p in found if p.stem.removeprefix("part-").isdecimal()), key=_number)
+    """The files of a joint in order of writing, without copies that a user made."""
+    files = folder.glob("part-*.parquet")
+    return sorted((p for p in files if p.stem.removeprefix("part-").isdecimal()), key=_number)
 
 
 def _number(part: Path) -> int:
@@ -135,7 +134,7 @@ def _encoded(rows: Sequence[Stored]) -> Any:
     for field in fields(Coverage):
         table[field.name] = [getattr(row.sums.coverage, field.name) for row in rows]
     made = arrow.table(table).replace_schema_metadata({_HEADINGS: _written(rows[0].headings)})
-    # In memory: for some kilobytes, what Arrow asks of the file system costs more than the rest.
+    # Via memory: for a few kilobytes, Arrow's file system calls cost more than everything else.
     with arrow.BufferOutputStream() as stream:
         parquet.write_table(made, stream, compression="none", use_dictionary=False, write_statistics=False)
         return stream.getvalue()
@@ -147,21 +146,21 @@ def _written(headings: tuple[Heading, ...]) -> bytes:
 
 
 def read(out: Path, joint: str) -> list[Stored]:
-    """The rows of a joint in the order of periods and names.
+    """The rows of a joint, sorted by period and name.
 
-    A file that cannot be read counts as absent, and its logs are read again: they are what counts.
+    An unreadable file counts as absent: its logs are read again.
     """
     return _latest(row for part in _parts(_folder(out, joint)) for row in _read(part))
 
 
 def keys(out: Path, joint: str) -> list[Key]:
-    """The keys of the rows of a joint, as for `read`."""
+    """The keys of a joint's rows, as in `read`."""
     return _latest(key for part in _parts(_folder(out, joint)) for key in _keys(part))
 
 
 def _latest(rows: Iterable[_Row]) -> list[_Row]:
-    found = {(row.period, row.name): row for row in rows}
-    return [found[place] for place in sorted(found)]
+    latest = {(row.period, row.name): row for row in rows}
+    return [latest[place] for place in sorted(latest)]
 
 
 def _read(part: Path) -> list[Stored]:
@@ -186,10 +185,12 @@ def _keys(part: Path) -> list[Key]:
 
 
 def _rows(table: Any) -> Iterable[dict[str, Any]]:
-    plain = {name: table[name].to_pylist() for name in table.column_names if name != "triangles"}
+    scalars = {name: table[name].to_pylist() for name in table.column_names if name != "triangles"}
     lists = table["triangles"].combine_chunks()
     for k in range(table.num_rows):
-        yield {name: values[k] for name, values in plain.items()} | {"triangles": lists[k].values.to_numpy()}
+        yield {name: values[k] for name, values in scalars.items()} | {
+            "triangles": lists[k].values.to_numpy()
+        }
 
 
 def _stored(row: dict[str, Any], headings: tuple[Heading, ...]) -> Stored:
@@ -216,7 +217,7 @@ def arrow_of() -> tuple[Any, Any]:
 
 @dataclass(frozen=True)
 class Job:
-    """A log file, its joint's rig, and the digest of the two's sums."""
+    """A log file, its joint's rig, and the digest of their sums."""
 
     log: LogFile
     rig: Rig
@@ -224,28 +225,28 @@ class Job:
 
 
 def tasks_of(jobs: Sequence[Job], threads: int) -> Iterator[list[Job]]:
-    """Jobs in their order, as many together as make a task: fewer at the end, for threads to end together."""
+    """Group jobs into tasks, in order; tasks get smaller at the end, so that threads finish together."""
     task: list[Job] = []
-    size, left = 0, sum(job.log.size for job in jobs)
-    most = _most(left, threads)
+    size, remaining = 0, sum(job.log.size for job in jobs)
+    limit = _size_limit(remaining, threads)
     for job in jobs:
-        if task and (size + job.log.size > most or len(task) == TASK_FILES):
+        if task and (size + job.log.size > limit or len(task) == TASK_FILES):
             yield task
-            task, left = [], left - size
-            size, most = 0, _most(left, threads)
+            task, remaining = [], remaining - size
+            size, limit = 0, _size_limit(remaining, threads)
         task.append(job)
         size += job.log.size
     if task:
         yield task
 
 
-def _most(left: int, threads: int) -> float:
-    """The size of a task where so much is left."""
-    return min(TASK_BYTES, max(left * TASK_PART / threads, LAST_BYTES))
+def _size_limit(remaining: int, threads: int) -> float:
+    """Size of a task [bytes] with this many bytes remaining."""
+    return min(TASK_BYTES, max(remaining * TASK_PART / threads, LAST_BYTES))
 
 
 def work(jobs: Sequence[Job]) -> list[Stored | FleetProblem]:
-    """The sums of each file, or why there are none."""
+    """The sums of each file, or the problem."""
     return [_one(job) for job in jobs]
 
 
@@ -255,9 +256,9 @@ def problem_of(job: Job, kind: str, text: str) -> FleetProblem:
 
 
 def give_back() -> None:
-    """Give memory that was freed back to the system, where the C library can.
+    """Return freed memory to the operating system, where the C library can.
 
-    The allocator keeps it in pieces that suit sums; a diagnosis needs others, and each would add to them.
+    The allocator retains it in pieces that fit sums; a diagnosis needs other sizes and would add to them.
     """
     gc.collect()
     if sys.platform == "linux":
@@ -282,7 +283,7 @@ def _one(job: Job) -> Stored | FleetProblem:
 
 
 def _columns_of(job: Job) -> Columns:
-    """The columns of a rig, kept for the next file of the joint."""
+    """The columns of a rig, cached for the next file of the joint."""
     if job.recipe not in _columns:
         if len(_columns) > TASK_FILES:
             _columns.clear()
@@ -290,12 +291,12 @@ def _columns_of(job: Job) -> Columns:
     return _columns[job.recipe]
 
 
-# A part of a long log for a diagnosis: where its joint moves most.
+# The part of a long log with the most motion, for a diagnosis.
 
 
 @dataclass(frozen=True)
 class Sample:
-    """Rows of a log file, at most SAMPLE_ROWS from the one numbered `first`; `name` names it in a report."""
+    """At most SAMPLE_ROWS rows of a log file from row `first`; `name` names it in a report."""
 
     path: Path
     name: str
@@ -312,7 +313,7 @@ class Sample:
 
 
 def sample_of(stored: Sequence[Stored], logs: Sequence[LogFile]) -> Sample | None:
-    """The part of the files of a joint and period with the most motion; None if none of them is there."""
+    """The sample with the most motion in the files of a joint and period; None if no file is present."""
     there = {log.name: log for log in logs}
     best: tuple[int, Sample] | None = None
     for row in stored:

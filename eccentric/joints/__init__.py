@@ -1,16 +1,16 @@
-"""The joints of an arm from its logs: each is the log of one drive, loaded by the motion of all others.
+"""The joints of an arm from its logs: each joint is treated as a single drive, loaded by all others.
 
-In: logs and the rig of an arm.  Out: `fit_arm` -> `ArmFit` (which load the friction of each joint follows,
-and where Coulomb and viscous friction is enough), `diagnose_arm` -> `ArmDiagnosis` (what each joint lacks).
+In: logs and the rig of an arm.  Out: `fit_arm` -> `ArmFit` (the load that the friction of each joint depends
+on, if any), `diagnose_arm` -> `ArmDiagnosis` (the effects missing in each joint).
 
-    base_parameters  inertial parameters as numbers, and the sums of them that torques depend on
-    joint_model  one joint as a model whose inputs are what it meets
+    base_parameters  inertial parameters as numbers, and their identifiable combinations
+    joint_model  one joint as a model with external torques and loads as inputs
     arm_log      the logs of all joints; one joint as a log of one drive
-    bodies       the bodies identified from all joints at once, and those that could exist
-    fitted       every joint fitted by the rooms of one drive, and which load its friction follows
-    diagnosed    every joint diagnosed by them
-    extended_arm  the arm with the friction of every joint as it was fitted, effects included
-    predicting   other runs predicted by a fit, and the payload that they have
+    bodies       bodies identified from all joints at once, and physically consistent ones
+    fitted       the fit of every joint as a single drive, and the load its friction depends on
+    diagnosed    the diagnosis of every joint as a single drive
+    extended_arm  the arm model with the fitted friction of every joint, effects included
+    predicting   prediction of other runs by a fit, and identification of their payload
 
 May import: `diagnosis` and all rooms below it.
 """

@@ -1,4 +1,4 @@
-"""An arm's logs, ready for fits: what every joint meets, and each joint as the log of one drive."""
+"""An arm's logs, ready for fits: external torques and loads of every joint; each joint as a single drive."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ class ArmLog:
         rig: as declared.
         channels: of every joint, on the same rows.
         module: torques and loads of its bodies.
-        values: the inertial parameters at hand (joints, 10): declared, or identified.
-        scales: what a newton metre is in the unit of each drive: 1, or amperes where k_i is unknown.
-        gains: k_i of each motor where the rig has none and the declared bodies give it, else None.
+        values: the current inertial parameters (joints, 10): declared or identified.
+        scales: one newton metre in the unit of each drive: 1, or in amperes where k_i is unknown.
+        gains: k_i of each motor if identified from the declared bodies, else None.
     """
 
     rig: ArmRig
@@ -67,7 +67,7 @@ class ArmLog:
 
     @property
     def bases(self) -> dict[int, BaseParameters]:
-        """The base parameters of each joint that were chosen so far: a prediction takes the same."""
+        """The base parameters selected so far, by joint: a prediction uses the same."""
         return dict(self._bases)
 
     @property
@@ -76,11 +76,11 @@ class ArmLog:
         return self.channels[0].rig.sampling.low_pass_hz
 
     def with_values(self, values: Array) -> ArmLog:
-        """The same with other inertial parameters."""
+        """A copy with other inertial parameters."""
         return replace(self, values=values, _along={}, _largest={})
 
     def motion(self, cut_hz: float | None = None) -> JointMotions:
-        """The motion of all motors below a cut-off, by default that of the rig."""
+        """The motion of all motors, low-passed at a cut-off [Hz], by default that of the rig."""
         cut = self.cut_hz if cut_hz is None else cut_hz
         if cut not in self._motions:
             each = [_below(channels, cut, self.cut_hz) for channels in self.channels]
@@ -88,32 +88,32 @@ class ArmLog:
         return self._motions[cut]
 
     def along(self, j: int, cut_hz: float | None = None) -> MetAlong:
-        """What joint j meets, with all angles below a cut-off."""
+        """External torques and loads of joint j, with all angles low-passed at a cut-off [Hz]."""
         cut = self.cut_hz if cut_hz is None else cut_hz
         if (cut, j) not in self._along:
             motion = self.motion(cut)
             columns = self._columns(motion) if self.rig.open else {}
             for k, met in enumerate(self.module.met(motion, self.values)):
-                # With open bodies the columns are what those at hand lack.
-                own_unit = met.scaled(self.scales[k])
-                signals, torque = signals_of(own_unit), own_unit.whole
-                own = {
+                # With open bodies the columns correct the current ones.
+                scaled = met.scaled(self.scales[k])
+                signals, torque = signals_of(scaled), scaled.whole
+                bodies = {
                     Coefficient(name, "bodies", _unit(place)): columns[place][:, k]
                     for place, name in self.open_of(k)
                 }
-                below = lambda other, k=k: self.along(k, other)  # noqa: E731 - of this joint
-                self._along[cut, k] = MetAlong(signals, torque, FORCE, own, below)
+                below = lambda other, k=k: self.along(k, other)  # noqa: E731 - binds k
+                self._along[cut, k] = MetAlong(signals, torque, FORCE, bodies, below)
         return self._along[cut, j]
 
     def open_of(self, j: int) -> list[tuple[int, str]]:
-        """Places and names of the inertial parameters whose columns span what joint j shows of the bodies."""
+        """Indices and names of the inertial parameters that form a basis for the torque of joint j."""
         if not self.rig.open:
             return []
         names = names_of(len(self))
         return [(place, names[place]) for place in self.base(j).chosen]
 
     def base(self, j: int) -> BaseParameters:
-        """The base parameters that the torque of joint j alone depends on, by its rows to fit."""
+        """The base parameters of the torque of joint j alone, from its rows to fit."""
         if j not in self._bases:
             rows = self.channels[j].selection.fit_rows
             self._bases[j] = base_of(self.regressor(j)[rows])
@@ -121,16 +121,16 @@ class ArmLog:
 
     def regressor(self, j: int) -> Array:
         """The torque of joint j per inertial parameter (n, 10 joints)."""
-        return self._whole()[:, j]
+        return self._regressor()[:, j]
 
     def rows(self, j: int) -> Rows:
         """The rows that the friction of joint j is fitted on."""
         return fit_rows(self.channels[j], self.channels[j].rig)
 
     def drive(self, j: int) -> Drive:
-        """The drive of joint j without what it meets.
+        """The drive of joint j without external torques.
 
-        Without k_i, the declared bodies determine the torque of an ampere; with open bodies nothing does, and
+        Without k_i, the declared bodies determine the torque constant; with open bodies nothing does, and
         the result is in amperes.
         """
         channels, rig = self.channels[j], self.rig.joints[j]
@@ -157,7 +157,7 @@ class ArmLog:
         return Drive(machine, channels, known, known["R"] / known["k_i"], "N m")
 
     def joint(self, j: int, loads: Collection[Load], name: str = "") -> tuple[Model, FitData]:
-        """Joint j as a log of one drive, and the model whose friction follows these loads."""
+        """Joint j as a log of one drive, and its model with friction by these loads."""
         number = self.rig.number(j)
         title, sources = f"Joint {number} of {self.rig.chain.name}", sources_of(j, self.module.loads)
         turns = self.rig.chain.joints[j].turns
@@ -166,32 +166,32 @@ class ArmLog:
         return model, fit_data_of(drive, self.channels[j].rig, model)
 
     def present(self, j: int, among: Sequence[Load] = EVERY) -> tuple[Load, ...]:
-        """The loads whose friction a log can tell from Coulomb and viscous friction, and from one another.
+        """The loads whose friction a log can separate from Coulomb and viscous friction and from each other.
 
-        A load that does not vary is part of what follows no load; one that is nothing beside those of other
-        joints is rounding.
+        Friction by a constant load is part of the load-independent friction; a load negligible compared with
+        those of other joints is rounding.
         """
         among = [load for load in among if self._is_borne(j, load)]
         model, data = self.joint(j, among)
         rows = data.rows.train
-        found: list[Load] = []
+        identifiable: list[Load] = []
         columns = {c.load: [] for c in data.signals.columns(model)}
         for column in data.signals.columns(model):
             columns[column.load].append(compiled(model, column.basis, data.signals)({}, {}))
-        taken = data.rows.mean(np.column_stack(columns[Load.NONE]))[rows]
+        basis = data.rows.mean(np.column_stack(columns[Load.NONE]))[rows]
         for load in among:
-            own = data.rows.mean(np.column_stack(columns[load]))[rows]
-            size = np.linalg.norm(own, axis=0)
+            added = data.rows.mean(np.column_stack(columns[load]))[rows]
+            size = np.linalg.norm(added, axis=0)
             if not np.all(size > 0.0):
                 continue
-            left = own - taken @ np.linalg.lstsq(taken, own, rcond=None)[0]
-            if np.all(np.linalg.norm(left, axis=0) > VARIES * size):
-                found.append(load)
-                taken = np.column_stack([taken, own])
-        return tuple(found)
+            residual = added - basis @ np.linalg.lstsq(basis, added, rcond=None)[0]
+            if np.all(np.linalg.norm(residual, axis=0) > VARIES * size):
+                identifiable.append(load)
+                basis = np.column_stack([basis, added])
+        return tuple(identifiable)
 
     def _is_borne(self, j: int, load: Load) -> bool:
-        """Whether a load of joint j is more than rounding beside the largest of its kind in any joint."""
+        """Whether a load of joint j exceeds rounding of the largest load of its kind in any joint."""
         if not self._largest:
             for k, met in enumerate(self.module.met(self.motion(), self.values)):
                 rows = self.channels[k].selection.fit_rows
@@ -204,8 +204,8 @@ class ArmLog:
         most = max(self._largest[k, one] for k in range(len(self)) for one in kind)
         return self._largest[j, load] > NEGLIGIBLE * most
 
-    def _whole(self) -> Array:
-        """The torques per inertial parameter for the motion of the rig (n, joints, 10 joints)."""
+    def _regressor(self) -> Array:
+        """The torques per inertial parameter at the rig's cut-off (n, joints, 10 joints)."""
         if self.cut_hz not in self._regressors:
             self._regressors[self.cut_hz] = self.module.regressor(self.motion())
         return self._regressors[self.cut_hz]
@@ -214,14 +214,14 @@ class ArmLog:
         """The torques per unit of the inertial parameters that are open in any joint, each (n, joints)."""
         places = sorted({place for k in range(len(self)) for place, _ in self.open_of(k)})
         if motion is self.motion():
-            whole = self._whole()
-            return {place: whole[:, :, place] for place in places}
-        found = self.module.regressor(motion, places)
-        return {place: found[:, :, k] for k, place in enumerate(places)}
+            every = self._regressor()
+            return {place: every[:, :, place] for place in places}
+        columns = self.module.regressor(motion, places)
+        return {place: columns[:, :, k] for k, place in enumerate(places)}
 
 
 def arm_log(rig: ArmRig, channels: Sequence[Channels]) -> ArmLog:
-    """The logs of an arm with the bodies that its file declares."""
+    """The logs of an arm with the bodies declared in its file."""
     log = ArmLog(rig, tuple(channels), BodyModule(rig.chain), moments_of(rig.chain))
     scales = tuple(_scale(log, j) for j in range(len(log)))
     if rig.open:
@@ -231,7 +231,7 @@ def arm_log(rig: ArmRig, channels: Sequence[Channels]) -> ArmLog:
 
 
 def _scale(log: ArmLog, j: int) -> Estimate | None:
-    """What a newton metre is in amperes, for the declared bodies; None where the torque is known."""
+    """Amperes per newton metre, from the declared bodies; None where the torque is known."""
     drive = log.drive(j)
     if drive.unit == "N m":
         return None
@@ -252,7 +252,7 @@ def _gain(scale: Estimate, rig: ArmRig, j: int) -> Estimate:
     """k_i of a motor from its inverse.
 
     Raises:
-        InputError: the interval of the inverse has zero in it.
+        InputError: the interval of the inverse includes zero or is negative.
     """
     low, high = scale.interval
     if low <= 0.0:
@@ -265,9 +265,9 @@ def _gain(scale: Estimate, rig: ArmRig, j: int) -> Estimate:
     return Estimate(value, value**2 * scale.std_error, (1.0 / high, 1.0 / low), "N m/A")
 
 
-def _below(channels: Channels, cut: float, own: float) -> tuple[Array, Array, Array]:
+def _below(channels: Channels, cut: float, rig_cut: float) -> tuple[Array, Array, Array]:
     motion, time = channels.motion, channels.time
-    if cut == own:
+    if cut == rig_cut:
         return motion.theta_m, motion.omega_m, motion.alpha_m
     (theta, omega, alpha), _ = motion_of(time.t, motion.theta_logged, time.segment, cut)
     return theta, omega, alpha

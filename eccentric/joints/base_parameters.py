@@ -1,8 +1,8 @@
 """Base parameters: the combinations of inertial parameters that the torques of a log depend on.
 
-Of a serial arm, many inertial parameters act only in sums, and some not at all. A QR decomposition with
-pivoting of the regressor over the log takes the columns one by one, each time the one of which most is left;
-the others are combinations of those taken.
+Many inertial parameters of a serial arm act only in linear combinations, and some not at all. A pivoted QR
+decomposition of the regressor over the log selects independent columns, each time the one with the largest
+remaining norm; the others are linear combinations of these.
 
 Reference: M. Gautier, "Numerical calculation of the base inertial parameters of robots", J. Robotic Systems
 8(4), 1991.
@@ -26,10 +26,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BaseParameters:
-    """Which columns of a regressor span it.
+    """Columns that form a basis of a regressor.
 
     Attributes:
-        chosen: places of the columns, in the order of the regressor (r,).
+        chosen: indices of the columns, in the order of the regressor (r,).
         sums: (r, p): base parameters = sums @ inertial parameters; the columns of `chosen` are unit vectors.
     """
 
@@ -37,7 +37,7 @@ class BaseParameters:
     sums: Array
 
     def words(self, names: Sequence[str]) -> list[str]:
-        """Each base parameter as the sum that it is."""
+        """Each base parameter as a linear combination, in text."""
         return [
             " ".join(
                 _part(float(x), name, first=k == 0)
@@ -55,29 +55,29 @@ class BaseParameters:
 def base_of(regressor: Array) -> BaseParameters:
     """The base parameters of a regressor (rows, p); rows may be weighted.
 
-    Columns count by their size, since units differ: each is divided by its length.
+    Columns are normalised, since their units differ.
     """
     size = np.linalg.norm(regressor, axis=0)
-    there = np.flatnonzero(size > RANK * size.max(initial=0.0) * np.finfo(float).eps ** 0.5)
-    if not len(there):
+    nonzero = np.flatnonzero(size > RANK * size.max(initial=0.0) * np.finfo(float).eps ** 0.5)
+    if not len(nonzero):
         return BaseParameters((), np.zeros((0, regressor.shape[1])))
-    triangle = np.linalg.qr(regressor[:, there] / size[there], mode="r")
+    triangle = np.linalg.qr(regressor[:, nonzero] / size[nonzero], mode="r")
     r, order = qr(triangle, mode="r", pivoting=True)
     diagonal = np.abs(np.diag(r))
     rank = int(np.count_nonzero(diagonal > RANK * diagonal[0]))
-    # What is left of a column in terms of those taken, back in their own units.
+    selected, dependent = nonzero[order[:rank]], nonzero[order[rank:]]
+    # Dependent columns in terms of the selected ones, in the original units.
     sums = np.zeros((rank, regressor.shape[1]))
-    sums[np.arange(rank), there[order[:rank]]] = 1.0
-    if rank < len(order):
+    sums[np.arange(rank), selected] = 1.0
+    if len(dependent):
         others = solve_triangular(r[:rank, :rank], r[:rank, rank:])
-        scale = size[there[order[rank:]]][None, :] / size[there[order[:rank]]][:, None]
-        sums[:, there[order[rank:]]] = others * scale
-    taken = np.argsort(there[order[:rank]])
-    return BaseParameters(tuple(int(k) for k in np.sort(there[order[:rank]])), sums[taken])
+        sums[:, dependent] = others * (size[dependent][None, :] / size[selected][:, None])
+    ascending = np.argsort(selected)
+    return BaseParameters(tuple(int(k) for k in selected[ascending]), sums[ascending])
 
 
 def names_of(joints: int) -> list[str]:
-    """The names of all inertial parameters, in the order of the regressor."""
+    """Names of all inertial parameters, in the order of the regressor."""
     return [q.name for j in range(joints) for q in letters_of(j)]
 
 
@@ -86,7 +86,7 @@ def _part(x: float, name: str, *, first: bool) -> str:
     return f"{sign}{name}" if abs(abs(x) - 1.0) < LEAST_SHARE_IN_SUM else f"{sign}{abs(x):.4g} {name}"
 
 
-# The inertial parameters of a chain as numbers, and of a body as one matrix; `letters_of` names them.
+# The inertial parameters of a chain as numbers, and those of a body as a matrix; `letters_of` names them.
 
 
 _UPPER = [(a, b) for a in range(3) for b in range(a, 3)]
@@ -95,20 +95,20 @@ COUNT = 10
 
 
 def moments_of(chain: Chain) -> Array:
-    """The inertial parameters of a chain of numbers, payload included, shape (joints, 10)."""
-    found = []
+    """The inertial parameters of a numeric chain, payload included, shape (joints, 10)."""
+    rows = []
     for place, body in enumerate(chain.bodies):
         moments = body.moments
         if chain.payload is not None and place == len(chain.bodies) - 1:
             moments = moments + chain.payload.moments
         second = moments.second
         entries = [second[a, b] for a, b in _UPPER]
-        found.append([float(x) for x in (moments.mass, *moments.first, *entries)])
-    return np.array(found)
+        rows.append([float(x) for x in (moments.mass, *moments.first, *entries)])
+    return np.array(rows)
 
 
 def matrix_of(parameters: Array) -> Array:
-    """The moments of mass of a body as one matrix (4, 4): [[Sigma, h], [h, m]], positive for any mass there.
+    """The pseudo-inertia matrix of a body (4, 4): [[Sigma, h], [h, m]], positive for any mass distribution.
 
     Args:
         parameters: (..., 10).
@@ -123,12 +123,12 @@ def matrix_of(parameters: Array) -> Array:
 
 
 def parameters_of(matrix: Array) -> Array:
-    """The reverse of `matrix_of`: (..., 4, 4) to (..., 10)."""
+    """The inverse of `matrix_of`: (..., 4, 4) to (..., 10)."""
     first = (matrix[..., a, 3] for a in range(3))
     return np.stack([matrix[..., 3, 3], *first, *(matrix[..., a, b] for a, b in _UPPER)], axis=-1)
 
 
-# What the bodies of an arm require of its drives along a log: torques and loads, from the emitted module.
+# Torques and loads of an arm's bodies along a log, from the emitted module.
 
 
 @dataclass(frozen=True)
@@ -141,19 +141,19 @@ class JointMotions:
 
     @property
     def still(self) -> JointMotions:
-        """The same angles at rest: what is left is gravity."""
+        """The same angles at rest, where only gravity acts."""
         zero = np.zeros_like(self.theta_m)
         return JointMotions(self.theta_m, zero, zero)
 
 
 @dataclass(frozen=True)
 class Bodies:
-    """What one joint meets, each (n,), on the motor side where it is a torque [N m].
+    """Torques [N m, motor side] and bearing loads of one joint, each (n,).
 
     Attributes:
-        gravity: torque that holds the arm.
-        moving: torque that moves the bodies, gravity aside: inertia, centrifugal and Coriolis.
-        rotor: torque that accelerates the motor's own rotor.
+        gravity: holding torque against gravity.
+        moving: inertial, centrifugal and Coriolis torque of the bodies.
+        rotor: torque to accelerate the motor's rotor.
         F_N, F_T, M_B: loads of the bearing [N, N, N m], 0 where a guide has none.
     """
 
@@ -166,11 +166,11 @@ class Bodies:
 
     @property
     def whole(self) -> Array:
-        """What the drive has to supply without friction."""
+        """Drive torque without friction."""
         return self.gravity + self.moving + self.rotor
 
     def scaled(self, factor: float) -> Bodies:
-        """The torques in another unit; the loads stay."""
+        """A copy with the torques in another unit; the loads are unchanged."""
         if factor == 1.0:
             return self
         return replace(
@@ -179,12 +179,12 @@ class Bodies:
 
     @property
     def transmitted(self) -> Array:
-        """What the gear passes on, with its sign."""
+        """Torque transmitted by the gear, signed."""
         return self.gravity + self.moving
 
 
 class BodyModule:
-    """The emitted NumPy module of a chain with letters for its bodies: called with the values at hand."""
+    """The emitted NumPy module of a chain with symbolic bodies, called with the current values."""
 
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
@@ -207,7 +207,7 @@ class BodyModule:
         return len(self._names)
 
     def torques(self, motion: JointMotions, values: Array) -> Array:
-        """Torque that moves bodies and rotors, motor side [N m], shape (n, joints).
+        """Torque of bodies and rotors, motor side [N m], shape (n, joints).
 
         Args:
             motion: of the motors.
@@ -216,40 +216,40 @@ class BodyModule:
         return self._module.inverse_dynamics(*self._inputs(motion), self._parameters(values))
 
     def regressor(self, motion: JointMotions, places: Sequence[int] | None = None) -> Array:
-        """The torques per unit of inertial parameters, rotors aside, shape (n, joints, parameters).
+        """The torques per unit of each inertial parameter, without rotors, shape (n, joints, parameters).
 
         Args:
             motion: of the motors.
-            places: of the parameters, among 10 joints; by default all.
+            places: indices of the parameters, in 10 per joint; by default all.
         """
         chosen = range(self.count) if places is None else places
         rotors, unit = self.torques(motion, np.zeros(self.count)), np.eye(self.count)
-        found = np.empty((*motion.theta_m.shape, len(chosen)))
+        columns = np.empty((*motion.theta_m.shape, len(chosen)))
         for k, place in enumerate(chosen):
-            found[:, :, k] = self.torques(motion, unit[place]) - rotors
-        return found
+            columns[:, :, k] = self.torques(motion, unit[place]) - rotors
+        return columns
 
     def met(self, motion: JointMotions, values: Array) -> tuple[Bodies, ...]:
-        """What every joint meets, for the inertial parameters (joints, 10)."""
+        """Torques and loads of every joint, for the inertial parameters (joints, 10)."""
         parameters = self._parameters(values)
         every = self._module.bearing_loads(*self._inputs(motion), parameters)
         loads = dict(zip(self._module.BEARING_LOADS, np.moveaxis(every, -1, 0), strict=True))
-        whole, gravity = self.torques(motion, values), self.torques(motion.still, values)
-        none = np.zeros(len(whole))
-        found = []
+        total, gravity = self.torques(motion, values), self.torques(motion.still, values)
+        zero = np.zeros(len(total))
+        joints = []
         for j in range(len(self._mu)):
-            # Its size is a load; its sign is that of what is left without the rotor.
-            size, rest = self._mu[j] * loads[f"T_{j}"], whole[:, j] - self._J_m[j] * motion.alpha_m[:, j]
-            passed = np.where(rest < 0.0, -size, size) if self._J_m[j] else whole[:, j]
-            found.append(
+            # Its magnitude is an output of the module; its sign is that of the torque without the rotor.
+            size, rest = self._mu[j] * loads[f"T_{j}"], total[:, j] - self._J_m[j] * motion.alpha_m[:, j]
+            passed = np.where(rest < 0.0, -size, size) if self._J_m[j] else total[:, j]
+            joints.append(
                 Bodies(
                     gravity[:, j],
                     passed - gravity[:, j],
-                    whole[:, j] - passed,
-                    *(loads.get(f"{name}_{j}", none) for name in ("F_N", "F_T", "M_B")),
+                    total[:, j] - passed,
+                    *(loads.get(f"{name}_{j}", zero) for name in ("F_N", "F_T", "M_B")),
                 )
             )
-        return tuple(found)
+        return tuple(joints)
 
     def _inputs(self, motion: JointMotions) -> Sequence[Array]:
         return motion.theta_m, motion.omega_m, motion.alpha_m

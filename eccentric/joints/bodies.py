@@ -1,7 +1,7 @@
-"""The bodies of an arm from its logs: base parameters of all joints at once, and bodies that have them.
+"""The bodies of an arm from its logs: base parameters of all joints at once, and consistent bodies.
 
-Each joint's torque is linear in the inertial parameters and in its own friction. The joints are weighted by
-what a fit of each alone leaves, so that a strong drive does not drown the wrist.
+Each joint's torque is linear in the inertial parameters and in its friction. The joints are weighted by the
+residual of their separate fits, so that the strong base drives do not dominate the wrist.
 """
 
 from __future__ import annotations
@@ -34,13 +34,12 @@ from eccentric.joints.base_parameters import (
 from eccentric.joints.limits import IN_ERRORS, LEAST_EIGENVALUE, PROJECTIONS, TIGHTEST
 from eccentric.model import letters_of
 
-# Bodies that could exist and have given base parameters: the nearest to those of the arm file.
+# Physically consistent bodies with given base parameters: the nearest to those of the arm file.
 #
-# A mass is positive, and so is the matrix [[Sigma, h], [h, m]] of the moments of any distribution of it. Base
-# parameters leave the bodies open along what no torque shows; the loads of the bearings depend on it too. So
-# the bodies start as the arm file has them and are moved no further than the base parameters and those
-# conditions require: projections onto both in turn, each convex, so that they converge to a common point if
-# there is one.
+# Mass is positive, and so is the pseudo-inertia matrix [[Sigma, h], [h, m]] of any mass distribution. Base
+# parameters leave combinations open that no torque shows, but bearing loads depend on them. So the bodies
+# start at those of the arm file and are moved no further than base parameters and consistency require, by
+# alternating projections onto both convex sets, which converge to a common point if there is one.
 #
 # Reference: P. M. Wensing, S. Kim and J.-J. E. Slotine, "Linear matrix inequalities for physically consistent
 # inertial parameter identification", IEEE Robotics and Automation Letters 3(1), 2018.
@@ -51,11 +50,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PossibleBodies:
-    """Bodies that could exist.
+    """Physically consistent bodies.
 
     Attributes:
-        values: their inertial parameters (joints, 10).
-        misfit: the largest difference of their base parameters from the identified ones, in standard errors.
+        values: inertial parameters (joints, 10).
+        misfit: the largest deviation of their base parameters from the identified ones, in standard errors.
     """
 
     values: Array
@@ -63,37 +62,37 @@ class PossibleBodies:
 
     @property
     def explain(self) -> bool:
-        """Whether they have the identified base parameters, within their errors."""
+        """Whether they match the identified base parameters within their errors."""
         return self.misfit <= IN_ERRORS
 
 
 def possible_bodies(
     nominal: Array, base: BaseParameters, found: Array, errors: Array, fixed: Collection[str] = ()
 ) -> PossibleBodies:
-    """The bodies next to the nominal ones that have these base parameters.
+    """The consistent bodies nearest to the nominal ones that have these base parameters.
 
     Args:
         nominal: inertial parameters of the arm file (joints, 10).
-        base: which sums of them the log determines.
-        found, errors: the identified sums and their standard errors (r,).
-        fixed: "mass", "centre" or both, where the arm file is right.
+        base: the combinations determined by the log.
+        found, errors: the identified base parameters and their standard errors (r,).
+        fixed: "mass", "centre" or both, where the arm file is correct.
     """
     joints, length = len(nominal), _length(nominal)
     mass = float(np.mean(np.abs(nominal[:, 0]))) or 1.0
-    one = np.r_[1.0, [length] * 3, [length**2] * 6] * mass
-    # Off the diagonal an entry stands twice in the matrix: both projections then measure alike.
-    one[[1, 2, 3, 5, 6, 8]] /= np.sqrt(2.0)
-    scale = np.tile(one, joints)
-    held = np.zeros(COUNT, dtype=bool)
-    held[0] = "mass" in fixed
-    held[1:4] = {"mass", "centre"} <= set(fixed)
-    kept = np.eye(joints * COUNT)[np.tile(held, joints)]
-    # A sum without a standard error restricts nothing, and says nothing of whether bodies explain it.
+    units = np.r_[1.0, [length] * 3, [length**2] * 6] * mass
+    # Off-diagonal entries occur twice in the matrix: both projections then use the same metric.
+    units[[1, 2, 3, 5, 6, 8]] /= np.sqrt(2.0)
+    scale = np.tile(units, joints)
+    is_fixed = np.zeros(COUNT, dtype=bool)
+    is_fixed[0] = "mass" in fixed
+    is_fixed[1:4] = {"mass", "centre"} <= set(fixed)
+    constraints = np.eye(joints * COUNT)[np.tile(is_fixed, joints)]
+    # A combination without a standard error is no constraint and does not count in the misfit.
     finite = np.isfinite(errors)
     least = np.max(errors[finite], initial=np.finfo(float).tiny) * TIGHTEST
     weight = np.where(finite, 1.0 / np.maximum(np.where(finite, errors, 1.0), least), 0.0)
-    rows = np.vstack([base.sums * weight[:, None], kept * 1e3]) * scale
-    right = np.r_[found * weight, 1e3 * kept @ nominal.ravel()]
+    rows = np.vstack([base.sums * weight[:, None], constraints * 1e3]) * scale
+    right = np.r_[found * weight, 1e3 * constraints @ nominal.ravel()]
     back = np.linalg.pinv(rows)
     x = nominal.ravel() / scale
     for _ in range(PROJECTIONS):
@@ -107,16 +106,16 @@ def possible_bodies(
 
 
 def _positive(values: Array, length: float, mass: float) -> Array:
-    """The nearest bodies that could exist (joints, 10)."""
+    """The nearest consistent bodies (joints, 10)."""
     units = np.array([length, length, length, 1.0]) * np.sqrt(mass)
-    own, vectors = np.linalg.eigh(matrix_of(values) / np.outer(units, units))
-    own = np.maximum(own, LEAST_EIGENVALUE)
-    matrix = np.einsum("jab,jb,jcb->jac", vectors, own, vectors)
+    eigenvalues, vectors = np.linalg.eigh(matrix_of(values) / np.outer(units, units))
+    eigenvalues = np.maximum(eigenvalues, LEAST_EIGENVALUE)
+    matrix = np.einsum("jab,jb,jcb->jac", vectors, eigenvalues, vectors)
     return parameters_of(matrix * np.outer(units, units))
 
 
 def _length(nominal: Array) -> float:
-    """A length of the size of the bodies [m]."""
+    """A characteristic length of the bodies [m]."""
     masses = np.maximum(nominal[:, 0], 1e-12)
     spread = np.sqrt(np.abs(nominal[:, [4, 7, 9]].sum(axis=1)) / masses)
     return float(np.max(spread)) or 0.1
@@ -124,13 +123,13 @@ def _length(nominal: Array) -> float:
 
 @dataclass(frozen=True)
 class IdentifiedBodies:
-    """What the logs say of the bodies.
+    """Bodies identified from the logs.
 
     Attributes:
-        base: the sums of inertial parameters that they determine.
-        estimates: of each, by the name of its first parameter, with the sum in words in `sums`.
-        sums: in words.
-        bodies: bodies that could exist, next to the declared ones.
+        base: the base parameters.
+        estimates: of each, by the name of its first parameter.
+        sums: each base parameter as a linear combination, in text.
+        bodies: the consistent bodies nearest to the declared ones.
     """
 
     base: BaseParameters
@@ -140,25 +139,25 @@ class IdentifiedBodies:
 
 
 def identified_bodies(log: ArmLog) -> IdentifiedBodies | None:
-    """The bodies by the training part; None where they are known, or a drive has no torque.
+    """Identify the bodies on the training part; None if they are known, or a drive's torque is unknown.
 
-    Friction is Coulomb and viscous, and by the loads of the declared bodies where a joint can show it.
+    Friction is Coulomb and viscous, plus friction by the loads of the declared bodies where identifiable.
     """
     if not log.rig.open or any(log.drive(j).unit != "N m" for j in range(len(log))):
         return None
     base, solution = pooled([_block(log, j) for j in range(len(log))], names_of(len(log)))
     estimates = dict([*solution.estimates().items()][: len(base.chosen)])
-    found = solution.values[: len(base.chosen)]
+    values = solution.values[: len(base.chosen)]
     errors = np.array([e.std_error for e in estimates.values()])
-    possible = possible_bodies(log.values, base, found, errors, log.rig.known)
+    possible = possible_bodies(log.values, base, values, errors, log.rig.known)
     return IdentifiedBodies(base, estimates, tuple(base.words(names_of(len(log)))), possible)
 
 
 @dataclass(frozen=True)
 class Block:
-    """Rows of a joint: torque without the rotors' share, columns of inertial parameters and of friction.
+    """Rows of a joint: torque without the rotors' part, columns of inertial parameters and of friction.
 
-    `weight` is one over what a fit of the joint alone leaves, in the unit of its torque.
+    `weight` is the inverse RMS residual of the joint's separate fit, in the unit of its torque.
     """
 
     target: Array
@@ -171,9 +170,9 @@ class Block:
 def pooled(
     blocks: Sequence[Block], names: Sequence[str], lower: float = -np.inf
 ) -> tuple[BaseParameters, Solution]:
-    """All joints at once: base parameters of the bodies, then the friction of each joint.
+    """Fit all joints at once: base parameters of the bodies, then the friction of each joint.
 
-    `names` are those of the inertial parameters, `lower` is the bound of a mass.
+    `names` are those of the inertial parameters, `lower` is the lower bound of a mass.
     """
     base = base_of(np.vstack([block.bodies * block.weight for block in blocks]))
     bodies = [
@@ -195,13 +194,13 @@ def _block(log: ArmLog, j: int) -> Block:
     loads = log.present(j)
     model, data = log.joint(j, loads)
     every = base_coefficients(model, data.signals)
-    own = [k for k, c in enumerate(every) if c.role == "friction"]
-    friction = rows.mean(base_columns(model, data.signals)[:, own])[train]
+    places = [k for k, c in enumerate(every) if c.role == "friction"]
+    friction = rows.mean(base_columns(model, data.signals)[:, places])[train]
     regressor = rows.plain_mean(log.regressor(j))[train]
     rotors = log.module.torques(log.motion(), np.zeros(log.module.count))[:, j]
     target = rows.mean(drive.torque())[train] - rows.plain_mean(rotors)[train]
-    named = tuple(replace(every[k], name=f"{every[k].name}_{log.rig.number(j)}") for k in own)
+    named = tuple(replace(every[k], name=f"{every[k].name}_{log.rig.number(j)}") for k in places)
     base = base_of(regressor)
-    whole = np.column_stack([regressor[:, base.chosen], friction])
-    left = target - whole @ np.linalg.lstsq(whole, target, rcond=None)[0]
-    return Block(target, regressor, 1.0 / rms(left), friction, named)
+    design = np.column_stack([regressor[:, base.chosen], friction])
+    residual = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
+    return Block(target, regressor, 1.0 / rms(residual), friction, named)

@@ -1,8 +1,8 @@
-"""Diagnose every joint of an arm: what its model lacks beside friction by the loads of its bearing.
+"""Diagnose every joint of an arm: the effects missing in its model, besides friction by bearing loads.
 
-Friction of a joint is in its own balance alone, so that each joint is the log of one drive, with what it
-meets from the others as inputs. A verdict over the arm has as many chances as it has joints: an effect has
-to gain more.
+A joint's friction enters its own balance only, so each joint is diagnosed as the log of a single drive, with
+torques and loads from the others as inputs. An arm has as many chances of a false verdict as it has joints:
+an effect has to gain more.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _ORDER = ("named", "not_identifiable", "unexplained", "nothing_missing")
 
 @dataclass(frozen=True)
 class JointDiagnosis:
-    """One joint: its number in the columns, its name in the arm file, and what was found as for one drive."""
+    """One joint: its number in the columns, name in the arm file, and diagnosis as a single drive."""
 
     number: int
     name: str
@@ -42,7 +42,7 @@ class JointDiagnosis:
 
     @property
     def verdict(self) -> str:
-        """As for one drive."""
+        """The verdict of the single drive."""
         return self.found.attribution.verdict
 
     @property
@@ -52,19 +52,19 @@ class JointDiagnosis:
 
     @property
     def deviance(self) -> float:
-        """Gain of the best single effect, cross-validated in the training part."""
+        """Cross-validated gain of the best single effect on the training part."""
         gains = [gain for gain, _ in self.found.attribution.deviance.values()]
         return max(gains, default=0.0)
 
 
 @dataclass(frozen=True)
 class ArmDiagnosis:
-    """What was found over an arm.
+    """The diagnosis of an arm.
 
     Attributes:
-        log: what was searched, with the bodies at hand.
+        log: the logs, with the bodies used.
         names: of the logs.
-        bodies: what the logs say of the bodies; None where they are declared, or have no torque.
+        bodies: the identified bodies; None if they are declared, or a torque is unknown.
         joints: from the base outwards.
         required: deviance that an effect had to gain.
     """
@@ -77,14 +77,14 @@ class ArmDiagnosis:
 
     @property
     def by_gain(self) -> tuple[JointDiagnosis, ...]:
-        """The joints, those first where an effect gains most."""
+        """The joints, sorted by the gain of their best effect."""
         return tuple(sorted(self.joints, key=lambda joint: -joint.deviance))
 
     @property
     def verdict(self) -> str:
-        """Named where any joint has a named effect; else the next of not_identifiable, unexplained."""
-        found = {joint.verdict for joint in self.joints}
-        return next(verdict for verdict in _ORDER if verdict in found)
+        """The first of named, not_identifiable, unexplained, nothing_missing that any joint has."""
+        verdicts = {joint.verdict for joint in self.joints}
+        return next(verdict for verdict in _ORDER if verdict in verdicts)
 
     @property
     def named(self) -> tuple[tuple[JointDiagnosis, Effect], ...]:
@@ -93,7 +93,7 @@ class ArmDiagnosis:
 
     @property
     def first(self) -> dict[str, Any] | None:
-        """Where an effect gains most, and the family that leads there; None where nothing is missing."""
+        """The joint where an effect gains most, and its leading family; None if nothing is missing."""
         lacking = (
             joint for joint in self.by_gain if joint.fits_the_rig and joint.verdict != "nothing_missing"
         )
@@ -114,7 +114,7 @@ class ArmDiagnosis:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is unusual about the record, and runs of a joint unlike the others."""
+        """Warnings about the logs, and runs of a joint that differ from the others."""
         differing = (
             f"joint {joint.number}: {text}" for joint in self.joints for text in joint.found.differing
         )
@@ -135,8 +135,8 @@ def diagnose_arm(
         logs: those of one arm, as `read_log` accepts them.
         rig: of the arm.
         names: of the logs.
-        effects: a file with the user's own effects.
-        request: what the search may offer.
+        effects: a file with user-defined effects.
+        request: restrictions of the search.
         tell: called with one line per stage.
 
     Raises:
@@ -147,8 +147,8 @@ def diagnose_arm(
     joints = []
     for j in range(len(log)):
         number = rig.number(j)
-        found = _diagnosed(log, j, names, effects, request or SearchRequest(), required, tell)
-        joints.append(JointDiagnosis(number, rig.chain.joints[j].name, found))
+        diagnosis = _diagnosed(log, j, names, effects, request or SearchRequest(), required, tell)
+        joints.append(JointDiagnosis(number, rig.chain.joints[j].name, diagnosis))
         tell(f"joint {number}: {joints[-1].verdict}")
     return ArmDiagnosis(log, tuple(names), bodies, tuple(joints), required)
 
@@ -166,15 +166,17 @@ def _diagnosed(
     loads = log.present(j, DECLARED)
     model, data = log.joint(j, loads, f"{log.rig.chain.name}_joint_{number}")
     stage = staged(model, model, data, effects, f"{', '.join(names)}: joint {number}")
-    asked = Asked(tuple(names), Path(log.rig.path).name, model, effects, request)
-    found = diagnosed(stage, asked, lambda line: tell(f"joint {number}: {line}"), required)
-    return _in_an_arm(found)
+    inputs = Asked(tuple(names), Path(log.rig.path).name, model, effects, request)
+    diagnosis = diagnosed(stage, inputs, lambda line: tell(f"joint {number}: {line}"), required)
+    return _in_an_arm(diagnosis)
 
 
-def _in_an_arm(found: Diagnosis) -> Diagnosis:
-    """The same without advice that only the rig of a single drive can follow."""
-    attribution = found.attribution
+def _in_an_arm(diagnosis: Diagnosis) -> Diagnosis:
+    """The diagnosis without advice that only applies to a single drive."""
+    attribution = diagnosis.attribution
     of_inertia = attribution.verdict == "unexplained" and attribution.depends_on[:1] == ("acceleration",)
-    if found.models.misfit or not of_inertia:
-        return found
-    return replace(found, attribution=replace(attribution, next_measurement=NextMeasurement("hold_others")))
+    if diagnosis.models.misfit or not of_inertia:
+        return diagnosis
+    return replace(
+        diagnosis, attribution=replace(attribution, next_measurement=NextMeasurement("hold_others"))
+    )

@@ -1,7 +1,7 @@
-"""An arm whose joints have the friction of models of their own, as one model: what a diagnosis emits.
+"""The arm model that a diagnosis emits: the recursion of the chain with the joint models' friction.
 
-Each such model, `joint_model` with the effects that were found, has as inputs what the joint meets. Here the
-recursion of the chain stands in their place, and everything else of the joint gets its number.
+The inputs of a joint model (`joint_model` with its identified effects) are torques and loads of the joint.
+Here the recursion of the chain replaces them, and all other names of the joint get its number.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ from eccentric.model import (
 from eccentric.model import vocabulary as v
 
 _OF_THE_ARM = frozenset({"drive", "inertial", "bodies", "gravity"})
-"""Kinds of terms that the recursion has already, for a joint."""
+"""Kinds of terms of a joint that the recursion already has."""
 _OF_THE_CHAIN = frozenset({v.mu.symbol, v.F_N.symbol})
 
 
-def why_not_emitted(found: ArmDiagnosis) -> str:
-    """Why an arm with the friction that was found would be wrong, in words; "" where it is right."""
-    if misfit := [j.number for j in found.joints if not j.fits_the_rig]:
+def why_not_emitted(diagnosis: ArmDiagnosis) -> str:
+    """Why an arm with the identified friction would be wrong, in words; "" if it is not."""
+    if misfit := [j.number for j in diagnosis.joints if not j.fits_the_rig]:
         return f"the log does not fit the rig in {_those(misfit)}"
-    if unscaled := [j.number for j in found.joints if j.found.unit != "N m"]:
+    if unscaled := [j.number for j in diagnosis.joints if j.found.unit != "N m"]:
         return f"friction has no scale in N m in {_those(unscaled)}: give k_i in the [drives] of the rig"
-    if found.bodies is not None and not found.bodies.bodies.explain:
+    if diagnosis.bodies is not None and not diagnosis.bodies.bodies.explain:
         return "no real bodies have the identified base parameters"
     return ""
 
@@ -54,17 +54,14 @@ def _those(joints: Sequence[int]) -> str:
     return f"joint{'s' * (len(joints) > 1)} {', '.join(map(str, joints))}"
 
 
-def arm_name(found: ArmDiagnosis) -> str:
+def arm_name(diagnosis: ArmDiagnosis) -> str:
     """The name of the emitted arm: `_extended` where an effect was adopted in a joint, else `_fitted`."""
-    adopted = any(joint.found.result.effects for joint in found.joints)
-    return f"{found.log.rig.chain.name}_{'extended' if adopted else 'fitted'}"
+    adopted = any(joint.found.result.effects for joint in diagnosis.joints)
+    return f"{diagnosis.log.rig.chain.name}_{'extended' if adopted else 'fitted'}"
 
 
 def extended_arm(found: ArmDiagnosis) -> Model | None:
-    """The model of a diagnosed arm, with the friction of every joint as it was fitted.
-
-    None where `why_not_emitted` says why.
-    """
+    """The model of a diagnosed arm with the fitted friction of every joint; None if `why_not_emitted`."""
     if why_not_emitted(found):
         return None
     chain = found.log.rig.declared
@@ -80,7 +77,7 @@ def extended_arm(found: ArmDiagnosis) -> Model | None:
 
 
 def in_an_arm(found: Recursion, joints: Sequence[Model], name: str, title: str) -> Model:
-    """The model of an arm in which each joint has the friction and the drive of a model of its own.
+    """The model of an arm in which each joint has the friction and drive of a separate model.
 
     Args:
         found: the recursion of the arm.
@@ -88,27 +85,27 @@ def in_an_arm(found: Recursion, joints: Sequence[Model], name: str, title: str) 
         name: of the result, in code.
         title: one line.
     """
-    plain = arm(found.chain, title, found=found)
+    base = arm(found.chain, title, found=found)
     gravity, moments = _gravity(found)
-    own = [
-        _Own(found, j, drive, model, torque)
+    parts = [
+        _NumberedJoint(found, j, drive, model, torque)
         for j, (drive, model, torque) in enumerate(zip(drives(found), joints, moments, strict=True))
     ]
-    logged = {q.symbol: q for part in own for q in part.inputs}
-    balances = tuple(part.balance(plain, name) for part in own for name in ("mechanical", "electrical"))
-    definitions = (*gravity, *(d for part in own for d in part.definitions))
-    states = tuple(state for part in own for state in part.states)
+    logged = {q.symbol: q for part in parts for q in part.inputs}
+    balances = tuple(part.balance(base, name) for part in parts for name in ("mechanical", "electrical"))
+    definitions = (*gravity, *(d for part in parts for d in part.definitions))
+    states = tuple(state for part in parts for state in part.states)
     used = _used(balances, definitions, states)
     return replace(
-        plain,
+        base,
         name=name,
         title=title,
-        inputs=(*plain.inputs, *(q for symbol, q in logged.items() if symbol in used)),
+        inputs=(*base.inputs, *(q for symbol, q in logged.items() if symbol in used)),
         parameters=(
             *found.chain.parameters,
-            *(q for part in own for q in part.parameters if q.symbol in used),
+            *(q for part in parts for q in part.parameters if q.symbol in used),
         ),
-        definitions=(*plain.definitions, *(d for d in definitions if d.symbol in used)),
+        definitions=(*base.definitions, *(d for d in definitions if d.symbol in used)),
         balances=balances,
         states=tuple(state for state in states if state.symbol in used),
         defaults="fitted values; see the comment on each parameter",
@@ -118,9 +115,9 @@ def in_an_arm(found: Recursion, joints: Sequence[Model], name: str, title: str) 
 def _used(
     balances: Sequence[Balance], definitions: Sequence[Definition], states: Sequence[State]
 ) -> set[sp.Symbol]:
-    """What the balances depend on, through definitions and hidden states.
+    """Symbols that the balances depend on, through definitions and hidden states.
 
-    An effect of the armature's circuit is not part of it: no function of an arm has a voltage.
+    Effects of the armature circuit are not among them: no function of an arm has a voltage.
     """
     values = {d.symbol: d.value for d in definitions} | {state.symbol: state.update for state in states}
     used: set[sp.Symbol] = set()
@@ -131,28 +128,30 @@ def _used(
     return used
 
 
-class _Own:
-    """One joint: its letters by those of the arm."""
+class _NumberedJoint:
+    """The model of one joint in the symbols of the arm."""
 
-    def __init__(self, found: Recursion, j: int, drive: JointDrive, model: Model, gravity: sp.Symbol) -> None:
+    def __init__(
+        self, recursion: Recursion, j: int, drive: JointDrive, model: Model, gravity: sp.Symbol
+    ) -> None:
         self._j, self._model, self._called = j, model, drive.called
-        joint, inputs, loads = found.chain.joints[j], found.inputs[j], found.bearings[j].loads
-        self._taken = {d.quantity.name for d in found.definitions} | {gravity.name}
-        nothing = sp.Integer(0)
-        self._given = {q.name: q for q in drive.parameters}
+        joint, inputs, loads = recursion.chain.joints[j], recursion.inputs[j], recursion.bearings[j].loads
+        self._taken = {d.quantity.name for d in recursion.definitions} | {gravity.name}
+        zero = sp.Integer(0)
+        self._arm_parameters = {q.name: q for q in drive.parameters}
         self._temperature = quantity(
             f"temperature_{j}", v.temperature.unit, f"temperature of joint {j} in degC"
         )
         met = joint_inputs(
             gravity=gravity,
-            moving=joint.mu * found.torques[j] - gravity,
-            rotor=found.rotors[j],
-            loads={load: loads.get(load, nothing) for load in Load},
+            moving=joint.mu * recursion.torques[j] - gravity,
+            rotor=recursion.rotors[j],
+            loads={load: loads.get(load, zero) for load in Load},
         )
         self._letters: dict[sp.Expr, sp.Expr] = {
             **met,
             v.mu.symbol: joint.mu,
-            v.F_N.symbol: loads.get(Load.NORMAL, nothing),
+            v.F_N.symbol: loads.get(Load.NORMAL, zero),
             v.theta_m.symbol: inputs.theta_m.symbol,
             v.omega_m.symbol: inputs.omega_m.symbol,
             v.alpha_m.symbol: inputs.alpha_m.symbol,
@@ -172,19 +171,19 @@ class _Own:
 
     @property
     def inputs(self) -> tuple[Quantity, ...]:
-        """The inputs of its model that the arm does not have."""
+        """Inputs of its model that the arm lacks."""
         names = {q.symbol for q in self._model.inputs}
         logged = {v.temperature.symbol: self._temperature, v.t.symbol: v.t}
         return tuple(q for symbol, q in logged.items() if symbol in names)
 
     @property
     def parameters(self) -> tuple[Quantity, ...]:
-        """Its parameters beside those of the chain."""
+        """Its parameters, without those of the chain."""
         return tuple(self._parameter(q) for q in self._model.parameters if q.symbol not in _OF_THE_CHAIN)
 
     @property
     def definitions(self) -> tuple[Definition, ...]:
-        """Its definitions beside those of the chain."""
+        """Its definitions, without those of the chain."""
         return tuple(
             Definition(self._numbered(d.quantity), self._of_the_arm(d.value))
             for d in self._model.definitions
@@ -199,28 +198,31 @@ class _Own:
             for s in self._model.states
         )
 
-    def balance(self, plain: Model, name: str) -> Balance:
-        """A balance of the arm with the terms of its model; `plain` is the arm without such models."""
-        balance = plain.balance(f"{name}_{self._j}")
-        kept = tuple(term for term in balance.terms if term.kind in _OF_THE_ARM)
+    def balance(self, base: Model, name: str) -> Balance:
+        """A balance of the arm with the terms of its model; `base` is the arm without joint models."""
+        balance = base.balance(f"{name}_{self._j}")
+        retained = tuple(term for term in balance.terms if term.kind in _OF_THE_ARM)
         added = map(self._term, self._model.balance(name).terms)
-        left = _OF_THE_ARM | ({"actuator"} if name == "electrical" else set())
-        return replace(balance, terms=(*kept, *(t for t in added if t.kind not in left and t.basis != 0)))
+        omitted = _OF_THE_ARM | ({"actuator"} if name == "electrical" else set())
+        added = (t for t in added if t.kind not in omitted and t.basis != 0)
+        return replace(balance, terms=(*retained, *added))
 
     def _of_the_arm(self, value: sp.Expr) -> sp.Expr:
         return value.xreplace(self._letters)
 
     def _numbered(self, q: Quantity) -> Quantity:
         meaning, name = f"joint {self._called}: {q.meaning}", f"{q.name}_{self._j}"
-        # An effect of a user's own may have a letter that the recursion has with a number: T, omega_l.
+        # A user-defined effect may use a name that the recursion has with a number: T, omega_l.
         name = f"effect_{name}" if name in self._taken else name
         return quantity(name, q.unit, meaning, q.equation, q.domain, q.default, q.letter)
 
     def _parameter(self, q: Quantity) -> Quantity:
-        """The parameter of the joint: that of the arm, where it has one, with the remark of the fit."""
-        own, remark = self._numbered(q), "".join(q.meaning.partition("; ")[1:])
-        given = self._given.get(own.name)
-        return own if given is None else replace(given, meaning=given.meaning + remark, default=q.default)
+        """The parameter of the joint, or the arm's if it has one, with the note of the fit."""
+        numbered, note = self._numbered(q), "".join(q.meaning.partition("; ")[1:])
+        of_arm = self._arm_parameters.get(numbered.name)
+        if of_arm is None:
+            return numbered
+        return replace(of_arm, meaning=of_arm.meaning + note, default=q.default)
 
     def _term(self, term: Term) -> Term:
         coefficient, basis = map(self._of_the_arm, (term.coefficient, term.basis))
@@ -228,13 +230,13 @@ class _Own:
         return replace(term, name=name, coefficient=coefficient, basis=basis, joint=self._j)
 
 
-def _gravity(found: Recursion) -> tuple[tuple[Definition, ...], tuple[sp.Symbol, ...]]:
-    """The torques that hold the weight: definitions beside those of the moving chain, and their symbols."""
-    left, torques = at_rest(found)
-    moving = {d.symbol: d.value for d in found.definitions}
+def _gravity(recursion: Recursion) -> tuple[tuple[Definition, ...], tuple[sp.Symbol, ...]]:
+    """The gravity torques: definitions in addition to those of the moving chain, and their symbols."""
+    at_standstill, torques = at_rest(recursion)
+    moving = {d.symbol: d.value for d in recursion.definitions}
     names: dict[sp.Expr, sp.Expr] = {}
     resting = []
-    for definition in left:
+    for definition in at_standstill:
         q, value = definition.quantity, definition.value.xreplace(names)
         if value == moving[definition.symbol]:
             continue

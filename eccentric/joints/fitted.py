@@ -1,6 +1,6 @@
-"""Fit the friction of every joint of an arm: Coulomb and viscous alone, and by the loads that it follows.
+"""Fit the friction of every joint of an arm: Coulomb and viscous alone, and with load-dependent friction.
 
-The loads are chosen inside the training part; the held-out part is opened once, for the errors.
+The loads are selected on the training part; the held-out part is used once, for the errors.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ from eccentric.model import Load, Role
 from eccentric.rigs import ArmRig
 from eccentric.signals import LEAST_HELD_OUT, read_joints, require_rows
 
-# Which load the friction of a joint follows, or none: decided inside the training part.
+# Selection of the loads that a joint's friction depends on, on the training part.
 #
-# The loads compete as effects do in a diagnosis: blocked cross-validation, the gain that an addition
-# requires, how many variants of the log find it. Loads that rise and fall together may explain a log alike.
+# The loads compete as effects do in a diagnosis: blocked cross-validation, a required gain per addition,
+# stability in resampled logs. Correlated loads may explain a log equally well.
 
 
 Array = NDArray[np.float64]
@@ -46,15 +46,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class LoadsOfAJoint:
-    """What the training part says of the loads of a joint.
+    """Load dependence of a joint's friction, from the training part.
 
     Attributes:
-        present: the loads that the log can tell apart from friction without a load.
-        followed: those that friction follows, in order of adoption; none where Coulomb and viscous friction
-            is enough.
+        present: the loads whose friction the log can separate from load-independent friction.
+        followed: the selected loads, in order of adoption; none where Coulomb and viscous friction is
+            enough.
         alike: loads that would explain the log as well as one of these.
-        deviance: twice the gain in log-likelihood by the best single load, cross-validated.
-        required: what an addition has to gain.
+        deviance: twice the cross-validated gain in log-likelihood by the best single load.
+        required: the gain required for an addition.
     """
 
     present: tuple[Load, ...]
@@ -65,11 +65,11 @@ class LoadsOfAJoint:
 
 
 def loads_of(log: ArmLog, j: int) -> LoadsOfAJoint:
-    """Which loads the friction of joint j follows."""
+    """Select the loads that the friction of joint j depends on."""
     present = log.present(j)
     _, every = log.joint(j, present)
-    model, plain = log.joint(j, ())
-    balances, noise = balances_of(plain, log.channels[j].rig, model)
+    model, without_loads = log.joint(j, ())
+    balances, noise = balances_of(without_loads, log.channels[j].rig, model)
     candidates = [one for load in present for one in _candidates(load, every)]
     found = searched_loads(balances[0], candidates, noise["mechanical"], len(log))
     return LoadsOfAJoint(
@@ -82,7 +82,7 @@ def loads_of(log: ArmLog, j: int) -> LoadsOfAJoint:
 
 
 def _candidates(load: Load, data: FitData) -> list[Candidate]:
-    """Friction by one load: Coulomb, with a viscous part; or viscous alone."""
+    """Friction by one load: Coulomb and viscous, or viscous alone."""
     model = data.signals.base
     if model is None:
         raise AssertionError("the log of a joint has a model")
@@ -111,9 +111,9 @@ class JointFit:
 
     Attributes:
         number: of the joint in the columns; name: in the arm file.
-        loads: which loads its friction follows, decided inside the training part.
-        linear, followed, every: fits of Coulomb and viscous friction, of friction by the loads that it
-            follows (`linear` itself where it follows none), and by every load that the log shows.
+        loads: the loads its friction depends on, selected on the training part.
+        linear, followed, every: fits of Coulomb and viscous friction, with the selected loads (`linear`
+            itself without any), and with every identifiable load.
         rmse: of these three on the held-out rows, in `unit`.
         percent, interval: 100 (1 - followed/linear) and its 95 % interval.
         over_runs: every run predicted from the others; None with fewer than five runs.
@@ -141,7 +141,7 @@ class JointFit:
 
     @property
     def unit(self) -> str:
-        """Unit of torques: "N m", or "A" where nothing determines the torque of an ampere."""
+        """Unit of torques: "N m", or "A" where the torque constant is unknown."""
         return self.data.drive.unit
 
     @property
@@ -151,12 +151,12 @@ class JointFit:
 
     @property
     def confirmed(self) -> bool:
-        """Whether the held-out part confirms the loads that were chosen on the training part."""
+        """Whether the held-out part confirms the selected loads."""
         return self.interval[0] > 0.0
 
     @property
     def friction(self) -> dict[str, Estimate]:
-        """Coefficients of friction by the loads that it follows, per `unit` of torque."""
+        """Friction coefficients of the fit `followed`, per `unit` of torque."""
         units = {q.name: q.unit for q in self.followed.model.friction_parameters}
         return {
             name: replace(e, unit=_unit_of(name, units[name], self.unit))
@@ -170,9 +170,9 @@ class ArmFit:
     """The friction of every joint of an arm.
 
     Attributes:
-        log: what was fitted, with the bodies at hand.
+        log: the logs, with the bodies used.
         names: of the logs.
-        bodies: what the logs say of the bodies; None where they are declared, or have no torque.
+        bodies: the identified bodies; None if they are declared, or a torque is unknown.
         joints: from the base outwards.
     """
 
@@ -183,7 +183,7 @@ class ArmFit:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is unusual about the record, once for all joints where it concerns them all."""
+        """Warnings about the logs, stated once if they concern all joints."""
         return warnings_of(self.log, self.bodies)
 
     @property
@@ -210,14 +210,14 @@ def fit_arm(
     joints = []
     for j in range(len(log)):
         joints.append(fit_joint(log, j, ", ".join(names)))
-        tell(f"joint {joints[-1].number}: {_told(joints[-1])}")
+        tell(f"joint {joints[-1].number}: {_summary(joints[-1])}")
     return ArmFit(log, tuple(names), bodies, tuple(joints))
 
 
 def prepared(
     logs: Sequence[LogSource], rig: ArmRig, tell: Callable[[str], None]
 ) -> tuple[ArmLog, IdentifiedBodies | None]:
-    """The logs of an arm, with its bodies identified where they are open and the torque is known."""
+    """The logs of an arm, with its bodies identified if they are open and the torques known."""
     log = arm_log(rig, read_joints(logs, rig))
     tell(f"{counted(len(log), 'joint')}, {log.channels[0].intake.read} rows")
     bodies = identified_bodies(log)
@@ -235,12 +235,14 @@ def fit_joint(log: ArmLog, j: int, where: str) -> JointFit:
     require_rows(data.rows, "score", LEAST_HELD_OUT, f"{where}: joint {number}")
     linear = refit(model, (), data, linear=True)
     followed = refit(model, (), data) if loads.followed else linear
-    whole, with_all = log.joint(j, loads.present)
-    every = followed if set(loads.present) == set(loads.followed) else refit(whole, (), with_all)
+    full, with_all = log.joint(j, loads.present)
+    every = followed if set(loads.present) == set(loads.followed) else refit(full, (), with_all)
     rows = data.rows.score
     fits = {"linear": linear, "followed": followed, "every": every}
-    left = {name: fit.residuals["mechanical"][rows] for name, fit in fits.items()}
-    gain = improvement(left["linear"], left["followed"]) if loads.followed else (0.0, (0.0, 0.0))
+    residuals = {name: fit.residuals["mechanical"][rows] for name, fit in fits.items()}
+    gain = (0.0, (0.0, 0.0))
+    if loads.followed:
+        gain = improvement(residuals["linear"], residuals["followed"])
     drive = data.rows.mean(data.drive.torque())[rows]
     return JointFit(
         number,
@@ -249,37 +251,37 @@ def fit_joint(log: ArmLog, j: int, where: str) -> JointFit:
         linear,
         followed,
         every,
-        {name: rms(x) for name, x in left.items()},
+        {name: rms(x) for name, x in residuals.items()},
         *gain,
         leave_runs_out(model, followed, data),
-        r_squared(left["followed"], drive),
+        r_squared(residuals["followed"], drive),
         rms(drive),
         drive_noise(data),
     )
 
 
 def warnings_of(log: ArmLog, bodies: IdentifiedBodies | None) -> tuple[str, ...]:
-    """Warnings about the record: those of one joint with its number, those of all joints once."""
+    """Warnings about the logs: those of one joint with its number, those of all joints once."""
     each = [dict.fromkeys(channels.intake.warnings) for channels in log.channels]
-    common = [text for text in each[0] if all(text in said for said in each)]
-    # The zero angle of a single link: gravity of an arm depends on all angles.
-    alone = {f.text for c in log.channels for f in c.intake.findings if f.kind == "zero_angle"}
-    own = [
+    common = [text for text in each[0] if all(text in texts for texts in each)]
+    # The zero angle applies to a single link: gravity of an arm depends on all angles.
+    zero_angle = {f.text for c in log.channels for f in c.intake.findings if f.kind == "zero_angle"}
+    specific = [
         f"joint {log.rig.number(j)}: {text}"
-        for j, said in enumerate(each)
-        for text in said
-        if text not in common and text not in alone
+        for j, texts in enumerate(each)
+        for text in texts
+        if text not in common and text not in zero_angle
     ]
-    found = [*common, *own]
+    warnings = [*common, *specific]
     if bodies is not None and not bodies.bodies.explain:
-        found.append(
+        warnings.append(
             "no real bodies have the identified base parameters: the nearest miss one by"
             f" {bodies.bodies.misfit:.1f} standard errors; the loads are those of the nearest"
         )
-    return tuple(found)
+    return tuple(warnings)
 
 
-def _told(joint: JointFit) -> str:
+def _summary(joint: JointFit) -> str:
     if not joint.fits_the_rig:
         return f"does not fit the rig (R^2 {joint.r_squared:.2f})"
     loads = ", ".join(joint.loads.followed) or "Coulomb and viscous friction is enough"
@@ -287,13 +289,13 @@ def _told(joint: JointFit) -> str:
 
 
 def _unit_of(name: str, unit: str, drive: str) -> str:
-    """The unit of a coefficient of friction where the drive's torque has no scale.
+    """The unit of a friction coefficient if the drive is in amperes.
 
-    The loads of the bearing stay in N and N m; what the gear passes on is in the unit of the drive.
+    Bearing loads remain in N and N m; the transmitted torque is in the unit of the drive.
     """
     if drive == "N m":
         return unit
-    # Of a slide, the ratio of its gear is in m/rad, which is part of the unit.
+    # The gear ratio of a slide is in m/rad, which is part of the unit.
     per_force = {"m": "/N", "m s/rad": " s/(N rad)", "1": "/(N m)", "s/m": " s/(N m^2)"}
     per_moment = {"1": "/(N m)", "s/rad": " s/(N m rad)", "1/m": "/(N m^2)", "s/m^2": " s/(N m^3)"}
     for per, coefficients in ((per_force, OF_FORCES), (per_moment, OF_BENDING)):
@@ -303,7 +305,7 @@ def _unit_of(name: str, unit: str, drive: str) -> str:
 
 
 def gain_of(drive: Drive) -> str:
-    """What is known of the torque of a drive: "measured", "declared", "identified" or "not identifiable"."""
+    """Source of a drive's torque scale: "measured", "declared", "identified" or "not identifiable"."""
     if drive.channels.motor.measured_by == "torque":
         return "measured"
     if "k_i" in drive.channels.rig.known:

@@ -1,7 +1,7 @@
-"""One joint of an arm as a model of its own: what it meets from the others are inputs.
+"""One joint of an arm as a separate model, with torques and loads from the other bodies as inputs.
 
-Its terms are those that `eccentric.model.chain.drive` gives a joint of a chain, with the loads as the
-emitted `bearing_loads` of the arm gives them. So everything that knows one drive knows this one.
+Its terms are those of a chain's joint in `eccentric.model.chain.drive`, with the loads from the arm's emitted
+`bearing_loads`. So everything that works for a single drive works for a joint.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from eccentric.model import vocabulary as v
 Array = NDArray[np.float64]
 
 R, k_i, k_e = (replace(q, default=None) for q in (v.R, v.k_i, v.k_e))
-"""Without a default: what the rig does not give is not that of the paper's drive."""
+"""Without a default: a value missing from the rig is not that of the paper's drive."""
 
 T_g = quantity("T_g", "N m", "torque that holds the arm against gravity, motor side", "(5)", letter="T_g")
 T_d = quantity("T_d", "N m", "torque that moves the bodies, gravity aside, motor side", "(3)", letter="T_d")
@@ -48,7 +48,7 @@ B_lG = quantity("B_lG", "s/rad", "viscous friction per torque of the gear", "(9)
 C_lG = quantity("C_lG", "1", "Coulomb friction per torque of the gear", "(9)", "nonnegative", "0")
 
 DECLARED = (Load.NORMAL, Load.TRANSVERSAL, Load.BENDING)
-"""Loads of the bearing, eq (7): the paper's model of a joint. What the gear passes on is an effect."""
+"""Bearing loads of the paper's joint model, eq (7). Friction by the transmitted torque is an effect."""
 EVERY = (*DECLARED, Load.TRANSMITTED)
 FORCE = N_l.name
 """The input that is the normal force."""
@@ -66,10 +66,10 @@ _COEFFICIENTS: Mapping[Load, tuple[Quantity, Quantity]] = {
 
 
 def sources_of(j: int, labels: Sequence[str]) -> dict[str, str]:
-    """Where the emitted arm has what joint j meets, in words by the names of the model's inputs.
+    """Input of the joint model -> its source in the emitted arm, in words.
 
     Args:
-        j: place of the joint, 0 next to the base.
+        j: index of the joint, 0 next to the base.
         labels: of the values of `bearing_loads`.
     """
     loads = {N_l: f"F_N_{j}", T_l: f"F_T_{j}", M_l: f"M_B_{j}"}
@@ -93,18 +93,18 @@ def joint_model(
     *,
     turns: bool = True,
 ) -> Model:
-    """The model of a joint whose friction follows some loads, beside Coulomb and viscous friction.
+    """The model of a joint with Coulomb and viscous friction and friction by some loads.
 
     Args:
         name: in code.
         title: one line.
-        loads: those that friction of the joint follows.
-        sources: where a caller has an input, in words for its comment.
-        turns: whether the joint turns; a slide has friction in other units.
+        loads: those that the joint's friction depends on.
+        sources: where a caller gets an input, in words for its comment.
+        turns: whether the joint is revolute; a slide has friction in other units.
     """
-    told = {} if sources is None else sources
+    notes = {} if sources is None else sources
     met = [
-        replace(q, meaning=f"{q.meaning}: {told[q.name]}") if q.name in told else q
+        replace(q, meaning=f"{q.meaning}: {notes[q.name]}") if q.name in notes else q
         for q in (T_g, T_d, T_r, N_l, T_l, M_l)
     ]
     size = {
@@ -125,7 +125,7 @@ def joint_model(
         *symbols(v.omega_m, v.i, v.u, v.mu, v.R, v.k_i, v.k_e, v.B_m, v.C_m),
         by_load={load: (B.symbol, C.symbol) for load, (B, C) in by_load.items()},
     )
-    moved = (
+    inertial = (
         ("rotor", "inertial", T_r.symbol, "(1)"),
         ("bodies", "bodies", T_d.symbol, "(3)"),
         ("gravity", "gravity", T_g.symbol, "(5)"),
@@ -137,12 +137,12 @@ def joint_model(
         inputs=(v.theta_m, v.omega_m, v.i, v.u, *met, v.alpha_m),
         parameters=(v.mu, R, k_i, k_e, *(q for pair in by_load.values() for q in pair), v.B_m, v.C_m),
         definitions=(Definition(v.F_N, N_l.symbol), *gear),
-        balances=drive_balances(letters, moved, {load: size[load] for load in by_load}),
+        balances=drive_balances(letters, inertial, {load: size[load] for load in by_load}),
     )
 
 
 def signals_of(met: Bodies) -> dict[str, Array]:
-    """What a joint meets, (n,) by the names of the model's inputs."""
+    """Inputs of the joint model by name, each (n,)."""
     return {
         T_g.name: met.gravity,
         T_d.name: met.moving,
@@ -156,7 +156,7 @@ def signals_of(met: Bodies) -> dict[str, Array]:
 def joint_inputs(
     gravity: sp.Expr, moving: sp.Expr, rotor: sp.Expr, loads: Mapping[Load, sp.Expr]
 ) -> dict[sp.Expr, sp.Expr]:
-    """What a joint meets in symbols of its arm, by the model's inputs: torques of the motor side, loads."""
+    """Inputs of the joint model in symbols of the arm: torques on the motor side, loads."""
     return {
         T_g.symbol: gravity,
         T_d.symbol: moving,

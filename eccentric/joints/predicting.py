@@ -1,7 +1,7 @@
-"""Predict other runs of an arm with a fit of it, and find the payload that those runs have besides.
+"""Predict other runs of an arm with a fit, and identify their payload.
 
-Friction and bodies are held as they were fitted. A payload is a body in the frame of the last joint; its
-torques are linear in its ten inertial parameters, of which the runs show a part.
+Friction and bodies are fixed at the fitted values. A payload is a body in the frame of the last joint; its
+torques are linear in its ten inertial parameters, only some of which are identifiable from the runs.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ForeignRuns:
-    """Runs that a fit has not seen, predicted by it.
+    """Runs that were not used in a fit, predicted by it.
 
     Attributes:
         log: the runs.
         residuals, drives: of each joint on its moving rows (m,), in the unit of its fit.
-        rows: of each joint, and which of them are those.
+        rows: of each joint, with the mask of the moving ones.
     """
 
     log: ArmLog
@@ -47,12 +47,12 @@ class ForeignRuns:
 
 @dataclass(frozen=True)
 class Payload:
-    """A payload that runs have and the fit has not.
+    """A payload of runs that the fit did not have.
 
     Attributes:
-        estimates: its inertial parameters in the frame of the last joint, those that the runs show.
+        estimates: its identifiable inertial parameters in the frame of the last joint.
         rmse: error of each joint with it.
-        gains: of each joint, less error in percent, with the 95 % interval.
+        gains: reduction of each joint's error in percent, with the 95 % interval.
     """
 
     estimates: Mapping[str, Estimate]
@@ -78,37 +78,37 @@ def predicted(found: ArmFit, logs: Sequence[LogSource], runs: Sequence[str]) -> 
     for j, joint in enumerate(found.joints):
         model, data = log.joint(j, joint.loads.followed)
         fit = joint.followed
-        left = data.residuals(model, {}, fit.values, fit.scale).rows("mechanical", fit.values)
+        residual = data.residuals(model, {}, fit.values, fit.scale).rows("mechanical", fit.values)
         for c, column in data.signals.open.items():
-            left = left - data.rows.plain_mean(column) * fit.estimates[c.name].value
+            residual = residual - data.rows.plain_mean(column) * fit.estimates[c.name].value
         used = data.rows.train | data.rows.score
-        residuals.append(left[used])
+        residuals.append(residual[used])
         drives.append(data.rows.mean(data.drive.torque())[used])
         rows.append((data.rows, used))
     return ForeignRuns(log, tuple(residuals), tuple(drives), tuple(rows))
 
 
 def payload_of(found: ForeignRuns) -> Payload:
-    """The payload that explains what a prediction leaves, all joints at once, each by its weight."""
+    """Identify the payload from the prediction residuals, in a weighted fit of all joints at once."""
     last = len(found.log) - 1
     places = range(last * COUNT, (last + 1) * COUNT)
-    whole = found.log.module.regressor(found.log.motion(), places)
+    regressor = found.log.module.regressor(found.log.motion(), places)
     blocks = []
-    for target, (rows, used), scale, own in zip(
-        found.residuals, found.rows, found.log.scales, np.moveaxis(whole, 1, 0), strict=True
+    for target, (rows, used), scale, columns in zip(
+        found.residuals, found.rows, found.log.scales, np.moveaxis(regressor, 1, 0), strict=True
     ):
-        bodies = scale * rows.plain_mean(own)[used]
-        left = target - bodies @ np.linalg.lstsq(bodies, target, rcond=None)[0]
-        blocks.append(Block(target, bodies, 1.0 / max(rms(left), 1e-300), np.empty((len(target), 0))))
+        bodies = scale * rows.plain_mean(columns)[used]
+        residual = target - bodies @ np.linalg.lstsq(bodies, target, rcond=None)[0]
+        blocks.append(Block(target, bodies, 1.0 / max(rms(residual), 1e-300), np.empty((len(target), 0))))
     names = [name.replace(f"_{last}", "_payload") for name in names_of(last + 1)[last * COUNT :]]
-    _, solution = pooled(blocks, names, lower=0.0)  # no payload is lighter than nothing
+    _, solution = pooled(blocks, names, lower=0.0)  # a payload has no negative mass
     after = np.split(solution.residual, np.cumsum([len(block.target) for block in blocks])[:-1])
-    gains = tuple(improvement(before, left) for before, left in zip(found.residuals, after, strict=True))
+    gains = tuple(improvement(*pair) for pair in zip(found.residuals, after, strict=True))
     return Payload(solution.estimates(), tuple(rms(x) for x in after), gains)
 
 
 def _of_runs(found: ArmFit, runs: Sequence[str]) -> ArmRig:
-    """The rig of the fit for other runs, below the same low pass."""
+    """The rig of the fit for other runs, with the same low pass."""
     joints = tuple(
         replace(
             one,

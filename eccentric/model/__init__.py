@@ -1,7 +1,7 @@
-"""The words of a derivation: quantity, equation, balance, term, model, and the numerically stable steps.
+"""The elements of a derivation: quantity, equation, balance, term, model, and numerically stable steps.
 
 In: the scripts of `derivations/`, by `load_model`.  Out: `Model`, `interface_of` (its outputs, which emission
-prints), `regressor` (what of its friction a log can show), `extended` (a model with further terms), `meaning`
+prints), `regressor` (the identifiable friction columns), `extended` (a model with further terms), `meaning`
 (an expression without the stable steps).
 May import: no room but `core`, whose cache keeps models; it knows no data and no templates.
 """

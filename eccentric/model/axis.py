@@ -1,9 +1,9 @@
-"""What kind of axis a drive moves: its letters, units and words, where they are not those of a turning one.
+"""The kind of axis that a drive moves: symbols, units and terms where they differ from a rotary drive's.
 
-The toolkit computes with one coordinate theta_m, its derivatives and the force along it, in SI. For a turning
+The toolkit computes with one coordinate theta_m, its derivatives and the force along it, in SI. For a rotary
 drive they are an angle [rad] and a torque [N m]; for a carriage a position [m] and a force [N]. The equations
-are the same; what a person, a file or a program reads is not. A record says what each is called: names,
-units and terms, from which files and sentences are filled.
+are the same, but the names in files, messages and code are not. A record lists the names, units and terms
+from which files and sentences are filled.
 """
 
 from __future__ import annotations
@@ -38,17 +38,16 @@ class AxisKind:
 
     Attributes:
         name: in a rig file.
-        model, screw: the bundled derivations for it, without and with a pitch of its screw; "" where the case
-            of the rig decides.
-        letters: letter or name of a turning drive -> the name here.
+        model, screw: bundled derivations without and with a screw pitch; "" if the case of the rig decides.
+        letters: symbol or name of a rotary drive -> the name here.
         channels: name of a signal -> the one here.
-        endings: ending of a name, its unit -> the one here.
+        endings: unit suffix of a name -> the one here.
         units: unit -> the one here.
-        formulas: name here -> its form in a formula, where that is shorter.
-        words: terms of a turning drive -> those here; what is left out is "".
+        formulas: name here -> its symbol in a formula, if shorter.
+        words: terms of a rotary drive -> those here; "" to omit one.
         absent: variables, as in the `depends_on` of an effect, that it does not have.
-        foreign: families of effects that need an unbalanced mass or a gear with a gap of its own.
-        wraps: whether its coordinate comes back after a turn, as an angle does.
+        foreign: families of effects that need an unbalanced mass or gear backlash.
+        wraps: whether its coordinate is periodic, as an angle.
     """
 
     name: str
@@ -65,11 +64,11 @@ class AxisKind:
     wraps: bool = True
 
     def __reduce__(self) -> str | tuple[Any, ...]:
-        """A kind is itself in every process."""
+        """Unpickle to the same object in every process."""
         return _kind_of, (self.name,)
 
     def named(self, name: str) -> str:
-        """A name of a turning drive, or a formula of names, under the names of this kind."""
+        """Translate a name of a rotary drive, or the names in a formula."""
         return _NAME.sub(lambda match: self._one_named(match[0]), name) if self.letters else name
 
     def _one_named(self, name: str) -> str:
@@ -79,11 +78,11 @@ class AxisKind:
         return name.removesuffix(ending) + self.endings[ending] if ending else name
 
     def unit(self, unit: str) -> str:
-        """A unit of a turning drive in units of this kind: of a force for a torque, of a way for an angle."""
+        """Translate a unit of a rotary drive: force for torque, distance for angle."""
         return _replaced(unit, self.units, self._of_units)
 
     def term(self, term: str) -> str:
-        """A term of a turning drive, such as "torque", as it is called here, for a sentence."""
+        """Translate a term of a rotary drive, such as "torque", for a sentence."""
         small = term[:1].lower() + term[1:]
         if term in self.words or small not in self.words:
             return self.words.get(term, term)
@@ -91,23 +90,22 @@ class AxisKind:
         return here[:1].upper() + here[1:]
 
     def filled(self, sentence: str) -> str:
-        """A sentence whose terms, units and names are in braces: "the {torque} constant {k_i} [{N m/A}]"."""
+        """Fill a sentence with terms, units and names in braces: "the {torque} constant {k_i} [{N m/A}]"."""
         return sentence.format_map(_Filling(self))
 
     def text(self, text: str) -> str:
-        """A text that belongs to a model or an effect, such as a meaning, for this kind.
+        """Translate a text of a model or an effect, such as a meaning.
 
-        Only for texts as they stand in a file: a sentence is filled from `named`, `unit` and `term`, since
-        what a person has named must stay as it is.
+        Not for sentences with the user's names in them: those are filled from `named`, `unit` and `term`.
         """
         return _replaced(text, self._table, self._pattern)
 
     def estimates(self, found: Mapping[str, E]) -> dict[str, E]:
-        """Estimates by name, or whatever has a unit, under the names and in the units of this kind."""
+        """Translate names and units of estimates, or of any records with a unit."""
         return {self.named(name): replace(e, unit=self.unit(e.unit)) for name, e in found.items()}
 
     def keyed(self, document: Any, kept: tuple[str, ...] = ("added_kg",)) -> Any:
-        """A document with its keys under the names of this kind; `kept` have keys that a person has named."""
+        """Translate the keys of a document, except those below `kept`, which the user has named."""
         if isinstance(document, Mapping):
             return {self.named(key): x if key in kept else self.keyed(x, kept) for key, x in document.items()}
         if isinstance(document, list | tuple):
@@ -115,13 +113,13 @@ class AxisKind:
         return document
 
     def general(self, name: str) -> str:
-        """The letter of a turning drive for a name of this kind."""
-        # Of several letters with one name, the first.
+        """The symbol of a rotary drive for a name of this kind."""
+        # The first of several symbols with one name.
         return next((letter for letter, here in self.letters.items() if here == name), name)
 
     @cached_property
     def _table(self) -> dict[str, str]:
-        # Not of a Greek letter: a capital omega is the unit of a resistance.
+        # Not for Greek letters: a capital omega is the unit of resistance.
         capital = {
             k[0].upper() + k[1:]: x[:1].upper() + x[1:]
             for k, x in self.words.items()
@@ -139,7 +137,7 @@ class AxisKind:
 
 
 class _Filling(dict[str, str]):
-    """What stands in the braces of a sentence -> what it is called on an axis."""
+    """Text in the braces of a sentence -> its translation for an axis."""
 
     def __init__(self, axis: AxisKind) -> None:
         super().__init__()
@@ -154,7 +152,7 @@ _NAME = re.compile(r"[A-Za-z_]\w*")
 
 
 def _any_of(table: Mapping[str, str]) -> re.Pattern[str] | None:
-    """A pattern of the keys, the longest first, each alone: not a part of a longer word. None without any."""
+    """A pattern of the keys, longest first, each only as a complete word. None without any."""
     known = sorted(table, key=len, reverse=True)
     # An ending of a name begins with "_".
     alone = (
@@ -169,7 +167,7 @@ def _replaced(text: str, table: Mapping[str, str], pattern: re.Pattern[str] | No
 
 
 TURNING = AxisKind("turning")
-"""A drive that turns: the words of the paper."""
+"""A rotary drive: the terms of the paper."""
 
 LINEAR = AxisKind(
     "linear",
@@ -243,7 +241,7 @@ LINEAR = AxisKind(
         "angle": "position",
         "angles": "positions",
         "rotation": "motion",
-        # What is travelled is a distance, not a place.
+        # Travel is a distance, not a position.
         "bending angle": "bending distance",
         "travelled angle": "distance travelled",
         "angle travelled": "distance travelled",
@@ -267,7 +265,7 @@ LINEAR = AxisKind(
         "turn of the motor": "turn of the screw",
         "turns of the motor": "turns of the screw",
         "half the link angle": "half the screw angle",
-        # What is to be done with a carriage, which can neither be turned nor held at a slope.
+        # Instructions: a carriage can neither be turned nor held at a slope.
         "turn the link": "move the carriage",
         "five whole turns": "five whole turns of the screw",
         "over whole turns": "over whole turns of the screw",
@@ -286,7 +284,7 @@ LINEAR = AxisKind(
         "Parameters with the paper's letters, in": "Parameters in",
         "Parameters, with the paper's letters, in": "Parameters, in",
         "Inputs are on the motor side, in": "Inputs are in",
-        # Letters as a formula has them.
+        # Symbols in formulas.
         "ω": "ẋ",
         "α": "ẍ",
         "gravity torque G": "constant force G of the load",
@@ -299,7 +297,7 @@ LINEAR = AxisKind(
     foreign=frozenset({"gravity_tilt", "angle_offset", "mass_mismatch", "bearing_load", "backlash"}),
     wraps=False,
 )
-"""A carriage: position [m], velocity [m/s], mass [kg], force [N]. What turns is its screw, as a link does."""
+"""A carriage: position [m], velocity [m/s], mass [kg], force [N]. Its screw turns, as a link does."""
 
 AXES = {kind.name: kind for kind in (TURNING, LINEAR)}
 """Name in a rig file -> kind."""
@@ -309,20 +307,20 @@ def _kind_of(name: str) -> AxisKind:
     return AXES[name]
 
 
-# Symbols, quantities and equations under the names of an axis, for whoever reads them.
+# Symbols, quantities and equations in the names of an axis, for the reader.
 
 
 S = TypeVar("S", bound=sp.Basic)
 
 
 def spoken_symbol(axis: AxisKind, symbol: sp.Symbol) -> sp.Symbol:
-    """The symbol under its name for an axis, with the same assumptions."""
+    """The symbol renamed for an axis, with the same assumptions."""
     name = axis.letters.get(symbol.name, symbol.name)
     return symbol if name == symbol.name else sp.Symbol(name, **symbol.assumptions0)
 
 
 def spoken_quantity(axis: AxisKind, q: Quantity) -> Quantity:
-    """A quantity under its name for an axis, with its unit and meaning there."""
+    """A quantity with its name, unit and meaning for an axis."""
     symbol = spoken_symbol(axis, q.symbol)
     letter = axis.formulas.get(symbol.name, "" if symbol != q.symbol else q.letter)
     default = q.default if q.default is None else in_letters_of(axis)(q.default)
@@ -331,7 +329,7 @@ def spoken_quantity(axis: AxisKind, q: Quantity) -> Quantity:
 
 
 def spoken_equation(axis: AxisKind, equation: Equation) -> Equation:
-    """An equation of a derivation in the words of an axis."""
+    """An equation with the symbols and terms of an axis."""
     put, unit = in_letters_of(axis), equation.unit
     return replace(
         equation,
@@ -343,10 +341,10 @@ def spoken_equation(axis: AxisKind, equation: Equation) -> Equation:
 
 
 def in_letters_of(axis: AxisKind) -> Callable[[S], S]:
-    """A function that puts the letters of an axis into an expression."""
+    """A function that renames the symbols of an expression for an axis."""
 
     def put(expression: S) -> S:
-        named = {s: spoken_symbol(axis, s) for s in expression.free_symbols}
-        return expression.xreplace({s: now for s, now in named.items() if s != now})
+        renamed = {s: spoken_symbol(axis, s) for s in expression.free_symbols}
+        return expression.xreplace({old: new for old, new in renamed.items() if old != new})
 
     return put

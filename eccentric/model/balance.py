@@ -1,4 +1,4 @@
-"""Balances: a scalar equation of the rig, a sum of terms that is zero; its residual is compared with data."""
+"""Balances: scalar equations of the rig, sums of terms that are zero; residuals are compared with data."""
 
 from __future__ import annotations
 
@@ -7,26 +7,25 @@ from enum import StrEnum
 
 import sympy as sp
 
-# What a friction term does and which load it follows: declared with the term, not deduced from a name.
+# Role and load of a friction term, declared with the term, not deduced from its name.
 #
-# Roles decide what applies to a term: the temperature of the lubricant scales viscous friction, whatever the
-# term is called; Coulomb and viscous friction without a load are the linear model that every other model is
-# compared with.
+# Roles decide what applies to a term: lubricant temperature scales viscous friction, whatever the term is
+# called; Coulomb and viscous friction without a load form the linear baseline of all comparisons.
 
 
 class Role(StrEnum):
-    """What a friction term does; terms of any other kind have no role."""
+    """Physical role of a friction term; other terms have none."""
 
     NONE = "none"
-    """Not friction: the kind of the term says what it is."""
+    """Not friction: see the kind of the term."""
     VISCOUS = "viscous"
-    """Shear of a lubricant film: in proportion to its viscosity, whatever the load or the direction."""
+    """Shear of a lubricant film: proportional to its viscosity, whatever the load or direction."""
     COULOMB = "coulomb"
-    """Sliding surfaces: opposes the motion, whatever its speed."""
+    """Sliding surfaces: opposes the motion, whatever the speed."""
     STRIBECK = "stribeck"
-    """Increase of dry friction near rest, before a film of lubricant carries the load."""
+    """Increase of dry friction near rest, before a lubricant film carries the load."""
     PRESLIDING = "presliding"
-    """Coulomb friction that builds up over the travelled angle: its deficit after a reversal."""
+    """Build-up of Coulomb friction over the travelled angle: its deficit after a reversal."""
     DRAG = "drag"
     """Displacement of a fluid: air around a fan, churned oil; a power of the speed."""
     EDDY_CURRENT = "eddy_current"
@@ -45,7 +44,7 @@ class Load(StrEnum):
     BENDING = "bending_moment"
     """The bending moment on the bearing."""
     TRANSMITTED = "transmitted_torque"
-    """The torque that the gear transmits."""
+    """The torque transmitted by the gear."""
 
 
 CONTACT = frozenset({Role.VISCOUS, Role.COULOMB, Role.STRIBECK, Role.PRESLIDING})
@@ -57,7 +56,7 @@ KINDS = {
     "drive": 1,
     "inertial": -1,
     "gravity": -1,
-    # What moves the bodies of a chain: inertia, Coriolis and centrifugal forces and gravity in one recursion.
+    # The torque of a chain's bodies: inertia, Coriolis and centrifugal forces and gravity in one recursion.
     "bodies": -1,
     "friction": -1,
     "conservative": -1,
@@ -77,12 +76,12 @@ class Term:
         coefficient: a parameter, or 1 if the term has nothing to identify.
         basis: the factor of the coefficient, in inputs, parameters and defined quantities.
         reference: paper equation or other source.
-        bounds: of the coefficient; None for a side that is open.
-        role: what it does; required for friction, and only for friction.
+        bounds: of the coefficient; None for an open side.
+        role: required for friction, and only for friction.
         load: the load that it is proportional to.
-        joint: the joint that it belongs to, counted from the base; a single link has joint 0.
-        per_turn: how often a ripple over the motor's angle repeats per turn of it, in parameters; 0 for what
-            is none, or is a misreading of that angle.
+        joint: index from the base; a single link has joint 0.
+        per_turn: periods of a ripple per motor turn, in parameters; 0 for terms that are no ripple, or a
+            measuring error of the angle.
     """
 
     name: str
@@ -99,10 +98,10 @@ class Term:
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise ValueError(f"term {self.name}: kind: expected one of {', '.join(KINDS)}, got {self.kind!r}")
-        for name, given, words in (("role", self.role, Role), ("load", self.load, Load)):
-            if not isinstance(given, words):
-                known = ", ".join(f"{words.__name__}.{word.name}" for word in words)
-                raise TypeError(f"term {self.name}: {name}: expected one of {known}, got {given!r}")
+        for name, value, kind in (("role", self.role, Role), ("load", self.load, Load)):
+            if not isinstance(value, kind):
+                known = ", ".join(f"{kind.__name__}.{member.name}" for member in kind)
+                raise TypeError(f"term {self.name}: {name}: expected one of {known}, got {value!r}")
         if self.kind == "friction" and self.role is Role.NONE:
             roles = ", ".join(f"Role.{role.name}" for role in Role if role is not Role.NONE)
             raise ValueError(f"term {self.name}: expected a role of friction, one of {roles}, got none")
@@ -142,7 +141,7 @@ class Balance:
         return sp.Add(*(KINDS[term.kind] * term.value for term in self.terms))
 
     def solved_for(self, symbol: sp.Symbol) -> sp.Expr:
-        """The value of a symbol that makes the residual zero, such as the current in the armature.
+        """Solve the balance for a symbol, such as the armature current.
 
         Raises:
             ValueError: the balance does not depend on the symbol, or not linearly.

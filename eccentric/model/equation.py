@@ -15,14 +15,14 @@ _COLUMN = 84
 
 
 class _Letters(PrettyPrinter):
-    """Symbols as in code (omega_m, B_lN), Greek names in Greek letters; SymPy mixes styles of subscripts."""
+    """Symbols as in code (omega_m, B_lN), with Greek letters; SymPy mixes subscript styles."""
 
     def _print_Symbol(self, e: sp.Symbol) -> prettyForm:
         head, *tail = e.name.split("_")
         return prettyForm("_".join([greek_unicode.get(head, head), *tail]))
 
     def _print_Mul(self, e: sp.Mul) -> prettyForm:
-        # SymPy's own printer imports its physical units for this, which takes longer than all equations.
+        # SymPy's printer imports its physical units for this, which takes longer than all equations.
         above, below = [], []
         for factor in e.as_ordered_factors():
             if factor.is_Rational:
@@ -52,12 +52,12 @@ class Equation:
     """One step of a derivation.
 
     Attributes:
-        name: by which other scripts look it up, e.g. "normal_force".
+        name: lookup key for other scripts, e.g. "normal_force".
         number: the paper's equation number, "" if the paper has none.
         left, right: both sides; a matrix on the right is a vector in the frame of the derivation.
         unit: SI unit of both sides; for a vector of different quantities one unit per row.
-        origin: one sentence: where it comes from.
-        identities: facts that the tests prove (a proof costs seconds; deriving does not pay for it).
+        origin: its derivation in one sentence.
+        identities: facts proved in the tests, since a proof takes seconds.
     """
 
     name: str
@@ -73,7 +73,7 @@ class Equation:
         return (self.unit,) if isinstance(self.unit, str) else self.unit
 
     def text(self) -> str:
-        """The equation for a terminal: its origin, then the formula with number and unit to its right."""
+        """The equation for a terminal: its origin, then the formula with number and unit on the right."""
         formula = _Letters({"use_unicode": True, "wrap_line": False})
         lines = formula.doprint(sp.Eq(self.left, self.right, evaluate=False)).split("\n")
         middle = len(lines) // 2
@@ -95,11 +95,7 @@ class Equation:
 
 
 def equation_named(equations: Iterable[Equation], name: str) -> Equation:
-    """The equation of that name.
-
-    Raises:
-        KeyError: there is none; the message lists the existing names.
-    """
+    """The equation of that name; KeyError, listing the existing names, if there is none."""
     known = {equation.name: equation for equation in equations}
     if name not in known:
         raise KeyError(f"no equation {name!r}; there are {', '.join(known)}")

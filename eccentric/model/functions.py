@@ -1,7 +1,7 @@
-"""Expressions as NumPy functions: printed once, and kept in the user's cache until a source changes.
+"""Expressions as NumPy functions: printed once, and cached until a source changes.
 
-A search evaluates the columns of 150 effects at 800 values of their shapes. So what needs neither shapes nor
-states is a function of its own, whose values are computed once on a log: the parts of an expression.
+A search evaluates the columns of 150 effects at 800 values of their shape parameters. So subexpressions that
+depend on neither shapes nor states (the parts) are separate functions, evaluated once per log.
 """
 
 from __future__ import annotations
@@ -24,23 +24,23 @@ from sympy.printing.numpy import NumPyPrinter
 
 from eccentric.core import derived
 
-# Models and their expressions as bytes, exactly as they are written, and the digest of what they say.
+# Models and their expressions as bytes, structurally exact, and digests of their content.
 #
-# SymPy's own pickles evaluate: sqrt(g (M + M_l)/(L M)) would come back as a product of roots.
+# SymPy's pickles evaluate: sqrt(g (M + M_l)/(L M)) would come back as a product of roots.
 
 
 _OURS = {"sympy", "eccentric"}
-"""Packages whose classes mean the same as long as no source changes; one of a person's script need not."""
+"""Packages whose classes are fixed as long as no source changes; a class of a user's script is not."""
 _MOST_KNOWN = 50_000
 _known: dict[sp.Basic, bytes] = {}
-"""Digests of expressions: those of effects consist of the same few thousand parts."""
+"""Cached digests of expressions: those of effects share a few thousand subexpressions."""
 
 
 def to_bytes(value: Any) -> bytes:
     """A model, an expression or a record of them as bytes.
 
     Raises:
-        Exception: it contains what cannot be pickled, such as a function defined in a script.
+        Exception: it contains something that cannot be pickled, such as a function defined in a script.
     """
     file = io.BytesIO()
     _Pickler(file, pickle.HIGHEST_PROTOCOL).dump(value)
@@ -48,7 +48,7 @@ def to_bytes(value: Any) -> bytes:
 
 
 def from_bytes(content: bytes) -> Any:
-    """The value of `to_bytes`; only for content that the user alone can have written."""
+    """The inverse of `to_bytes`; only for content that nobody but the user can have written."""
     return pickle.loads(content)  # noqa: S301
 
 
@@ -56,8 +56,8 @@ class _Pickler(pickle.Pickler):
     def reducer_override(self, obj: Any) -> Any:
         if isinstance(obj, sp.Add | sp.Mul | sp.Pow | sp.Function) and not isinstance(obj, AppliedUndef):
             return _as_written, (type(obj), obj.args)
-        own = type(obj).__reduce__ is not object.__reduce__
-        if is_dataclass(obj) and not isinstance(obj, type) and not own:  # without what it has cached
+        is_custom = type(obj).__reduce__ is not object.__reduce__
+        if is_dataclass(obj) and not isinstance(obj, type) and not is_custom:  # without cached properties
             return _record, (type(obj), {f.name: getattr(obj, f.name) for f in fields(obj)})
         return NotImplemented
 
@@ -67,17 +67,17 @@ def _as_written(kind: type[sp.Expr], args: tuple[sp.Expr, ...]) -> sp.Expr:
 
 
 def _record(kind: type, values: dict[str, Any]) -> Any:
-    made = object.__new__(kind)
+    record = object.__new__(kind)
     for name, value in values.items():
-        object.__setattr__(made, name, value)
-    return made
+        object.__setattr__(record, name, value)
+    return record
 
 
 def fingerprint(value: Any) -> str:
     """The digest of a record of expressions, the same in every process.
 
     Raises:
-        TypeError: it has a function, or a class of a person's own: what that means, no digest can say.
+        TypeError: it has a function or a user-defined class, whose behaviour no digest can capture.
     """
     if len(_known) > _MOST_KNOWN:
         _known.clear()
@@ -125,9 +125,9 @@ class NumericFunction:
 
     Attributes:
         key: the digest of the expression.
-        call: the function, of the values of its arguments.
+        call: the function of the argument values.
         arguments: names of signals, parameters, shapes, states and parts.
-        parts: those of the arguments that are functions of signals and parameters.
+        parts: the arguments that are functions of signals and parameters.
     """
 
     key: str
@@ -137,30 +137,30 @@ class NumericFunction:
 
 
 _MOST_BYTES = 64 * 2**20
-"""Memory for the values of parts on one log: enough for all of them but on long logs."""
+"""Memory for cached values of parts on one log [bytes]: enough for all except on long logs."""
 _MOST = 2000
-"""Functions kept in a process: as many as all effects of the library have on a few models."""
+"""Functions cached in a process: all effects of the library on a few models."""
 _functions: dict[str, NumericFunction] = {}
 
 
 class PartValues:
-    """The values of parts on one log, each computed once as long as memory is small.
+    """The values of parts on one log, cached up to a memory limit.
 
     given: signals (samples,) and parameters, by name.
     """
 
     def __init__(self, given: Mapping[str, Any]) -> None:
         self._given = given
-        self._kept: dict[str, np.ndarray] = {}
+        self._cached: dict[str, np.ndarray] = {}
 
     def __getitem__(self, part: NumericFunction) -> np.ndarray:
         """The values of a part (samples,)."""
-        if part.key not in self._kept:
+        if part.key not in self._cached:
             values = np.asarray(part.call(*(self._given[name] for name in part.arguments)), float)
-            if len(self._kept) * values.nbytes > _MOST_BYTES:
+            if len(self._cached) * values.nbytes > _MOST_BYTES:
                 return values
-            self._kept[part.key] = values
-        return self._kept[part.key]
+            self._cached[part.key] = values
+        return self._cached[part.key]
 
 
 @lru_cache(maxsize=_MOST)
@@ -176,24 +176,26 @@ def printed(
     """An expression with its parts as functions.
 
     Args:
-        key: of the result: it determines all other arguments; "" for a result that is not kept.
-        expression: makes the expression, if it is not in the cache.
-        fixed: names that have one value on a log, whatever the shapes and states.
-        signals: those of them that change along the log.
+        key: cache key, which determines all other arguments; "" for no caching.
+        expression: creates the expression if it is not cached.
+        fixed: names whose values on a log do not depend on shapes and states.
+        signals: those of them that vary along the log.
     """
     if key in _functions:
         return _functions[key]
-    kept = derived.get(key) if key else None
-    if kept is None:
-        whole, parts = _split(expression(), set(fixed), set(signals))
-        code, arguments = _code(whole)
-        own = {name: (fingerprint(part) if key else str(part), *_code(part)) for name, part in parts.items()}
-        record: tuple[CodeType, tuple[str, ...], dict[str, Any]] = code, arguments, own
+    cached = derived.get(key) if key else None
+    if cached is None:
+        reduced, parts = _split(expression(), set(fixed), set(signals))
+        code, arguments = _code(reduced)
+        compiled = {
+            name: (fingerprint(part) if key else str(part), *_code(part)) for name, part in parts.items()
+        }
+        record: tuple[CodeType, tuple[str, ...], dict[str, Any]] = code, arguments, compiled
         if not key:
             return _function(key, *record)
         derived.put(key, marshal.dumps(record))
     else:
-        record = marshal.loads(kept)  # noqa: S302 - the user's own
+        record = marshal.loads(cached)  # noqa: S302 - the user's own
     if len(_functions) >= _MOST:
         del _functions[next(iter(_functions))]
     _functions[key] = _function(key, *record)
@@ -206,17 +208,17 @@ def _function(
     arguments: tuple[str, ...],
     parts: Mapping[str, tuple[str, CodeType, tuple[str, ...]]],
 ) -> NumericFunction:
-    own = {
+    compiled = {
         name: NumericFunction(part, _executed(of), of_names, {})
         for name, (part, of, of_names) in parts.items()
     }
-    return NumericFunction(key, _executed(code), arguments, own)
+    return NumericFunction(key, _executed(code), arguments, compiled)
 
 
 def _split(expression: sp.Expr, fixed: set[str], signals: set[str]) -> tuple[sp.Expr, dict[str, sp.Expr]]:
-    """An expression with symbols for its largest parts without shapes and states, and those parts by name.
+    """Replace the largest subexpressions without shapes and states by symbols; returns them by name.
 
-    In one that has neither shapes nor states they are the functions, such as cosines, which others share.
+    If the expression has neither shapes nor states, its functions, such as cosines, become the parts.
     """
     parts: dict[sp.Expr, sp.Symbol] = {}
     names = {s.name for s in expression.free_symbols}
@@ -239,14 +241,14 @@ def _split(expression: sp.Expr, fixed: set[str], signals: set[str]) -> tuple[sp.
         if is_part(e):
             return part(e)
         if isinstance(e, sp.Add | sp.Mul):
-            own = [arg for arg in e.args if {s.name for s in arg.free_symbols} <= fixed]
-            if len(own) > 1 and is_part(together := e.func(*own)):
-                rest = [arg for arg in e.args if arg not in own]
-                return e.func(part(together), *map(walk, rest))
+            constant = [arg for arg in e.args if {s.name for s in arg.free_symbols} <= fixed]
+            if len(constant) > 1 and is_part(grouped := e.func(*constant)):
+                rest = [arg for arg in e.args if arg not in constant]
+                return e.func(part(grouped), *map(walk, rest))
         return e.func(*map(walk, e.args))
 
-    whole = walk(expression)
-    return whole, {symbol.name: e for e, symbol in parts.items()}
+    reduced = walk(expression)
+    return reduced, {symbol.name: e for e, symbol in parts.items()}
 
 
 def _code(expression: sp.Expr) -> tuple[CodeType, tuple[str, ...]]:
@@ -261,9 +263,9 @@ def _executed(code: CodeType) -> Callable[..., Any]:
 
 
 class _SharedPartsPrinter(NumPyPrinter):
-    """Prints an expression as NumPy code that evaluates what occurs more than once only once.
+    """Prints an expression as NumPy code with common subexpressions evaluated once.
 
-    `sp.lambdify` does the same, and spends most of its time on documentation and on sums that share a part.
+    `sp.lambdify` does the same, but spends most of its time on documentation and on common partial sums.
     """
 
     def __init__(self, expression: sp.Expr) -> None:
@@ -273,14 +275,14 @@ class _SharedPartsPrinter(NumPyPrinter):
         self._variables: dict[sp.Basic, str] = {}
         self._lines: list[str] = []
         seen: set[sp.Basic] = set()
-        left: list[sp.Basic] = [expression]
-        while left:
-            part = left.pop()
+        pending: list[sp.Basic] = [expression]
+        while pending:
+            part = pending.pop()
             if part in seen:
                 self._repeated.add(part)
             elif part.args:
                 seen.add(part)
-                left += part.args
+                pending += part.args
 
     def function(self, name: str, arguments: Sequence[str]) -> str:
         """The text of a module with a function of these arguments."""

@@ -1,4 +1,4 @@
-"""Limits of a model: substitute parameters, replace definitions, drop vanishing parts; and dimensions."""
+"""Limiting cases of a model: substitute parameters, replace definitions, drop zero parts; dimensions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from eccentric.model.quantity import Definition, Quantity
 from eccentric.model.steps import Gated
 
 _KEPT = frozenset({v.F_N.symbol, v.B.symbol, v.C.symbol})
-"""Definitions that are always emitted, even if no term needs them."""
+"""Definitions that are always emitted, even if no term uses them."""
 
 
 def limit(
@@ -28,7 +28,7 @@ def limit(
     definitions: Mapping[Quantity, sp.Expr],
     equations: tuple[Equation, ...],
 ) -> Model:
-    """The model with parameters set to values, definitions replaced, and vanishing or unused parts dropped.
+    """The model with parameters substituted, definitions replaced, and zero or unused parts dropped.
 
     Args:
         model: the general model.
@@ -42,12 +42,12 @@ def limit(
     """
     known = {definition.quantity: definition.value for definition in model.definitions} | dict(definitions)
     values = [Definition(q, sp.sympify(value).subs(substitutions)) for q, value in known.items()]
-    # What became 0, or a second name for a symbol, is substituted: terms and code do not keep it.
-    plain = {d.symbol: d.value for d in values if d.value.is_number or d.value.is_Symbol}
-    values = [Definition(d.quantity, d.value.subs(plain)) for d in values if d.symbol not in plain]
+    # Definitions that became 0, or a second name for a symbol, are substituted.
+    trivial = {d.symbol: d.value for d in values if d.value.is_number or d.value.is_Symbol}
+    values = [Definition(d.quantity, d.value.subs(trivial)) for d in values if d.symbol not in trivial]
     balances = []
     for balance in model.balances:
-        terms = [replace(term, basis=term.basis.subs(substitutions).subs(plain)) for term in balance.terms]
+        terms = [replace(term, basis=term.basis.subs(substitutions).subs(trivial)) for term in balance.terms]
         balances.append(replace(balance, terms=tuple(term for term in terms if term.basis != 0)))
     return prune(
         replace(
@@ -62,7 +62,7 @@ def limit(
 
 
 def prune(model: Model) -> Model:
-    """The model without the inputs, parameters and definitions that neither terms nor `_KEPT` need."""
+    """The model without inputs, parameters and definitions that neither terms nor `_KEPT` use."""
     needed = {d.symbol for d in model.definitions if d.symbol in _KEPT}
     needed = needed.union(*(t.value.free_symbols for b in model.balances for t in b.terms))
     for definition in reversed(model.definitions):
@@ -123,7 +123,7 @@ def directed(
     )
 
 
-# Dimensions: the SI exponents of a unit and of an expression, so that equations can be held to units.
+# Dimensions: the SI exponents of a unit and of an expression, to check equations against units.
 
 # kg, m, s, A, K; radians and revolutions are pure numbers.
 _BASE = {
@@ -178,7 +178,7 @@ def of_expression(expression: sp.Basic, units: Mapping[sp.Symbol, str]) -> Dimen
         _same(expression, parts)
         return tuple(2 * exponent for exponent in parts[0])
     if isinstance(expression, sp.Piecewise):
-        # A bare number is used if there is no physical value (the critical velocity of a balanced mass).
+        # A bare number stands for a missing physical value (the critical velocity of a balanced mass).
         return _same(
             expression,
             [p for p, value in zip(parts, _values(expression), strict=True) if not value.is_number],

@@ -27,7 +27,7 @@ from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity
 
 _BESIDE = frozenset({"serial_chain", "linear_axis", "screw_axis"})
-"""Derivations that are not of the paper's drive: several joints, and a carriage."""
+"""Derivations other than of the paper's drive: several joints, and a carriage."""
 
 _loaded: dict[Path, Model] = {}
 _loading: list[Path] = []
@@ -42,8 +42,8 @@ def model_names() -> tuple[str, ...]:
 def load_model(name_or_path: str | os.PathLike[str]) -> Model:
     """Load the model of a derivation, given by a name such as "c2_parallel" or the path of a script.
 
-    A script is executed once; further calls return the same object. Models of bundled derivations are cached
-    until a source of the toolkit changes.
+    A script is executed once; further calls return the same object. The models of bundled derivations are
+    cached until a source of the toolkit changes.
 
     Raises:
         InputError: there is no such derivation, scripts load each other in a circle, the script raises an
@@ -57,8 +57,8 @@ def load_model(name_or_path: str | os.PathLike[str]) -> Model:
         circle = " -> ".join(p.stem for p in [*_loading[_loading.index(path) :], path])
         raise InputError(path.name, problem=f"derivations load each other in a circle: {circle}")
     bundled = path.parent == folder("derivations").resolve()
-    if bundled and (kept := derived.get(f"model {path.stem}")) is not None:
-        _loaded[path], loads = from_bytes(kept)
+    if bundled and (cached := derived.get(f"model {path.stem}")) is not None:
+        _loaded[path], loads = from_bytes(cached)
         remember_loads(loads)
         return _loaded[path]
     _loading.append(path)
@@ -94,18 +94,18 @@ def _find(name_or_path: str | os.PathLike[str]) -> Path:
     return path
 
 
-# A model with different defaults: fitted values in place of the paper's, with remarks for their comments.
+# A model with other defaults: fitted values instead of the paper's, with notes for their comments.
 
 
 T = TypeVar("T")
 
 _RIGHT_ANGLE = 1.5707964  # also one that was rounded up to single precision
 _SMALLEST, _LARGEST = 1e-12, 1e12
-"""Least positive parameter, and the largest of any: beyond them, products would leave single precision."""
+"""Smallest positive and largest parameter: beyond them products would leave the range of single precision."""
 
 
 def _require_valid(q: Quantity, value: float, where: str) -> None:
-    """Raise InputError for a value outside the domain of a parameter, or of a size that the C cannot hold."""
+    """Raise InputError for a value outside a parameter's domain or the range of the emitted C."""
     if (q.domain == "positive" and value <= 0) or (q.domain in {"nonnegative", "tilt"} and value < 0):
         raise InputError(where, f"a {q.domain} number", f"{value!r}")
     if q.domain == "tilt" and value > _RIGHT_ANGLE:
@@ -116,10 +116,10 @@ def _require_valid(q: Quantity, value: float, where: str) -> None:
 
 
 def in_general_letters(values: Mapping[str, T], axis: AxisKind, source: str) -> dict[str, T]:
-    """Values by the letters of a turning drive, from ones by these or by the names of their axis.
+    """Values by the symbols of a rotary drive, from ones by these or by the names of their axis.
 
     Raises:
-        InputError: two names are of one parameter.
+        InputError: two names denote one parameter.
     """
     general = [axis.general(letter) for letter in values]
     if twice := [letter for letter in values if general.count(axis.general(letter)) > 1]:
@@ -145,9 +145,9 @@ def with_values(
 
     Args:
         model: the model.
-        values: parameter by the paper's letter, or the axis's own -> value in SI units.
+        values: parameter by the paper's symbol, or the axis's name -> value in SI units.
         name: of the result.
-        notes: parameter -> remark for its comment, such as its interval.
+        notes: parameter -> note for its comment, such as its interval.
         title: of the result, by default the model's.
         source: where the values come from, for error messages.
         back_emf_in_friction: whether the values of viscous friction contain the back-EMF.
@@ -189,7 +189,7 @@ def with_values(
         voltage_known=voltage_known,
         torque_unit=torque_unit,
         caution=caution or model.caution,
-        # Values of a log that fits clear the flag once they are all of it.
+        # Values of a log that fits its rig clear the flag once they cover all parameters.
         fits_the_rig=fits_the_rig
         and (model.fits_the_rig or {q.name for q in model.parameters} <= set(values)),
     )

@@ -28,8 +28,8 @@ class Change:
         terms: name of balance -> terms added to it; a coefficient may enter both balances.
         definitions: quantities that it introduces, each after those it uses.
         states: hidden states that it introduces.
-        inputs: inputs that it uses, from the vocabulary; the model may already have some of them.
-        replaces: symbol of the model -> symbol of one of `definitions`, to be used in its place.
+        inputs: inputs that it uses, from the vocabulary; the model may already have some.
+        replaces: symbol of the model -> symbol of one of `definitions` that replaces it.
         scales: role -> symbol of one of `definitions` that multiplies the friction terms of that role.
     """
 
@@ -41,27 +41,27 @@ class Change:
     scales: Mapping[Role, sp.Symbol] = field(default_factory=dict)
 
     def reach_term(self, term: Term) -> Term:
-        """A term from elsewhere under the rules of this change."""
+        """Apply replacements and scales to a term of the model or of another change."""
         basis = term.basis * self.scales[term.role] if term.role in self.scales else term.basis
         coefficient, basis = (part.xreplace(dict(self.replaces)) for part in (term.coefficient, basis))
         return replace(term, coefficient=coefficient, basis=basis)
 
     def reach_definition(self, definition: Definition) -> Definition:
-        """A definition from elsewhere under the rules of this change."""
+        """Apply replacements to a definition of the model or of another change."""
         return replace(definition, value=definition.value.xreplace(dict(self.replaces)))
 
     def reach_state(self, state: State) -> State:
-        """A hidden state from elsewhere under the rules of this change."""
+        """Apply replacements to a hidden state of the model or of another change."""
         return replace(state, update=state.update.xreplace(dict(self.replaces)))
 
 
 @dataclass(frozen=True)
 class Extension:
-    """A change with its name, its parameters and its steps in the derivation.
+    """A change with its name, parameters and derivation.
 
     Attributes:
         name: in messages.
-        change: what it changes.
+        change: the change of the model.
         parameters: those that it introduces, with their defaults.
         equations: its steps in the derivation.
     """
@@ -74,8 +74,8 @@ class Extension:
     @property
     def names(self) -> frozenset[str]:
         """Names of the parameters, definitions and states that it introduces."""
-        own = (*self.change.definitions, *self.change.states)
-        return frozenset(q.name for q in (*self.parameters, *(x.quantity for x in own)))
+        introduced = (*self.change.definitions, *self.change.states)
+        return frozenset(q.name for q in (*self.parameters, *(x.quantity for x in introduced)))
 
 
 @dataclass(frozen=True)
@@ -94,14 +94,16 @@ class Model:
         defaults: origin of the parameters' defaults, in words; "" for the quantities' own.
         extensions: those of the model; their rules apply to all further extensions.
         back_emf_in_friction: whether the defaults of viscous friction contain the back-EMF, as estimates from
-            a voltage alone do. What needs the friction without it is then not emitted.
-        current_known: whether the defaults give a current in amperes. What needs one is else not emitted.
-        voltage_known: whether they give a voltage, with R and k_e. What needs one is else not emitted.
-        torque_unit: of the defaults: "N m", or "V" or "A" where the log had no scale for a torque.
-        caution: what to know before the model is used, such as a choice that its log did not decide.
-        fits_the_rig: false if the defaults are of a log that does not fit its rig.
-        axis: what moves: the words of all that is written for a person or emitted.
-        declares: makes the outputs, the functions that are emitted; None for those of one drive.
+            a voltage alone do. Functions that need friction without it are then not emitted.
+        current_known: whether the defaults determine a current in amperes; if not, functions that need one
+            are not emitted.
+        voltage_known: whether they determine a voltage, with R and k_e; if not, functions that need one are
+            not emitted.
+        torque_unit: of the defaults: "N m", or "V" or "A" if the log had no torque scale.
+        caution: a warning for users of the model, such as a choice that its log did not decide.
+        fits_the_rig: false if the defaults come from a log that does not fit its rig.
+        axis: the kind of axis, whose names and terms are printed and emitted.
+        declares: creates the outputs (the emitted functions); None for those of a single drive.
 
     Raises:
         InputError: a definition or term uses a symbol that is neither an input nor a parameter nor defined
@@ -148,36 +150,36 @@ class Model:
 
     @cached_property
     def with_other_values(self) -> Model:
-        """The same for values that are not its defaults: every function is emitted, by its own letters."""
-        plain = {
+        """The model for values other than its defaults: all functions, with the symbols of a rotary drive."""
+        reset = {
             "back_emf_in_friction": False,
             "current_known": True,
             "voltage_known": True,
             "torque_unit": "N m",
             "axis": TURNING,
         }
-        return self if all(getattr(self, k) == x for k, x in plain.items()) else replace(self, **plain)
+        return self if all(getattr(self, k) == x for k, x in reset.items()) else replace(self, **reset)
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """What to know before the model is used, each without a full stop; empty for most models."""
+        """Warnings for users of the model, without full stops; empty for most models."""
         misfit = "" if self.fits_the_rig else "the values are of a log that does not fit its rig"
         return tuple(filter(None, (self.caution, misfit)))
 
     @property
     def first_function(self) -> str:
-        """The emitted function to begin with: the friction, or the drive where that alone has its unit."""
+        """The emitted function to start with: friction, or voltage or current if torque has no scale."""
         friction = "friction_torque" if self.back_emf_in_friction else "mechanical_friction_torque"
         return {"V": "voltage", "A": "current"}.get(self.torque_unit, friction)
 
     @cached_property
     def parameter_symbols(self) -> frozenset[sp.Symbol]:
         """Symbols that depend on parameters only, including definitions."""
-        found = {quantity.symbol for quantity in self.parameters}
+        symbols = {quantity.symbol for quantity in self.parameters}
         for definition in self.definitions:
-            if definition.value.free_symbols <= found:
-                found.add(definition.symbol)
-        return frozenset(found)
+            if definition.value.free_symbols <= symbols:
+                symbols.add(definition.symbol)
+        return frozenset(symbols)
 
     @property
     def replaced(self) -> dict[sp.Symbol, sp.Symbol]:
@@ -186,7 +188,7 @@ class Model:
 
     @cached_property
     def friction_parameters(self) -> tuple[Quantity, ...]:
-        """The parameters that friction terms have as coefficients, in the order of the parameters."""
+        """The coefficients of friction terms, in the order of the parameters."""
         used = {term.coefficient for term in self.balance("mechanical").terms if term.kind == "friction"}
         return tuple(quantity for quantity in self.parameters if quantity.symbol in used)
 
@@ -197,18 +199,18 @@ class Model:
 
     @property
     def torque_per_volt(self) -> sp.Expr:
-        """Torque of the motor at rest for a volt at its armature, k_i/R [N m/V]."""
+        """Stall torque per volt of armature voltage, k_i/R [N m/V]."""
         drive, resistive = self.balance("mechanical"), self.balance("electrical")
         return sp.diff(drive.sum_of("drive"), v.i.symbol) / sp.diff(resistive.sum_of("resistive"), v.i.symbol)
 
     def balance(self, name: str) -> Balance:
         """The balance of that name; InputError if there is none, as in a chain of several joints."""
-        found = {balance.name: balance for balance in self.balances}
-        if name not in found:
+        by_name = {balance.name: balance for balance in self.balances}
+        if name not in by_name:
             raise InputError(
-                f"model {self.name}", f"a {name} balance of one drive", ", ".join(found) or "none"
+                f"model {self.name}", f"a {name} balance of one drive", ", ".join(by_name) or "none"
             )
-        return found[name]
+        return by_name[name]
 
     def definition(self, name: str) -> Definition:
         """The definition of the quantity of that name; KeyError if there is none."""
@@ -255,11 +257,11 @@ class Model:
         )
 
 
-# Extensions: how a model is changed by something that it omits, independently of the order of several.
+# Extensions: changes of a model, independent of their order.
 #
-# A change has three parts: what it adds, what it replaces, and what it scales. Addition commutes. Replacing
-# and scaling are rules rather than single operations: the model remembers them and applies them to what later
-# extensions add as well. Hence the order of extensions makes no difference:
+# A change adds terms, replaces quantities and scales friction. Addition commutes. Replacing and scaling are
+# rules rather than single operations: the model stores them and also applies them to whatever later
+# extensions add. Hence the order of extensions makes no difference:
 #
 # - a scale factor multiplies every friction term of its role, including those of other extensions;
 # - a quantity is replaced everywhere, including in the terms, definitions and states of other extensions;
@@ -269,7 +271,7 @@ class Model:
 
 
 def extended(model: Model, new: Extension) -> Model:
-    """The model with one more extension; several give the same model in any order.
+    """Add an extension to a model; the order of several makes no difference.
 
     Raises:
         InputError: the model already has this extension, or one that introduces the same name or replaces the
@@ -281,10 +283,10 @@ def extended(model: Model, new: Extension) -> Model:
     if unknown := sorted(set(new.change.terms) - {balance.name for balance in model.balances}):
         raise InputError(new.name, problem=f"expected a balance {unknown[0]!r}, but {model.name} has none")
     definitions, states, terms = new.change.definitions, new.change.states, dict(new.change.terms)
-    for there in (extension.change for extension in model.extensions):
-        definitions = tuple(map(there.reach_definition, definitions))
-        states = tuple(map(there.reach_state, states))
-        terms = {name: tuple(map(there.reach_term, added)) for name, added in terms.items()}
+    for earlier in (extension.change for extension in model.extensions):
+        definitions = tuple(map(earlier.reach_definition, definitions))
+        states = tuple(map(earlier.reach_state, states))
+        terms = {name: tuple(map(earlier.reach_term, added)) for name, added in terms.items()}
     inputs = sorted({q.symbol: q for q in (*new.change.inputs, *model.inputs)}.values(), key=_place)
     parameters = (*model.parameters, *new.parameters)
     states = (*map(new.change.reach_state, model.states), *states)
@@ -314,8 +316,8 @@ def _require_free_names(model: Model, new: Extension) -> None:
         if both := sorted(other.names & new.names):
             first, second = sorted((other.name, new.name))
             raise InputError(f"{first} and {second}", problem=f"both introduce {', '.join(both)}")
-    own = (*model.definitions, *model.states)
-    taken = {q.name for q in (*model.parameters, *model.inputs, *(x.quantity for x in own))}
+    defined = (x.quantity for x in (*model.definitions, *model.states))
+    taken = {q.name for q in (*model.parameters, *model.inputs, *defined)}
     if clash := sorted(new.names & taken):
         raise InputError(
             new.name, problem=f"{', '.join(clash)}: {model.name} already has a quantity of that name"
@@ -341,7 +343,7 @@ _INPUTS = (v.theta_m, v.omega_m, v.i, v.u, v.t, v.temperature)
 
 
 def _place(quantity: Quantity) -> int:
-    """The place of an input: as in the vocabulary, alpha_m last."""
+    """Sort key of an input: as in the vocabulary, alpha_m last."""
     if quantity.symbol == v.alpha_m.symbol:
         return len(_INPUTS) + 1
     known = [q.symbol for q in _INPUTS]
@@ -350,23 +352,23 @@ def _place(quantity: Quantity) -> int:
 
 def _ordered(definitions: Iterable[Definition], known: set[sp.Symbol], whose: str) -> tuple[Definition, ...]:
     """The definitions, each after those it uses."""
-    waiting, done = list(definitions), []
-    while waiting:
-        ready = next((d for d in waiting if d.value.free_symbols <= known), None)
+    pending, done = list(definitions), []
+    while pending:
+        ready = next((d for d in pending if d.value.free_symbols <= known), None)
         if ready is None:
-            names = ", ".join(sorted(d.quantity.name for d in waiting))
+            names = ", ".join(sorted(d.quantity.name for d in pending))
             raise InputError(whose, problem=f"{names} use each other in a circle, or something unknown")
-        waiting.remove(ready)
+        pending.remove(ready)
         done.append(ready)
         known.add(ready.symbol)
     return tuple(done)
 
 
-# A model in the words of its axis: letters, units and meanings, for whoever reads it.
+# A model in the names of its axis: symbols, units and meanings, for the reader.
 
 
 def spoken(model: Model) -> Model:
-    """The same model in the words of its axis; nothing computes with it."""
+    """The model with the symbols, units and terms of its axis; for display only."""
     axis = model.axis
     if axis is TURNING:
         return model

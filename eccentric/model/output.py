@@ -1,7 +1,7 @@
-"""Outputs: the functions that a model declares, with their inputs, unit, meaning and expression.
+"""Outputs: the functions that a model declares, with their inputs, unit, meaning and expressions.
 
-An output is a few results and, before them, assignments in order. They are differentiated one by one, never
-as one expanded expression, so that a chain of n joints needs no other code than one joint.
+An output is a sequence of assignments followed by results. They are differentiated one by one, never as one
+expanded expression, so that the same code serves one joint and a chain of n joints.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Input:
 
 @dataclass(frozen=True)
 class Assignment:
-    """`target = value`; `note` is a comment, if the name is not enough."""
+    """`target = value`; `note` is an optional comment."""
 
     target: sp.Symbol
     value: sp.Expr
@@ -45,15 +45,15 @@ class Assignment:
 
 @dataclass(frozen=True)
 class Expressions:
-    """What an output computes.
+    """The expressions of an output.
 
     Attributes:
         results: label -> expression; the label is "" for a scalar.
-        definitions: what the results are computed from, in order; it may contain more than they need.
-        by: symbols by which the one entry of `results` is differentiated; the output is those slopes, after
-            the entry itself if that has a label.
-        factors: of these, and of signs, a sum is collected into few products; without any it stays as it is.
-        constants: further constants of a module, by name, such as what the columns are the sums of.
+        definitions: intermediate assignments, in order; possibly more than the results need.
+        by: symbols by which the single entry of `results` is differentiated; the output then consists of
+            these derivatives, preceded by the entry itself if it has a label.
+        factors: symbols, besides signs, by which sums are collected; none for no collection.
+        constants: further constants of a module, by name, such as the sums that the columns represent.
     """
 
     results: tuple[tuple[str, sp.Expr], ...]
@@ -72,15 +72,14 @@ class Output:
         unit: of the results.
         meaning: one line.
         inputs: those that it may depend on, in the order of its arguments.
-        expressions: makes what it computes; called only if the output is wanted.
-        taken: names of inputs that it has even where it does not depend on them.
-        requires: parameters without a default that are needed where the last input is not zero.
-        needs: parameters that nothing but electricity depends on: needed for this output, where they have no
-            default.
-        without_time: result -> its value where no time passes; the others hold for a time step of any size.
-        advances: whether its results are hidden states one time step later: it is there with any other.
-        on_request: whether it is there only if it is asked for by name.
-        formerly: the name of what it took the place of: whoever calls that is told this one.
+        expressions: creates its expressions; called only if the output is requested.
+        taken: names of inputs that are arguments even if it does not depend on them.
+        requires: parameters without a default that are needed if the last input is not zero.
+        needs: purely electrical parameters that this output needs if they have no default.
+        without_time: result -> its value at a time step of zero; other results do not depend on it.
+        advances: whether its results are the hidden states one time step later; always emitted with others.
+        on_request: whether it is emitted only if requested by name.
+        formerly: the name of the function it replaced: callers of that are referred to this one.
     """
 
     name: str
@@ -103,7 +102,7 @@ class Interface:
 
     Attributes:
         outputs: the functions.
-        first: the one to begin with.
+        first: the one to start with.
         constants: constant of a module -> the output whose labels it lists.
     """
 
@@ -115,11 +114,10 @@ class Interface:
 def differentiate(
     assignments: Iterable[Assignment], by: Sequence[sp.Symbol]
 ) -> tuple[tuple[Assignment, ...], Mapping[tuple[sp.Symbol, sp.Symbol], sp.Symbol]]:
-    """The assignments, each followed by its derivatives by the symbols in `by` where they are not zero.
+    """The assignments, each followed by its nonzero derivatives by the symbols in `by`.
 
-    Returned with them: (target, x) -> the symbol of that derivative, named target_d_x. Each value is
-    differentiated by the symbols it contains, and the chain rule is carried from one assignment to the next
-    (forward mode).
+    Also returns (target, x) -> the symbol of that derivative, named target_d_x. Forward mode: each value is
+    differentiated by the symbols it contains, and the chain rule applied from one assignment to the next.
     """
     known: dict[tuple[sp.Symbol, sp.Symbol], sp.Expr] = {(x, x): sp.Integer(1) for x in by}
     slopes: dict[tuple[sp.Symbol, sp.Symbol], sp.Symbol] = {}
@@ -139,12 +137,12 @@ def differentiate(
 def needed(assignments: Iterable[Assignment], results: Iterable[sp.Expr]) -> tuple[Assignment, ...]:
     """The assignments that the results depend on, in order."""
     wanted = set().union(*(expression.free_symbols for expression in results))
-    kept: list[Assignment] = []
+    used: list[Assignment] = []
     for assignment in reversed(list(assignments)):
         if assignment.target in wanted:
             wanted |= assignment.value.free_symbols
-            kept.append(assignment)
-    return tuple(reversed(kept))
+            used.append(assignment)
+    return tuple(reversed(used))
 
 
 @cache

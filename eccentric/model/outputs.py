@@ -1,7 +1,7 @@
-"""The outputs of the model of one drive: friction, its slopes, gravity, voltage and current, residuals.
+"""The outputs of the model of one drive: friction, its derivatives, gravity, voltage, current, residuals.
 
-They follow from the balances by the kinds of their terms: friction is the sum of the friction terms, whatever
-effects have added, and the regressor has their bases.
+They follow from the balances by the kinds of their terms: friction is the sum of all friction terms, also
+those added by effects, and the regressor consists of their bases.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def interface_of(model: Model) -> Interface:
     return kept["interface"]
 
 
-# Friction on one side of zero velocity: its limit at standstill, and its polynomial in the velocity.
+# Friction in one direction: its limit at standstill, and its polynomial in the velocity.
 
 
 _DIRECTED = Sgn | Forward | Backward | Gated
@@ -53,8 +53,8 @@ _DIRECTED = Sgn | Forward | Backward | Gated
 def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     """The limit of friction without acceleration as the velocity tends to 0 from above (1) or below (-1)."""
     omega_m, still = v.omega_m.symbol, {v.omega_m.symbol: sp.Integer(0), v.alpha_m.symbol: sp.Integer(0)}
-    moved = _following(model, set(still))
-    defined = {d.symbol: d.value for d in model.definitions if d.symbol in moved}
+    dependent = _following(model, set(still))
+    defined = {d.symbol: d.value for d in model.definitions if d.symbol in dependent}
     for symbol in reversed(list(defined)):
         friction = friction.xreplace({symbol: defined[symbol]})
     friction = at_direction(friction, omega_m, direction).xreplace(still)
@@ -72,7 +72,7 @@ def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     # By their definitions, which are those of the stable form of F_N.
     scale_N, omega_star, weight = symbols(v.scale_N, v.omega_star, v.weight)
     friction = friction.subs(scale_N * omega_star**2, weight)
-    # What depends on parameters only is prepared, in double precision: there the plain root serves.
+    # Expressions of parameters only are precomputed in double precision, where the plain root is accurate.
     varying = _following(model, {q.symbol for q in model.inputs})
     return friction.replace(
         lambda e: isinstance(e, Magnitude) and not e.free_symbols & varying,
@@ -81,15 +81,15 @@ def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
 
 
 def polynomials(model: Model, resultant: sp.Expr) -> dict[int, tuple[sp.Expr, ...]]:
-    """F_3, F_2, F_1, F_0 by direction, 1 or -1, if friction is a polynomial in the velocity, else none.
+    """F_3, F_2, F_1, F_0 by direction, 1 or -1, if friction is a polynomial in the velocity, else empty.
 
-    If friction is symmetric, -1 gives nothing new and is omitted.
+    -1 is omitted if friction is symmetric.
     """
     omega_m = v.omega_m.symbol
     if _is_curved(model, _needed(model, resultant)):
         return {}
-    plain = model.expand(resultant).replace(Gated, sp.Mul)
-    sides = {direction: sp.expand(plain.xreplace(moving(omega_m, direction))) for direction in (1, -1)}
+    expanded = model.expand(resultant).replace(Gated, sp.Mul)
+    sides = {direction: sp.expand(expanded.xreplace(moving(omega_m, direction))) for direction in (1, -1)}
     if not all(side.is_polynomial(omega_m) for side in sides.values()):
         return {}
     # Poly would take a common exp(-t/tau) out of a sum and leave exp(t/tau) in it, which overflows.
@@ -100,26 +100,26 @@ def polynomials(model: Model, resultant: sp.Expr) -> dict[int, tuple[sp.Expr, ..
     }
 
 
-def _following(model: Model, given: set[sp.Symbol]) -> set[sp.Symbol]:
-    """Symbols, and what is defined by them, also by way of other definitions."""
-    found = set(given)
+def _following(model: Model, symbols: set[sp.Symbol]) -> set[sp.Symbol]:
+    """The symbols, and all definitions that depend on them directly or indirectly."""
+    dependent = set(symbols)
     for definition in model.definitions:
-        if definition.value.free_symbols & found:
-            found.add(definition.symbol)
-    return found
+        if definition.value.free_symbols & dependent:
+            dependent.add(definition.symbol)
+    return dependent
 
 
 def _is_curved(model: Model, values: Iterable[sp.Expr]) -> bool:
-    """Whether they contain a stable step of the velocity, other than those of its direction."""
-    moved = _following(model, {v.omega_m.symbol})
+    """Whether they contain a stable step of the velocity, other than of its direction."""
+    dependent = _following(model, {v.omega_m.symbol})
     steps = {step for value in values for step in value.atoms(OpaqueStep)}
-    return any(step.free_symbols & moved for step in steps if not isinstance(step, _DIRECTED))
+    return any(step.free_symbols & dependent for step in steps if not isinstance(step, _DIRECTED))
 
 
 STEP = "next_state"
-"""The output that advances hidden states, which every output of a model with them follows."""
+"""The output that advances hidden states; emitted with every model that has them."""
 _ARMATURE = frozenset({"drive", "resistive", "back_emf"})
-"""Kinds of terms whose coefficients are those of motor and armature."""
+"""Kinds of terms whose coefficients are motor and armature parameters."""
 _LABELLED = {
     "REGRESSOR": "regressor",
     "GRADIENT": "friction_torque_gradient",
@@ -127,9 +127,9 @@ _LABELLED = {
 }
 """Constant of a module -> the output whose labels it lists."""
 _OF_CURRENT = frozenset({"current", "mechanical_residual", "electrical_residual"})
-"""Functions that need k_i itself, R/k_i being known."""
+"""Functions that need k_i itself, not only R/k_i."""
 _OF_VOLTAGE = frozenset({"voltage", "electrical_residual"})
-"""Functions that need R and k_e, k_i being known."""
+"""Functions that need R and k_e, not only k_i."""
 _WITHOUT_BACK_EMF = _OF_CURRENT | {"mechanical_friction_torque"}
 """Functions that need the friction without the back-EMF, or its constant."""
 
@@ -143,17 +143,17 @@ def _note(model: Model, definition: Definition) -> str:
 
 
 def solve_current(model: Model) -> sp.Expr:
-    """The armature current that the mechanical balance requires, eq (4) without the armature.
+    """The armature current required by the mechanical balance, eq (4) without the armature.
 
-    If an effect depends on the current itself (torque ripple, saturation), the current without that effect is
-    substituted: exact to first order in the effect.
+    In effects that depend on the current itself (torque ripple, saturation), the current without the effect
+    is substituted: exact to first order in the effect.
     """
     mechanical = model.balance("mechanical")
     drive = next(term for term in mechanical.terms if term.kind == "drive")
     driven = [kind for kind in KINDS if kind not in {"drive", "actuator"}]
-    plain = sp.expand_mul(mechanical.sum_of(*driven) / drive.coefficient)
+    current = sp.expand_mul(mechanical.sum_of(*driven) / drive.coefficient)
     actuator = sp.expand_mul(mechanical.sum_of("actuator") / drive.coefficient)
-    return plain + actuator.subs(drive.basis, plain)
+    return current + actuator.subs(drive.basis, current)
 
 
 def drive_interface(model: Model) -> Interface:
@@ -173,7 +173,7 @@ def drive_interface(model: Model) -> Interface:
     voltage = resistance * current + armature
     # (4) with alpha_m = 0 and without gravity: the rest of (k_i/R) u.
     resultant = friction + torque_constant / resistance * electrical.sum_of("back_emf")
-    # For comparison with measured data, both in N m; the electrical one as (k_i/R)(u - k_e omega_m) - k_i i.
+    # Both in N m for comparison with data; the electrical one is (k_i/R)(u - k_e omega_m) - k_i i.
     residual = mechanical.residual()
     electrical_residual = sp.expand_mul(torque_constant / resistance * electrical.residual())
     columns = regressor(model)
@@ -220,7 +220,7 @@ def drive_interface(model: Model) -> Interface:
     def one(value: sp.Expr) -> tuple[tuple[str, sp.Expr]]:
         return (("", value),)
 
-    moved = {"taken": frozenset({v.alpha_m.name}) if inertia else frozenset(), "requires": inertia}
+    with_inertia = {"taken": frozenset({v.alpha_m.name}) if inertia else frozenset(), "requires": inertia}
     listed = [
         output("normal_force", "N", "normal force F_N on the axis of rotation", one(force or sp.S.Zero)),
         output(
@@ -285,15 +285,19 @@ def drive_interface(model: Model) -> Interface:
         ),
         output("gravity_torque", "N m", "gravity torque G, eq (5)", one(gravity)),
         output(
-            "voltage", "V", "armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4)", one(voltage), **moved
+            "voltage",
+            "V",
+            "armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4)",
+            one(voltage),
+            **with_inertia,
         ),
-        output("current", "A", "armature current i = (J alpha_m + G + f)/k_i", one(current), **moved),
+        output("current", "A", "armature current i = (J alpha_m + G + f)/k_i", one(current), **with_inertia),
         output(
             "mechanical_residual",
             "N m",
             "residual of the mechanical balance: k_i i - J alpha_m - G - f",
             one(residual),
-            **moved,
+            **with_inertia,
         ),
         output(
             "electrical_residual",
@@ -302,7 +306,7 @@ def drive_interface(model: Model) -> Interface:
             one(electrical_residual),
         ),
     ]
-    if moved_inertia != 0:  # else the model knows no acceleration
+    if moved_inertia != 0:  # else the model has no acceleration
         listed += [
             output(
                 "friction_step",
@@ -354,10 +358,10 @@ def drive_interface(model: Model) -> Interface:
 
 
 def armature_parameters(model: Model) -> tuple[str, ...]:
-    """Names of the parameters of motor and armature, R, k_i and k_e, also where an effect replaces them."""
+    """Names of the motor and armature parameters, R, k_i and k_e, even if an effect replaces them."""
     before = {now: old for old, now in model.replaced.items()}
-    found = [t.coefficient for b in model.balances for t in b.terms if t.kind in _ARMATURE]
-    return tuple(q.name for q in model.parameters if q.symbol in {before.get(x, x) for x in found})
+    coefficients = [t.coefficient for b in model.balances for t in b.terms if t.kind in _ARMATURE]
+    return tuple(q.name for q in model.parameters if q.symbol in {before.get(x, x) for x in coefficients})
 
 
 def step_words(model: Model) -> tuple[str, str]:
@@ -367,7 +371,7 @@ def step_words(model: Model) -> tuple[str, str]:
 
 
 def held_states(model: Model) -> dict[str, sp.Expr]:
-    """Name and value of each hidden state where no time passes."""
+    """Name and value of each hidden state for a time step of zero."""
     return {state.quantity.name: state.symbol for state in model.states}
 
 
@@ -377,27 +381,27 @@ def step_updates(model: Model) -> tuple[tuple[str, sp.Expr], ...]:
 
 
 def _moved_inertia(model: Model) -> sp.Expr:
-    """What an acceleration takes of the torque, J and what effects on the motion add to it [kg m^2].
+    """Torque per acceleration: J and additions by effects on the motion [kg m^2].
 
-    An error of an angle adds a part that changes with it; it never leaves less than a hundredth of the rest.
+    An angle error adds a part that varies with the angle; the total is kept above 1 % of the constant part.
     """
     others = [term for term in model.balance("mechanical").terms if term.kind != "friction"]
-    whole = -sp.diff(sp.Add(*(KINDS[t.kind] * t.value for t in others)), v.alpha_m.symbol)
-    parts = sp.Add.make_args(sp.expand_mul(whole))
+    total = -sp.diff(sp.Add(*(KINDS[t.kind] * t.value for t in others)), v.alpha_m.symbol)
+    parts = sp.Add.make_args(sp.expand_mul(total))
     constant = sp.Add(*(part for part in parts if part.free_symbols <= model.parameter_symbols))
-    if constant in (0, whole):
-        return whole
-    return constant / 100 + sp.Max(0, whole - constant / 100)
+    if constant in (0, total):
+        return total
+    return constant / 100 + sp.Max(0, total - constant / 100)
 
 
 def _require(model: Model) -> None:
     kinds = {balance.name: {term.kind for term in balance.terms} for balance in model.balances}
-    there = {
+    present = {
         "an input omega_m": any(q.name == "omega_m" for q in model.inputs),
         "a balance `mechanical` with a term of kind `drive`": "drive" in kinds.get("mechanical", ()),
         "a balance `electrical` with a term of kind `resistive`": "resistive" in kinds.get("electrical", ()),
     }
-    if missing := [what for what, found in there.items() if not found]:
+    if missing := [what for what, is_present in present.items() if not is_present]:
         raise InputError(f"model {model.name}", missing[0], "none")
 
 
@@ -408,9 +412,9 @@ def normal_force(model: Model) -> sp.Symbol | None:
 
 
 def _scaled(model: Model) -> tuple[tuple[Assignment, ...], dict[sp.Symbol, sp.Expr]]:
-    """The definitions, with F_N = scale_N load written out: its scale goes into what multiplies it.
+    """The definitions, with F_N = scale_N load expanded so that the scale becomes part of its factors.
 
-    Returned with them: what stands for F_N.
+    Also returns the replacement of F_N.
     """
     load = sp.Symbol("load", real=True)
     scaled: dict[sp.Symbol, sp.Expr] = {}
@@ -426,9 +430,9 @@ def _scaled(model: Model) -> tuple[tuple[Assignment, ...], dict[sp.Symbol, sp.Ex
 
 
 def _needed(model: Model, expression: sp.Expr) -> list[sp.Expr]:
-    """The expression, and the values of the definitions that it follows from."""
-    given = [Assignment(d.symbol, d.value) for d in model.definitions]
-    return [expression, *(a.value for a in needed(given, [expression]))]
+    """The expression, and the values of the definitions that it depends on."""
+    assignments = [Assignment(d.symbol, d.value) for d in model.definitions]
+    return [expression, *(a.value for a in needed(assignments, [expression]))]
 
 
 def _inputs(model: Model, expression: sp.Expr) -> tuple[sp.Symbol, ...]:

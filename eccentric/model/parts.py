@@ -1,7 +1,7 @@
-"""The parts of a drive: the words by which a rig says what it is made of, and whether they allow a cause.
+"""The components of a drive as declared in a rig, and whether they allow a cause.
 
-What a rig does not say rules out nothing. Of a drive with several parts of one kind, such as a planetary gear
-before a belt, a cause needs one of them.
+An undeclared component rules out nothing. If a drive has several components of a kind, such as a planetary
+gear and a belt, one of them suffices for a cause.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ DRIVE_PARTS: Parts = MappingProxyType(
         "lubricant": ("grease", "oil", NO_PART),
     }
 )
-"""Every word that a rig may use; `docs/rig-reference.md` says what each means."""
+"""All values that a rig may declare, as defined in `docs/rig-reference.md`."""
 
 IRON = ("brushed", "brushless", "stepper")
-"""Motors with magnets and iron teeth, which attract each other."""
+"""Motors with magnets and iron teeth, which have cogging."""
 MAGNETS = (*IRON, "coreless", "slotless")
 MOTORS = (*MAGNETS, "induction")
 
@@ -36,11 +36,11 @@ MOTORS = (*MAGNETS, "induction")
 REDUCERS = frozenset({"strain wave", "planetary", "worm"})
 """Gears whose ratio is never 1."""
 ANGLE, MOTOR_ANGLE, OUTPUT_ANGLE = "angle", ("motor",), ("output",)
-"""Kind and words of what follows from a rig: whether the angle of the motor is known at all."""
+"""Kind and values derived from a rig: whether the motor angle is known."""
 
 
 def missing(needs: Parts, given: Parts) -> dict[str, tuple[str, ...]]:
-    """Kind -> the words of which a drive of the `given` parts has none; empty where nothing is missing."""
+    """Kind -> the required components of which the `given` ones include none; empty if none is missing."""
     return {
         kind: words for kind, words in needs.items() if given.get(kind) and not set(words) & set(given[kind])
     }

@@ -1,4 +1,4 @@
-"""Quantities: a SymPy symbol with the paper's letter, its name in code, unit, meaning and equation number."""
+"""Quantities: a SymPy symbol with its name in code, unit, meaning and the paper's equation number."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import sympy as sp
 
 from eccentric.core import InputError
 
-# Names that a quantity cannot have: it is a member of a structure in C and C++, an attribute in Python.
+# Reserved names: a quantity is a structure member in C and C++, an attribute in Python.
 
 
 LONGEST = 63  # characters of a name that a C compiler must tell apart (ISO/IEC 9899, 5.2.4.1)
@@ -32,8 +32,8 @@ CPP_KEYWORDS = frozenset(
     wchar_t xor xor_eq
     """.split()  # noqa: SIM905 - words are easier to read than a list
 )
-# Macros of the headers of C that are no functions, those of compilers in GNU dialects, and functions that are
-# called: a header of the model may come after any other, as complex.h, whose I is the imaginary unit.
+# Object-like macros of C headers and of compilers in GNU dialects, and called functions: a model's header may
+# be included after any other, such as complex.h, whose I is the imaginary unit.
 _MACROS = frozenset(
     """
     FLT_EVAL_METHOD FLT_RADIX FLT_ROUNDS HUGE_VAL HUGE_VALF HUGE_VALL INFINITY NAN NULL offsetof
@@ -58,9 +58,9 @@ _PREFIXES = re.compile(r"(DBL|FLT|LDBL|REAL|ECCENTRIC)_|REAL$")
 
 
 def require_free(name: str, what: str = "quantity") -> None:
-    """Raise InputError unless the name is an identifier that C, C++ and Python leave free.
+    """Raise InputError unless the name is an identifier that is free in C, C++ and Python.
 
-    `what` it is the name of opens the message.
+    `what` begins the message.
     """
     if not re.fullmatch(rf"[A-Za-z][A-Za-z0-9_]{{0,{LONGEST - 1}}}", name):
         raise InputError(
@@ -83,23 +83,20 @@ _ASSUMPTIONS = {
 }
 
 
-# A letter of the vocabulary.
-
-
 @dataclass(frozen=True)
 class Quantity:
-    """One letter of the vocabulary.
+    """A symbol of the vocabulary.
 
     Attributes:
         symbol: the SymPy symbol; its name is the name in NumPy and C.
         unit: SI unit, e.g. "N m s/rad"; "1" for a pure number.
-        meaning: what it is, in a few words.
+        meaning: a short description.
         equation: the paper's equation number, "" where the paper has none.
         domain: of valid values: "positive", "nonnegative", "real" or "tilt" (0 to a right angle).
         default: the paper's value as a decimal, or an expression in other parameters; None if there is none.
-        letter: its form in a formula, if different from its name: "eta_2", "B_m^+", "Delta t", "i^'".
-        part_of: the declared quantity that it is a fraction of; with an added mass it applies to the declared
-            part alone. None for all others.
+        letter: its symbol in a formula, if different from its name: "eta_2", "B_m^+", "Delta t", "i^'".
+        part_of: the declared quantity that it is a fraction of, else None; with an added mass it applies to
+            the declared part only.
     """
 
     symbol: sp.Symbol
@@ -127,31 +124,31 @@ def quantity(
     letter: str = "",
     part_of: Quantity | None = None,
 ) -> Quantity:
-    """Make a quantity; a decimal default such as "0.25" is kept exact (1/4).
+    """Create a quantity; a decimal default such as "0.25" is converted exactly (1/4).
 
     Raises:
-        InputError: the name is not an identifier, or one that C, C++ or Python has taken.
+        InputError: the name is not an identifier, or is reserved in C, C++ or Python.
         ValueError: the domain is unknown.
     """
     require_free(name)
     if domain not in _ASSUMPTIONS:
         raise ValueError(f"{name}: domain: expected one of {', '.join(_ASSUMPTIONS)}, got {domain!r}")
     value = sp.Rational(default) if isinstance(default, str) else default
-    symbol, whole = sp.Symbol(name, **_ASSUMPTIONS[domain]), None if part_of is None else part_of.symbol
-    return Quantity(symbol, unit, meaning, equation, domain, value, letter, whole)
+    symbol, declared = sp.Symbol(name, **_ASSUMPTIONS[domain]), None if part_of is None else part_of.symbol
+    return Quantity(symbol, unit, meaning, equation, domain, value, letter, declared)
 
 
 def symbols(*quantities: Quantity) -> tuple[sp.Symbol, ...]:
-    """The symbols of several quantities, for the first lines of a derivation."""
+    """The symbols of several quantities."""
     return tuple(quantity.symbol for quantity in quantities)
 
 
-# Quantities that follow from others: at once (a definition), or from one time step to the next (a state).
+# Quantities that depend on others: algebraically (a definition), or over a time step (a state).
 
 
 @dataclass(frozen=True)
 class Definition:
-    """A quantity that follows from others."""
+    """A quantity defined by others."""
 
     quantity: Quantity
     value: sp.Expr
@@ -164,12 +161,12 @@ class Definition:
 
 @dataclass(frozen=True)
 class State:
-    """A hidden state, stepped along time by the caller.
+    """A hidden state, advanced in time by the caller.
 
     Attributes:
         quantity: its name and unit.
-        initial: its value before the first sample.
-        update: its value one sample later, in inputs, parameters, definitions, states and the time step dt.
+        initial: value before the first sample.
+        update: value one sample later, in inputs, parameters, definitions, states and the time step dt.
     """
 
     quantity: Quantity

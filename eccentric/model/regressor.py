@@ -1,4 +1,4 @@
-"""The regressor: the columns that span the friction torque, one for each coefficient that a log can show."""
+"""The regressor: the columns that span the friction torque, one for each identifiable coefficient."""
 
 from __future__ import annotations
 
@@ -23,11 +23,10 @@ class Column:
         basis: the column.
         unit: of the coefficient.
         bounds: of the coefficient.
-        parameter: the parameter of the model that represents the coefficient: with the others of a
-            combination at zero it is the coefficient (B_m for B).
-        role, load, joint: those of the term whose basis the column has; terms of one column have the same
-        role.
-        added: whether an extension brought all of its terms.
+        parameter: the parameter of the model that represents the coefficient: equal to it if the others of
+            a combination are zero (B_m for B).
+        role, load, joint: those of the term with this basis; all terms of a column have the same role.
+        added: whether all its terms come from extensions.
     """
 
     name: str
@@ -43,18 +42,15 @@ class Column:
 
     @property
     def linear(self) -> bool:
-        """Whether it belongs to the linear model: viscous or Coulomb friction that follows no load.
-
-        What an effect adds does not, whatever its role.
-        """
+        """Whether it belongs to the linear model: viscous or Coulomb friction without load, no effect."""
         return self.role in {Role.VISCOUS, Role.COULOMB} and self.load is Load.NONE and not self.added
 
 
 def regressor(model: Model) -> tuple[Column, ...]:
     """The columns that span the mechanical friction torque.
 
-    No log can distinguish terms whose bases differ only by a factor in parameters; they are one column, with
-    the simplest of their bases. Which terms these are is computed from the expressions, never declared.
+    No log can distinguish terms whose bases differ only by a factor in parameters; they form one column with
+    the simplest basis. These terms are determined from the expressions, never declared.
 
     Raises:
         InputError: the coefficient of a friction term is not a parameter, a combination has no name, or terms
@@ -74,7 +70,7 @@ def regressor(model: Model) -> tuple[Column, ...]:
 
 
 def _ratio(one: sp.Expr, other: sp.Expr) -> sp.Expr:
-    """The ratio of two bases; a gate in both cancels."""
+    """The ratio of two bases; a common gate cancels."""
     return one.replace(Gated, sp.Mul) / other.replace(Gated, sp.Mul)
 
 
@@ -96,13 +92,13 @@ def _column(model: Model, group: list[Term]) -> Column:
             "one role and one joint",
             received,
         )
-    plainest = min(group, key=lambda term: sp.count_ops(term.basis))
-    basis, parameter = plainest.basis, known[plainest.coefficient]
+    simplest = min(group, key=lambda term: sp.count_ops(term.basis))
+    basis, parameter = simplest.basis, known[simplest.coefficient]
     added = {t.name for e in model.extensions for terms in e.change.terms.values() for t in terms}
     extra = all(term.name in added for term in group)
-    follows = (parameter, plainest.role, plainest.load, plainest.joint, extra)
+    follows = (parameter, simplest.role, simplest.load, simplest.joint, extra)
     if len(group) == 1:
-        return Column(parameter.name, parameter.symbol, basis, parameter.unit, plainest.bounds, *follows)
+        return Column(parameter.name, parameter.symbol, basis, parameter.unit, simplest.bounds, *follows)
     coefficient = sp.Add(*(term.coefficient * _ratio(term.basis, basis) for term in group))
     lows = [term.bounds[0] for term in group if term.bounds[0] is not None]
     low = sum(lows) if len(lows) == len(group) else None

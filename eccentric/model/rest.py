@@ -1,13 +1,13 @@
-"""Friction at rest: the levels that dry friction can take, and a step in time that holds a drive exactly.
+"""Friction at rest: the levels of dry friction, and a time step with exact sticking.
 
-Dry friction is set-valued at rest: any torque between its two levels, whichever keeps the drive there. In
-motion it is the level of that direction. So it enters a time step by its levels, never by the sign of a
-velocity: with the momentum p that the drive would have without friction, J omega_m = p - dt f is solved for
-the velocity at the end of the step, in closed form (J. J. Moreau, in Nonsmooth Mechanics and Applications,
-CISM 302, 1988).
+Dry friction is set-valued at rest: any torque between its two levels that keeps the drive at rest. In motion
+it is the level of that direction. So it enters a time step by its levels, never by the sign of a velocity:
+with the momentum p that the drive would have without friction, J omega_m = p - dt f is solved in closed form
+for the velocity at the end of the step (J. J. Moreau, in Nonsmooth Mechanics and Applications, CISM 302,
+1988).
 
-What the levels and the viscous coefficient depend on, F_N and the fall of Stribeck friction too, is taken at
-the start of the step. So there is one solution for any time step, also where friction falls with the speed.
+The state dependence of levels and viscous coefficient, including F_N and the Stribeck decrease, is evaluated
+at the start of the step. So the solution is unique for any time step, even if friction falls with the speed.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ from eccentric.model.steps import (
 
 
 def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = None) -> tuple[Equation, ...]:
-    """The equations of friction at rest, for friction that is linear in the velocity once F_N is given.
+    """The equations of friction at rest, for friction that is linear in the velocity at a given F_N.
 
     Args:
         friction: the friction torque, with the sign of omega_m [N m].
         inertia: on the motor side [kg m^2].
-        backward: that for omega_m < 0, if it has other coefficients.
+        backward: friction for omega_m < 0, if it has other coefficients.
     """
     omega_m = v.omega_m.symbol
     f, T, dt, p, J = v.f.symbol, v.torque.symbol, v.dt.symbol, v.p.symbol, sp.Symbol("J", positive=True)
@@ -52,7 +52,7 @@ def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = 
     sides = ((1, friction), (-1, friction if backward is None else backward))
     values = [sp.expand(value.subs(sp.sign(omega_m), sign)) for sign, value in sides]
     dry, viscous = ([sp.collect(x.coeff(omega_m, k), v.F_N.symbol) for x in values] for k in (0, 1))
-    # Momentum over the levels, and levels, as numbers whose signs are known.
+    # Excess momentum over the levels, and the levels, as numbers of known sign.
     e, high, low, c = sp.symbols("e high low c", positive=True)
     ahead, back = e / (J + dt * c), -e / (J + dt * c)
 
@@ -70,14 +70,14 @@ def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = 
         (0, True),
     )
     names = ("f_upper", "f_lower", "b") if viscous[0] == viscous[1] else ("f_upper", "f_lower", "b^+", "b^-")
-    found = [*dry, *dict.fromkeys(viscous)]
+    rows = [*dry, *dict.fromkeys(viscous)]
     return (
         Equation(
             "levels",
             "",
             sp.Matrix(sp.symbols(names)),
-            sp.Matrix(found),
-            ("N m", "N m", *["N m s/rad"] * (len(found) - 2)),
+            sp.Matrix(rows),
+            ("N m", "N m", *["N m s/rad"] * (len(rows) - 2)),
             "Its dry part has a level for each direction of motion, and the rest is viscous, for the load at"
             " this state.",
         ),
@@ -139,20 +139,20 @@ def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = 
 
 
 _SPEED = sp.Symbol("speed_of_motor", positive=True)
-"""The magnitude of the velocity while sums are split: divided by it, nothing is left of it."""
+"""Magnitude of the velocity while sums are split, so that it cancels in a division."""
 _ENDINGS = {1: "_forward", -1: "_backward"}
 
 
 @dataclass(frozen=True)
 class Side:
-    """Friction in one direction of motion, by signs of the motor: as functions of the state.
+    """Friction in one direction of motion, signed as on the motor, as functions of the state.
 
     Attributes:
-        dry: its level, with hidden states of presliding where they end in this direction [N m].
+        dry: the level with fully developed presliding [N m].
         viscous: the rest over the velocity [N m s/rad].
-        held: the level with presliding where it is [N m].
-        damping: the rest over the velocity with presliding where it is [N m s/rad].
-        stiffness: how fast presliding builds the level up, times the time step dt [N m s/rad].
+        held: the level at the current presliding state [N m].
+        damping: the rest over the velocity at the current presliding state [N m s/rad].
+        stiffness: presliding stiffness times the time step dt [N m s/rad].
     """
 
     dry: sp.Expr
@@ -171,7 +171,7 @@ class Levels:
     definitions: tuple[Assignment, ...]
 
     def at_rest(self, direction: int) -> sp.Expr:
-        """The level in a direction, 1 or -1, written in the definitions of the model alone."""
+        """The level in a direction, 1 or -1, in terms of the model's definitions only."""
         level = (self.forward if direction > 0 else self.backward).dry
         for a in reversed(self.definitions):
             level = level.xreplace({a.target: a.value})
@@ -193,7 +193,7 @@ def moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
 
 
 def at_direction(value: sp.Expr, omega_m: sp.Symbol, direction: int) -> sp.Expr:
-    """The value with the steps by the direction of omega_m decided: 1 forwards, -1 backwards."""
+    """The value with the steps by the direction of omega_m evaluated: 1 forwards, -1 backwards."""
     value = value.xreplace(moving(omega_m, direction)).replace(
         lambda e: isinstance(e, ByDirection) and e.args[0] == omega_m,
         lambda e: e.args[1 if direction > 0 else 2],
@@ -206,13 +206,13 @@ def levels(
 ) -> Levels:
     """The levels of friction terms over the velocity omega_m, and the viscous coefficients.
 
-    A term with a factor omega_m is viscous, any other one dry. Both depend on the magnitude of the velocity.
+    A term with a factor omega_m is viscous, any other dry. Both depend on the magnitude of the velocity.
 
     Args:
-        model: whose terms they are.
+        model: the model of the terms.
         omega_m: the velocity.
         terms: friction.
-        given: definitions that are those of the state as it is, in both directions: the loads of an arm.
+        given: definitions evaluated at the current state in both directions: the loads of an arm.
     """
     renamed: dict[int, dict[sp.Symbol, sp.Expr]] = {1: {}, -1: {}}
     copies: list[Assignment] = []
@@ -225,7 +225,7 @@ def levels(
             renamed[s][d.symbol] = copy
             copies.append(Assignment(copy, value.xreplace({_SPEED: sp.Abs(omega_m)})))
     bristles = {state.symbol: state.update for state in model.states}
-    # A tilt is at most a right angle, and a load of an arm is the size of a force or moment.
+    # A tilt is at most a right angle, and a load of an arm is the magnitude of a force or moment.
     sizes: dict[sp.Expr, sp.Symbol] = {f(v.phi.symbol): sp.Dummy(nonnegative=True) for f in (sp.sin, sp.cos)}
     for d in model.definitions:
         if d.symbol in given and d.value.is_extended_nonnegative:
@@ -235,7 +235,7 @@ def levels(
 
 
 def _moving(value: sp.Expr, omega_m: sp.Symbol, direction: int) -> sp.Expr:
-    """The value at the speed _SPEED in this direction; what is even in a sum of squares has one spelling."""
+    """The value at speed _SPEED in this direction, with the signs in sums of squares normalised."""
     value = at_direction(value, omega_m, direction).xreplace({omega_m: direction * _SPEED})
     return value.replace(Magnitude, lambda p, q: Magnitude(-p if p.could_extract_minus_sign() else p, q))
 
@@ -248,12 +248,12 @@ def _side(
     bristles: Mapping[sp.Symbol, sp.Expr],
     sizes: Mapping[sp.Expr, sp.Symbol],
 ) -> Side:
-    found = [sp.Integer(0)] * 5
+    parts_sum = [sp.Integer(0)] * 5
     for term in terms:
         value = _moving(term.value, omega_m, direction)
         bent = value.free_symbols & set(bristles) if term.role is Role.PRESLIDING else set()
         updates = {z: _moving(bristles[z], omega_m, direction) for z in bent}
-        # A bristle follows the distance by an exponential, which is over after a long time.
+        # A bristle approaches its final value exponentially with distance.
         ends = {z: update.replace(_fades, lambda _: sp.Integer(0)) for z, update in updates.items()}
         now = _split(value)
         rates = (
@@ -261,9 +261,9 @@ def _side(
             for z, update in updates.items()
         )
         parts = (*_split(value.xreplace(ends)), *now, sp.Add(*rates))
-        found = [a + b for a, b in zip(found, parts, strict=True)]
+        parts_sum = [a + b for a, b in zip(parts_sum, parts, strict=True)]
     plain = {_SPEED: sp.Abs(omega_m)}
-    dry, viscous, held, damping, stiffness = (x.xreplace(renamed).xreplace(plain) for x in found)
+    dry, viscous, held, damping, stiffness = (x.xreplace(renamed).xreplace(plain) for x in parts_sum)
     # Friction never drives: neither its level nor its coefficient crosses zero.
     dry = direction * _at_least_zero(direction * dry, sizes)
     viscous, damping = (_at_least_zero(direction * x, sizes) for x in (viscous, damping))
@@ -272,7 +272,7 @@ def _side(
 
 
 def _at_least_zero(value: sp.Expr, sizes: Mapping[sp.Expr, sp.Symbol]) -> sp.Expr:
-    """The value, or 0 where it is negative; `sizes` never are."""
+    """The value, or 0 where it is negative; `sizes` are nonnegative."""
     return value if value.xreplace(sizes).is_nonnegative else sp.Max(0, value)
 
 
@@ -281,7 +281,7 @@ def _fades(e: sp.Basic) -> bool:
 
 
 def _split(value: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """What has no factor of the speed, and the rest over the speed."""
+    """The part without a factor of the speed, and the rest divided by the speed."""
     dry, viscous = [], []
     for addend in sp.Add.make_args(sp.expand_mul(value, deep=False)):
         powers = addend.as_powers_dict()
@@ -292,17 +292,17 @@ def _split(value: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     return sp.Add(*dry), sp.Add(*viscous)
 
 
-# What is emitted: the levels, and one time step of a drive between them.
+# Emitted functions: the levels, and one time step of a drive between them.
 
 
-def budget(found: Levels, omega_m: sp.Symbol = v.omega_m.symbol) -> tuple[tuple[str, sp.Expr], ...]:
+def budget(dry: Levels, omega_m: sp.Symbol = v.omega_m.symbol) -> tuple[tuple[str, sp.Expr], ...]:
     """Lower and upper level, and the viscous coefficient in the direction of motion."""
-    viscous = chosen(omega_m, found.forward.viscous, found.backward.viscous)
-    return ("lower", found.backward.dry), ("upper", found.forward.dry), ("viscous", viscous)
+    viscous = chosen(omega_m, dry.forward.viscous, dry.backward.viscous)
+    return ("lower", dry.backward.dry), ("upper", dry.forward.dry), ("viscous", viscous)
 
 
 class NamedSteps:
-    """Assignments of one routine; called, it names a value that depends on the state."""
+    """The assignments of a routine; a call assigns a state-dependent value to a name."""
 
     def __init__(self, model: Model) -> None:
         self._fixed = model.parameter_symbols
@@ -310,7 +310,7 @@ class NamedSteps:
         self._named: dict[sp.Expr, sp.Expr] = {}
 
     def __call__(self, name: str, value: sp.Expr, note: str = "") -> sp.Expr:
-        """A symbol for the value; what depends on parameters alone, or has a name, stands for itself."""
+        """A symbol for the value; parameter-only and already named values are returned unchanged."""
         if value.is_Atom or value.free_symbols <= self._fixed:
             return value
         if -value in self._named:
@@ -320,9 +320,9 @@ class NamedSteps:
             self.listed.append(Assignment(self._named[value], value, note))
         return self._named[value]
 
-    def sides(self, found: Levels, end: str = "") -> tuple[Side, Side]:
-        """Both sides, each of their values under a name that ends in `end`."""
-        forward, backward = found.forward, found.backward
+    def sides(self, dry: Levels, end: str = "") -> tuple[Side, Side]:
+        """Both sides, with a name ending in `end` for each value."""
+        forward, backward = dry.forward, dry.backward
         one = "slope" if forward.viscous == backward.viscous else "slope_forward"
         return (
             Side(
@@ -345,15 +345,15 @@ class NamedSteps:
 Stepped = tuple[tuple[Assignment, ...], tuple[tuple[str, sp.Expr], ...]]
 
 
-def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
-    """Velocity after a time step, and the friction torque in it, with what both are computed from.
+def step(model: Model, dry: Levels, inertia: sp.Expr) -> Stepped:
+    """Velocity after a time step and the friction torque in it, with their intermediate assignments.
 
     While presliding builds up, friction is the smaller of two laws: that of the bristles, linear in the
-    velocity over the step, and that of sliding. The greater speed is the solution for the smaller of both.
+    velocity over the step, and that of sliding. The smaller friction gives the greater speed.
     """
     omega_m, torque, dt = v.omega_m.symbol, v.torque.symbol, v.dt.symbol
     named = NamedSteps(model)
-    forward, backward = named.sides(found)
+    forward, backward = named.sides(dry)
     without = "momentum at the end of the step, if there were no friction [N m s]"
     momentum = named("momentum", inertia * omega_m + dt * torque, without)
     excess = named(
@@ -367,9 +367,9 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
 
     viscous = named("damped", by_excess("viscous"))
     held = momentum / dt
-    if not found.presliding:
+    if not dry.presliding:
         end = named("velocity_after", excess / (inertia + dt * viscous))
-        # At rest what the levels hold, and no viscous part; in motion the level of its direction.
+        # At rest within the levels, without a viscous part; in motion the level of its direction.
         friction = named("dry", Clipped(held, backward.dry, forward.dry)) + viscous * end
     else:
         taken = by_excess("damping") + by_excess("stiffness")
@@ -384,17 +384,17 @@ def step(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
     return tuple(named.listed), ((omega_m.name, end), ("friction", friction))
 
 
-def acceleration(model: Model, found: Levels, inertia: sp.Expr) -> Stepped:
-    """The acceleration by a torque, 0 at rest within the levels, with what it is computed from."""
+def acceleration(model: Model, dry: Levels, inertia: sp.Expr) -> Stepped:
+    """The acceleration by a torque, 0 at rest within the levels, with its intermediate assignments."""
     omega_m, torque = v.omega_m.symbol, v.torque.symbol
     named = NamedSteps(model)
-    forward, backward = named.sides(found)
+    forward, backward = named.sides(dry)
     starting = named("starting", Shrunk(torque, backward.held, forward.held))
     damping = chosen(omega_m, forward.damping, backward.damping)
-    moved = BySign(omega_m, torque - forward.held, torque - backward.held, starting) - omega_m * damping
-    return tuple(named.listed), (("", Quotient(moved, inertia)),)
+    net = BySign(omega_m, torque - forward.held, torque - backward.held, starting) - omega_m * damping
+    return tuple(named.listed), (("", Quotient(net, inertia)),)
 
 
 def chosen(by: sp.Expr, forward: sp.Expr, backward: sp.Expr) -> sp.Expr:
-    """By the direction; what both have in common stands alone."""
+    """The value of the direction, simplified if both are equal."""
     return forward if forward == backward else ByDirection(by, forward, backward)

@@ -1,10 +1,10 @@
 """Numerically stable steps: opaque SymPy functions with a derivative and a `rewrite` to their meaning.
 
-SymPy cannot re-associate what is inside them, so the back ends evaluate them in the fixed order given in
+SymPy cannot re-associate their contents, so the back ends evaluate them in the fixed order given in
 `eccentric.emission.program.lower`; `meaning(expression)` restores the plain formula for proofs.
 
-Why they are needed: F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2) with a = M L omega_l^2, b the weight, is the
-paper's (16) without its cancellation. Near the zero of F_N (theta_l = pi, a = b) every digit depends on two
+Motivation: F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2) with a = M L omega_l^2, b the weight, is the paper's
+(16) without its cancellation. Near the zero of F_N (theta_l = pi, a = b) every digit depends on two
 differences, a - b and theta_l - pi; each is formed once, exactly, before anything is rounded.
 """
 
@@ -23,8 +23,8 @@ ZERO, ONE = sp.Integer(0), sp.Integer(1)
 class OpaqueStep(sp.Function):
     """Base of the opaque steps: real, and never evaluated by SymPy.
 
-    Each has its plain formula, and the slopes by its arguments up to the last that is no parameter; one that
-    has none is never differentiated.
+    `_plain` is the plain formula, `_slopes` the derivatives by the arguments up to the last that is not a
+    parameter; a step without slopes is never differentiated.
     """
 
     is_extended_real = True
@@ -93,7 +93,7 @@ class Clipped(OpaqueStep):
 
 
 class Shrunk(OpaqueStep):
-    """Shrunk(x, low, high): what x has beyond a band around 0, from low to high, and exactly 0 within it."""
+    """Shrunk(x, low, high): soft threshold, the excess of x over [low, high], and exactly 0 within it."""
 
     nargs = 3
     _plain = staticmethod(
@@ -107,7 +107,7 @@ class Shrunk(OpaqueStep):
 
 
 class Quotient(OpaqueStep):
-    """Quotient(a, b): a/b, divided where it is used: a parameter b may be 0 where nothing asks for it."""
+    """Quotient(a, b): a/b, divided where used: a parameter b may be 0 if the result is never used."""
 
     nargs = 2
     _plain = staticmethod(lambda a, b: a / b)
@@ -173,7 +173,7 @@ class Chord(OpaqueStep):
 class FromTop(OpaqueStep):
     """The motor angle from the nearest top of the link, theta_m - (k + 1/2) 2 pi/mu: at most pi/mu in size.
 
-    It jumps at the bottom, so that only what is periodic in it is meaningful.
+    It jumps at the bottom, so only periodic functions of it are meaningful.
     """
 
     nargs = 2
@@ -188,8 +188,8 @@ class FromTop(OpaqueStep):
 class Bump(OpaqueStep):
     """The quadratic B-spline on whole-numbered knots, centred at 0: a bump 3 wide and 3/4 high, sums to 1.
 
-    Written with what is left of |x| to both knots, d, by d + |d|: without a choice, and never negative. Its
-    slope is piecewise linear: x limited to the outer knots, less three times x limited to the inner ones.
+    Written branch-free with the distances d of |x| to both knots as d + |d|, which is never negative. The
+    slope is piecewise linear: x limited to the outer knots, minus three times x limited to the inner ones.
     """
 
     nargs = 1
@@ -208,10 +208,10 @@ class Bump(OpaqueStep):
 
 
 class Bounded(OpaqueStep):
-    """Bounded(x, b): x, limited to -b and b; b is beyond any physical value, or 0.
+    """Bounded(x, b): x, limited to [-b, b]; b is beyond any physical value, or 0 to switch x off.
 
-    The square of a bounded value does not overflow, so that no result is inf - inf or 0 inf. With b = 0 it
-    is 0: a bound can also switch x off. The bound is a pure number, in the unit of x, and a parameter.
+    The square of a bounded value does not overflow, so that no result is inf - inf or 0 inf. The bound is a
+    pure number, in the unit of x, and a parameter.
     """
 
     nargs = 2
@@ -220,7 +220,7 @@ class Bounded(OpaqueStep):
 
 
 class SquareDifference(OpaqueStep):
-    """v^2 - w^2 as (v - w)(v + w); w is a parameter held as two numbers: v - w is exact near v = w."""
+    """v^2 - w^2 as (v - w)(v + w); w is a parameter stored as two numbers: v - w is exact near v = w."""
 
     nargs = 2
     _plain = staticmethod(lambda v, w: v**2 - w**2)
@@ -259,7 +259,7 @@ class Gated(OpaqueStep):
 
 
 class Leading(OpaqueStep):
-    """The leading digits of a parameter, few enough that n times them is exact; never differentiated."""
+    """The leading digits of a parameter, few enough that integer multiples are exact; not differentiated."""
 
     nargs = 1
     _plain = staticmethod(lambda x: x)
@@ -272,7 +272,7 @@ STEPS: tuple[type[OpaqueStep], ...] = tuple(OpaqueStep.__subclasses__())
 @lru_cache(maxsize=20_000)
 def meaning(expression: sp.Expr) -> sp.Expr:
     """The expression with every step replaced by its plain formula."""
-    # As `expression.rewrite("meaning")` until nothing changes, but shared parts are rewritten only once.
+    # As `expression.rewrite("meaning")` repeated, but shared subexpressions are rewritten only once.
     if not expression.args:
         return expression
     args = [meaning(arg) for arg in expression.args]

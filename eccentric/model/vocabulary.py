@@ -1,6 +1,6 @@
-"""The one vocabulary: every letter of the paper, its unit and equation number. Docs, NumPy and C read it.
+"""The vocabulary: every symbol of the paper, its unit and equation number, used by docs, NumPy and C.
 
-Defaults are the paper's Table 1 (gear ratio mu = 1/5). One reading is taken here: Table 1 lists
+Defaults are the paper's Table 1 (gear ratio mu = 1/5), with one interpretation: Table 1 lists
 k_e = 0.20 "V s/rev" but computes F_1 with 0.20 V s/rad, so the default is 0.20 V s/rad (`eccentric audit`,
 finding 2).
 """
@@ -52,7 +52,7 @@ C_lT = quantity(
 )
 B_m = quantity("B_m", "N m s/rad", "viscous friction of the motor", "(10)", "nonnegative", "0.0004")
 C_m = quantity("C_m", "N m", "Coulomb friction of the motor", "(10)", "nonnegative", "0.0080")
-# Table 1 uses the weight of the link alone; the derivation gives the whole weight (audit, finding 1).
+# Table 1 uses the weight of the link alone; the derivation gives the total weight (audit, finding 1).
 F_T = quantity("F_T", "N", "transversal force of a level plane", "(9)", "nonnegative", M_l.symbol * g.symbol)
 beta_T = quantity(
     "beta_T", "N m s/rad", "viscous friction of the link by the transversal force", "(9)", "nonnegative"
@@ -80,7 +80,7 @@ b = quantity("b", "N m s/rad", "viscous coefficient at this state", "", "nonnega
 p = quantity("p", "N m s", "momentum after a time step, if there were no friction")
 F_N = quantity("F_N", "N", "normal force on the axis of rotation", "(8)", "nonnegative")
 
-# Quantities that follow from the parameters.
+# Quantities derived from the parameters.
 g_p = quantity("g_p", "m/s^2", "gravity in the motion plane, g cos(phi)")
 weight = quantity(
     "weight", "N", "weight in the motion plane, (M + M_l) g_p", "(22)", "nonnegative", letter="W"

@@ -1,6 +1,6 @@
-"""The paper: its findings computed anew, and its figures from the emitted module.
+"""The paper: findings about it, computed from the derivation, and its figures from the emitted modules.
 
-    audit    what a careful reading finds, computed from the derivation, with our reading
+    audit    discrepancies in the paper, computed from the derivation, with our interpretation
     figures  figures 2, 4 and 5
 
 May import: `model`, `emission`.

@@ -1,4 +1,4 @@
-"""Table 1 beside the derivation, and findings on C1, C2 and the gear ratio."""
+"""Table 1 compared with the derivation, and findings on C1, C2 and the gear ratio."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from eccentric.emission import load_module
 from eccentric.model import Quantity, load_model
 from eccentric.model import vocabulary as v
 
-# Table 1: its printed coefficients next to those of the derivation, and its values.
+# Table 1: its printed coefficients compared with those of the derivation, and its values.
 
-# Printed in Table 1, digit by digit: compared with the derivation; nothing is computed from it.
+# As printed in Table 1: only compared with the derivation, never used in a computation.
 PRINTED = {
     sp.Rational(1, 5): ("8.0000e-7", "8.0000e-5", "4.7139e-3", "3.9392e-2"),
     sp.Rational(1, 30): ("6.1728e-10", "3.7037e-7", "4.4087e-3", "1.3232e-2"),
@@ -27,7 +27,7 @@ def polynomial(mu: sp.Rational, **changed: sp.Expr) -> tuple[sp.Expr, ...]:
 
     Args:
         mu: gear ratio.
-        changed: parameters that differ from Table 1, by their letters.
+        changed: parameters that differ from Table 1, by symbol.
     """
     model = load_model("c1_perpendicular")
     column = [*model.equation("polynomial_high").right, *model.equation("polynomial_low").right]
@@ -35,9 +35,9 @@ def polynomial(mu: sp.Rational, **changed: sp.Expr) -> tuple[sp.Expr, ...]:
 
 
 def values(name: str, **changed: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
-    """Table 1 for a model, symbol -> value; `changed`: parameters that differ from it, by their letters."""
-    given = {q: changed.get(q.name, q.default) for q in load_model(name).parameters}
-    return {q.symbol: value for q, value in given.items() if value is not None}
+    """Table 1 for a model, symbol -> value; `changed`: parameters that differ from it, by symbol."""
+    table = {q: changed.get(q.name, q.default) for q in load_model(name).parameters}
+    return {q.symbol: value for q, value in table.items() if value is not None}
 
 
 def at_table(expression: sp.Expr, mu: sp.Rational, changed: Mapping[str, sp.Expr]) -> sp.Expr:
@@ -67,7 +67,7 @@ def agrees(printed: str, value: sp.Expr) -> bool:
 
 
 def table_1() -> str:
-    """Table 1's coefficients for both gear ratios next to the derivation's, as text."""
+    """Table 1's coefficients for both gear ratios compared with the derivation's, as text."""
     lines = [
         (
             "Table 1, coefficients of (11) for omega_m > 0:"
@@ -83,7 +83,7 @@ def table_1() -> str:
 
 
 def transversal_force() -> str:
-    """Table 1: which weight F_T is."""
+    """Table 1: the weight that F_T stands for."""
     weight = (v.M.symbol + v.M_l.symbol) * v.g.symbol
     lines = [
         (
@@ -92,10 +92,10 @@ def transversal_force() -> str:
         )
     ]
     for mu in PRINTED:
-        own, whole = polynomial(mu), polynomial(mu, F_T=weight)
+        link, total = polynomial(mu), polynomial(mu, F_T=weight)
         lines.append(
-            f"   mu = {mu}: F_1 = {float(own[2]):.4e}, F_0 = {float(own[3]):.4e} with M_l g;"
-            f" F_1 = {float(whole[2]):.4e}, F_0 = {float(whole[3]):.5e} with (M + M_l) g."
+            f"   mu = {mu}: F_1 = {float(link[2]):.4e}, F_0 = {float(link[3]):.4e} with M_l g;"
+            f" F_1 = {float(total[2]):.4e}, F_0 = {float(total[3]):.5e} with (M + M_l) g."
         )
     return "\n".join([*lines, "   Reading: F_T is a parameter in newtons, by default Table 1's M_l g."])
 
@@ -157,11 +157,11 @@ def gear_ratio() -> str:
     )
 
 
-# Findings on case C2: the normal force over a turn, and what follows from it.
+# Findings on case C2: the normal force over a turn, and its consequences.
 
 
 def global_minimum() -> str:
-    """Figure 4: where the friction torque is least."""
+    """Figure 4: the location of the minimum friction torque."""
     model = load_model("c2_parallel")
     module = load_module(model)
     mu, k_e_listed = float(listed(v.mu)), float(listed(v.k_e))
@@ -205,7 +205,7 @@ def balanced_mass() -> str:
 
 
 def motor_friction_alone() -> str:
-    """Section 4: what is left of F where F_N vanishes."""
+    """Section 4: the remaining F where F_N vanishes."""
     model, table = load_model("c2_parallel"), values("c2_parallel")
     omega_m = model.equation("critical_velocity").right / v.mu.symbol
     at_top = {v.F_N.symbol: 0, v.omega_m.symbol: omega_m}
@@ -231,7 +231,7 @@ def motor_friction_alone() -> str:
 
 
 def constant_speed() -> str:
-    """Section 4: the voltage of a constant speed."""
+    """Section 4: the voltage at constant speed."""
     model = load_model("c2_parallel")
     mu = float(listed(v.mu))
     omega_m = float(model.equation("critical_velocity").right.subs(values("c2_parallel"))) / mu

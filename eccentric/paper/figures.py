@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Table 1's; figure 4's minimum requires k_e in V s/rev (see `eccentric audit`, finding 3).
+# Table 1's values; figure 4's minimum requires k_e in V s/rev (see `eccentric audit`, finding 3).
 K_E_CONVERTED = float(sp.Rational(v.k_e.default)) / (2 * math.pi)
 MU = float(sp.Rational(v.mu.default))
-# Okabe and Ito's colours, which colour-blind readers can distinguish.
+# Okabe and Ito's palette for colour-blind readers.
 _BLUE, _ORANGE, _GREEN, _RED = "#0072B2", "#E69F00", "#009E73", "#D55E00"
 
 
@@ -95,11 +95,11 @@ def sections() -> tuple[Section, ...]:
     c2 = load_module(load_model("c2_parallel"))
     parameters = c2.Parameters(mu=MU, k_e=K_E_CONVERTED)
     omega_l = np.linspace(1e-6, 8 * np.pi, 1000)
-    found = []
+    curves = []
     for theta_l in (0.0, math.pi / 2, math.pi):
         state = (theta_l / MU, omega_l / MU, parameters)
-        found.append(Section(theta_l, omega_l, c2.friction_torque(*state), c2.normal_force(*state)))
-    return tuple(found)
+        curves.append(Section(theta_l, omega_l, c2.friction_torque(*state), c2.normal_force(*state)))
+    return tuple(curves)
 
 
 def _critical_velocity() -> float:
@@ -174,7 +174,7 @@ def figure_4() -> Figure:
     surface.set_box_aspect(None, zoom=0.85)
     surface.view_init(elev=28, azim=-128)
     level = figure.add_subplot(1, 2, 2)
-    # Levels are denser near the minimum, which would otherwise lie in one flat area.
+    # Contour levels are denser near the minimum, which would otherwise be one flat area.
     levels = least + (torque.max() - least) * np.linspace(0, 1, 25) ** 2
     contours = level.contourf(theta_l, omega_l, torque, levels=levels, norm="log", cmap="viridis")
     figure.colorbar(contours, ax=level, label="friction torque F [N m]", format="%.2f")

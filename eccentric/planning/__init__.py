@@ -1,9 +1,9 @@
-"""What to measure next: the motion that tells apart what a log left open.
+"""What to measure next: a motion to decide between the remaining candidates of a diagnosis.
 
-    motion      pieces of motion that a drive can follow, within the bounds, and their sequence
-    question    all that a plan starts from: rivals, log, noise; from a diagnosis or its document
-    separation  how far apart two rivals are on a motion, each fitted anew to log and motion
-    choice      the sequence of pieces that separates the closest two; its chance; with added mass
+    motion      feasible pieces of motion within the bounds, and their sequence
+    question    the inputs of a plan: rivals, log, noise; from a diagnosis or its document
+    separation  the distance of two rivals on a motion, each refitted to log and motion
+    choice      the sequence of pieces that best separates the rivals; its probability; added mass
     outcome     the plan: motion, rivals, probability
     detectable  without a log: the speed, mass and time that would show friction by F_N
     limits      every threshold, with its reason

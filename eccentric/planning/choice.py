@@ -1,4 +1,4 @@
-"""The sequence of pieces that separates the closest rivals, one piece after another."""
+"""The sequence of pieces that best separates the rivals, selected greedily."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ from eccentric.planning.motion import FORCE, Bounds, Segment, joined, pieces
 from eccentric.planning.separation import Ground, Separation, extremes
 from eccentric.rigs import AddedMass, Rig
 
-# The probability that a diagnosis of log and motion together decides, from how far apart the rivals are.
+# The probability that a diagnosis of log and motion together decides, from the distance D of the rivals.
 #
 # For a true rival the log-likelihood ratio over another is normal, with mean D/2 and variance D, where D is
-# what `separation` computes. A verdict needs the odds `ODDS`, and the same answer in nine variants of the log
-# in ten, each a part f of its blocks: the ratio then varies once more, by sqrt(1/f - 1) of that spread.
+# from `separation`. A verdict needs the odds `ODDS`, and the same result in nine of ten resampled logs, each
+# a fraction f of the blocks: the ratio then has an additional spread of sqrt(1/f - 1) times its own.
 
 
 Pairs = Mapping[tuple[str, str], float]
@@ -47,7 +47,7 @@ Pairs = Mapping[tuple[str, str], float]
 
 
 def decided(apart: float) -> float:
-    """The probability that a true rival is named over another, D apart."""
+    """The probability that the true rival is named over another at distance D."""
     spread = np.sqrt(max(apart, 1e-12))
     return float(ndtr((0.5 * apart - max(np.log(ODDS), VARIANTS_AGREE * spread)) / spread))
 
@@ -66,12 +66,12 @@ Offer = tuple[tuple[Segment, ...], Ground]
 def chosen(
     separation: Separation, bounds: Bounds, seed: int, tell: Callable[[str], None]
 ) -> tuple[tuple[Segment, ...], Ground, dict[tuple[str, str], float]]:
-    """The pieces of the motion, all of it as a ground, and how far it leaves the rivals apart, log included.
+    """The pieces of the motion, its ground, and the distances of the rivals on log and motion.
 
-    Greedy: each piece is the one that adds most to those before it. Then the sequence as a whole is compared
-    with its best pieces repeated, which shows what drifts with time.
+    Greedy: each piece is the one that adds most to those before it. Then the complete sequence is compared
+    with each of its pieces repeated, which shows effects that drift with time.
 
-    Raises InputError if no piece keeps the bounds for drives of the uncertainty.
+    Raises InputError if no piece stays within the bounds for all drives within the uncertainty.
     """
     count = int(np.clip(bounds.time / LEAST_PIECE_S, 2, PIECES))
     # The last samples bring the reference to rest.
@@ -84,20 +84,20 @@ def chosen(
     if not offers:
         raise _too_tight(separation, bounds)
     tell(f"{len(offers)} pieces of motion within the limits")
-    taken: list[Offer] = []
-    left = bounds.time - REST_S
-    while fitting := [offer for offer in offers if _length(offer[0]) <= left + 1e-9]:
-        grounds = [separation.log, *(ground for _, ground in taken)]
+    selected: list[Offer] = []
+    remaining = bounds.time - REST_S
+    while fitting := [offer for offer in offers if _length(offer[0]) <= remaining + 1e-9]:
+        grounds = [separation.log, *(ground for _, ground in selected)]
         best = max(fitting, key=lambda offer: _worth(separation, [*grounds, offer[1]]))
-        taken.append(best)
-        left -= _length(best[0])
-    sequences = [[piece for (piece,), _ in taken]]
+        selected.append(best)
+        remaining -= _length(best[0])
+    sequences = [[piece for (piece,), _ in selected]]
     different = {(piece.pattern, piece.sizes): piece for piece in sequences[0]}.values()
-    sequences += [[own] * max(int((bounds.time - REST_S) / _length([own])), 1) for own in different]
-    found = [one for parts in sequences if (one := kept(separation, parts, bounds, 0.0)) is not None]
-    if not found:
+    sequences += [[piece] * max(int((bounds.time - REST_S) / _length([piece])), 1) for piece in different]
+    feasible = [offer for parts in sequences if (offer := kept(separation, parts, bounds)) is not None]
+    if not feasible:
         raise _too_tight(separation, bounds)
-    parts, ground = max(found, key=lambda one: _worth(separation, [separation.log, one[1]]))
+    parts, ground = max(feasible, key=lambda offer: _worth(separation, [separation.log, offer[1]]))
     tell("judging the motion")
     return parts, ground, judged(separation, ground)
 
@@ -105,9 +105,9 @@ def chosen(
 def kept(
     separation: Separation, parts: Sequence[Segment], bounds: Bounds, least: float = 0.0
 ) -> Offer | None:
-    """The same motion, slower where needed for true drives to keep the limits.
+    """The motion, slowed down as needed for all drives within the uncertainty to stay within the limits.
 
-    None if less than this part of its speed would be left.
+    None if the speed would fall below the fraction `least`.
     """
     scale = 1.0
     for _ in range(RESCALED):
@@ -119,7 +119,7 @@ def kept(
         used = extremes(motion, ground.met, bounds.loop_hz).beyond(bounds)
         if used <= KEPT:
             return tuple(slower), ground
-        # Load and friction do not shrink with the motion: a current needs more than its share.
+        # Load and friction do not scale with speed: the current needs more than a proportional reduction.
         scale *= min(KEPT / used, SLOWER)
         if scale < least:
             return None
@@ -127,7 +127,7 @@ def kept(
 
 
 def _too_tight(separation: Separation, bounds: Bounds) -> InputError:
-    """What makes every motion impossible: the slowest motion of all says by how much."""
+    """The error if no motion is feasible, quantified by the slowest motion."""
     top = SLOWEST_OF * bounds.speed
     rest = Segment("", np.concatenate([np.full(int(RATE_HZ), sign * top) for sign in (1.0, -1.0)]))
     met = separation.ground(joined([rest], bounds)).met
@@ -161,7 +161,7 @@ def _length(parts: Sequence[Segment]) -> float:
 
 
 def pairs(separation: Separation, grounds: Sequence[Ground], steps: int = 0) -> dict[tuple[str, str], float]:
-    """(true family, other family) -> how far apart they are on these grounds; refined in `steps`."""
+    """(true family, other family) -> their distance on these grounds, refined in `steps`."""
     return {
         (truth.family, other.family): separation.apart(truth, other, grounds, steps)
         for truth, other in permutations(separation.rivals, 2)
@@ -169,9 +169,9 @@ def pairs(separation: Separation, grounds: Sequence[Ground], steps: int = 0) -> 
 
 
 def judged(separation: Separation, ground: Ground) -> dict[tuple[str, str], float]:
-    """The same for the log and a motion, refined, with each declared value as another explanation.
+    """The refined `pairs` of log and motion, with each declared value as an additional explanation.
 
-    A variant of the log charges an effect for its parameter, and a value within its tolerance for none.
+    An effect is penalised for its parameter, a declared value within its tolerance is not.
     """
     grounds = [separation.log, ground]
     others = {
@@ -184,10 +184,10 @@ def judged(separation: Separation, ground: Ground) -> dict[tuple[str, str], floa
 
 
 def _worth(separation: Separation, grounds: Sequence[Ground]) -> float:
-    """What grounds are worth: how likely two rivals are told apart, whichever they are.
+    """Objective for grounds: the expected probability of separating a pair of rivals.
 
-    Each pair counts, since two that no motion can separate are to be separated from the others all the same.
-    Alone: the log determinant of the information on its coefficients, D-optimality.
+    Every pair counts, since a pair that no motion separates must still be separated from the others.
+    For a single rival: the log determinant of its information matrix (D-optimality).
     """
     if len(separation.rivals) == 1:
         return float(np.linalg.slogdet(separation.information(separation.rivals[0], grounds))[1])
@@ -198,21 +198,21 @@ def _worth(separation: Separation, grounds: Sequence[Ground]) -> float:
     )
 
 
-# What a change of the rig would decide where no motion does: the same motion with more mass on the link.
+# If no motion decides: the same motion with more mass on the link.
 #
-# The log with another mass is judged together with the first one: `[added]` in a rig file has both diagnosed.
+# The logs with both masses are judged together: `[added]` in a rig file has both diagnosed.
 
 
 @dataclass(frozen=True)
 class Heavier:
-    """A mass that is added at the place of the one on the link [kg], and the probability that it decides."""
+    """A mass added at the link's mass [kg], and the probability that it decides."""
 
     added_kg: float
     probability: float
 
 
 def require_link(rig: Rig, model: Model) -> None:
-    """InputError if there is no link, or none whose mass and its distance are known, to add a mass to."""
+    """InputError unless there is a link with known mass and distance to add a mass to."""
     if rig.axis is not TURNING:
         raise InputError(f"{rig.path}: --added", "a drive that turns", "a carriage")
     letters = [q.symbol.name for q in (v.M, v.L)]
@@ -228,17 +228,16 @@ def require_link(rig: Rig, model: Model) -> None:
 def with_more_mass(
     separation: Separation, parts: Sequence[Segment], bounds: Bounds, worth: Mapping[tuple[str, str], float]
 ) -> Heavier | None:
-    """The motion with more mass, slower where the limits require it; None where it cannot be judged.
+    """Judge the motion with more mass, slower where the limits require it; None where that is impossible.
 
-    That is without a known mass and its distance, where the limits leave no motion, and where gravity does
-    not load the drive: with two masses the torque constant may be what is off, which the log alone does not
-    offer as an explanation there.
+    That is without a known mass and distance, without a feasible motion, or if gravity does not load the
+    drive: with two masses the torque constant may be wrong, an explanation that the log alone does not have.
 
     Args:
         separation: the rivals.
         parts: the motion.
         bounds: its limits.
-        worth: (true family, other family) -> the factor on what is computed for two rivals.
+        worth: (true family, other family) -> factor on the computed distance.
     """
     known, link = separation.question.data.signals.known, separation.question.data.drive.machine.link
     mass, length = (known.get(q.symbol.name, 0.0) for q in (v.M, v.L))
@@ -250,6 +249,6 @@ def with_more_mass(
     offer = kept(heavy, parts, bounds)
     if offer is None:
         return None
-    found = judged(heavy, offer[1])
+    distances = judged(heavy, offer[1])
     chances = {rival.family: rival.chance for rival in separation.rivals}
-    return Heavier(added, expected({pair: d * worth[pair] for pair, d in found.items()}, chances))
+    return Heavier(added, expected({pair: d * worth[pair] for pair, d in distances.items()}, chances))

@@ -1,13 +1,13 @@
-"""What a rig would have to do to show friction by F_N, before there is a log.
+"""The speed, mass and time a rig would need to show friction by F_N, before there is a log.
 
 The variance of a coefficient follows from the motion alone: that of the noise over the part of its column
-that no other column imitates.  The others are viscous and Coulomb friction, and what is never known exactly:
-inertia, constant load, gravity and zero angle.  Of a column x, of which x' is not imitated, over T seconds
+orthogonal to all others. The others are viscous and Coulomb friction, and what is never known exactly:
+inertia, constant load, gravity and zero angle. For a column x with orthogonal part x' over T seconds
 
     z = value * |x'| / sigma,   |x'|^2 = 50 T mean(x'^2)
 
-since a low pass of 25 Hz leaves 50 independent rows a second.  Only white noise is in this; a drive that
-warms up is not.
+since a low pass of 25 Hz leaves 50 independent rows per second. Only white noise is considered, not a drive
+that warms up.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ SEED = 1
 
 @dataclass(frozen=True)
 class Sought:
-    """A coefficient of friction by F_N: its value, unit, and z with the limits as they are."""
+    """A coefficient of friction by F_N: its value, unit, and z within the given limits."""
 
     value: float
     unit: str
@@ -54,16 +54,16 @@ class Sought:
 
 @dataclass(frozen=True)
 class DetectionPlan:
-    """What shows values of coefficients at z = 5, with all else as it is.
+    """The change of time, speed or mass, each alone, that shows the coefficients at z = 5.
 
     Attributes:
-        model: the model's name; sought: the coefficients by letter.
-        motion: the best piece of motion within the limits, in words; bounds: the limits.
+        model: the model's name; sought: the coefficients by symbol.
+        motion: description of the best piece of motion within the limits; bounds: the limits.
         mass: of the rig [kg]; noise: of an independent sample of the torque, motor side [N m].
         assumed: whether the noise is an assumption.
-        time_s, speed_rad_s, mass_kg: what would do, each alone; None where it would not.
-        torque: the largest that the motion needs with these values [N m], without the inertia if that is
-            not known; current: the same in amperes, None without k_i.
+        time_s, speed_rad_s, mass_kg: sufficient values, each alone; None if none suffices.
+        torque: the peak torque of the motion with these values [N m], without the inertia if it is
+            unknown; current: the same in amperes, None without k_i.
     """
 
     model: str
@@ -81,45 +81,45 @@ class DetectionPlan:
 
     @property
     def z(self) -> float:
-        """That of the coefficient that is hardest to see."""
+        """The smallest z of the coefficients."""
         return min(one.z for one in self.sought.values())
 
 
 def sought_of(names: Sequence[str], model: Model, where: str = "--for") -> dict[str, float]:
-    """Letters of friction by F_N and their values, from names such as "C_lN" or "C_lN=0.01".
+    """Coefficients of friction by F_N -> values, from names such as "C_lN" or "C_lN=0.01".
 
-    Raises InputError for a name that is no such letter of the model, and a value that is not positive.
+    Raises InputError for a name that is no such coefficient of the model, and a value that is not positive.
     """
-    own = own_letters(model)
+    defaults = own_letters(model)
     loaded = [c.parameter.name for c in regressor(model) if c.load is Load.NORMAL]
-    found: dict[str, float] = {}
+    sought: dict[str, float] = {}
     for name in names:
         letter, _, text = (part.strip() for part in name.partition("="))
         if letter not in loaded:
             known = f"one of {', '.join(loaded)}" if loaded else "friction by F_N"
             raise InputError(where, known, repr(letter) if loaded else model.name)
         try:
-            value = float(text) if text else own[letter]
+            value = float(text) if text else defaults[letter]
         except ValueError:
             value = math.nan
         if not (math.isfinite(value) and value > 0.0):
             raise InputError(f"{where}: {letter}", "a number above 0", f"{text!r}")
-        found[letter] = value
-    if not found:
+        sought[letter] = value
+    if not sought:
         raise InputError(where, f"one of {', '.join(loaded)}", "none")
-    return found
+    return sought
 
 
 def plan_detection(
     rig: Rig, model: Model, bounds: Bounds, values: Mapping[str, float], noise: float | None = None
 ) -> DetectionPlan:
-    """What speed, mass and time would show these values at z = 5.
+    """Find the speed, mass and time that would show these values at z = 5.
 
     Args:
-        rig: with M, L, mu and the case; a range counts as its middle.
+        rig: with M, L, mu and the case; a range counts as its midpoint.
         model: with friction by F_N.
-        bounds: what the motion may not exceed.
-        values: of the coefficients, by letter.
+        bounds: limits of the motion.
+        values: of the coefficients, by symbol.
         noise: of an independent sample of the torque, motor side [N m]; None for 1 % of the limit's torque.
 
     Raises:
@@ -133,23 +133,23 @@ def plan_detection(
         noise = NOISE_OF_THE_LIMIT * abs(k_i) * bounds.current
     sigma, most = noise, math.inf if k_i is None else abs(k_i) * bounds.current
 
-    def with_speed(factor: float) -> _Seen | None:
+    def with_speed(factor: float) -> _Evaluation | None:
         return bench.best(replace(bounds, speed=factor * bounds.speed), sigma, most)
 
-    def with_mass(factor: float) -> _Seen | None:
+    def with_mass(factor: float) -> _Evaluation | None:
         return bench.heavier(factor).best(bounds, sigma, most)
 
-    seen, mass = with_speed(1.0), bench.known[v.M.name]
-    if seen is None:
+    best, mass = with_speed(1.0), bench.known[v.M.name]
+    if best is None:
         least = bench.least_torque(bounds)
         needs = f" at {least / abs(k_i):.3g} A" if least and k_i else ""
         raise InputError("limits", f"room for one motion{needs}", f"{bounds.current:g} A")
-    z = min(seen.z.values())
+    z = min(best.z.values())
     units = {c.parameter.name: c.parameter.unit for c in regressor(model)}
     return DetectionPlan(
         model=model.name,
-        sought={name: Sought(value, units[name], seen.z[name]) for name, value in values.items()},
-        motion=seen.piece.words(rig.axis),
+        sought={name: Sought(value, units[name], best.z[name]) for name, value in values.items()},
+        motion=best.piece.words(rig.axis),
         bounds=bounds,
         mass=mass,
         noise=noise,
@@ -157,14 +157,14 @@ def plan_detection(
         time_s=max(bounds.time * (SHOWN_AT_Z / z) ** 2, LEAST_TIME_S) if z > 0.0 else None,
         speed_rad_s=_least(with_speed, bounds.speed, MOST_TIMES_FASTER),
         mass_kg=_least(with_mass, mass, MOST_TIMES_HEAVIER) if mass > 0.0 else None,
-        torque=seen.torque,
-        current=None if k_i is None else seen.torque / abs(k_i),
+        torque=best.torque,
+        current=None if k_i is None else best.torque / abs(k_i),
     )
 
 
 @dataclass(frozen=True)
-class _Seen:
-    """A piece of motion, z of each coefficient on it, and the largest torque."""
+class _Evaluation:
+    """A piece of motion, z of each coefficient on it, and the peak torque [N m]."""
 
     piece: Segment
     z: Mapping[str, float]
@@ -172,7 +172,7 @@ class _Seen:
 
 
 class _Bench:
-    """A rig on which motions are tried, without a log."""
+    """A rig to evaluate motions on, without a log."""
 
     def __init__(self, rig: Rig, model: Model, values: Mapping[str, float]) -> None:
         ranges = {name: 0.5 * sum(ends) for name, ends in rig.unknown.items() if name != v.phi.name}
@@ -185,37 +185,39 @@ class _Bench:
         self._columns = regressor(model)
 
     def heavier(self, factor: float) -> _Bench:
-        """The same with a multiple of the unbalanced mass, and its part of the inertia."""
-        mass, own = self.known[v.M.name], dict(self.known)
-        if v.J_l.name in own:
-            own[v.J_l.name] += (factor - 1.0) * mass * own[v.L.name] ** 2
+        """A copy with the unbalanced mass, and its share of the inertia, scaled by a factor."""
+        mass, known = self.known[v.M.name], dict(self.known)
+        if v.J_l.name in known:
+            known[v.J_l.name] += (factor - 1.0) * mass * known[v.L.name] ** 2
         return _Bench(
-            dataclasses.replace(self.rig, known={**own, v.M.name: factor * mass}), self.model, self._values
+            dataclasses.replace(self.rig, known={**known, v.M.name: factor * mass}), self.model, self._values
         )
 
-    def best(self, bounds: Bounds, noise: float, most: float) -> _Seen | None:
-        """The piece that shows best what is hardest to see, of those that need at most a torque [N m]."""
-        seen = (self._seen(piece, bounds, noise) for piece in self._pieces(bounds))
-        fit = [one for one in seen if one.torque <= most]
-        return max(fit, key=lambda one: min(one.z.values()), default=None)
+    def best(self, bounds: Bounds, noise: float, most: float) -> _Evaluation | None:
+        """The piece with the largest minimum z, of those that need at most the torque `most` [N m]."""
+        every = (self._evaluated(piece, bounds, noise) for piece in self._pieces(bounds))
+        feasible = [one for one in every if one.torque <= most]
+        return max(feasible, key=lambda one: min(one.z.values()), default=None)
 
     def least_torque(self, bounds: Bounds) -> float:
-        """The torque [N m] of the piece that needs least, 0 where there is none."""
-        return min((self._seen(piece, bounds, 1.0).torque for piece in self._pieces(bounds)), default=0.0)
+        """The smallest torque that any piece needs [N m], 0 without pieces."""
+        return min(
+            (self._evaluated(piece, bounds, 1.0).torque for piece in self._pieces(bounds)), default=0.0
+        )
 
     @staticmethod
     def _pieces(bounds: Bounds) -> Iterator[Segment]:
         return pieces(bounds, min(bounds.time, PIECE_S), np.random.default_rng(SEED))
 
-    def _seen(self, piece: Segment, bounds: Bounds, noise: float) -> _Seen:
-        whole, every = joined([piece], bounds), round(RATE_HZ / INFORMATIVE_HZ)
-        motion = Reference(*(x[::every] for x in (whole.t, whole.theta, whole.omega, whole.alpha)))
-        friction, gravity, beside = self._along(motion)
+    def _evaluated(self, piece: Segment, bounds: Bounds, noise: float) -> _Evaluation:
+        full, every = joined([piece], bounds), round(RATE_HZ / INFORMATIVE_HZ)
+        motion = Reference(*(x[::every] for x in (full.t, full.theta, full.omega, full.alpha)))
+        friction, gravity, nuisance = self._columns_along(motion)
         moving = np.abs(motion.omega) > SLOW_PART * bounds.speed
-        rows = np.column_stack([friction, beside])[moving]
+        rows = np.column_stack([friction, nuisance])[moving]
         size = np.linalg.norm(rows, axis=0)
-        rows, kept = rows[:, size > 0.0] / size[size > 0.0], np.flatnonzero(size > 0.0).tolist()
-        repeated = bounds.time / whole.seconds
+        rows, nonzero = rows[:, size > 0.0] / size[size > 0.0], np.flatnonzero(size > 0.0).tolist()
+        repetitions = bounds.time / full.seconds
         z = dict.fromkeys(self._values, 0.0)
         names = [c.parameter.name for c in self._columns]
         torque = gravity.copy()
@@ -223,38 +225,38 @@ class _Bench:
             if name not in self._values:
                 continue
             torque += self._values[name] * friction[:, k]
-            if k in kept and len(rows) > rows.shape[1]:
-                others = np.delete(rows, kept.index(k), axis=1)
-                own = rows[:, kept.index(k)]
-                left = np.linalg.norm(own - others @ np.linalg.lstsq(others, own, rcond=None)[0])
-                z[name] = self._values[name] * float(left * size[k]) * math.sqrt(repeated) / noise
-        return _Seen(piece, z, float(np.max(np.abs(torque))))
+            if k in nonzero and len(rows) > rows.shape[1]:
+                others = np.delete(rows, nonzero.index(k), axis=1)
+                column = rows[:, nonzero.index(k)]
+                residual = np.linalg.norm(column - others @ np.linalg.lstsq(others, column, rcond=None)[0])
+                z[name] = self._values[name] * float(residual * size[k]) * math.sqrt(repetitions) / noise
+        return _Evaluation(piece, z, float(np.max(np.abs(torque))))
 
-    def _along(self, motion: Reference) -> tuple[Array, Array, Array]:
-        """Columns of friction (n, k), torque without friction (n,), and columns of what is not known."""
+    def _columns_along(self, motion: Reference) -> tuple[Array, Array, Array]:
+        """Columns of friction (n, k), torque without friction (n,), and columns of nuisance parameters."""
         signals = {"theta_m": motion.theta, "omega_m": motion.omega, "alpha_m": motion.alpha, "t": motion.t}
         inputs = {name: np.asarray(x, np.float64) for name, x in signals.items()}
         parameters = self._emitted.parameters(self.known)
         friction = self._emitted("regressor", inputs, parameters)
         gravity = np.broadcast_to(self._emitted("gravity_torque", inputs, parameters), motion.t.shape)
         link = self.known[v.mu.name] * motion.theta
-        beside = [motion.alpha, np.ones_like(link)]
+        nuisance = [motion.alpha, np.ones_like(link)]
         if np.any(gravity):
-            beside += [np.sin(link), np.cos(link)]
+            nuisance += [np.sin(link), np.cos(link)]
         inertia = 0.0
         if self._machine.inertia_letters <= set(self.known):
             inertia = self._machine.inertia(self.known)
-        return friction, gravity + inertia * motion.alpha, np.column_stack(beside)
+        return friction, gravity + inertia * motion.alpha, np.column_stack(nuisance)
 
 
-def _least(seen_at: Callable[[float], _Seen | None], value: float, most: float) -> float | None:
-    """The least multiple of a value at which all is seen at z = 5, by bisection; None up to `most` times."""
+def _least(evaluated_at: Callable[[float], _Evaluation | None], value: float, most: float) -> float | None:
+    """The least multiple of a value that gives z = 5 for all, by bisection; None if above `most` times."""
 
     def enough(factor: float) -> bool:
-        found = seen_at(factor)
-        return found is not None and min(found.z.values()) >= SHOWN_AT_Z
+        evaluation = evaluated_at(factor)
+        return evaluation is not None and min(evaluation.z.values()) >= SHOWN_AT_Z
 
-    # Step by step, since what is much faster than the limits allow has no motion at all.
+    # Bracketed step by step, since no motion is feasible far above the limits.
     low = high = 1.0
     if enough(1.0):
         while enough(low) and low > 1.0 / most:

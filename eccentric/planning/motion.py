@@ -1,9 +1,9 @@
 """Pieces of motion that a drive can follow, each from rest to rest, and their sequence.
 
-Constant speeds of both directions show what depends on the speed; strokes that grow from nearly nothing show
-what depends on the way since the last reversal; sums of sines (J. Swevers et al., IEEE Trans. Robotics and
-Automation 13(5), 1997) mix speeds, angles and accelerations. Ramps are smoothsteps: their rate, the
-acceleration, has no steps.
+Constant speeds in both directions excite speed-dependent effects; strokes that grow from near zero excite
+effects of the distance since the last reversal; sums of sines (J. Swevers et al., IEEE Trans. Robotics and
+Automation 13(5), 1997) mix speeds, angles and accelerations. Ramps are smoothsteps, so that the acceleration
+is continuous.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from eccentric.planning.limits import (
 )
 from eccentric.rigs import plain_entries, read_pair
 
-# What a motion may not exceed, on the motor side: a table of a TOML or JSON file, or a mapping like it.
+# Limits of a motion, motor side: a table of a TOML or JSON file, or an equivalent mapping.
 
 
 FORCE = "force_N"
-"""Of a carriage whose log has a force: its limit takes the place of the current's."""
+"""Key for a carriage whose log has a force: replaces the current limit."""
 UNITS = {
     "speed_rad_s": "rad/s",
     "acceleration_rad_s2": "rad/s^2",
@@ -44,9 +44,9 @@ UNITS = {
     "angle_rad": "rad",
 }
 _EXAMPLES, _EXAMPLES_OF_A_CARRIAGE = (50, 500, 2, 60), (0.2, 2, 50, 60)
-"""Speed, acceleration, current or force, and time, in a message."""
+"""Speed, acceleration, current or force, and time, for a message."""
 LOOP = "speed_loop_Hz"
-"""Numbers only: hertz has no place among the units, see `eccentric.logs`."""
+"""Numbers only: hertz is not among the units, see `eccentric.logs`."""
 
 
 @dataclass(frozen=True)
@@ -56,11 +56,11 @@ class Bounds:
     Attributes:
         speed, acceleration, current: largest magnitudes [rad/s], [rad/s^2], [A].
         time: length of the motion [s].
-        angle: lower and upper end [rad], None for a drive that turns without end.
-        by_force: whether the limit of the current is one of the force [N], at a force constant of 1 N/A.
-        loop_hz: bandwidth of the drive's speed loop [Hz], None if it is not known.
+        angle: lower and upper end [rad], None for unlimited rotation.
+        by_force: whether `current` is a force limit [N], at a force constant of 1 N/A.
+        loop_hz: bandwidth of the drive's speed loop [Hz], None if unknown.
 
-    Of a carriage, radians are metres.
+    For a carriage, radians are metres.
     """
 
     speed: float
@@ -75,11 +75,11 @@ class Bounds:
 def read_bounds(
     source: str | os.PathLike[str] | Mapping[str, Any] | Bounds, axis: AxisKind = TURNING
 ) -> Bounds:
-    """Read limits: a file `.toml` or `.json`, or a mapping with its keys, by the names of the axis.
+    """Read limits from a `.toml` or `.json` file, or a mapping with its keys, in the names of the axis.
 
-    Numbers in SI by the names of the keys, or texts with a unit ("3000 rpm", "[-90 deg, 90 deg]" as two).
+    Values are numbers in the unit of the key, or text with a unit ("3000 rpm"; a pair has two).
 
-    Raises InputError, one line with file, key, what is required and what was received, for all keys at once.
+    Raises one InputError for all keys.
     """
     if isinstance(source, Bounds):
         return source
@@ -152,7 +152,7 @@ def _number(value: object, key: str, units: Mapping[str, str]) -> float:
 
 
 def _value(value: object, key: str, units: Mapping[str, str]) -> float:
-    """A number in SI, or a text with its unit."""
+    """A number in SI, or text with a unit."""
     return parse_value(value, units[key], key) if isinstance(value, str) else read_number(value, key)
 
 
@@ -174,7 +174,7 @@ class Reference:
 
     @property
     def seconds(self) -> float:
-        """Its length [s]."""
+        """Duration [s]."""
         return float(self.t[-1])
 
 
@@ -183,8 +183,8 @@ class Segment:
     """A part of a motion, from rest to rest.
 
     Attributes:
-        pattern: what it does, in words, with places for `sizes`, which grow with the velocity.
-        omega: its velocity [rad/s], (n,).
+        pattern: description, a format string for `sizes`, which scale with the velocity.
+        omega: velocity [rad/s], (n,).
     """
 
     pattern: str
@@ -192,18 +192,18 @@ class Segment:
     sizes: tuple[float, ...] = ()
 
     def words(self, axis: AxisKind) -> str:
-        """What it does."""
+        """Description of the motion."""
         return self.pattern.format(*(f"{size:.3g}" for size in self.sizes), rad=axis.unit("rad"))
 
     def scaled(self, factor: float) -> Segment:
-        """The same motion, faster or slower, in the same time."""
+        """The motion with its velocity scaled, in the same time."""
         return Segment(self.pattern, factor * self.omega, tuple(factor * size for size in self.sizes))
 
 
 def joined(parts: Sequence[Segment], bounds: Bounds) -> Reference:
-    """The pieces one after another, from the middle of the allowed angles; at rest at the end.
+    """The pieces in sequence, from the middle of the allowed angles, at rest at the end.
 
-    The number of steps is one of the coarser table for firmware, too.
+    The number of steps is a multiple of that of the coarser firmware table.
     """
     omega = np.concatenate([part.omega for part in parts])
     dt, step = 1.0 / RATE_HZ, round(RATE_HZ / FIRMWARE_HZ)
@@ -214,7 +214,7 @@ def joined(parts: Sequence[Segment], bounds: Bounds) -> Reference:
 
 
 def pieces(bounds: Bounds, seconds: float, rng: np.random.Generator) -> Iterator[Segment]:
-    """The pieces to choose from, each of at most these seconds and within a margin of the bounds."""
+    """The pieces on offer, each at most this long [s] and within a margin of the bounds."""
     top, steep = (1.0 - MARGIN) * bounds.speed, ACCELERATION_PART * bounds.acceleration
     for low, high in ((0.005, 0.1), (0.02, 0.3), (0.05, 1.0), (0.3, 1.0)):
         for order in ("rising", "falling"):
@@ -232,7 +232,7 @@ def pieces(bounds: Bounds, seconds: float, rng: np.random.Generator) -> Iterator
 def _speeds(
     low: float, high: float, falling: bool, steep: float, seconds: float, bounds: Bounds
 ) -> Iterator[Segment]:
-    """Constant speeds, geometric steps, each against the one before: without an end of the angle only."""
+    """Constant speeds in geometric steps and alternating directions; only for unlimited rotation."""
     if bounds.angle is not None:
         return
     count = max(2, int(seconds / 2.0))
@@ -249,17 +249,17 @@ def _speeds(
 
 
 def _strokes(speed: float, hold: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Segment]:
-    """Strokes of one speed, held for so long [s], or to both ends: with 0, all is acceleration."""
+    """Strokes at one speed, held for `hold` [s] or up to the angle limits; with 0, all is acceleration."""
     ramp = _ramp(2.0 * speed, steep)
     if bounds.angle is not None:
         room = (1.0 - MARGIN) * (bounds.angle[1] - bounds.angle[0])
-        # The first ramp, from rest, is shorter than the others, so that the first end is the farthest: at
-        # speed (hold / 2 + 9/16 ramp), by the integral of the smoothstep.
+        # The first ramp, from rest, is shorter than the others, so the first end is the farthest, at
+        # speed * (hold / 2 + 9/16 ramp) by the integral of the smoothstep.
         longest = room / speed - 1.125 * ramp
         if longest < 0.0:
             return
         hold = min(hold, longest)
-    # Half a stroke first: the strokes then lie about the middle.
+    # Half a stroke first: the strokes are then centred.
     strokes = 2 * int((seconds - ramp) / (2.0 * (hold + ramp)))
     if strokes < 2:
         return
@@ -272,9 +272,9 @@ def _strokes(speed: float, hold: float, steep: float, seconds: float, bounds: Bo
 
 
 def _reversals(reach: float, top: float, steep: float, seconds: float, bounds: Bounds) -> Iterator[Segment]:
-    """Slow strokes that grow: 3 % of the reach, then twice as far each time, and back."""
-    whole = WHOLE_TURNS if bounds.angle is None else 0.5 * (1.0 - MARGIN) * np.ptp(bounds.angle)
-    end, cycles = reach * whole, 6
+    """Slow strokes, back and forth, that grow from 3 % of the reach, each twice as far as the last."""
+    full = WHOLE_TURNS if bounds.angle is None else 0.5 * (1.0 - MARGIN) * np.ptp(bounds.angle)
+    end, cycles = reach * full, 6
     amplitudes = end * np.geomspace(0.03, 1.0, cycles)
     t = np.arange(int(seconds * RATE_HZ)) / RATE_HZ
     period = seconds / cycles
@@ -290,7 +290,7 @@ def _reversals(reach: float, top: float, steep: float, seconds: float, bounds: B
 def _sines(
     top: float, fastest: float, steep: float, seconds: float, bounds: Bounds, rng: np.random.Generator
 ) -> Iterator[Segment]:
-    """A sum of five sines up to a frequency [Hz], faded in and out, as large as the bounds allow."""
+    """A sum of five sines up to `fastest` [Hz], faded in and out, as large as the bounds allow."""
     t = np.arange(int(seconds * RATE_HZ) + 1) / RATE_HZ
     slow = min(max(2.0 / seconds, 0.05), 0.5 * fastest)
     frequency = slow * np.exp(rng.uniform(0.0, np.log(fastest / slow), 5))
@@ -308,14 +308,14 @@ def _sines(
 
 
 def _ramp(change: Any, steep: float) -> Any:
-    """The time [s] of a smoothstep by this change of speed: its rate is 1.5 times its mean."""
+    """Duration [s] of a smoothstep by this change of speed: its peak rate is 1.5 times the mean."""
     return 1.5 * np.abs(change) / steep
 
 
 def _timed(speeds: Array, lengths: Array, steep: float) -> Array | None:
-    """Speeds of these lengths [s], joined by ramps that begin with each, and one back to rest.
+    """Constant speeds of these durations [s], each beginning with a ramp, and a last ramp to rest.
 
-    None where a ramp does not fit into its length.
+    None if a ramp is longer than its duration.
     """
     starts, changes = np.r_[0.0, np.cumsum(lengths)], np.diff(speeds, prepend=0.0, append=0.0)
     ramps = _ramp(changes, steep)
@@ -331,6 +331,6 @@ def _timed(speeds: Array, lengths: Array, steep: float) -> Array | None:
 
 
 def _step(x: Array) -> Array:
-    """0 below 0, 1 above 1, with no kink in between."""
+    """Smoothstep: 0 below 0, 1 above 1, with a continuous derivative."""
     x = np.clip(x, 0.0, 1.0)
     return x * x * (3.0 - 2.0 * x)

@@ -1,4 +1,4 @@
-"""The plan: a motion, what it tells apart, and with what probability."""
+"""The plan: a motion, the rivals it separates, and the probability that it decides."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from eccentric.planning.separation import Separation
 from eccentric.rigs import AddedMass
 
 SEED = 1
-"""Of the sums of sines: the same question gets the same plan."""
+"""Seed of the sums of sines: the same question gets the same plan."""
 
 
 _FRICTION = "the friction of the paper's model"
@@ -31,20 +31,21 @@ class MeasurementPlan:
     """What to measure next.
 
     Attributes:
-        rivals: what the log left open, most probable first; one alone where it only has to be known better.
-        motion: the reference; current: that it needs [A] (n,), by the most probable rival.
-        parts: what the motion does, in words.
+        rivals: the remaining candidates, most probable first; a single one if only its coefficients have to
+            be known better.
+        motion: the reference; current: that it requires [A] (n,), the largest of all rivals.
+        parts: description of the motion.
         bounds: its limits.
         apart: (true family, other family) -> twice the expected log-likelihood ratio, log included.
         same: pairs of families that predict the same torque on log and motion, whichever is true.
-        probability: that the new log decides between the rivals; None for one alone.
-        heavier: the same with another mass on the link, where the motion is not enough and there is a mass.
-        added: mass on the link [kg] that the motion is for, besides the rig's own.
-        narrower: of one alone: coefficient -> expected standard error over that on the log.
+        probability: that the new log decides between the rivals; None for a single one.
+        heavier: the motion with more mass on the link, if the motion alone is not enough.
+        added: mass [kg] added to the rig's for this motion.
+        narrower: for a single rival: coefficient -> expected standard error over that on the log.
         otherwise: a measurement that needs more than a motion, None where nothing is open.
-        follows: variables of the structure that no effect explains, for a log with some.
-        elsewhere: ids of the named effects that the other balance shows.
-        axis: what moves.
+        follows: variables of an unexplained structure in the residual.
+        elsewhere: ids of the named effects of the other balance.
+        axis: the kind of axis.
     """
 
     rivals: tuple[Rival, ...]
@@ -65,7 +66,7 @@ class MeasurementPlan:
 
     @property
     def strength(self) -> tuple[str, str]:
-        """What the motion needs of the drive, and its unit: a current, of a carriage also a force."""
+        """The drive quantity that the motion requires, and its unit: current, or force of a carriage."""
         return ("force", "N") if self.bounds.by_force else ("current", "A")
 
 
@@ -75,22 +76,22 @@ def planned(
     tell: Callable[[str], None] = lambda _: None,
     added: float = 0.0,
 ) -> MeasurementPlan:
-    """Plan the motion that tells the rivals of a diagnosis apart, or that determines its model best.
+    """Plan the motion that separates the rivals of a diagnosis, or best determines its model.
 
-    added: mass [kg] that the link is to carry beside the rig's own.
+    added: mass [kg] added to the rig's.
 
     Raises:
-        InputError: the log does not fit the rig; it has no current, and the rig lacks the constants that
-            give one of a voltage or torque; no motion stays within the bounds; a mass is to be added to a
-            link whose own is not known.
+        InputError: the log does not fit the rig; it has no current, and the rig lacks the constants to
+            compute one from voltage or torque; no motion stays within the bounds; a mass is to be added to
+            a link of unknown mass.
     """
     question = found if isinstance(found, Question) else question_of(found)
     channels, axis = question.data.drive.channels, question.data.drive.channels.rig.axis
     by_force = channels.motor.measured_by == "torque"
     if not axis.wraps and by_force != bounds.by_force:
-        needed, given = (FORCE, "current_A") if by_force else ("current_A", FORCE)
+        needed, got = (FORCE, "current_A") if by_force else ("current_A", FORCE)
         has = "a force" if by_force else "no force"
-        raise InputError("limits", needed, given, why=f", since the log has {has}")
+        raise InputError("limits", needed, got, why=f", since the log has {has}")
     _require_amperes(question, bounds)
     if added:
         require_link(question.data.drive.channels.rig, question.model)
@@ -105,7 +106,7 @@ def planned(
             _errors(separation.information(rivals[0], grounds))
             for grounds in ([separation.log], [separation.log, ground])
         )
-        # Declared values, free within their tolerance, come after these.
+        # Followed by the declared values that are free within their tolerance.
         names = _names(question, rivals[0])
         narrower = {name: float(x) for name, x in zip(names, after / before, strict=False)}
     chances = {rival.family: rival.chance for rival in rivals}
@@ -141,7 +142,7 @@ def planned(
 
 
 def _require_amperes(question: Question, bounds: Bounds) -> None:
-    """InputError if a limit of the current cannot be kept, since nothing tells how large the current is."""
+    """InputError if the current limit cannot be checked because the current cannot be computed."""
     drive = question.data.drive
     rig, by = drive.channels.rig, drive.channels.motor.measured_by
     letters = drive.machine.torque_letters
@@ -157,7 +158,7 @@ def _require_amperes(question: Question, bounds: Bounds) -> None:
 
 
 def _errors(information: np.ndarray) -> np.ndarray:
-    """Standard errors (k,) of coefficients with this information; a scaled inverse, since units differ."""
+    """Standard errors (k,) from an information matrix, inverted after scaling since units differ."""
     scale = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
     return np.sqrt(np.diag(np.linalg.pinv(information / np.outer(scale, scale)))) / scale
 

@@ -1,9 +1,8 @@
-"""How far apart two rivals are on a motion: the error that one makes where the other is true.
+"""The distance of two rivals on a motion: the error of one where the other is true.
 
-A rival that is wrong is fitted anew to all that will be known, the log and the motion together, with its
-shapes within the range of the library: only what it cannot imitate tells it apart (the T-optimality of
-A. C. Atkinson and V. V. Fedorov, Biometrika 62(1), 1975). The error counts in units of the noise that the log
-showed: twice the expected log-likelihood ratio.
+The wrong rival is refitted to log and motion together, with its shape parameters within the range of the
+library: only the remaining error separates it (T-optimality; A. C. Atkinson and V. V. Fedorov, Biometrika
+62(1), 1975). The squared error in units of the log's noise is twice the expected log-likelihood ratio.
 """
 
 from __future__ import annotations
@@ -48,14 +47,14 @@ from eccentric.planning.question import Question, Rival, rival_of
 from eccentric.rigs import AddedMass
 from eccentric.signals import Rows, white_noise
 
-# A motion as a drive makes it that is not quite the fitted one: extremes of angle, speed and current.
+# The motion of a drive that differs slightly from the fitted one: extremes of angle, speed and current.
 #
-# A reference within its limits is not a motion within them: a speed loop lags behind a ramp and overshoots
-# its end, gravity and the reversal of friction disturb it, and mass and friction of the drive are not those
-# of the fit. So the loop is simulated with each of them off by `OFF`, both ways: a speed controller,
-# proportional and integral, behind the filter of its speed. It is tuned for the fitted inertia, and a mass
-# that is added for one log leaves it so. Friction holds what is below its level. Load and friction are
-# those along the reference: where the drive is elsewhere, it is by little.
+# A reference within the limits does not guarantee a motion within them: a speed loop lags behind a ramp and
+# overshoots its end, gravity and friction reversal disturb it, and the drive's mass and friction differ from
+# the fit. So a PI speed controller with filtered speed is simulated with mass and friction off by `OFF` in
+# both directions. It is tuned for the fitted inertia, also if a mass is added for one log. Dry friction
+# sticks below its level. Load and friction are taken along the reference, from which the drive deviates
+# little.
 
 
 Floats = NDArray[np.floating]
@@ -63,12 +62,12 @@ Floats = NDArray[np.floating]
 
 @dataclass(frozen=True)
 class Met:
-    """What a drive meets along a motion, motor side.
+    """Inertia and external torques of a drive along a motion, motor side.
 
     Attributes:
-        inertia: [kg m^2]; load: gravity and the like (n,) [N m]; friction: along the motion (n,) [N m].
-        torque_constant: torque [N m] of one ampere; noise: what the loop adds to the current [A].
-        tuned_for: the inertia that the speed loop was tuned for [kg m^2], None for this one.
+        inertia: [kg m^2]; load: gravity etc. (n,) [N m]; friction: along the motion (n,) [N m].
+        torque_constant: [N m/A]; noise: peak noise current of the loop [A].
+        tuned_for: inertia that the speed loop was tuned for [kg m^2], None for `inertia`.
     """
 
     inertia: float
@@ -81,7 +80,7 @@ class Met:
 
 @dataclass(frozen=True)
 class Extremes:
-    """Largest speed [rad/s] and current [A], both ends of the angle [rad], largest acceleration asked for."""
+    """Peak speed [rad/s] and current [A], range of the angle [rad], peak reference acceleration [rad/s^2]."""
 
     speed: float
     acceleration: float
@@ -89,7 +88,7 @@ class Extremes:
     angle: tuple[float, float]
 
     def beyond(self, bounds: Bounds) -> float:
-        """The largest part of any limit that is used: above 1 one is broken."""
+        """The largest used fraction of any limit: above 1 one is exceeded."""
         used = [
             self.speed / bounds.speed,
             self.acceleration / bounds.acceleration,
@@ -102,21 +101,21 @@ class Extremes:
 
 
 def extremes(motion: Reference, met: Met, loop_hz: float | None = None) -> Extremes:
-    """The extremes over all drives of the uncertainty; `loop_hz`: bandwidth of the speed loop, if known."""
+    """The extremes over all drives within the uncertainty; `loop_hz`: speed-loop bandwidth, if known."""
     loops = LOOPS_HZ if loop_hz is None else tuple(loop_hz * (1.0 + sign * OFF) for sign in (-1.0, 1.0))
     factors = (1.0 - OFF, 1.0 + OFF)
-    found = [
+    simulated = [
         _followed(motion, met, mass, friction, loop)
         for mass, friction, loop in product(factors, factors, loops)
     ]
-    speed, torque, low, high = (list(x) for x in zip(*found, strict=True))
-    # A drive that sticks under a slow loop takes less than the motion asks for.
+    speed, torque, low, high = (list(x) for x in zip(*simulated, strict=True))
+    # A drive that sticks under a slow loop needs less than the reference motion.
     steady = max(np.max(np.abs(m * met.load + f * met.friction)) for m, f in product(factors, factors))
-    asked = np.max(np.abs(met.load + met.inertia * motion.alpha + met.friction))
+    required = np.max(np.abs(met.load + met.inertia * motion.alpha + met.friction))
     return Extremes(
         max(speed),
         float(np.max(np.abs(motion.alpha))),
-        float(max(*torque, steady, asked)) / abs(met.torque_constant) + met.noise,
+        float(max(*torque, steady, required)) / abs(met.torque_constant) + met.noise,
         (float(np.min(motion.theta)) + min(low), float(np.max(motion.theta)) + max(high)),
     )
 
@@ -124,35 +123,35 @@ def extremes(motion: Reference, met: Met, loop_hz: float | None = None) -> Extre
 def _followed(
     motion: Reference, met: Met, mass: float, friction: float, loop_hz: float
 ) -> tuple[float, float, float, float]:
-    """Largest speed and torque, and the deviation of the angle to both sides, of one drive under its loop.
+    """Peak speed and torque, and the extreme deviations of the angle, of one drive under its loop.
 
-    The integral begins with what holds the load: the drive stands before it moves.
+    The integrator starts at the holding torque: the drive is at rest before it moves.
     """
     dt = 1.0 / (RATE_HZ * LOOP_STEPS)
     inertia, load = mass * met.inertia, (mass * met.load).tolist()
     dry = (friction * _size(motion, met.friction)).tolist()
     gain = 2.0 * math.pi * loop_hz * (met.inertia if met.tuned_for is None else met.tuned_for)
     per_step, pole = gain * INTEGRAL_PER_S * dt, 1.0 - math.exp(-2.0 * math.pi * SPEED_FILTER_HZ * dt)
-    step, speed, seen, integral, away = dt / inertia, 0.0, 0.0, load[0], 0.0
+    step, speed, filtered, integral, deviation = dt / inertia, 0.0, 0.0, load[0], 0.0
     speeds, torques, deviations = [0.0], [0.0], [0.0]
-    for asked, pull, hold in zip(motion.omega.tolist(), load, dry, strict=True):
+    for target, pull, hold in zip(motion.omega.tolist(), load, dry, strict=True):
         level = step * hold
         for _ in range(LOOP_STEPS):
-            error = asked - seen
+            error = target - filtered
             torque = gain * error + integral
             integral += per_step * error
             push = speed + step * (torque - pull)
             speed = push - level if push > level else push + level if push < -level else 0.0
-            seen += pole * (speed - seen)
-            away += dt * (speed - asked)
+            filtered += pole * (speed - filtered)
+            deviation += dt * (speed - target)
             torques.append(torque)
         speeds.append(speed)
-        deviations.append(away)
+        deviations.append(deviation)
     return max(map(abs, speeds)), max(map(abs, torques)), min(deviations), max(deviations)
 
 
 def _size(motion: Reference, friction: Floats) -> Floats:
-    """The size of friction [N m] (n,): at rest, where the models have none, that of the motion beside it."""
+    """Magnitude of friction [N m] (n,), interpolated at rest, where the models have none."""
     moving = motion.omega != 0.0
     if not np.any(moving):
         return np.zeros(len(friction))
@@ -163,11 +162,11 @@ def _size(motion: Reference, friction: Floats) -> Floats:
 Array = np.ndarray
 
 
-# How far apart two rivals are.
+# The distance of two rivals.
 
 
 class Sums(NamedTuple):
-    """Of a design X (rows, k) and a target y: X'X, X'y, y'y and the lower bounds of the coefficients."""
+    """Normal equations of a design X (rows, k) and target y: X'X, X'y, y'y, lower coefficient bounds."""
 
     matrix: Array
     vector: Array
@@ -177,12 +176,11 @@ class Sums(NamedTuple):
 
 @dataclass(frozen=True)
 class Ground:
-    """A log or a motion as the rivals see it.
+    """A log or a motion, with the designs of the rivals on it.
 
-    screen: designs of the balance that shows them; candidates: by id, on its signals; seen: the rows (rows,)
-    that a search would use; per_row: information of a row, 1/(variance of an independent one) times their
-    number per row; current: [A] (samples,), the largest that any rival needs; met: what the drive meets
-    there, None on a log.
+    screen: designs of the rivals' balance; candidates: by id, on its signals; seen: mask (rows,) of the rows
+    a search would use; per_row: information per row, independent samples per row over their variance;
+    current: [A] (samples,), the largest that any rival needs; met: external torques, None on a log.
     """
 
     screen: Screen
@@ -193,16 +191,16 @@ class Ground:
     met: Met | None = None
 
     def on(self, variants: Sequence[Variant]) -> list[Variant]:
-        """The same variants on the signals of this ground."""
+        """The variants on the signals of this ground."""
         return [Variant(self.candidates[v.candidate.id], v.values) for v in variants]
 
     def predicted(self, rival: Rival) -> Array:
-        """The target (rows,) [N m] that a rival predicts."""
+        """The target (rows,) [N m] predicted by a rival."""
         target, design, _ = self.screen.design(self.on(rival.variants))
         return self.screen.balance.target - target + design @ rival.coefficients
 
     def sums(self, truth: Array, variants: Sequence[Variant]) -> Sums:
-        """The sums of a fit of these variants to a true target (rows,)."""
+        """The normal equations for fitting these variants to a true target (rows,)."""
         target, design, lower = self.screen.design(self.on(variants))
         y = (truth - (self.screen.balance.target - target))[self.seen]
         design = design[self.seen]
@@ -210,42 +208,42 @@ class Ground:
         return Sums(weight * design.T @ design, weight * design.T @ y, weight * float(y @ y), lower)
 
     def left(self, truth: Array, variants: Sequence[Variant], coefficients: Array) -> Array:
-        """What these coefficients leave of a true target (rows,), in units of its noise."""
+        """Residual of a true target (rows,) with these coefficients, in units of its noise."""
         target, design, _ = self.screen.design(self.on(variants))
         error = truth - (self.screen.balance.target - target) - design @ coefficients
         return np.sqrt(self.per_row) * error[self.seen]
 
 
 class Separation:
-    """The rivals of a question on its log, and on any motion; the link may carry more mass there."""
+    """The rivals of a question on its log and on any motion, with optional added mass."""
 
     def __init__(self, question: Question, added: AddedMass | None = None) -> None:
         self.question, self.rivals, self._added = question, question.rivals, added
-        own = {v.candidate.id: v.candidate for rival in self.rivals for v in rival.variants}
+        by_id = {v.candidate.id: v.candidate for rival in self.rivals for v in rival.variants}
         offered = question.screen.candidates
-        # What a declared value may be off by is part of every rival.
-        self.declared = [c for c in offered if c.tolerance and c.changes is None and c.id not in own]
-        own |= {c.id: c for c in self.declared}
-        # And each of them may be all that is wrong: a diagnosis compares it with the rivals.
+        # Errors of the declared values are part of every rival.
+        self.declared = [c for c in offered if c.tolerance and c.changes is None and c.id not in by_id]
+        by_id |= {c.id: c for c in self.declared}
+        # And each may be the only error: a diagnosis compares it with the rivals.
         beside = self.rivals[0].variants[:-1]
         self.besides = tuple(
             rival_of(question.screen, (*beside, Variant(candidate, {})), None) for candidate in self.declared
         )
-        self._effects: dict[str, Effect] = {e.id: e for e in question.effects if e.id in own}
-        self._kept: dict[tuple[object, ...], Sums] = {}
+        self._effects: dict[str, Effect] = {e.id: e for e in question.effects if e.id in by_id}
+        self._cached: dict[tuple[object, ...], Sums] = {}
         screen = question.screen
         variance = min(screen.fit(rival.variants).loss.sum() for rival in self.rivals) / screen.rows
         # Logs and windows may have gaps.
         seconds = (
             screen.rows * float(np.median(np.abs(np.diff(screen.balance.rows.t)))) if screen.rows > 1 else 1.0
         )
-        # Rows overlap; a low pass leaves so many independent ones in a second.
+        # Rows overlap; a low pass leaves this many independent ones per second.
         self._information = INFORMATIVE_HZ / variance
         per_row = min(self._information * seconds / screen.rows, 1.0 / variance)
-        self.log = Ground(screen, own, np.ones(screen.rows, bool), per_row, np.empty(0))
+        self.log = Ground(screen, by_id, np.ones(screen.rows, bool), per_row, np.empty(0))
 
     def ground(self, motion: Reference) -> Ground:
-        """A motion as the rivals see it."""
+        """A motion as a ground for the rivals."""
         signals, base, load, current = self._signals(motion)
         balance = self._balance(signals, base, motion)
         drive = self.question.data.drive
@@ -258,7 +256,7 @@ class Separation:
             for name, effect in self._effects.items()
         }
         if balance.name == "mechanical":
-            # Effects on the flux that the torque shows.
+            # Flux effects that also appear in the torque.
             candidates = {
                 name: c if c.balance == "mechanical" or c.also is None else c.in_the("mechanical")
                 for name, c in candidates.items()
@@ -267,15 +265,15 @@ class Separation:
         if balance.name == "mechanical":
             seen = np.abs(motion.omega) > self.question.data.drive.channels.selection.moving_threshold_rad_s
         per_row = TRAINED * self._information / RATE_HZ
-        made = Ground(Screen(balance, ()), candidates, seen, per_row, current)
-        met = self._met(made, signals.known, load, base, motion)
+        ground = Ground(Screen(balance, ()), candidates, seen, per_row, current)
+        met = self._met(ground, signals.known, load, base, motion)
         needed = met.load + met.inertia * motion.alpha + met.friction
-        return replace(made, current=needed / met.torque_constant, met=met)
+        return replace(ground, current=needed / met.torque_constant, met=met)
 
     def _met(
         self, ground: Ground, known: Mapping[str, float], load: Array, base: Array, motion: Reference
     ) -> Met:
-        """What the drive meets: of all rivals the largest friction, at least that of the base model."""
+        """The external torques, with the largest friction of all rivals and the base model."""
         drive = self.question.data.drive
         tuned_for = inertia = drive.machine.inertia({**drive.known, **known})
         if self._added is not None:
@@ -284,7 +282,7 @@ class Separation:
         if self.rivals[0].balance == "mechanical":
             frictions += [ground.predicted(rival) for rival in self.rivals]
         way = np.sign(motion.omega)
-        friction = way * np.max([way * own for own in frictions], axis=0)
+        friction = way * np.max([way * x for x in frictions], axis=0)
         one = float(drive.machine.current_of_torque(known, 1.0))
         noise = white_noise(drive.torque(), drive.channels.time.segment) * abs(one)
         return Met(
@@ -303,7 +301,6 @@ class Separation:
         """
 
         def fit(variants: Sequence[Variant]) -> tuple[float, Array]:
-            """Loss and coefficients."""
             every = [self._sums(ground, truth, variants) for ground in grounds]
             matrix = np.sum([s.matrix for s in every], axis=0)
             matrix = matrix + np.diag(self._prior(variants, len(matrix)))
@@ -311,7 +308,7 @@ class Separation:
             c = bounded_solve(matrix, vector, every[0].lower)
             return max(total + float(c @ matrix @ c - 2.0 * c @ vector), 0.0), c
 
-        def left(variants: Sequence[Variant]) -> Array:
+        def residual(variants: Sequence[Variant]) -> Array:
             _, c = fit(variants)
             rows = [
                 ground.left(ground.predicted(truth), self._with_declared(variants), c) for ground in grounds
@@ -324,35 +321,35 @@ class Separation:
         if not steps or not other.variants[-1].candidate.shapes:
             return losses[best]
         others = options[best][:-1]
-        (last,) = refined([options[best][-1]], lambda v: left((*others, *v)), steps)
+        (last,) = refined([options[best][-1]], lambda v: residual((*others, *v)), steps)
         return min(fit((*others, last))[0], losses[best])
 
     def by_names(self, truth: str, other: str, grounds: Sequence[Ground]) -> float:
         """`apart` of two rivals by their families, refined."""
-        own = {rival.family: rival for rival in (*self.besides, *self.rivals)}
-        return self.apart(own[truth], own[other], grounds, STEPS)
+        by_family = {rival.family: rival for rival in (*self.besides, *self.rivals)}
+        return self.apart(by_family[truth], by_family[other], grounds, STEPS)
 
     def information(self, rival: Rival, grounds: Sequence[Ground]) -> Array:
-        """The information on the coefficients of a rival (k, k), base first, in 1/(their unit)^2."""
-        found = np.sum([self._sums(ground, rival, rival.variants).matrix for ground in grounds], axis=0)
-        return found + np.diag(self._prior(rival.variants, len(found)))
+        """Information matrix of a rival's coefficients (k, k), base first, in 1/(their unit)^2."""
+        matrix = np.sum([self._sums(ground, rival, rival.variants).matrix for ground in grounds], axis=0)
+        return matrix + np.diag(self._prior(rival.variants, len(matrix)))
 
     def _prior(self, variants: Sequence[Variant], count: int) -> Array:
-        """What is known of each coefficient (k,): of a declared value its deviation, else nothing."""
+        """Prior information on each coefficient (k,): from the deviation of a declared value, else 0."""
         declared = [v.candidate.deviation**-2 for v in self._with_declared(variants)[len(variants) :]]
         return np.r_[np.zeros(count - len(declared)), declared]
 
     def _sums(self, ground: Ground, truth: Rival, variants: Sequence[Variant]) -> Sums:
-        """The sums of a fit to what a rival predicts, computed once."""
+        """The normal equations for fitting a rival's prediction, cached."""
         key = (id(ground), truth.family, *(v.key for v in variants))
-        if key not in self._kept:
-            self._kept[key] = ground.sums(ground.predicted(truth), self._with_declared(variants))
-        return self._kept[key]
+        if key not in self._cached:
+            self._cached[key] = ground.sums(ground.predicted(truth), self._with_declared(variants))
+        return self._cached[key]
 
     def _with_declared(self, variants: Sequence[Variant]) -> list[Variant]:
-        """The variants, and what the other declared values may be off by."""
-        own = {variant.candidate.id for variant in variants}
-        return [*variants, *(Variant(c, {}) for c in self.declared if c.id not in own)]
+        """The variants, and the errors of the other declared values."""
+        present = {variant.candidate.id for variant in variants}
+        return [*variants, *(Variant(c, {}) for c in self.declared if c.id not in present)]
 
     def _signals(self, motion: Reference) -> tuple[Signals, Array, Array, Array]:
         """Signals of a motion, its base columns (n, p), load [N m] and current [A] (n,) without effects."""
@@ -360,7 +357,7 @@ class Separation:
         n, dt, own = len(motion.t), 1.0 / RATE_HZ, data.signals.known
         every = () if self._added is None else ((np.ones(n, bool), self._added),)
         old = replace(data.signals, by_row=Machine(model).along(own, every))
-        # The machine counts its angle from where it likes, the model from where the mass hangs lowest.
+        # The machine's zero angle is arbitrary, the model's is where the mass hangs lowest.
         theta = motion.theta - data.drive.channels.alignment.theta_zero_rad / old.known["mu"]
         values = {
             "theta_m": theta,
@@ -375,7 +372,7 @@ class Separation:
         gravity = load_torque(model, replace(signals, values={**values, "alpha_m": np.zeros(n)}))
         turned = {**values, "alpha_m": np.zeros(n), "theta_m": theta + 1e-4}
         slope = (load_torque(model, replace(signals, values=turned)) - gravity) / 1e-4 / signals.known["mu"]
-        made: dict[ColumnRole, Array] = {
+        columns: dict[ColumnRole, Array] = {
             "inertia": motion.alpha,
             "load": np.ones(n),
             "gravity": gravity,
@@ -383,7 +380,7 @@ class Separation:
             "offset": np.ones(n),
             "zero_angle": -slope,
         }
-        signals = replace(signals, open={c: made[c.role] for c in data.drive.open})
+        signals = replace(signals, open={c: columns[c.role] for c in data.drive.open})
         base = base_columns(model, signals)
         mechanical = self.question.friction
         load = load_torque(model, signals)
@@ -394,7 +391,7 @@ class Separation:
         return replace(signals, values=values), base, load, current
 
     def _balance(self, signals: Signals, base: Array, motion: Reference) -> BalanceDesign:
-        """The balance of the rivals on a motion, its rows the samples, its target zero."""
+        """The balance of the rivals on a motion, one row per sample, with zero target."""
         n, name = len(motion.t), self.rivals[0].balance
         every = np.ones(n, bool)
         rows = Rows(
@@ -409,13 +406,13 @@ class Separation:
 
 
 def _near(variant: Variant) -> list[Variant]:
-    """The variant at shapes around its own, within their range."""
-    found = [variant]
+    """The variant at a grid of shapes around its values, within their range."""
+    grid = [variant]
     for shape in variant.candidate.shapes:
-        name, now = shape.quantity.name, found
-        found = [
+        name = shape.quantity.name
+        grid = [
             Variant(v.candidate, {**v.values, name: float(np.clip(near, shape.low, shape.high))})
-            for v in now
+            for v in grid
             for near in np.multiply(COARSE, v.values[name])
         ]
-    return found
+    return grid

@@ -1,13 +1,13 @@
-"""The virtual test bench: realistic logs of a drive that swings an unbalanced mass, with chosen effects.
+"""The virtual test bench: realistic logs of a drive that swings an unbalanced mass, with planted effects.
 
     random_scenario -> Scenario (plant, controller, course, effects) -> simulate -> BenchRun -> write -> files
 
-and the same for arms, in `arms`: `random_arm_scenario`, `simulate_arm`, `write_arm`; and a fleet of drives
+Likewise for arms, in `arms`: `random_arm_scenario`, `simulate_arm`, `write_arm`; and for a fleet of drives
 over months, in closed form: `fleet_plan`, `write_fleet`.
 
 In: the arguments of `random_scenario`. Out: a log, its rig and the sealed truth, in memory (`BenchRun`) or
-as files. It imports nothing from the toolkit but its error and how files are written, so that it can
-serve as an oracle: the same physics, written twice by different means, must agree.
+as files. It imports nothing from the toolkit except errors and file output, so that it can serve as an
+oracle: two independent implementations of the same physics must agree.
 """
 
 from eccentric.virtual_bench.arms import (

@@ -16,14 +16,14 @@ import numpy as np
 from eccentric.core import InputError, whole_files, workshop
 from eccentric.virtual_bench.simulation import BenchRun
 
-# A set of new files named after a log: none is there before, all of them or none afterwards.
+# A set of new files named after a log, written all or none.
 
 
 LOG = ".csv.gz"
 
 
 def new_paths(path: str | Path, endings: Sequence[str]) -> tuple[Path, ...]:
-    """Return the paths of the log and of the files beside it, none of which exists: one may be measured.
+    """Return the paths of the log and its companion files, none of which may exist: it could be measured.
 
     Raises InputError if the path does not end in .csv.gz or one of the files exists.
     """
@@ -33,7 +33,7 @@ def new_paths(path: str | Path, endings: Sequence[str]) -> tuple[Path, ...]:
     stem = log.name.removesuffix(LOG)
     paths = log, *(log.with_name(f"{stem}{ending}") for ending in endings)
     if any(map(os.path.lexists, paths)):
-        # A killed run may have left one of them and not yet the others: then it is removed.
+        # Remove an incomplete set left by a killed run.
         with suppress(InputError), workshop(log.parent):
             pass
     for one in paths:
@@ -43,7 +43,7 @@ def new_paths(path: str | Path, endings: Sequence[str]) -> tuple[Path, ...]:
 
 
 def write_new(contents: Mapping[Path, bytes]) -> None:
-    """Write files of one folder as a set; what a killed run leaves is removed by the next that writes there.
+    """Write files of one folder as a set; the next run cleans up after a killed one.
 
     Raises InputError if they cannot be written.
     """
@@ -73,7 +73,7 @@ _BESIDE = (".json", ".truth.json")
 
 
 def write(run: BenchRun, path: str | Path) -> tuple[Path, Path, Path]:
-    """Write the log to `path`, NAME.csv.gz, beside it NAME.json and NAME.truth.json; return the three paths.
+    """Write the log to `path`, NAME.csv.gz, with NAME.json and NAME.truth.json; return the three paths.
 
     NAME is written into rig and truth. The same run gives the same bytes: the archive stores no time and no
     name. Nothing is left behind if writing fails. Raises InputError if the path does not end in .csv.gz, one

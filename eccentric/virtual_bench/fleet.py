@@ -1,8 +1,8 @@
-"""A fleet of drives in closed form: prescribed motion, friction that follows a season, wear, bad sensors.
+"""A fleet of drives in closed form: prescribed motion, seasonal friction, wear, faulty sensors.
 
-Each joint swings an unbalanced mass in a vertical plane along a sum of sines, so that angle, velocity and
-acceleration are formulas, and so is the current: no simulation, some 0.2 us a row. Nothing here comes from
-the derivations: the fleet is an oracle for the toolkit, so the two share no code.
+Each joint swings an unbalanced mass in a vertical plane along a sum of sines, so that angle, velocity,
+acceleration and current are closed-form: no simulation, about 0.2 us per row. The fleet is an oracle for the
+toolkit, so nothing here comes from the derivations.
 """
 
 from __future__ import annotations
@@ -32,23 +32,23 @@ WAYS = {
     "link_harmonic_friction": "a bearing is distorted: friction varies twice per turn of the link",
     "stribeck": "the lubricant film fails at low speed: friction rises towards rest",
 }
-"""How a joint of the fleet degrades, by what the toolkit would call it."""
+"""Degradations of a joint, by the toolkit's name for them."""
 BAD_SENSORS = {
     "current offset": "the current sensor shows an offset",
     "temperature stuck": "the temperature sensor repeats its last value",
 }
-"""Sensors that fail; friction does not change."""
+"""Sensor faults; friction does not change."""
 COUNTS = 32768
-"""Steps of the encoder in a turn of the motor."""
+"""Encoder counts per motor turn."""
 GRAVITY = 9.81
 
 
 @dataclass(frozen=True)
 class FleetJoint:
-    """A joint: what its rig declares (the paper's letters, SI), what is sealed, what becomes of it.
+    """A joint: declared values (the paper's symbols, SI), sealed values, and its degradation.
 
-    `way` is in WAYS or BAD_SENSORS, "" for a healthy joint; from period number `since` on it grows over
-    `lasts` periods, to `strength` of the mean friction torque.
+    `way` is in WAYS or BAD_SENSORS, "" for a healthy joint; from period index `since` on it grows over
+    `lasts` periods to `strength` times the mean friction torque.
     """
 
     name: str
@@ -66,13 +66,13 @@ class FleetJoint:
     strength: float = 0.0
 
     def grown(self, period: int) -> float:
-        """How far the change has come in a period: 0 before it, 1 at the end."""
+        """Progress of the change in a period: 0 before it, 1 at the end."""
         return float(np.clip((period - self.since + 1) / self.lasts, 0.0, 1.0)) if self.way else 0.0
 
 
 @dataclass(frozen=True)
 class FleetPlan:
-    """The whole fleet: joints, names of the periods, rows of a file, their rate [Hz]."""
+    """A fleet: joints, names of the periods, rows per file, sampling rate [Hz]."""
 
     joints: tuple[FleetJoint, ...]
     periods: tuple[str, ...]
@@ -81,7 +81,7 @@ class FleetPlan:
     seed: int
 
     def log(self, joint: FleetJoint, period: int) -> dict[str, NDArray[Any]]:
-        """The columns (rows,) of the log of a joint in a period, by its number."""
+        """The columns (rows,) of the log of a joint in a period, by its index."""
         random = default_rng([self.seed, joint.seed, period])
         t = np.arange(self.rows) / self.rate_hz
         theta, omega, alpha = _motion(random, t, joint.known["mu"])
@@ -107,7 +107,7 @@ class FleetPlan:
         yield from ((joint, period) for joint in self.joints for period in range(len(self.periods)))
 
     def truth(self) -> dict[str, Any]:
-        """What is sealed: the joints that change, how, since when, and how much."""
+        """The sealed truth: the changing joints, how, since when, and how much."""
         return {
             joint.name: {
                 "way": joint.way,
@@ -130,7 +130,7 @@ def fleet_plan(
     seed: int = 1,
     ways: Sequence[str] = tuple(WAYS),
 ) -> FleetPlan:
-    """A fleet at random; the first joints to change do so in the ways of `ways` by turns.
+    """Draw a fleet; the changing joints take the degradations of `ways` in turn.
 
     Raises InputError for a number out of range.
     """
@@ -154,20 +154,20 @@ def fleet_plan(
     return FleetPlan(tuple(healthy), names, round(seconds * rate_hz), rate_hz, seed)
 
 
-def _require(**given: float) -> None:
+def _require(**numbers: float) -> None:
     least = {"joints": 1, "periods": 1, "degrading": 0, "bad_sensors": 0, "seconds": 5.0}
     most = {"joints": 10**5, "periods": 600, "seconds": 10**6}
-    for name, value in given.items():
-        if not least[name] <= value <= most.get(name, given["joints"]):
+    for name, value in numbers.items():
+        if not least[name] <= value <= most.get(name, numbers["joints"]):
             raise InputError(
-                name, f"a number from {least[name]:g} to {most.get(name, given['joints']):g}", f"{value:g}"
+                name, f"a number from {least[name]:g} to {most.get(name, numbers['joints']):g}", f"{value:g}"
             )
-    if given["degrading"] + given["bad_sensors"] > given["joints"]:
+    if numbers["degrading"] + numbers["bad_sensors"] > numbers["joints"]:
         raise InputError("degrading", problem="expected no more joints than the fleet has to change")
 
 
 def _joint(random: Generator, name: str, seed: int) -> FleetJoint:
-    """A healthy joint of one of two kinds, with values of its own."""
+    """Draw a healthy joint of one of two kinds."""
     kind = ("shoulder", "elbow")[int(random.integers(2))]
     size = {"shoulder": 1.0, "elbow": 0.6}[kind]
 
@@ -202,7 +202,7 @@ def _joint(random: Generator, name: str, seed: int) -> FleetJoint:
 
 
 def _motion(random: Generator, t: Array, mu: float) -> tuple[Array, Array, Array]:
-    """Angle, velocity, acceleration of the motor: three sines, of a link that passes the top now and then."""
+    """Angle, velocity, acceleration of the motor: three sines, with the link occasionally passing the top."""
     theta, omega, alpha = (np.zeros_like(t) for _ in range(3))
     for size, hertz in ((2.2, 0.23), (0.9, 0.61), (0.25, 1.37)):
         a, w = size * random.uniform(0.8, 1.2) / mu, 2.0 * pi * hertz * random.uniform(0.9, 1.1)
@@ -223,13 +223,13 @@ def _temperature(period: int, joint: FleetJoint) -> float:
 def _torque(
     joint: FleetJoint, random: Generator, grown: float, theta: Array, omega: Array, alpha: Array, warm: Array
 ) -> Array:
-    """The torque of the motor [N m] along the motion: inertia, gravity, and friction at a temperature."""
+    """The motor torque [N m] along the motion: inertia, gravity, and temperature-dependent friction."""
     rig, change = joint.known, joint.way if joint.way in WAYS else ""
     mu, weight = rig["mu"], (rig["M"] + rig["M_l"]) * rig["g"]
     link, swing = mu * theta, rig["M"] * rig["L"] * (mu * omega) ** 2
-    # The bearing carries the weight and what keeps the mass on its circle.
+    # The bearing carries the weight and the centripetal force.
     normal = np.hypot(swing * np.sin(link), swing * np.cos(link) + weight)
-    # From month to month nothing is quite the same.
+    # Random variation from month to month.
     C_m, B_m, C_lN, B_lN = (
         value * random.normal(1.0, 0.01) for value in (joint.C_m, joint.B_m, joint.C_lN, joint.B_lN)
     )
@@ -244,7 +244,7 @@ def _torque(
 
 
 def _shape(way: str, joint: FleetJoint, link: Array, omega: Array, normal: Array, thin: Array) -> Array:
-    """How a change depends on the motion, (n,); of the three in the base model the mean is 1."""
+    """Dependence of a change on the motion, (n,); with mean 1 for the three in the base model."""
     if way == "coulomb":
         return np.ones_like(omega)
     if way == "viscous":
@@ -287,7 +287,7 @@ _KEYS = {
 
 
 def write_fleet(plan: FleetPlan, path: str | Path, progress: Callable[[float], None] | None = None) -> Path:
-    """Write a fleet into a new or empty folder, whole or not at all; `progress` is called with the part done.
+    """Write a fleet atomically into a new or empty folder; `progress` gets the completed fraction.
 
     Raises InputError if pyarrow is not installed, or the folder holds anything.
     """

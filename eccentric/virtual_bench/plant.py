@@ -1,7 +1,7 @@
-"""The rig that the bench simulates: its true parameters and the paper's friction, written out explicitly.
+"""The rig simulated by the bench: its true parameters and the paper's friction, written out explicitly.
 
-Nothing here comes from the derivations: the bench is an oracle for the toolkit, so the two share no code.
-All torques are on the motor side [N m]; angles and speeds of the link are mu times those of the motor.
+The bench is an oracle for the toolkit, so nothing here comes from the derivations. All torques are on the
+motor side [N m]; link angles and speeds are mu times those of the motor.
 """
 
 from dataclasses import InitVar, dataclass, field
@@ -11,7 +11,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Plant:
-    """True parameters of the drive and the link, in SI units with the paper's letters.
+    """True parameters of drive and link, in SI units with the paper's symbols.
 
     `case` is "C1" (gravity perpendicular to the plane of motion) or "C2" (parallel to it).
     `Rth` [K/W], `tau` [s] and `Tamb` [deg C] describe first-order heating by the losses; 0 K/W means none.
@@ -51,8 +51,8 @@ class Plant:
     def normal_force(self, link_angle: float, link_speed: float, gravity: float | None = None) -> float:
         """Return the norm of the bearing reaction [N] at constant speed, eqs (8) and (15).
 
-        `gravity` [m/s^2] is that in the plane, by default that of the case. The norm is computed from the
-        vector (15): unlike the root (16), it does not suffer from cancellation at the top position.
+        `gravity` [m/s^2] is the in-plane component, by default that of the case. The norm is computed from
+        the vector (15): unlike the root (16), it has no cancellation at the top.
         """
         weight = (self.M + self.M_l) * (self.in_plane_gravity if gravity is None else gravity)
         centrifugal = self.M * self.L * link_speed**2
@@ -80,7 +80,7 @@ class Plant:
         return (self.C_m + dry) * direction + (self.B_m + viscous) * link_speed / self.mu
 
     def known(self) -> dict[str, Any]:
-        """Return what a rig file declares of this plant; friction and heating remain sealed."""
+        """Return the values declared in a rig file; friction and heating remain sealed."""
         return {
             "case": self.case,
             "M_kg": self.M,
@@ -100,14 +100,14 @@ class Plant:
         return {name: getattr(self, name) for name in ("C_m", "B_m", "C_lN", "B_lN", "gamma_T", "beta_T")}
 
 
-# The motion of the rig at one step of the simulation, as seen by the laws of the effects.
+# The motion of the rig at one simulation step, for the effects' laws.
 
 
 @dataclass(slots=True, eq=False)
 class Motion:
-    """The motion of the rig at this step, as seen by the effects; torques in N m on the motor side."""
+    """The motion of the rig at this step, for the effects' laws; torques in N m on the motor side."""
 
-    plant: Plant  # the rig that moves: it need not be the one for which an effect was drawn
+    plant: Plant  # the moving rig, not necessarily the one for which an effect was drawn
     theta: float = 0.0  # motor angle at the end of the step
     w: float = 0.0  # motor speed at the end of the step [rad/s]
     effects: InitVar[int] = 0  # how many laws act

@@ -1,4 +1,4 @@
-"""What to simulate: a plant, its drive, its course, its effects and the seed of its noise."""
+"""Scenarios: a plant, its drive, its course, its effects and the seed of its noise."""
 
 import re
 from dataclasses import dataclass, replace
@@ -32,14 +32,14 @@ _FINAL_RISE_K = 60.0  # final temperature rise from the losses
 
 @dataclass(frozen=True)
 class Scenario:
-    """A complete test, input of `simulate`. `noise` is that of the current over its largest value."""
+    """A complete test, input of `simulate`. `noise` is that of the current, over its peak."""
 
     plant: Plant
     controller: MotorController
     course: Course
     effects: tuple[PlantedEffect, ...]
     noise: float
-    temperature: bool  # is the temperature logged?
+    temperature: bool  # whether the temperature is logged
     seed: int
     start_angle: float  # of the motor [rad]
     sample_rate_hz: int = 250
@@ -60,15 +60,15 @@ def random_scenario(
     seconds: float = 60.0,
     drive: str = "fine",
 ) -> Scenario:
-    """Draw a plausible rig with that gear ratio around the paper's Table 1, a course and shapes of effects.
+    """Draw a plausible rig with that gear ratio near the paper's Table 1, a course and shapes of effects.
 
-    `effects` are family ids, optionally with a variant in brackets (`load_dependent[gravity]`), each alone or
-    with its strength (fraction of the friction rms; otherwise `strength`). `noise` is the current's, over its
-    largest value. A temperature is logged if requested or if an effect needs it. The same state of `rng`
-    gives the same plant and course, whatever the effects.
+    `effects` are family ids, optionally with a variant in brackets (`load_dependent[gravity]`), each with or
+    without its strength (fraction of the friction rms; by default `strength`). `noise` is the current's, over
+    its peak. A temperature is logged if requested or if an effect needs it. The same state of `rng` gives the
+    same plant and course, whatever the effects.
     `drive` is "fine" (a well damped loop, a fine encoder, a steady bus) or "ordinary": a loop of 3 to 12 Hz
-    on a speed filtered at 12 to 80 Hz, which may ring, a bus that varies by up to 2 % over 20 ms,
-    and an encoder as coarse at low gear ratios as at high ones.
+    on a speed filtered at 12 to 80 Hz, which may ring, a bus that varies by up to 2 % over 20 ms, and an
+    encoder of the same resolution at all gear ratios.
 
     Raises InputError for values out of range, an unknown effect, or one that the case cannot show.
     """
@@ -97,7 +97,7 @@ def random_scenario(
     built = []
     for name, size in requested:
         family, variant = known_effect(name)
-        # Drawn also if one is given, for the same shapes.
+        # Also drawn if one is requested, for the same shapes.
         drawn = str(rng.choice(VARIANTS[family])) if family in VARIANTS else ""
         request = Request(family, size, variant or drawn, variant is not None, setting, rng)
         built.append(EFFECTS[family](request))
@@ -114,8 +114,8 @@ def on_reference(scenario: Scenario, time: np.ndarray, speed: np.ndarray, start_
     """Return the scenario of the same drive on another course, for `simulate(..., again=True)`.
 
     Args:
-        scenario: that of a `BenchRun`, whose amplitudes are those of its effects; the noise is drawn anew.
-        time, speed: motor speed [rad/s] (n,) at these times [s] (n,), which begin at 0.
+        scenario: that of a `BenchRun`, with final amplitudes; the noise is drawn anew.
+        time, speed: motor speed [rad/s] (n,) at these times [s] (n,), starting at 0.
         start_angle: of the motor [rad].
 
     Raises:
@@ -129,12 +129,12 @@ def on_reference(scenario: Scenario, time: np.ndarray, speed: np.ndarray, start_
 
 
 def known_effect(name: str) -> tuple[str, str | None]:
-    """Split `family[variant]`; InputError, listing what there is, if the bench has no such effect."""
+    """Split `family[variant]`; InputError, listing the known effects, for an unknown one."""
     return known_family(str(name), re.fullmatch(r"(\w+)(?:\[(.+)\])?", str(name)), EFFECTS, VARIANTS)
 
 
 def _plant(rng: np.random.Generator, case: str, mu: float) -> Plant:
-    """Motor size grows with the torque left by the gear: three catalogue motors lie on these power laws."""
+    """Draw a plant; motor size grows with its torque, by power laws through three catalogue motors."""
     k = float(f"{0.02 * (30.0 * mu) ** 0.64:.2g}")
     M, M_l, L = (
         round(float(rng.uniform(low, high)), 3) for low, high in ((0.45, 0.6), (0.16, 0.23), (0.23, 0.29))
@@ -151,7 +151,7 @@ def _plant(rng: np.random.Generator, case: str, mu: float) -> Plant:
 
 
 def _controller(rng: np.random.Generator, plant: Plant) -> MotorController:
-    """Return a controller: a loop of 4 to 6 Hz, stable in spite of the velocity filter's lag.
+    """Draw a controller with a loop of 4 to 6 Hz, stable despite the lag of the velocity filter.
 
     The encoder is finer at low reductions, since the resolution at the link matters.
     """
@@ -169,9 +169,9 @@ def _controller(rng: np.random.Generator, plant: Plant) -> MotorController:
 
 
 def _ordinary(rng: np.random.Generator, plant: Plant) -> MotorController:
-    """Return a controller as it is found in the field: its loop may ring, its bus and its encoder are poor.
+    """Draw a controller as found in the field, with a possibly ringing loop, a poor bus and encoder.
 
-    The loop is as fast as drawn, or as 10 degrees of phase margin allow.
+    The loop is as fast as drawn, or as a phase margin of 10 degrees allows.
     """
     bandwidth = 2.0 * pi * float(rng.uniform(3.0, 12.0))
     corner = float(rng.choice([12.0, 16.0, 24.0, 40.0, 80.0]))
@@ -196,13 +196,13 @@ def _phase_margin(bandwidth: float, corner: float, integral: float) -> float:
     `bandwidth` [rad/s] is the crossover without the poles, `integral` [1/s] the integral over the
     proportional gain.
     """
-    # There the gain is one: bandwidth/w over 1 + (w/corner)^2.
+    # Crossover: bandwidth/w over 1 + (w/corner)^2 is one.
     crossover = float(brentq(lambda w: w * (1.0 + (w / corner) ** 2) - bandwidth, 0.0, bandwidth))
     return pi / 2.0 - 2.0 * atan(crossover / corner) - atan(integral / crossover)
 
 
 def _setting(plant: Plant, course: Course, top_speed: float) -> PlantSetting:
-    """Return approximate magnitudes along the course, as if a drive without inertia followed it."""
+    """Return approximate signal magnitudes along the course, for an ideal drive without inertia."""
     time = np.arange(0.0, course.seconds, 0.02)
     speed = course.reference(time)
     link = plant.mu * np.cumsum(speed) * 0.02

@@ -1,4 +1,4 @@
-"""Scenario -> log, rig and sealed truth; the amplitudes of the effects are measured and adjusted."""
+"""Scenario -> log, rig and sealed truth; the effects' amplitudes are measured and corrected."""
 
 from dataclasses import dataclass, replace
 from math import log, pi
@@ -30,12 +30,12 @@ class BenchRun:
 def simulate(scenario: Scenario, *, again: bool = False) -> BenchRun:
     """Run the bench; the same scenario gives the same run.
 
-    Each effect's amplitude is corrected until its rms, over rows in motion, is the requested strength times
+    Each effect's amplitude is corrected until its rms over rows in motion is the requested strength times
     the rms of the paper's friction there: to 0.2 %, or as close as its physical bound allows.
 
     Args:
-        scenario: what to run.
-        again: whether the rig is that of another run, on another course: amplitudes stay as they are.
+        scenario: the scenario.
+        again: whether the rig is that of an earlier run: amplitudes are then unchanged.
 
     Raises:
         InputError: the motor cannot move the drive, whose friction at rest the effects make too high.
@@ -71,13 +71,13 @@ class _Raw:
 
 
 def _moved(scenario: Scenario) -> _Raw:
-    """The run of a drive that moves; InputError if it stands still."""
+    """Run the scenario; InputError if the drive never moves."""
     raw = _run(scenario)
     if raw.moving.any():
         return raw
-    given = " and ".join(f"{effect.id}={effect.strength:g}" for effect in scenario.effects) or "none"
+    effects = " and ".join(f"{effect.id}={effect.strength:g}" for effect in scenario.effects) or "none"
     raise InputError(
-        f"effect {given}",
+        f"effect {effects}",
         "friction at rest that the motor can overcome",
         "more: choose a smaller strength, or another seed",
     )
@@ -99,7 +99,7 @@ def _run(scenario: Scenario) -> _Raw:
     applied = supply(scenario.controller, dt, rows * steps, np.random.default_rng(scenario.seed + 1))
     reference = scenario.course.reference(np.arange(rows * steps) * dt).tolist()
 
-    # The drive averages voltage and current over the two pulses around the sample instant: neither leads.
+    # The drive averages voltage and current over the two pulses around the sample, so neither leads.
     samples, acting, fine_current = [], [], []
     voltage, n = 0.0, 0
     for _ in range(rows):
@@ -160,7 +160,7 @@ def _run(scenario: Scenario) -> _Raw:
 def _misread(
     plant: Plant, law: Law, amplitude: float, motion: tuple[np.ndarray, np.ndarray, np.ndarray]
 ) -> np.ndarray:
-    """Return the torque (rows,) that inertia, gravity and back-EMF lack if computed at the angle read."""
+    """Return the torque error (rows,) of inertia, gravity and back-EMF computed at the measured angle."""
     theta, w, alpha = motion
     probe, step = Motion(plant), 1e-3
 
@@ -181,7 +181,7 @@ def _misread(
 def _geared(
     plant: Plant, effect: PlantedEffect, motion: tuple[np.ndarray, np.ndarray, np.ndarray]
 ) -> np.ndarray:
-    """Return the torque (rows,) of the link on the motor, less that through a gear of the ratio mu."""
+    """Return the torque (rows,) of the link on the motor, minus that through a gear of ratio mu."""
     probe, gear = Motion(plant), effect.start()
 
     def torque(theta: float, w: float, alpha: float, amplitude: float) -> float:
@@ -210,7 +210,7 @@ def _fractions(raw: _Raw) -> list[float]:
 def _corrected(
     effects: tuple[PlantedEffect, ...], fractions: list[float], powers: list[float]
 ) -> tuple[PlantedEffect, ...]:
-    """Return the effects with amplitudes for their strengths, which scale with the amplitude to `powers`."""
+    """Return the effects with corrected amplitudes; strengths scale with amplitude to the power `powers`."""
     scales = [
         (effect.strength / max(fraction, 1e-3 * effect.strength)) ** (1.0 / power)
         for effect, fraction, power in zip(effects, fractions, powers, strict=True)
@@ -224,18 +224,18 @@ def _corrected(
 
 
 def _powers(before: tuple[Scenario, _Raw], after: tuple[Scenario, _Raw], powers: list[float]) -> list[float]:
-    """Return the power by which strengths grew with amplitudes between two runs; the old one if none did."""
-    found = []
+    """Return the exponents of strength over amplitude between two runs; the old ones if undetermined."""
+    exponents = []
     for k, power in enumerate(powers):
         step = log(after[0].effects[k].amplitude / before[0].effects[k].amplitude)
         was, now = _fractions(before[1])[k], _fractions(after[1])[k]
         growth = log(now / was) / step if abs(step) > 1e-3 and was > 0.0 and now > 0.0 else power
-        found.append(min(3.0, max(0.4, growth)))
-    return found
+        exponents.append(min(3.0, max(0.4, growth)))
+    return exponents
 
 
 def _log(scenario: Scenario, raw: _Raw) -> dict[str, np.ndarray]:
-    """Return the columns as a drive records them: quantised, noisy, rounded to the digits of the file."""
+    """Return the columns as recorded by a drive: quantised, noisy, rounded to the file's digits."""
     rng = np.random.default_rng(scenario.seed)
     peak = float(np.max(np.abs(raw.i))) or 1.0
     quantum, bit = 2.0 * pi / scenario.controller.counts, 1.5 * peak / 2048
@@ -306,8 +306,8 @@ def _truth(scenario: Scenario, raw: _Raw) -> dict[str, Any]:
 
 
 def _beyond_the_paper(raw: _Raw) -> list[float]:
-    """Return the part of each effect that refitting the paper's model leaves, over the friction rms."""
+    """Return each effect's rms residual after refitting the paper's model, over the friction rms."""
     base, friction = raw.base[raw.moving], _rms(raw.friction[raw.moving])
     torques = raw.torques[raw.moving]
-    taken, *_ = np.linalg.lstsq(base, torques, rcond=None)
-    return [_rms(rest) / friction for rest in (torques - base @ taken).T]
+    coefficients, *_ = np.linalg.lstsq(base, torques, rcond=None)
+    return [_rms(rest) / friction for rest in (torques - base @ coefficients).T]

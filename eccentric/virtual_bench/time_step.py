@@ -1,17 +1,18 @@
-"""One step of the rig's motion: second order in time while moving, exact in sticking.
+"""One step of the rig's motion: second order in time while moving, exact while sticking.
 
     (J_m + mu^2 J_l) dw/dt + G(theta) + (b + k_i k_e / R) w + c Sgn(w) + effects = k_i u / R
 
-A gear whose ratio r(theta) is not mu transmits the link's torques by r instead, its inertia by r^2, and adds
-J_l r dr/dtheta w^2.
+A gear of variable ratio r(theta) transmits the link's torques by r instead of mu, its inertia by r^2, and
+adds J_l r dr/dtheta w^2.
 
-Angles drift half a step, the speed is kicked, angles drift the other half. In the kick the linear damping is
-evaluated at the mean of old and new speed, and the Coulomb level c is set-valued: the new speed solves
+Angles drift for half a step, the speed is kicked, angles drift for the other half. In the kick the linear
+damping is evaluated at the mean of old and new speed, and the Coulomb friction c is set-valued: the new speed
+solves
 
     (J + b dt/2) w' + dt c Sgn(w') contains (J - b dt/2) w + dt T,
 
-whose only solution is a soft threshold. A link below its Coulomb level is therefore exactly at rest, without
-tanh, creep or event search.
+whose unique solution is a soft threshold. A link below its Coulomb level is therefore exactly at rest,
+without tanh, creep or event search.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,14 +26,14 @@ BoundLaw = tuple[str, PlantedEffect, Law]
 
 
 def laws(effects: Sequence[PlantedEffect]) -> list[BoundLaw]:
-    """All laws of the effects with their ports, with fresh memory, in the order of `Motion.acting`."""
+    """All laws of the effects with ports and fresh memory, in the order of `Motion.acting`."""
     return [(port, effect, law) for effect in effects for port, law in effect.start().items()]
 
 
 def mover(plant: Plant, motion: Motion, dt: float, bound: Sequence[BoundLaw] = ()) -> Callable[[float], None]:
     """Return `advance(u)`, which advances `motion` by `dt` seconds under the armature voltage u [V].
 
-    `bound` is what `laws` returned; `motion` must have as many places.
+    `bound` is from `laws`; `motion` must have as many places.
     """
     s = motion
     mu, k_i, k_e, R = plant.mu, plant.k_i, plant.k_e, plant.R
@@ -92,7 +93,7 @@ def mover(plant: Plant, motion: Motion, dt: float, bound: Sequence[BoundLaw] = (
         s.v = u - k_e * flux * w_mid
         torque, drop, inertia = gravity, 0.0, even
         if uneven:
-            # The laws of the effects see the torques of the link at the ratio mu.
+            # The effects' laws use the link torques at the ratio mu.
             gain = ratio / mu
             dry += (gain - 1.0) * s.link_dry
             viscous += (gain * gain - 1.0) * s.link_viscous
@@ -104,7 +105,7 @@ def mover(plant: Plant, motion: Motion, dt: float, bound: Sequence[BoundLaw] = (
         for n, law, amplitude in viscous_laws:
             acting[n] = value = law(s, amplitude)
             viscous += value
-        level, coefficient = dry, viscous  # warmth changes all of them, whatever effect added to them
+        level, coefficient = dry, viscous  # temperature scales these, including other effects' parts
         for n, law, amplitude in warm_dry:
             acting[n] = value = law(s, amplitude) * level
             dry += value

@@ -1,4 +1,4 @@
-"""The reference speed of the drive, the held-out part of the log, and the loop that follows it."""
+"""The drive's reference speed, the held-out part of the log, and the control loop."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ class Course:
 
     `runs`: `starts` [s] and `speeds` [rad/s] of the constant speeds, joined by smooth ramps of `ramp_s`.
     `traj`: `frequencies` [Hz], `speeds` (amplitudes, rad/s) and `phases` [rad] of the sines.
-    `reference`: `speeds` [rad/s] at the times `starts` [s], straight in between.
+    `reference`: `speeds` [rad/s] at the times `starts` [s], interpolated linearly.
     """
 
     log_type: str
@@ -53,7 +53,7 @@ def speed_runs(rng: np.random.Generator, seconds: float, top_speed: float) -> Co
     """Draw constant speeds in both directions, each for 2 to 3.5 s, with one held out in each fifth.
 
     Magnitudes are spread evenly over 8 to 100 % of `top_speed` [rad/s], in random order; the fastest run in
-    either direction is never held out, so that held-out speeds lie within those trained on.
+    either direction is never held out, so that held-out speeds lie within the training range.
     """
     count = max(10, round(seconds / 2.75))
     lengths = rng.uniform(2.0, 3.5, count)
@@ -67,8 +67,8 @@ def speed_runs(rng: np.random.Generator, seconds: float, top_speed: float) -> Co
         inside = [
             k for k in range(fifth * count // 5, (fifth + 1) * count // 5) if k > 0 and k not in extremes
         ]
-        held = int(rng.choice(inside or [(fifth + 1) * count // 5 - 1]))
-        holdout.append((float(edges[held]), float(edges[held + 1])))
+        run = int(rng.choice(inside or [(fifth + 1) * count // 5 - 1]))
+        holdout.append((float(edges[run]), float(edges[run + 1])))
     ramp = round(float(rng.uniform(0.25, 0.45)), 2)
     return Course(
         "runs", seconds, tuple(holdout), tuple(np.round(speeds, 3).tolist()), tuple(edges[:-1].tolist()), ramp
@@ -110,7 +110,7 @@ def sum_of_sines(rng: np.random.Generator, seconds: float, top_speed: float) -> 
 
 @dataclass(frozen=True)
 class MotorController:
-    """How the servo drive measures and controls the motor.
+    """Measurement and control of the servo drive.
 
     Gains in V s/rad and V/rad. The voltage at the motor is the commanded one times 1 plus a sine of amplitude
     `ripple` plus noise of RMS `wander`, correlated over `wander_s`.
@@ -133,8 +133,8 @@ def servo(
 ) -> Callable[[float, float], tuple[float, float]]:
     """Return `control(theta, reference)` -> (commanded voltage [V], measured velocity [rad/s]), every `dt`.
 
-    The velocity is the filtered difference of encoder counts, so it is delayed and quantised, and it is what
-    the controller acts on. The integrator stops while the bus saturates.
+    The controller uses the filtered difference of encoder counts as velocity, which is delayed and quantised.
+    The integrator stops while the bus saturates.
     """
     per_rad, quantum = controller.counts / (2.0 * pi), 2.0 * pi / controller.counts
     pole = 1.0 - exp(-2.0 * pi * controller.filter_hz * dt)
@@ -166,13 +166,13 @@ def servo(
 def supply(
     controller: MotorController, dt: float, steps: int, rng: np.random.Generator
 ) -> Callable[[float, int], float]:
-    """Return `applied(u, n)`: the voltage at the motor in step n, as the bus, and so the pulses, vary."""
+    """Return `applied(u, n)`: the motor voltage in step n with bus ripple and wander."""
     if not controller.ripple and not controller.wander:
         return lambda u, _: u
     gain = 1.0 + controller.ripple * np.sin(2.0 * pi * controller.ripple_hz * dt * np.arange(steps))
     if controller.wander:
-        keeps = exp(-dt / controller.wander_s)
-        noise = rng.standard_normal(steps) * controller.wander * sqrt(1.0 - keeps**2)
-        gain += lfilter([1.0], [1.0, -keeps], noise)
+        pole = exp(-dt / controller.wander_s)
+        noise = rng.standard_normal(steps) * controller.wander * sqrt(1.0 - pole**2)
+        gain += lfilter([1.0], [1.0, -pole], noise)
     gains = gain.tolist()
     return lambda u, n: u * gains[n]

@@ -1,11 +1,11 @@
 """The test stand of docs/tutorial-raw.md: a drive of the virtual bench, and a logger with its own units.
 
     python test_stand.py monday.csv                        a sum of sines
-    python test_stand.py tuesday.csv plan/reference.csv    the motion that was planned
+    python test_stand.py tuesday.csv plan/reference.csv    the planned motion
 
-The logger writes lines about itself, semicolons, decimal commas, a row of units, and the set point of its
-controller beside what it measures. The drive is simulated: what is known of it
-at the stand is on the page, what is planted in it is below.
+The logger writes header lines, semicolons, decimal commas, a row of units, and the set point of its
+controller in addition to the measured signals. The drive is simulated: the page gives its known values, the
+planted effect is below.
 """
 
 import sys
@@ -20,7 +20,7 @@ ZERO_DEG = 127.5  # of the logger
 
 
 def main() -> None:
-    """Measure, and write what the logger would have written."""
+    """Simulate a measurement and write it as the logger would."""
     out, *planned = map(Path, sys.argv[1:])
     scenario = random_scenario(
         np.random.default_rng(SEED),

@@ -1,11 +1,11 @@
 """A geared servo that swings a mass: gear friction that follows the motor torque and the gravity torque.
 
-The gear of a small servo presses its teeth together with what the motor puts in and what the mass gives back,
-so that dry friction grows with both, and with the square of the motor torque (M. Duclusaud, G. Passault,
-V. Padois and O. Ly, arXiv:2410.08650).  At full duty cycle such a gear locks itself.
+In the gear of a small servo the tooth force grows with the motor torque and with the load, so dry friction
+grows with both, and with the square of the motor torque (M. Duclusaud, G. Passault, V. Padois and O. Ly,
+arXiv:2410.08650).  At full duty cycle such a gear is self-locking.
 
-A log of the drive signal alone cannot show this friction by regression, since it follows that very signal;
-`eccentric fit --simulated` finds it by the motion that it makes.
+Regression on a log with the drive signal alone cannot identify this friction, which depends on that signal;
+`eccentric fit --simulated` identifies it from the motion.
 """
 
 from dataclasses import replace

@@ -1,11 +1,11 @@
-"""The log of a carriage on a screw, simulated: a stiff linear axis under a digital position loop.
+"""Simulate the log of a carriage on a screw: a stiff linear axis under a digital position loop.
 
-No code of the toolkit is in it. Run it to write slide.csv.gz again: python examples/slide/make_log.py
+Independent of the toolkit. Run it to regenerate slide.csv.gz: python examples/slide/make_log.py
 
-The plant is m dv/dt = gain u - B v - C sgn v - F_load, by the trapezoidal rule in steps of an eighth of a
-millisecond, dry friction implicitly, so that it sticks. The loop runs at 1 kHz: proportional in the
-position, proportional and integral in the velocity, which is the difference of the encoder's steps. Rows
-are logged halfway between two instants of the loop, where position and voltage are simultaneous.
+The plant is m dv/dt = gain u - B v - C sgn v - F_load, integrated by the trapezoidal rule in steps of an
+eighth of a millisecond, with implicit dry friction, so that it sticks. The loop runs at 1 kHz: P for the
+position, PI for the velocity, which is the difference of encoder positions. Rows are logged halfway between
+two control instants, where position and voltage are simultaneous.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def _run(rng: np.random.Generator, plant: Carriage, seconds: float, run: int) ->
 
 
 def _moves(rng: np.random.Generator, n: int) -> np.ndarray:
-    """Position and velocity wanted at each instant (n, 2): quintic moves of 0.8 to 2.2 s, rests between."""
+    """Reference position and velocity (n, 2): quintic moves of 0.8 to 2.2 s with rests between."""
     found, at = np.zeros((n, 2)), 300
     low, high = 0.0, 0.2
     while at < n:
@@ -100,6 +100,6 @@ if __name__ == "__main__":
     columns = logged(7, Carriage(stribeck=12.0, ripple=4.0), seconds=10.0)
     rows = zip(*(columns[name][::2].tolist() for name in ("t_s", "q_m", "u_V", "run")), strict=True)
     text = "".join(f"{t:.4f},{1e3 * q:.3f},{u:.4f},{run:.0f}\n" for t, q, u, run in rows)
-    # Without a time stamp: the same rows give the same file.
+    # No time stamp: the same rows give the same file.
     packed = gzip.compress(f"t_s,q_mm,u_V,run\n{text}".encode(), mtime=0)
     Path(__file__).with_name("slide.csv.gz").write_bytes(packed)

@@ -1,4 +1,4 @@
-"""Write arm.csv.gz again: a log of the virtual test bench, in columns and units of a drive's own recorder.
+"""Regenerate arm.csv.gz: a log of the virtual test bench, in the columns and units of a drive's recorder.
 
 Run it in this folder: python make_log.py
 """

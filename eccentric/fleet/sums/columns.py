@@ -1,12 +1,12 @@
-"""A rig and its model as columns: target = X b + residual on window means, in newton metres at the motor.
+"""The regression of a rig's model: target = X b + residual on window means, in newton metres at the motor.
 
-Of a carriage they are in newtons, and everything has its letters and units.
+For a linear axis in newtons, with its symbols and units.
 
-friction   one column for each coefficient of the regressor of the emitted model
+friction   one column for each coefficient of the emitted model's regressor
 inertia    where the rig does not give it
-scale      J alpha + G as the rig knows them, 1 by definition: what changes it is the gain of the sensor,
-           the torque constant, or the load that is carried
-offset     a constant torque: an offset of the sensor, or a constant load
+scale      J alpha + G by the rig's values, nominally 1: changes with the sensor gain, the torque constant or
+           the payload
+offset     a constant torque: sensor offset or constant load
 """
 
 from __future__ import annotations
@@ -44,9 +44,10 @@ _DRIVES = ("current", "torque", "torque_l", "voltage")
 
 @dataclass(frozen=True)
 class Heading:
-    """A column: the name of its coefficient, its unit, and what it is by its declared role.
+    """A column: the name, unit and kind of its coefficient.
 
-    `kind` of friction: "load" if it follows a load, else "viscous" or "coulomb", "friction" for other roles.
+    `kind` of friction: "load" if it depends on a load, else "viscous" or "coulomb", "friction" for other
+    roles.
     """
 
     name: str
@@ -60,7 +61,7 @@ class Heading:
 
 
 class Columns:
-    """The columns of one joint; InputError for a rig that leaves open what sums cannot hold."""
+    """The columns of one joint; InputError for a rig with open values that sums cannot represent."""
 
     def __init__(self, rig: Rig) -> None:
         self.rig = rig
@@ -70,8 +71,8 @@ class Columns:
         self._open_inertia = not self._machine.inertia_letters <= set(self._known)
         self._emitted = Emitted(model)
         unfitted = dict.fromkeys((q.name for q in model.friction_parameters), 0.0)
-        given = {**self._machine.absent, "M_l": 0.0, **self._known, **unfitted}
-        self._values = {name: value for name, value in given.items() if name != LOAD}
+        values = {**self._machine.absent, "M_l": 0.0, **self._known, **unfitted}
+        self._values = {name: value for name, value in values.items() if name != LOAD}
         self._parameters = self._emitted.parameters(self._values)
 
     @cached_property
@@ -79,14 +80,14 @@ class Columns:
         """The columns in their order."""
         gravity = self._model.balance("mechanical").sum_of("gravity") != 0
         axis = self._model.axis
-        own = [Heading(c.name, c.unit, _kind(c.role, c.load)) for c in regressor(spoken(self._model))]
+        friction = [Heading(c.name, c.unit, _kind(c.role, c.load)) for c in regressor(spoken(self._model))]
         rotor = Heading(axis.named(self._machine.rotor), axis.unit("kg m^2"), "inertia")
         inertia = [rotor] if self._open_inertia else []
         scale = [] if self._open_inertia and not gravity else [Heading(SCALE, "1", "scale")]
-        return (*own, *inertia, *scale, Heading(OFFSET, axis.unit("N m"), "offset"))
+        return (*friction, *inertia, *scale, Heading(OFFSET, axis.unit("N m"), "offset"))
 
     def torque(self, drive: Mapping[str, Array], omega: Array) -> Array:
-        """The drive torque (m,) [N m] of what measures it, "torque", "current" or "voltage" (m,)."""
+        """The drive torque (m,) [N m] from a measured "torque", "current" or "voltage" (m,)."""
         if "torque" in drive:
             return drive["torque"]
         if "current" in drive:
@@ -96,33 +97,33 @@ class Columns:
         return self._machine.torque(self._known, current)
 
     def require_drive(self, measured_by: str) -> None:
-        """Raise InputError if the rig does not give what makes a torque of the measured drive."""
+        """Raise InputError if the rig lacks a constant to convert the measured drive to torque."""
         _require_motor(self.rig, self._machine, set(self._known), measured_by)
 
     def rows(self, theta: Array, omega: Array, alpha: Array, torque: Array) -> Array:
-        """X and the target (m, k + 1) from the motion of the motor and the drive torque, each (m,)."""
+        """[X y] (m, k + 1) from the motor's motion and the drive torque, each (m,)."""
         if zero := self.rig.alignment.theta_zero_rad:
             theta = theta - zero / self.rig.value("mu")
         inputs = {"theta_m": theta, "omega_m": omega, "alpha_m": alpha}
         friction = self._emitted("regressor", inputs, self._parameters)
         gravity = self._emitted("gravity_torque", inputs, self._parameters) + np.zeros_like(omega)
-        found = np.empty((len(omega), len(self.headings) + 1))
-        found[:, : friction.shape[1]] = friction
+        design = np.empty((len(omega), len(self.headings) + 1))
+        design[:, : friction.shape[1]] = friction
         place = friction.shape[1]
         if self._open_inertia:
-            found[:, place] = alpha
+            design[:, place] = alpha
             place += 1
         else:
             gravity = gravity + self._machine.inertia(self._values) * alpha
         if place < len(self.headings) - 1:
-            found[:, place] = gravity
-        found[:, -2] = 1.0
-        found[:, -1] = torque - self._known.get(LOAD, 0.0) * load_gain(self.rig)
-        return found
+            design[:, place] = gravity
+        design[:, -2] = 1.0
+        design[:, -1] = torque - self._known.get(LOAD, 0.0) * load_gain(self.rig)
+        return design
 
 
 def drive_channel(channels: Collection[str], rig: Rig) -> str | None:
-    """What measures the drive torque: by the rig, else the first channel that is there; None without any."""
+    """The channel that measures the drive: by the rig, else the first present; None without any."""
     wanted = {None: _DRIVES, "torque": ("torque", "torque_l")}.get(rig.log.drive, (rig.log.drive,))
     return next((name for name in wanted if name in channels), None)
 
@@ -141,7 +142,7 @@ def _require_motor(rig: Rig, machine: Machine, known: Collection[str], measured_
 
 
 def require_rig(rig: Rig) -> Model:
-    """The model of a rig; InputError for a rig that leaves open what sums cannot hold."""
+    """The model of a rig; InputError for a rig with open values that sums cannot represent."""
     model = load_model(rig.model)
     require_case(rig, model)
     if rig.unknown or rig.estimate:
@@ -172,18 +173,18 @@ def _kind(role: Role, load: Load) -> Kind:
     return {Role.VISCOUS: "viscous", Role.COULOMB: "coulomb"}.get(role, "friction")  # pyright: ignore[reportReturnType]
 
 
-# Sums of a design as triangles, which stack: the R of the stack is that of the whole.
+# Sums of a design as QR triangles, which stack: the R of stacked triangles is that of all rows.
 
 
 def dependent(triangle: Array) -> list[int]:
-    """Columns of X that the rest makes up, or that are zero; empty if all can be told apart."""
+    """Columns of X that are zero or linearly dependent; empty if all are identifiable."""
     zero, together = inseparable(triangle[:, :-1], MEMBER_PART, NO_COLUMN)
     return zero or together
 
 
 @dataclass(frozen=True)
 class Solved:
-    """Values (k,), their covariance (k, k) and its degrees of freedom."""
+    """Coefficient values (k,), their covariance (k, k) and its degrees of freedom."""
 
     values: Array
     covariance: Array
@@ -191,18 +192,18 @@ class Solved:
 
 
 def solve(stack: Array) -> Solved:
-    """Least squares over triangles (b, k + 1, k + 1), with the covariance from how the blocks differ.
+    """Least squares over triangles (b, k + 1, k + 1), with a cluster-robust covariance over blocks.
 
-    Rows within a block may depend on each other in any way (a sandwich over blocks; Liang and Zeger, 1986).
+    Rows within a block may be correlated in any way (sandwich estimator; Liang and Zeger, 1986).
     """
-    whole = merged(stack)
-    k = whole.shape[0] - 1
-    values = np.linalg.solve(whole[:k, :k], whole[:k, k])
+    triangle = merged(stack)
+    k = triangle.shape[0] - 1
+    values = np.linalg.solve(triangle[:k, :k], triangle[:k, k])
     x, y = stack[:, :, :-1], stack[:, :, -1]
     score = np.einsum("bij,bi->bj", x, y - x @ values)
-    held = int(np.count_nonzero(np.any(x != 0.0, axis=(1, 2))))
-    freedom = max(held - k, 1)
+    occupied = int(np.count_nonzero(np.any(x != 0.0, axis=(1, 2))))
+    freedom = max(occupied - k, 1)
     # R^-1 R^-T is the inverse of X'X.
-    half = np.linalg.solve(whole[:k, :k].T, score.T)
-    spread = np.linalg.solve(whole[:k, :k], half)
-    return Solved(np.asarray(values, float), spread @ spread.T * (held / freedom), freedom)
+    half = np.linalg.solve(triangle[:k, :k].T, score.T)
+    spread = np.linalg.solve(triangle[:k, :k], half)
+    return Solved(np.asarray(values, float), spread @ spread.T * (occupied / freedom), freedom)

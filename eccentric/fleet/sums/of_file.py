@@ -1,4 +1,4 @@
-"""One file of a joint -> its sums: triangles of blocks of rows, and what the file covers."""
+"""One file of a joint -> its sums: triangles of blocks of rows, and the coverage."""
 
 from __future__ import annotations
 
@@ -39,19 +39,19 @@ from eccentric.signals import (
     weights_by_parts,
 )
 
-# Even samples -> means over smooth windows, with the mean first and second rate of the angle.
+# Evenly spaced samples -> means over smooth windows, with mean first and second derivative of the angle.
 #
-# Rates are integrated by parts (`weights_by_parts`), so that a balance J x'' + ... = tau is averaged as a
-# whole, and the angle is differentiated inside its own low pass. Windows are spaced by a quarter of their
-# length, so that each sample is multiplied 4 times by a kernel: the samples are cut into quarters, one matrix
-# product takes them all, and four shifted sums make the windows.
+# Derivatives are integrated by parts (`weights_by_parts`), so that all terms of a balance J x'' + ... = tau
+# get the same average, and the angle is differentiated within its low pass. Windows are spaced by a quarter
+# of their length, so each sample is in 4 windows: the samples are split into quarters, multiplied by the
+# kernels in one matrix product, and four shifted products add up to the windows.
 
 
 Array = NDArray[np.float64]
 
 
 def share_of(low_pass_hz: float, step_s: float) -> int:
-    """Samples between two windows: a quarter of the length that suits a cut-off [Hz] at a step [s]."""
+    """Samples between windows: a quarter of the window length for a cut-off [Hz] at a step [s]."""
     return max(LEAST_SHARE, round(WINDOW_PERIODS / low_pass_hz / SHARES / step_s))
 
 
@@ -61,11 +61,11 @@ def means(x: Array, share: int) -> Array:
 
 
 def rates(x: Array, share: int, step_s: float) -> tuple[Array, Array, Array]:
-    """Means of samples (n,), of their first rate [1/s] and of their second rate [1/s^2], each (m,)."""
-    # Of a large angle only the differences count: the kernels of rates sum to zero up to rounding.
+    """Means of samples (n,), of their first [1/s] and second [1/s^2] derivative, each (m,)."""
+    # Subtract the offset of a large angle: the derivative kernels sum to zero only up to rounding.
     start = x[0]
-    found = _windows(x - start, share, _kernels(share))
-    return found[:, 0] + start, found[:, 1] / step_s, found[:, 2] / step_s**2
+    averages = _windows(x - start, share, _kernels(share))
+    return averages[:, 0] + start, averages[:, 1] / step_s, averages[:, 2] / step_s**2
 
 
 def any_in(flag: NDArray[np.bool_], share: int) -> NDArray[np.bool_]:
@@ -85,34 +85,34 @@ def _windows(x: Array, share: int, kernels: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def _kernels(share: int) -> Array:
-    """Weights (SHARES * share, 3) of the mean, the first and the second rate, for samples 1 s apart."""
+    """Weights (SHARES * share, 3) of the mean, first and second derivative, for samples 1 s apart."""
     half = 0.5 * SHARES * share
     place = np.arange(SHARES * share, dtype=np.float64) + (0.5 - half)
     return weights_by_parts(place[None], half, (0, 1, 2), degree=3)[:, 0].T
 
 
-# The threshold of motion of a file, from the speeds of all of its windows, in memory that does not grow.
+# The motion threshold of a file, from the speeds of all its windows, in constant memory.
 
 
 _EDGES = np.exp(np.arange(np.log(1e-9), np.log(1e9), np.log(SPEED_BIN)))
 
 
 class Speeds:
-    """The way covered at each speed, in bins, and the speed that the encoder resolves."""
+    """Histogram of travel over speed, and the speed that the encoder resolves."""
 
     def __init__(self) -> None:
         self._way = np.zeros(len(_EDGES) + 1)
         self._resolved = 0.0
 
     def add(self, omega: Array, quantum: float, share_s: float) -> None:
-        """Add windows with speeds [rad/s] (m,), spaced by `share_s` [s], of an encoder of steps [rad]."""
+        """Add windows of speeds [rad/s] (m,), spaced by `share_s` [s], with an encoder step [rad]."""
         speed = np.abs(omega)
         at = np.searchsorted(_EDGES, speed)
         self._way += np.bincount(at, speed * share_s, minlength=len(self._way))
         self._resolved = max(self._resolved, QUANTA * quantum / (SHARES * share_s))
 
     def threshold(self) -> float:
-        """The speed [rad/s] above which a window moves; 0 for a file that never moves."""
+        """The speed [rad/s] above which a window counts as moving; 0 for a file without motion."""
         way = np.cumsum(self._way)
         if not way[-1]:
             return self._resolved
@@ -120,19 +120,20 @@ class Speeds:
         return max(self._resolved, SLOW * float(fast))
 
 
-# A file, batch by batch, as stretches of even samples: those that a window still needs come with the next.
+# A file, batch by batch, as stretches of evenly spaced samples. Samples that later windows need are carried
+# over to the next batch.
 #
-# Windows are then those of the whole file, whatever the size of the batches. Of unevenly sampled logs the
-# angle and all else is interpolated linearly on an even grid, which begins anew with each batch.
+# Windows are then the same whatever the size of the batches. Unevenly sampled logs are interpolated linearly
+# on an even grid, which begins anew with each batch.
 
 
 @dataclass(frozen=True)
 class Piece:
-    """Even samples (n,) of one stretch, `step` [s] apart, `share` of them from window to window.
+    """Samples (n,) of one stretch, `step` [s] apart, with `share` samples between windows.
 
-    `drive` is what measures the torque, by its channel, with a torque of the link converted; `wanted` are the
-    rows that the rig uses with the motor on. `quantum` [rad] is the encoder's step by the rig, else 0.
-    `place` is where it begins in the file, in rows, of `total`.
+    `drive` is the channel `measured_by`, a link torque converted to the motor; `wanted` masks rows that the
+    rig uses with the motor on. `quantum` [rad] is the encoder step by the rig, else 0. `place` is the first
+    row in the file, of `total`.
     """
 
     theta: Array
@@ -148,36 +149,36 @@ class Piece:
 
 
 def pieces(path: Path, rig: Rig, rows: int) -> Iterator[Piece]:
-    """Yield the pieces of a file, at most `rows` of it, and what a window needs, in memory."""
-    left: _Left | None = None
+    """Yield the pieces of a file, with at most `rows` rows and those carried over in memory."""
+    carried: _Left | None = None
     place = 0
     stream = stream_log(path)
     total = stream.rows
     spans = [(first, min(first + rows, total)) for first in range(0, total, rows)]
     for log in stream.batches(stream_columns(stream, rig), spans):
         logged = read_table([log], rig)
-        whole = logged if left is None else left.before(logged)
-        table, _ = of_the_motor(whole, rig)
+        extended = logged if carried is None else carried.before(logged)
+        table, _ = of_the_motor(extended, rig)
         theta = table.channels["theta_m"]
-        if left is not None:
-            theta = theta + (left.theta - theta[0])
+        if carried is not None:
+            theta = theta + (carried.theta - theta[0])
         begins = place - (len(theta) - len(logged.run))
         place = begins + len(theta)
         each = rows_of_each(stretches(table.channels["time"], table.run))
-        left = None
-        for rows_of_it in each:
-            piece = _piece(table, theta, rows_of_it, rig, _quantum(logged, rig), begins, total)
+        carried = None
+        for stretch in each:
+            piece = _piece(table, theta, stretch, rig, _quantum(logged, rig), begins, total)
             if piece is not None:
                 yield piece
-            if rows_of_it is each[-1]:
+            if stretch is each[-1]:
                 done = 0 if piece is None else max(len(piece.theta) // piece.share - SHARES + 1, 0)
-                first = rows_of_it[0] + (0 if piece is None else done * piece.share)
-                left = _Left.of(whole, float(theta[first]), int(first))
+                first = stretch[0] + (0 if piece is None else done * piece.share)
+                carried = _Left.of(extended, float(theta[first]), int(first))
 
 
 @dataclass(frozen=True)
 class _Left:
-    """The rows that the next batch begins with, and the angle of the motor at the first of them."""
+    """Rows carried over to the next batch, and the motor angle at the first of them."""
 
     table: Table
     theta: float
@@ -187,20 +188,22 @@ class _Left:
         return cls(_rows(table, slice(first, None)), theta)
 
     def before(self, table: Table) -> Table:
-        """These rows and those of a table, its runs numbered on, as one."""
-        own = self.table
-        if set(own.channels) != set(table.channels):
+        """Concatenate these rows and a table, with its runs renumbered."""
+        carried = self.table
+        if set(carried.channels) != set(table.channels):
             raise InputError("expected the same channels in all parts of a log")
-        goes_on = own.run_names[own.run[-1]] == table.run_names[0]
-        run = table.run + own.run[-1] + (0 if goes_on else 1)
-        names = (*own.run_names[: own.run[-1] + 1], *table.run_names[1 if goes_on else 0 :])
-        both = {name: np.concatenate([x, table.channels[name]]) for name, x in own.channels.items()}
+        last = carried.run[-1]
+        continues = carried.run_names[last] == table.run_names[0]
+        run = table.run + last + (0 if continues else 1)
+        names = (*carried.run_names[: last + 1], *table.run_names[1 if continues else 0 :])
+        both = {name: np.concatenate([x, table.channels[name]]) for name, x in carried.channels.items()}
         masks = {
-            name: np.concatenate([getattr(own, name), getattr(table, name)])
+            name: np.concatenate([getattr(carried, name), getattr(table, name)])
             for name in _of_rows(table)
             if name != "run"
         }
-        return replace(table, channels=both, run=np.concatenate([own.run, run]), run_names=names, **masks)
+        run = np.concatenate([carried.run, run])
+        return replace(table, channels=both, run=run, run_names=names, **masks)
 
 
 def _rows(table: Table, rows: slice) -> Table:
@@ -209,14 +212,14 @@ def _rows(table: Table, rows: slice) -> Table:
 
 
 def _of_rows(table: Table) -> list[str]:
-    """The names of what a table has for each row, beside its channels: the number of the run, and masks."""
+    """Names of a table's arrays by row besides its channels: the run number and the masks."""
     return [f.name for f in fields(table) if isinstance(getattr(table, f.name), np.ndarray)]
 
 
 def _piece(
     table: Table, theta: Array, rows: NDArray[np.int64], rig: Rig, quantum: float, begins: int, total: int
 ) -> Piece | None:
-    """The stretch of these rows; None for one too short to have a rate."""
+    """The piece of these rows; None if too short for a sampling rate."""
     if len(rows) <= LEAST_STEPS:
         return None
     part = slice(int(rows[0]), int(rows[-1]) + 1)
@@ -246,7 +249,7 @@ def _piece(
 
 
 def _quantum(logged: Table, rig: Rig) -> float:
-    """The step of the angle at the motor [rad], by the counts that the rig gives; else 0."""
+    """The encoder step at the motor [rad], if the rig gives the counts; else 0."""
     if rig.log.counts_per_rev is None or not {"theta_m", "theta_l"} & set(logged.channels):
         return 0.0
     gear = 1.0 if "theta_m" in logged.channels else rig.value("mu")
@@ -254,7 +257,7 @@ def _quantum(logged: Table, rig: Rig) -> float:
 
 
 def _drive(channels: Mapping[str, Array], rig: Rig) -> tuple[str, Array]:
-    """What measures the drive torque, by the rig, else the first that is logged, and its signal (n,)."""
+    """The channel that measures the drive, and its signal (n,)."""
     name = drive_channel(channels, rig)
     if name is None:
         drives = f"current, {rig.axis.term('torque')} or voltage"
@@ -269,10 +272,10 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Coverage:
-    """What a file covers: rows, seconds in motion, the part of them forward, speeds, temperatures.
+    """Coverage of a file: rows, seconds in motion, their forward fraction, speeds, temperatures.
 
-    `low` and `high` are the slowest and the fastest window [rad/s, or m/s]; temperatures [deg C], the mean
-    and the range in motion, are NaN where none is logged.
+    `low` and `high` are the speeds of the slowest and fastest window [rad/s, or m/s]; temperatures [deg C],
+    mean and range in motion, are NaN where none is logged.
     """
 
     rows: int
@@ -287,7 +290,7 @@ class Coverage:
 
 @dataclass(frozen=True)
 class FileSums:
-    """Sums of one file: triangles (BLOCKS, k + 1, k + 1) of [X y], windows in each (BLOCKS,), coverage."""
+    """Sums of one file: triangles (BLOCKS, k + 1, k + 1) of [X y], windows per block (BLOCKS,), coverage."""
 
     triangles: Array
     windows: Integers
@@ -295,18 +298,18 @@ class FileSums:
 
 
 def sums_of(path: Path, columns: Columns, rows: int = BATCH_ROWS) -> FileSums:
-    """The sums of a file with at most `rows` of it in memory, the same whatever that number up to rounding.
+    """The sums of a file with at most `rows` in memory; up to rounding independent of that number.
 
-    Where the rig has no threshold of motion, it is that of all of the file, and a file of more rows than that
-    is read twice. Raises InputError for a file that cannot be read or does not fit its rig, and for a drive
-    that is stuck.
+    Without a motion threshold in the rig it is determined from the file, which is read twice if it has more
+    than `rows`. Raises InputError for a file that cannot be read or does not fit its rig, and for a stuck
+    drive signal.
     """
     size = len(columns.headings) + 1
     stack, counts, covered = np.zeros((BLOCKS, size, size)), np.zeros(BLOCKS, dtype=np.int64), _Covered()
     slow, every = columns.rig.sampling.moving_threshold_rad_s, pieces(path, columns.rig, rows)
     if slow is None:
-        slow, held = _threshold(every, rows)
-        every = held or pieces(path, columns.rig, rows)
+        slow, buffered = _threshold(every, rows)
+        every = buffered or pieces(path, columns.rig, rows)
     for piece in every:
         columns.require_drive(piece.measured_by)
         covered.rows = piece.total
@@ -314,23 +317,23 @@ def sums_of(path: Path, columns: Columns, rows: int = BATCH_ROWS) -> FileSums:
             continue
         theta, omega, alpha = rates(piece.theta, piece.share, piece.step)
         span = SHARES * piece.share * piece.step
-        # From end to end of the window, so that none contains a reversal.
+        # Fast from end to end of the window, so that none contains a reversal.
         fast = np.abs(omega) > slow + 0.5 * span * np.abs(alpha)
-        kept = np.flatnonzero(fast & ~any_in(~piece.wanted, piece.share))
-        if not len(kept):
+        moving = np.flatnonzero(fast & ~any_in(~piece.wanted, piece.share))
+        if not len(moving):
             continue
-        covered.add(piece, kept, omega[kept])
-        drive = means(piece.drive, piece.share)[kept]
-        torque = columns.torque({piece.measured_by: drive}, omega[kept])
-        design = columns.rows(theta[kept], omega[kept], alpha[kept], torque)
-        block = np.minimum((piece.place + kept * piece.share) * BLOCKS // piece.total, BLOCKS - 1)
-        found = triangles(design, block, BLOCKS)
-        held = np.flatnonzero(counts)
+        covered.add(piece, moving, omega[moving])
+        drive = means(piece.drive, piece.share)[moving]
+        torque = columns.torque({piece.measured_by: drive}, omega[moving])
+        design = columns.rows(theta[moving], omega[moving], alpha[moving], torque)
+        block = np.minimum((piece.place + moving * piece.share) * BLOCKS // piece.total, BLOCKS - 1)
+        new = triangles(design, block, BLOCKS)
+        occupied = np.flatnonzero(counts)
         counts += np.bincount(block, minlength=BLOCKS)
-        for again in np.intersect1d(held, block):
-            found[again] = merged(np.stack([stack[again], found[again]]))
-        fresh = np.unique(block)
-        stack[fresh] = found[fresh]
+        for shared in np.intersect1d(occupied, block):
+            new[shared] = merged(np.stack([stack[shared], new[shared]]))
+        updated = np.unique(block)
+        stack[updated] = new[updated]
     if covered.repeats > STUCK_PART * covered.samples:
         raise InputError(
             path,
@@ -341,20 +344,20 @@ def sums_of(path: Path, columns: Columns, rows: int = BATCH_ROWS) -> FileSums:
 
 
 def _threshold(every: Iterable[Piece], rows: int) -> tuple[float, list[Piece]]:
-    """The threshold of motion [rad/s] of a file, and its pieces if it has at most `rows`."""
-    speeds, held = Speeds(), list[Piece]()
+    """The motion threshold [rad/s] of a file, and its pieces if it has at most `rows`."""
+    speeds, buffered = Speeds(), list[Piece]()
     for piece in every:
         if piece.total <= rows:
-            held.append(piece)
+            buffered.append(piece)
         if len(piece.theta) >= SHARES * piece.share:
             omega = rates(piece.theta, piece.share, piece.step)[1]
             speeds.add(omega[~any_in(~piece.wanted, piece.share)], piece.quantum, piece.share * piece.step)
-    return speeds.threshold(), held
+    return speeds.threshold(), buffered
 
 
 @dataclass
 class _Covered:
-    """What the windows seen so far cover."""
+    """Accumulated coverage of the windows so far."""
 
     rows: int = 0
     windows: int = 0
@@ -368,15 +371,15 @@ class _Covered:
     samples: int = 0
     repeats: int = 0
 
-    def add(self, piece: Piece, kept: Integers, omega: Array) -> None:
-        """Add the kept windows of a piece with their speeds."""
+    def add(self, piece: Piece, moving: Integers, omega: Array) -> None:
+        """Add the moving windows of a piece with their speeds."""
         size = np.abs(omega)
-        self.windows += len(kept)
+        self.windows += len(moving)
         self.forward += int(np.count_nonzero(omega > 0.0))
-        self.seconds += len(kept) * piece.share * piece.step
+        self.seconds += len(moving) * piece.share * piece.step
         self.low, self.high = min(self.low, float(size.min())), max(self.high, float(size.max()))
-        first = kept * piece.share
-        self.samples += len(kept)
+        first = moving * piece.share
+        self.samples += len(moving)
         self.repeats += int(np.count_nonzero(piece.drive[first] == piece.drive[first + 1]))
         if piece.temperature is not None:
             heat = piece.temperature[first]
@@ -385,7 +388,7 @@ class _Covered:
             self.warmest = max(self.warmest, float(heat.max()))
 
     def result(self) -> Coverage:
-        """The coverage; NaN for what nothing says."""
+        """The coverage, with NaN where there is no data."""
         none, nan = not self.windows, float("nan")
         warm = np.isfinite(self.coldest)
         return Coverage(

@@ -1,16 +1,16 @@
-"""Serial chains: joints in a row, each with its body and its drive; one joint is the paper's rotating link.
+"""Serial chains: joints in series, each with its body and drive; one joint is the paper's rotating link.
 
 In: `Chain` of `Joint` and `Body`, numbers or expressions.  Out: `recursion(chain)`, the motion, the wrenches
-and the loads of the bearings as ordered definitions of scalars.
+and the bearing loads as ordered scalar definitions.
 
-    links      joint, body and placement; numbers kept exact, so that zeros and ones fold
-    chain      joints and bodies in a row, gravity, payload; what tells one chain from another
-    motion     how a frame moves in another, differentiated in time; Newton and Euler for a body and a rotor
-    recursion  outwards the motion of every body, inwards the wrench of every joint; loads of the bearings
-    inertial   a letter for every inertial parameter; torque per parameter that a motion can show
+    links      joint, body and placement, with exact numbers, so that zeros and ones fold
+    chain      joints and bodies in series, gravity, payload; comparison of chains
+    motion     motion of a frame in its carrier, differentiated in time; Newton and Euler for body and rotor
+    recursion  outwards the motion of every body, inwards the wrench of every joint; bearing loads
+    inertial   symbols for inertial parameters; the regressor of the identifiable ones
     rest       the arm at rest, and a time step
     outputs    the functions of an arm: torques, loads, friction, regressors
-    drive      motor, gear and friction of every joint: its balances; all of it as a model
+    drive      motor, gear and friction of every joint: its balances; the complete model
 """
 
 from eccentric.model.chain import motion

@@ -1,4 +1,4 @@
-"""Chains: joints in a row, each with the body that it moves; one joint is the paper's rotating link."""
+"""Chains: joints in series, each with the body it moves; one joint is the paper's rotating link."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from eccentric.model.chain.links import Body, Joint, Moments, exact, vector
 from eccentric.model.quantity import Quantity, require_free
 
 _LONG = 10**18
-"""Least denominator of a fraction that is rounded to 17 digits."""
+"""Smallest denominator of a fraction that is rounded to 17 digits."""
 
 
 @dataclass(frozen=True)
 class Link:
-    """A joint as the recursion takes it: the axis is x, y or z of its frame.
+    """A joint in the form of the recursion: its axis is x, y or z of the frame.
 
     Attributes:
-        joint: as it was given.
+        joint: the original joint.
         axis: 0, 1 or 2 for x, y or z.
         sign: 1, or -1 if the joint moves along or about the opposite direction.
         rotation, position: of the frame in that of the parent.
         moments: of the body in this frame, payload included [kg, kg m, kg m^2].
-        tilt: this frame in the joint's own one: its axes as columns; the unit matrix but for an oblique axis.
+        tilt: rotation of this frame in the joint's frame; the identity unless the axis is oblique.
     """
 
     joint: Joint
@@ -46,13 +46,13 @@ class Chain:
     Args:
         name: in code.
         joints: from the base outwards.
-        bodies: the body that each joint moves, or its moments of mass.
+        bodies: the body moved by each joint, or its moments of mass.
         gravity: acceleration of free fall in the frame of the base [m/s^2].
         payload: a body fixed to the last one, in the frame of the last joint.
-        parameters: the quantities whose symbols stand in joints, bodies, gravity and payload.
+        parameters: the quantities whose symbols occur in joints, bodies, gravity and payload.
 
     Raises:
-        InputError: no joints, a joint without a body, or a symbol that no parameter has.
+        InputError: no joints, a joint without a body, or a symbol that is not a parameter.
     """
 
     def __init__(
@@ -85,8 +85,8 @@ class Chain:
 
     @property
     def links(self) -> tuple[Link, ...]:
-        """Its joints, with the frames of those with an oblique axis turned so that z is the axis."""
-        found, outer = [], sp.eye(3)
+        """Its joints, with frames rotated so that an oblique axis becomes z."""
+        links, outer = [], sp.eye(3)
         for place, (joint, body) in enumerate(zip(self.joints, self.bodies, strict=True)):
             moments = body.moments
             if self.payload is not None and place == len(self.joints) - 1:
@@ -99,9 +99,9 @@ class Chain:
             rotation = outer.T * joint.placement.rotation * tilt
             position = outer.T * joint.placement.position
             rotation, position = (sp.ImmutableMatrix(x.applyfunc(_short)) for x in (rotation, position))
-            found.append(Link(joint, axis, sign, rotation, position, moments, sp.ImmutableMatrix(tilt)))
+            links.append(Link(joint, axis, sign, rotation, position, moments, sp.ImmutableMatrix(tilt)))
             outer = tilt
-        return tuple(found)
+        return tuple(links)
 
 
 def _symbols(link: Link) -> set[sp.Symbol]:
@@ -112,23 +112,23 @@ def _symbols(link: Link) -> set[sp.Symbol]:
 
 
 def _onto(axis: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
-    """A rotation that brings z onto an axis on its side: by half a turn about the line halfway."""
+    """A rotation of z onto an axis in its half-space: by half a turn about the bisector."""
     half = axis + sp.Matrix([0, 0, 1])
     return sp.ImmutableMatrix(2 * half * half.T / half.dot(half) - sp.eye(3)).applyfunc(_short)
 
 
 def _short(entry: sp.Expr) -> sp.Expr:
-    """A product of decimals as a decimal of 17 digits again; what is short stays exact."""
+    """Round a product of decimals to 17 digits; short numbers stay exact."""
     if not entry.is_number or (entry.is_Rational and entry.q < _LONG):
         return entry
     return exact(float(entry), "entry")
 
 
-# A chain with numbers in place of its letters: their defaults.
+# A chain with numbers in place of its symbols: their defaults.
 
 
 def with_numbers(chain: Chain) -> Chain:
-    """The same chain with the default of every parameter in its place; without parameters, the chain itself.
+    """The chain with every parameter replaced by its default; without parameters, the chain itself.
 
     Raises:
         InputError: a parameter has no default.
@@ -140,13 +140,13 @@ def with_numbers(chain: Chain) -> Chain:
         if q.default is None or not q.default.is_number:
             raise InputError(chain.name, f"a number for {q.name}", "none")
         values[q.symbol] = q.default
-    held = chain.payload
+    payload = chain.payload
     return Chain(
         chain.name,
         [_joint(joint, values) for joint in chain.joints],
         [Moments(*_numbers(body.moments, ("mass", "first", "second"), values)) for body in chain.bodies],
         chain.gravity.xreplace(values),
-        held and Body(*_numbers(held, ("mass", "centre", "inertia"), values), name=held.name),
+        payload and Body(*_numbers(payload, ("mass", "centre", "inertia"), values), name=payload.name),
     )
 
 
@@ -155,44 +155,44 @@ def _numbers(of: Any, names: Sequence[str], values: dict[sp.Symbol, Any]) -> lis
 
 
 def _joint(joint: Joint, values: dict[sp.Symbol, Any]) -> Joint:
-    found = copy.copy(joint)
-    found.placement = copy.copy(joint.placement)
-    found.mu, found.J_m, found.bearing = _numbers(joint, ("mu", "J_m", "bearing"), values)
-    place = found.placement
+    numeric = copy.copy(joint)
+    numeric.placement = copy.copy(joint.placement)
+    numeric.mu, numeric.J_m, numeric.bearing = _numbers(joint, ("mu", "J_m", "bearing"), values)
+    place = numeric.placement
     place.position, place.rotation = _numbers(joint.placement, ("position", "rotation"), values)
-    return found
+    return numeric
 
 
-# What tells one arm from another: gravity, and of every joint its name, place, gear and rotor.
+# The identity of an arm: gravity, and the name, placement, gear and rotor of every joint.
 
 
 _ALIKE = 1e-9
-"""Numbers of one arm are the same, but for their last digits in a file."""
+"""Relative and absolute tolerance for numbers of the same arm, rounded in a file."""
 
 
 def identity_of(chain: Chain) -> dict[str, Any]:
-    """The arm in plain numbers, SI; without its bodies, which a fit may replace and a payload changes."""
-    own = with_numbers(chain)
-    return {"gravity": _plain(own.gravity), "joints": [_of_joint(joint) for joint in own.joints]}
+    """The arm as SI numbers, without its bodies, which a fit may replace and a payload changes."""
+    numeric = with_numbers(chain)
+    return {"gravity": _floats(numeric.gravity), "joints": [_of_joint(joint) for joint in numeric.joints]}
 
 
 def unlike(chain: Chain, given: Mapping[str, Any]) -> str:
-    """In what a chain differs from that of an identity, in words; "" if in nothing.
+    """The first difference of a chain from an identity, in words; "" if there is none.
 
     Args:
         chain: the chain.
-        given: as `identity_of` returns it, possibly from a file.
+        given: an identity as from `identity_of`, possibly from a file.
     """
-    own, joints = identity_of(chain), given.get("joints")
-    names, others = ([x.get("name") for x in table] for table in (own["joints"], joints or []))
+    identity, joints = identity_of(chain), given.get("joints")
+    names, others = ([x.get("name") for x in table] for table in (identity["joints"], joints or []))
     if names != others:
         return f"it has the joints {', '.join(map(str, others)) or 'none'}, not {', '.join(map(str, names))}"
-    for here, there in zip(own["joints"], joints or [], strict=True):
+    for here, there in zip(identity["joints"], joints or [], strict=True):
         for key, value in here.items():
             if not _same(value, there.get(key)):
                 return f"{key} of {here['name']} is {_shown(there.get(key))}, not {_shown(value)}"
-    if not _same(own["gravity"], given.get("gravity")):
-        return f"gravity is {_shown(given.get('gravity'))}, not {_shown(own['gravity'])}"
+    if not _same(identity["gravity"], given.get("gravity")):
+        return f"gravity is {_shown(given.get('gravity'))}, not {_shown(identity['gravity'])}"
     return ""
 
 
@@ -202,14 +202,14 @@ def _of_joint(joint: Joint) -> dict[str, Any]:
         "kind": joint.kind,
         "mu": float(joint.mu),
         "J_m": float(joint.J_m),
-        "axis": _plain(joint.axis),
-        "position": _plain(joint.placement.position),
-        "rotation": _plain(joint.placement.rotation),
+        "axis": _floats(joint.axis),
+        "position": _floats(joint.placement.position),
+        "rotation": _floats(joint.placement.rotation),
         "bearing": float(joint.bearing),
     }
 
 
-def _plain(matrix: Any) -> list[float]:
+def _floats(matrix: Any) -> list[float]:
     return [float(x) for x in matrix]
 
 

@@ -1,8 +1,8 @@
 """The drive and the friction of every joint: the paper's motor, gear and armature, and its postulate (7).
 
-Friction of the link is viscous and Coulomb friction in proportion to each load of its joint: F_N, F_T, M_B
-and what the gear passes on, which is without the friction itself. What follows no load is that of the motor,
-B_m and C_m: behind the gear it would be the same.
+Link friction is viscous and Coulomb friction proportional to each load of its joint: F_N, F_T, M_B and the
+transmitted torque, which excludes the friction itself. Load-independent friction is attributed to the motor,
+B_m and C_m; behind the gear it would be equivalent.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from eccentric.model.steps import Sgn
 
 @dataclass(frozen=True)
 class _Followed:
-    """A load by which friction is scaled: its letter in coefficients, in words, and the unit of C by it.
+    """A load that friction is proportional to: its suffix in coefficients, description, and unit of C.
 
-    The unit of a viscous coefficient is that of C by velocity.
+    The unit of a viscous coefficient is that of C per velocity.
     """
 
     load: Load
@@ -49,13 +49,13 @@ _VISCOUS_SLIDING = {"1": "s/m", "1/m": "s/m^2"}
 
 @dataclass(frozen=True)
 class DriveSymbols:
-    """What the balances of one drive are written in: its inputs, constants and coefficients of friction.
+    """The symbols in the balances of one drive.
 
     Attributes:
         velocity, current, voltage: inputs.
         mu: gear ratio, joint over motor.
         R, k_i, k_e: of the armature.
-        B_m, C_m: friction that follows no load, viscous and Coulomb.
+        B_m, C_m: load-independent viscous and Coulomb friction.
         by_load: viscous and Coulomb friction per load.
     """
 
@@ -80,10 +80,10 @@ def drive_balances(
     """The mechanical [N m, motor side] and the electrical balance [V] of a drive.
 
     Args:
-        x: its letters.
-        moved: name, kind, value and reference of what the motor moves besides friction.
-        loads: size of each load that friction follows.
-        joint: its number, where there are several; their names end in it.
+        x: its symbols.
+        moved: name, kind, value and reference of the other terms: inertia, gravity.
+        loads: magnitude of each load that friction depends on.
+        joint: its number, appended to names, if there are several.
     """
     end, place, one, open_ = "" if joint is None else f"_{joint}", joint or 0, sp.Integer(1), (None, None)
     sgn = Sgn(x.velocity)
@@ -94,7 +94,7 @@ def drive_balances(
     friction = []
     for load, size in loads.items():
         B, C = x.by_load[load]
-        # The gear takes mu f_l from the motor; the joint moves with mu omega_m.
+        # On the motor side friction is mu f_l, and the joint moves with mu omega_m.
         for symbol, basis, role in (
             (B, x.mu**2 * size * x.velocity, Role.VISCOUS),
             (C, x.mu * size * sgn, Role.COULOMB),
@@ -123,7 +123,7 @@ class JointDrive:
     Attributes:
         called: number and name of the joint, for comments.
         current, voltage: of its armature.
-        parameters: those that its balances bring along.
+        parameters: those that its balances introduce.
         mechanical: [N m, motor side].
         electrical: [V].
     """
@@ -157,8 +157,8 @@ def _drive(found: Recursion, j: int) -> JointDrive:
         f"C_m_{j}", "N m", f"Coulomb friction of motor {called}, and all that follows no load", "(10)",
         "nonnegative", "0",
     )  # fmt: skip
-    own = {load: x for load, x in found.bearings[j].loads.items() if not is_zero(x)}
-    loads = {followed.load: own[followed.load] for followed in _FOLLOWED if followed.load in own}
+    nonzero = {load: x for load, x in found.bearings[j].loads.items() if not is_zero(x)}
+    loads = {followed.load: nonzero[followed.load] for followed in _FOLLOWED if followed.load in nonzero}
     by_load = {
         followed.load: _coefficients(followed, j, called, turns=joint.turns)
         for followed in _FOLLOWED
@@ -168,11 +168,11 @@ def _drive(found: Recursion, j: int) -> JointDrive:
         *(*symbols(inputs.omega_m, current, voltage), joint.mu, *symbols(R, k_i, k_e, B_m, C_m)),
         by_load={load: (B.symbol, C.symbol) for load, (B, C) in by_load.items()},
     )
-    moved = (
+    inertial = (
         ("rotor", "inertial", found.rotors[j], "(1)"),
         ("bodies", "bodies", joint.mu * found.torques[j], "(3)"),
     )
-    mechanical, electrical = drive_balances(letters, moved, loads, j)
+    mechanical, electrical = drive_balances(letters, inertial, loads, j)
     parameters = (R, k_i, k_e, B_m, C_m, *(q for pair in by_load.values() for q in pair))
     return JointDrive(called, current, voltage, parameters, mechanical, electrical)
 
@@ -183,7 +183,7 @@ def _called(joint: Joint, j: int) -> str:
 
 
 def friction_units(load: Load, *, turns: bool) -> tuple[str, str]:
-    """The units of viscous and Coulomb friction per load, of a joint that turns or of a slide."""
+    """The units of viscous and Coulomb friction per load, of a revolute joint or a slide."""
     followed = next(one for one in _FOLLOWED if one.load is load)
     coulomb = followed.turning if turns else followed.sliding
     return (_VISCOUS if turns else _VISCOUS_SLIDING)[coulomb], coulomb
@@ -210,10 +210,10 @@ def arm(
         chain: the chain.
         title: of the model, one line.
         equations: of its derivation.
-        found: its recursion, if that is there already.
+        found: its recursion, if already computed.
 
     Returns:
-        A model whose inputs are those of the paper with the joint's number: theta_m_0, theta_m_1, ...; its
+        A model whose inputs are the paper's with the joint's number, theta_m_0, theta_m_1, ..., and whose
         balances are mechanical_0, electrical_0, mechanical_1, ...
     """
     found = found or recursion(chain)

@@ -1,4 +1,4 @@
-"""Inertial parameters of a chain: a letter for each, bodies by them, and the regressor of those that show."""
+"""Inertial parameters of a chain: their symbols, bodies from values, and the regressor of base parameters."""
 
 from __future__ import annotations
 
@@ -56,19 +56,19 @@ def moments_from(x: Sequence[sp.Expr]) -> Moments:
 
 
 def with_letters(chain: Chain, name: str, *, rotors: bool = False) -> Chain:
-    """The same chain with letters for its bodies, the payload part of the last one; its own letters stay.
+    """The chain with symbolic bodies, the payload part of the last one; existing symbols are retained.
 
     Args:
         chain: the chain.
         name: of the result.
-        rotors: whether the inertias of rotors are letters as well.
+        rotors: whether rotor inertias become symbols as well.
     """
     joints, letters = list(chain.joints), []
     bodies = []
     for j, joint in enumerate(chain.joints):
-        own = letters_of(j)
-        letters += own
-        bodies.append(moments_from([q.symbol for q in own]))
+        parameters = letters_of(j)
+        letters += parameters
+        bodies.append(moments_from([q.symbol for q in parameters]))
         if rotors:
             joints[j] = copy.copy(joint)
             joints[j].J_m = _rotor_letter(j).symbol
@@ -76,20 +76,20 @@ def with_letters(chain: Chain, name: str, *, rotors: bool = False) -> Chain:
     return Chain(name, joints, bodies, chain.gravity, None, (*chain.parameters, *letters))
 
 
-# A chain with the moments of mass that a fit found in place of its bodies.
+# A chain with the bodies replaced by identified moments of mass.
 
 
 _NOTHING = 1e-12
-"""Of the largest of its kind on the arm: less is what rounding leaves of a zero."""
+"""Relative size, by the largest of its kind on the arm, below which a value is a rounded zero."""
 _ROUNDED = 1e-6
-"""Negative part of the moments, by their size, that numbers of six digits leave."""
+"""Relative negative eigenvalue that six-digit rounding may cause."""
 
 
 def with_bodies(chain: Chain, values: Mapping[str, float]) -> Chain:
-    """The same chain with other bodies.
+    """The chain with other bodies.
 
-    A payload with letters stays one: the last body is what the values leave without its defaults. Any other
-    payload is part of the last body.
+    A payload with symbols is retained: the last body is then the values minus its defaults. Any other payload
+    becomes part of the last body.
 
     Args:
         chain: joints, gravity, payload, and the parameters that they need.
@@ -97,37 +97,37 @@ def with_bodies(chain: Chain, values: Mapping[str, float]) -> Chain:
             included, in the frame of its joint: the inertial parameters of the emitted `inertial_regressor`.
 
     Raises:
-        InputError: one is missing or too many, or a body cannot exist: its mass is negative, or its moments
-            are those of no mass.
+        InputError: a value is missing or superfluous, or a body is impossible: its mass is negative, or no
+            mass distribution has its moments.
     """
-    left = dict(values)
-    bodies = _without_rounding([_body(chain, j, left) for j in range(len(chain.joints))])
-    if left:
-        raise InputError("bodies", problem=f"{next(iter(left))} is of no body of {chain.name}")
+    unused = dict(values)
+    bodies = _without_rounding([_body(chain, j, unused) for j in range(len(chain.joints))])
+    if unused:
+        raise InputError("bodies", problem=f"{next(iter(unused))} is of no body of {chain.name}")
     for j, body in enumerate(bodies):
         _require_possible(j, body)
     payload = chain.payload
     if payload is not None:
         letters = {q.symbol: q.default for q in chain.parameters}
-        held = payload.moments
-        if held.mass.free_symbols | held.first.free_symbols | held.second.free_symbols:
-            mass, first, second = (x.xreplace(letters) for x in (held.mass, held.first, held.second))
+        parts = (payload.moments.mass, payload.moments.first, payload.moments.second)
+        if any(x.free_symbols for x in parts):
+            mass, first, second = (x.xreplace(letters) for x in parts)
             bodies[-1] += Moments(-mass, -first, -second)
             bodies = _without_rounding(bodies)
         else:
             payload = None
-    kept = [chain.gravity]
+    used = [chain.gravity]
     for joint in chain.joints:
-        kept += [joint.mu, joint.J_m, joint.bearing, joint.placement.position, joint.placement.rotation]
+        used += [joint.mu, joint.J_m, joint.bearing, joint.placement.position, joint.placement.rotation]
     if payload is not None:
-        kept += [payload.mass, payload.centre, payload.inertia]
-    needed = set().union(*(x.free_symbols for x in kept))
+        used += [payload.mass, payload.centre, payload.inertia]
+    needed = set().union(*(x.free_symbols for x in used))
     parameters = [q for q in chain.parameters if q.symbol in needed]
     return Chain(chain.name, chain.joints, bodies, chain.gravity, payload, parameters)
 
 
 def _without_rounding(bodies: Sequence[Moments]) -> list[Moments]:
-    """The bodies with exact zeros where rounding leaves next to nothing: what they multiply folds away."""
+    """The bodies with rounded zeros made exact, so that products with them fold away."""
     sizes = [max((abs(x) for body in bodies for x in kind(body)), default=0) for kind in _KINDS]
 
     def cleared(body: Moments) -> Moments:
@@ -145,45 +145,46 @@ _KINDS: tuple[Callable[[Moments], list[sp.Expr]], ...] = (
     lambda body: list(body.first),
     lambda body: list(body.second),
 )
-"""Mass, first and second moments of a body: compared among themselves."""
+"""Mass, first and second moments of a body, each compared with its kind."""
 
 
-def _body(chain: Chain, j: int, left: dict[str, float]) -> Moments:
-    """Body j; what is read is taken out of `left`."""
+def _body(chain: Chain, j: int, values: dict[str, float]) -> Moments:
+    """Body j; its entries are removed from `values`."""
     names = [q.name for q in letters_of(j)]
     for name in names:
-        if name not in left:
+        if name not in values:
             joints = f"the {len(chain.joints)} joints of {chain.name}"
             raise InputError("bodies", problem=f"expected {name} for {joints}")
-    return moments_from([exact(left.pop(name), name) for name in names])
+    return moments_from([exact(values.pop(name), name) for name in names])
 
 
-def _require_possible(j: int, found: Moments) -> None:
-    """Some mass has these moments: [[Sigma, h], [h, m]] is nowhere negative, but for rounding."""
-    last = found.first.T.row_join(sp.Matrix([[found.mass]]))
-    whole = np.array(found.second.row_join(found.first).col_join(last).tolist(), dtype=float)
-    scale = np.sqrt(np.maximum(np.diag(whole), np.finfo(float).tiny))
-    if whole[3, 3] < 0 or np.linalg.eigvalsh(whole / np.outer(scale, scale))[0] < -_ROUNDED:
+def _require_possible(j: int, moments: Moments) -> None:
+    """Require a positive semidefinite pseudo-inertia [[Sigma, h], [h, m]], up to rounding."""
+    last = moments.first.T.row_join(sp.Matrix([[moments.mass]]))
+    matrix = np.array(moments.second.row_join(moments.first).col_join(last).tolist(), dtype=float)
+    scale = np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
+    if matrix[3, 3] < 0 or np.linalg.eigvalsh(matrix / np.outer(scale, scale))[0] < -_ROUNDED:
         raise InputError("bodies", "moments that a mass can have", "others", why=f"of body {j}")
 
 
-# The inertial regressor: torque of every motor per parameter that a motion can show.
+# The inertial regressor: torque of every motor per base parameter.
 #
-# The torques are linear in the moments of mass of every body and in the inertia of every rotor. Their
-# slopes are taken from the recursion itself, from each torque outwards (reverse mode): what a force or
-# moment further out adds to the torque is computed once and serves all parameters of that body.
+# The torques are linear in the moments of mass of every body and the inertia of every rotor. Their
+# derivatives are taken from the recursion in reverse mode, from each torque outwards: the factor of a force
+# or moment further out is computed once and used for all parameters of that body.
 #
-# Some parameters never show, others only in sums. Which, is found on random motions: a column that those
-# before it span is left out, and its parameter is counted by them (base parameters; M. Gautier, "Numerical
-# calculation of the base inertial parameters of robots", J. Robotic Systems 8(4), 1991).
+# Some parameters have no influence, others only in linear combinations. These are determined numerically on
+# random motions: a column spanned by earlier ones is omitted, and its parameter added to theirs (base
+# parameters; M. Gautier, "Numerical calculation of the base inertial parameters of robots", J. Robotic
+# Systems 8(4), 1991).
 
 
 _MOTIONS = 8
 """Random motions per parameter: enough for full rank with margin."""
 _SPANNED = 1e-9
-"""Part of a column, by its norm, below which those before it span it: rounding leaves some 1e-14."""
+"""Relative residual below which earlier columns span a column: rounding leaves about 1e-14."""
 _COUNTED = 1e-9
-"""Factor of a parameter in a sum, by the size of its column, below which it is not counted."""
+"""Factor of a parameter in a sum, relative to its column, below which it is omitted."""
 
 
 @dataclass(frozen=True)
@@ -192,9 +193,9 @@ class Inertial:
 
     Attributes:
         parameters: those of the columns, in order.
-        sums: of each column, parameter -> factor: what the column's coefficient is the sum of.
+        sums: of each column, parameter -> factor: the linear combination that is its coefficient.
         slopes: torque of motor j per parameter, [j][k].
-        definitions: what the slopes are computed from.
+        definitions: intermediate assignments of the slopes.
     """
 
     parameters: tuple[Quantity, ...]
@@ -204,7 +205,7 @@ class Inertial:
 
     @cached_property
     def words(self) -> tuple[str, ...]:
-        """The sums as a person writes them."""
+        """The sums as text."""
         return tuple(_in_words(one) for one in self.sums)
 
 
@@ -212,28 +213,28 @@ def inertial(chain: Chain) -> Inertial:
     """The inertial regressor of a chain: base parameters only."""
     lettered = with_letters(chain, chain.name, rotors=True)
     quantities = lettered.parameters[len(chain.parameters) :]
-    found = recursion(lettered)
-    definitions, slopes = _slopes(found, [q.symbol for q in quantities])
-    values = _evaluated(found, definitions, slopes, chain)
-    kept, sums = _base(values, [q.name for q in quantities])
-    rows = tuple(tuple(row[k] for k in kept) for row in slopes)
+    lettered_recursion = recursion(lettered)
+    definitions, slopes = _slopes(lettered_recursion, [q.symbol for q in quantities])
+    values = _evaluated(lettered_recursion, definitions, slopes, chain)
+    columns, sums = _base(values, [q.name for q in quantities])
+    rows = tuple(tuple(row[k] for k in columns) for row in slopes)
     used = needed(definitions, [e for row in rows for e in row])
-    return Inertial(tuple(quantities[k] for k in kept), sums, rows, used)
+    return Inertial(tuple(quantities[k] for k in columns), sums, rows, used)
 
 
 def _slopes(
-    found: Recursion, by: Sequence[sp.Symbol]
+    chain_recursion: Recursion, by: Sequence[sp.Symbol]
 ) -> tuple[list[Assignment], tuple[tuple[sp.Expr, ...], ...]]:
-    """The recursion and, behind it, what each force adds to each torque; the slopes of all torques."""
-    moving = [Assignment(d.symbol, d.value) for d in found.definitions]
-    # What depends on the parameters: only there slopes are carried on.
+    """The recursion followed by the derivatives of each torque by each force; the slopes of all torques."""
+    moving = [Assignment(d.symbol, d.value) for d in chain_recursion.definitions]
+    # Derivatives are propagated only through values that depend on the parameters.
     follows = set(by)
     for assignment in moving:
         if assignment.value.free_symbols & follows:
             follows.add(assignment.target)
     added: list[Assignment] = []
     rows = []
-    for j, torque in enumerate(found.motor_torques):
+    for j, torque in enumerate(chain_recursion.motor_torques):
         carried: dict[sp.Symbol, list[sp.Expr]] = {}
         _carry(carried, torque, sp.Integer(1), follows)
         for assignment in reversed(moving):
@@ -260,7 +261,7 @@ def _carry(
 def _evaluated(
     found: Recursion, definitions: Sequence[Assignment], slopes: Sequence[Sequence[sp.Expr]], chain: Chain
 ) -> np.ndarray:
-    """The regressor on random motions and letters of the chain, shape (motions x joints, parameters)."""
+    """The regressor on random motions and parameters of the chain, shape (motions x joints, parameters)."""
     rng, printer = np.random.default_rng(0), NumPyPrinter({"fully_qualified_modules": False})
     motions = _MOTIONS * len(slopes[0])
     known: dict[str, Any] = {q.symbol.name: rng.uniform(0.5, 1.5) for q in chain.parameters}
@@ -271,35 +272,37 @@ def _evaluated(
     used = needed(definitions, [e for row in slopes for e in row])
     lines = [f"{a.target} = {printer.doprint(a.value)}" for a in used]
     rows = ", ".join(f"[{', '.join(map(printer.doprint, row))}]" for row in slopes)
-    lines.append(f"found = [{rows}]")
+    lines.append(f"regressor = [{rows}]")
     exec("\n".join(lines), dict(vars(np)), known)  # noqa: S102 - printed from expressions, not from text
-    columns = [[np.broadcast_to(x, motions) for x in row] for row in known["found"]]
+    columns = [[np.broadcast_to(x, motions) for x in row] for row in known["regressor"]]
     return np.array(columns, dtype=float).transpose(2, 0, 1).reshape(-1, len(slopes[0]))
 
 
 def _base(values: np.ndarray, names: Sequence[str]) -> tuple[list[int], tuple[Mapping[str, float], ...]]:
-    """The columns that those before them do not span, and which parameters each of them counts."""
-    from scipy.linalg import qr  # importing it takes long, and nothing else of a model needs it
+    """The columns not spanned by earlier ones, and the parameters combined in each of them."""
+    from scipy.linalg import qr  # slow to import, and nothing else of a model needs it
 
     sizes = np.linalg.norm(values, axis=0)
     shown = [k for k in range(len(names)) if sizes[k] > 0.0]
     scaled = values[:, shown] / sizes[shown]
     diagonal = np.abs(np.diag(qr(scaled, mode="r")[0]))
-    is_kept = diagonal > _SPANNED
-    kept, spanned = np.flatnonzero(is_kept), np.flatnonzero(~is_kept)
-    factors = np.linalg.lstsq(scaled[:, kept], scaled[:, spanned], rcond=None)[0]
+    is_independent = diagonal > _SPANNED
+    independent, spanned = np.flatnonzero(is_independent), np.flatnonzero(~is_independent)
+    factors = np.linalg.lstsq(scaled[:, independent], scaled[:, spanned], rcond=None)[0]
     sums = []
-    for row, k in enumerate(kept):
-        one = {names[shown[k]]: 1.0}
+    for row, k in enumerate(independent):
+        column_sum = {names[shown[k]]: 1.0}
         for column, other in enumerate(spanned):
             if abs(factors[row, column]) > _COUNTED:
-                one[names[shown[other]]] = float(factors[row, column] * sizes[shown[other]] / sizes[shown[k]])
-        sums.append(one)
-    return [shown[k] for k in kept], tuple(sums)
+                column_sum[names[shown[other]]] = float(
+                    factors[row, column] * sizes[shown[other]] / sizes[shown[k]]
+                )
+        sums.append(column_sum)
+    return [shown[k] for k in independent], tuple(sums)
 
 
 def _in_words(one: Mapping[str, float]) -> str:
-    """mass_1 + 0.4 h_2_x - mass_3"""
+    """Text such as mass_1 + 0.4 h_2_x - mass_3."""
     text = ""
     for name, factor in one.items():
         size = f"{abs(factor):.6g}"

@@ -12,15 +12,15 @@ import sympy as sp
 
 from eccentric.core import InputError, meant
 
-# Numbers and letters of a chain: exact in SymPy, so that zeros and ones fold away.
+# Numbers and symbols of a chain: exact in SymPy, so that zeros and ones fold away.
 
 
 Value = float | str | sp.Expr
-"""A number (a decimal is kept exact: 0.1, "0.1" and "1/10" are the same), or an expression in parameters."""
+"""A number (a decimal is exact: 0.1, "0.1" and "1/10" are the same), or an expression in parameters."""
 
 
 def exact(value: Any, what: str) -> sp.Expr:
-    """The value as an exact number or as the expression that it is.
+    """The value as an exact number, or an expression unchanged.
 
     Raises:
         InputError: it is neither a finite number nor an expression; `what` names it.
@@ -76,17 +76,17 @@ def is_zero(value: sp.Expr) -> bool:
 
 KINDS = ("revolute", "prismatic")
 UNNAMED = "joint"
-"""Name of a joint that was given none."""
+"""Name of an unnamed joint."""
 _UNIT = 1e-6
-"""Most that the length of an axis may differ from 1: what six printed digits leave."""
+"""Tolerance of the length of an axis: rounding to six digits."""
 _RIGHT = 1e-6
-"""Most that a rotation may differ from a right-handed frame of unit vectors."""
+"""Tolerance of a rotation's deviation from an orthonormal right-handed frame."""
 _ROUNDED = 1e-15
-"""Entries of a rotation this close to 0, 1 or -1 are those: the cosine of a rounded right angle is 6e-17."""
+"""Entries of a rotation this close to 0, 1 or -1 are these: the cosine of a rounded right angle is 6e-17."""
 
 
 class Placement:
-    """Where a joint sits in the frame of its parent: fixed.
+    """The fixed pose of a joint in the frame of its parent.
 
     Args:
         position: of the joint's frame in that of the parent [m].
@@ -98,8 +98,8 @@ class Placement:
 
     def __init__(self, position: Any = (0, 0, 0), rotation: Any = None, name: str = "placement") -> None:
         self.position = vector(position, f"{name}: position")
-        given = matrix(sp.eye(3) if rotation is None else rotation, f"{name}: rotation")
-        self.rotation = sp.ImmutableMatrix(given.applyfunc(_folded))
+        columns = matrix(sp.eye(3) if rotation is None else rotation, f"{name}: rotation")
+        self.rotation = sp.ImmutableMatrix(columns.applyfunc(_folded))
         if all(entry.is_number for entry in self.rotation):
             rows = self.rotation.evalf(20)
             excess = (rows.T * rows - sp.eye(3)).norm() + abs(rows.det() - 1)
@@ -168,8 +168,8 @@ class Joint:
     @property
     def along(self) -> tuple[int, int] | None:
         """(0, 1 or 2 for x, y or z; sign) of an axis of the frame, None for an oblique one."""
-        found = [k for k in range(3) if self.axis[k] in {1, -1}]
-        return (found[0], int(self.axis[found[0]])) if found else None
+        k = next((k for k in range(3) if self.axis[k] in {1, -1}), None)
+        return None if k is None else (k, int(self.axis[k]))
 
 
 def _unit(axis: sp.ImmutableMatrix, name: str) -> sp.ImmutableMatrix:
@@ -190,16 +190,16 @@ def _folded(entry: sp.Expr) -> sp.Expr:
     return entry
 
 
-# Bodies: mass, centre of mass and inertia, and the moments of mass that follow from them.
+# Bodies: mass, centre of mass and inertia, and the resulting moments of mass.
 
 
 _SLACK = 1e-9
-"""Relative excess over the triangle inequality that rounding in a drawing may leave."""
+"""Relative violation of the triangle inequality allowed for rounding in a drawing."""
 
 
 @dataclass(frozen=True)
 class Moments:
-    """Mass, first and second moments of mass about the origin of a frame: linear in what is added.
+    """Mass, first and second moments of mass about the origin of a frame: additive over bodies.
 
     Attributes:
         mass: sum of dm [kg].
@@ -216,18 +216,18 @@ class Moments:
 
     @property
     def moments(self) -> Moments:
-        """Itself: a body may be given by its moments, in the frame of the joint that moves it."""
+        """Itself, so that moments can be used in place of a body."""
         return self
 
     def turned(self, rotation: sp.MatrixBase) -> Moments:
-        """The same mass in the components of a frame with the same origin; its axes are the columns."""
+        """The moments in the components of a rotated frame, whose axes are the columns."""
         return Moments(self.mass, rotation.T * self.first, rotation.T * self.second * rotation)
 
 
 class Body:
     """A rigid body, in the frame of the joint that moves it.
 
-    Rotors of drives that are mounted on it belong to it, as if they were locked.
+    It includes the rotors of drives mounted on it, as if locked.
 
     Args:
         mass: [kg].
@@ -265,7 +265,7 @@ class Body:
 
 
 def _require_possible(name: str, inertia: sp.MatrixBase) -> None:
-    """A body's second moments are those of a positive mass: no principal moment exceeds the two others."""
+    """Require the triangle inequality: no principal moment exceeds the sum of the others."""
     import numpy as np
 
     principal = np.sort(np.linalg.eigvalsh(np.array(inertia.tolist(), dtype=float)))

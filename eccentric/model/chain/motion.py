@@ -1,8 +1,8 @@
-"""How a frame moves that moves in another, differentiated in time with SymPy; Newton and Euler for its body.
+"""Motion of a frame in a moving carrier, differentiated in time with SymPy; Newton and Euler for its body.
 
-A carrier has the rotation R(t) and the origin r(t). Its angular velocity is what R' = R S(w) defines, w in
-its own components; r'' = R a. In it a frame moves: its origin is at s(t), its rotation Q(t). All components
-below are those seen from the carrier: what stands behind R.
+A carrier has the rotation R(t) and the origin r(t). Its angular velocity w, in its own components, is defined
+by R' = R S(w); r'' = R a. A frame moves in it with origin s(t) and rotation Q(t). All components below are in
+the carrier: the factors after R.
 """
 
 from __future__ import annotations
@@ -52,20 +52,20 @@ _by_letters = [
 
 def _rate(matrix: sp.Matrix) -> sp.Matrix:
     """The derivative in time, with R' = R S(w) and r'' = R a."""
-    turned, moved = _R * skew(_w), _R * a
-    rules = {entry.diff(t): turned[k] for k, entry in enumerate(_R)}
-    rules |= {entry.diff(t, 2): moved[k] for k, entry in enumerate(_r)}
+    rotation_rate, origin_acceleration = _R * skew(_w), _R * a
+    rules = {entry.diff(t): rotation_rate[k] for k, entry in enumerate(_R)}
+    rules |= {entry.diff(t, 2): origin_acceleration[k] for k, entry in enumerate(_r)}
     return matrix.diff(t).xreplace(rules)
 
 
 def _seen(matrix: sp.Matrix) -> sp.Matrix:
-    """What stands behind R: it is the same in every row of R (found here in the first)."""
+    """The factor after R: the same for every row of R, extracted here from the first."""
     columns = [sp.expand(matrix[0, k]) for k in range(matrix.cols)]
     return sp.Matrix(3, matrix.cols, lambda i, k: columns[k].coeff(_R[0, i]))
 
 
 def _written(matrix: sp.Matrix) -> sp.ImmutableMatrix:
-    """The functions of time replaced by letters, derivatives first."""
+    """The functions of time replaced by symbols, derivatives first."""
     for function, letter in _by_letters:
         matrix = matrix.subs(function, letter)
     return sp.ImmutableMatrix(matrix)
@@ -85,9 +85,9 @@ def turning() -> sp.ImmutableMatrix:
 @cache
 def acceleration() -> sp.ImmutableMatrix:
     """R^T (r + R s)'': the acceleration of a point at s(t) in the carrier."""
-    found = _written(_seen(_rate(_rate(_r + _R * _s))))
-    by_position = found.jacobian(s)
-    rest = found.xreplace(dict.fromkeys(s, sp.Integer(0)))
+    total = _written(_seen(_rate(_rate(_r + _R * _s))))
+    by_position = total.jacobian(s)
+    rest = total.xreplace(dict.fromkeys(s, sp.Integer(0)))
     if sp.expand(by_position - turning()) != sp.zeros(3):
         raise AssertionError("the factor of s is R^T R''")
     return sp.ImmutableMatrix(U * s + rest)
@@ -100,7 +100,7 @@ class Turned:
     Attributes:
         rotation: Q, its axes as columns.
         velocity: its angular velocity in its own components, in w of the carrier.
-        acceleration: its derivative in time, in alpha of the carrier and the velocity just found (letters w).
+        acceleration: its time derivative, in alpha of the carrier and the frame's velocity (symbols w).
     """
 
     rotation: sp.ImmutableMatrix
@@ -119,7 +119,7 @@ def turned(axis: int) -> Turned:
     spin = (Q.T * _seen(_rate(_R * Q))).applyfunc(lambda entry: pythagoras(entry, _angle))
     velocity = sp.Matrix([spin[2, 1], spin[0, 2], spin[1, 0]])
     change = velocity.diff(t)
-    # In the velocity itself it is shorter: Q^T w = own - theta' e, solved for w of the carrier.
+    # It is shorter in terms of the frame's velocity: Q^T w = own - theta' e, solved for w of the carrier.
     own = letters("own")
     back = dict(zip(_w, Q * (own - velocity.subs(dict.fromkeys(_w, 0))), strict=True))
     change = change.xreplace({f.diff(t): x for f, x in zip(_w, alpha, strict=True)}).xreplace(back)
@@ -145,7 +145,7 @@ J_m, omega_m, alpha_m = sp.symbols("J_m omega_m alpha_m", real=True)
 
 
 def _of_point() -> sp.ImmutableMatrix:
-    """Acceleration of a point that is at rest in the body."""
+    """Acceleration of a point at rest in the body."""
     at_rest = dict.fromkeys((*s_dot, *s_ddot), sp.Integer(0))
     return acceleration().xreplace(at_rest | dict(zip(s, rho, strict=True)))
 
@@ -175,41 +175,41 @@ def moment() -> sp.ImmutableMatrix:
 
 @cache
 def rotor(axis: int) -> sp.ImmutableMatrix:
-    """The moment that the carrier of a turning rotor bears beyond that of a locked one.
+    """The moment of a turning rotor on its carrier, in excess of that of a locked one.
 
-    The rotor turns by theta_m about an axis of its carrier, about which it is symmetrical; J_m is its inertia
-    about it. In w of the carrier, omega_m and alpha_m of the rotor.
+    The rotor turns by theta_m about an axis of its carrier, its axis of symmetry, with inertia J_m; in terms
+    of w of the carrier, omega_m and alpha_m of the rotor.
     """
     frame, angle = turned(axis), sp.Symbol("angle", real=True)
     across, along, own = sp.Symbol("across"), sp.Symbol("along"), letters("own")
     mass = {Sigma[i, k]: sp.Integer(0) for i in range(3) for k in range(i)} | dict.fromkeys(h, sp.Integer(0))
     mass |= {Sigma[k, k]: along if k == axis else across for k in range(3)}
-    # Its own w and alpha are those of a frame that turns in the carrier, moved by the rotor.
+    # Its w and alpha are those of a frame turning in the carrier.
     velocity = frame.velocity.xreplace(dict(zip(w, own, strict=True)))
     change = frame.acceleration.xreplace(dict(zip(w, velocity, strict=True)))
     motion = dict(zip(alpha, change, strict=True)) | dict(zip(w, velocity, strict=True))
-    found = moment().xreplace(dict(zip(U, turning(), strict=True)) | mass).xreplace(motion)
-    found = (frame.rotation * found).xreplace(dict(zip(own, w, strict=True)))
-    found = found.xreplace({rate_l: omega_m, acceleration_l: alpha_m})
+    torque = moment().xreplace(dict(zip(U, turning(), strict=True)) | mass).xreplace(motion)
+    torque = (frame.rotation * torque).xreplace(dict(zip(own, w, strict=True)))
+    torque = torque.xreplace({rate_l: omega_m, acceleration_l: alpha_m})
     locked = {omega_m: sp.Integer(0), alpha_m: sp.Integer(0), cosine: sp.Integer(1), sine: sp.Integer(0)}
-    beyond = (found - found.xreplace(locked)).xreplace({cosine: sp.cos(angle), sine: sp.sin(angle)})
+    beyond = (torque - torque.xreplace(locked)).xreplace({cosine: sp.cos(angle), sine: sp.sin(angle)})
     # The inertia about the axis is the sum of both second moments across it.
     return sp.ImmutableMatrix(
         beyond.applyfunc(lambda entry: sp.factor(pythagoras(entry, angle)).subs(across, J_m / 2))
     )
 
 
-# The recursion as a list of named scalars: each value is written once, what is trivial gets no name.
+# The recursion as a list of named scalars: each value is defined once, trivial ones get no name.
 
 
 class Steps:
-    """Ordered definitions; called, it names a value and returns what stands for it."""
+    """Ordered definitions; a call defines a value and returns its symbol."""
 
     def __init__(self) -> None:
         self.definitions: list[Definition] = []
 
     def __call__(self, name: str, unit: str, meaning: str, value: sp.Expr) -> sp.Expr:
-        """A symbol for the value; a number, a symbol and its negative stand for themselves."""
+        """A symbol for the value; numbers, symbols and their negatives are returned unchanged."""
         if value.is_Atom or (-value).is_Symbol:
             return value
         definition = Definition(quantity(name, unit, meaning), value)
@@ -226,11 +226,11 @@ class Steps:
 def substituted(
     template: sp.MatrixBase, *pairs: tuple[Sequence[sp.Expr], Sequence[sp.Expr]]
 ) -> sp.ImmutableMatrix:
-    """A derived formula with values in place of its letters; zeros and ones fold."""
+    """A derived formula with values in place of its symbols; zeros and ones fold."""
     values = {
         letter: value
-        for letters, given in pairs
-        for letter, value in zip(letters, given, strict=True)
+        for letters, entries in pairs
+        for letter, value in zip(letters, entries, strict=True)
         if letter != value
     }
     return sp.ImmutableMatrix(template.xreplace(values))

@@ -1,4 +1,4 @@
-"""The outputs of an arm: torques, loads of the bearings, friction that follows them, regressors."""
+"""The outputs of an arm: torques, bearing loads, load-dependent friction, regressors."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _Results = Iterable[tuple[str, sp.Expr]]
 
 @dataclass(frozen=True)
 class ArmOutputs:
-    """Declares the outputs of a model that has this recursion; each is a vector, written only if wanted."""
+    """Declares the outputs of a model with this recursion; each is a vector, created only if requested."""
 
     found: Recursion
 
@@ -41,12 +41,12 @@ class ArmOutputs:
 
 
 class _Declared(NamedTuple):
-    """An output as its method declares it.
+    """An output as declared by its method.
 
     Attributes:
         unit, meaning: as in `Output`.
-        moves: whether it takes velocities and accelerations, not angles alone.
-        by_torques: whether the torques of the motors come last, before the time step.
+        moves: whether it takes velocities and accelerations in addition to angles.
+        by_torques: whether the motor torques come last, before the time step.
         on_request: as in `Output`.
     """
 
@@ -58,13 +58,13 @@ class _Declared(NamedTuple):
 
 
 _DECLARED: dict[str, _Declared] = {}
-"""Name of each output, that of its method -> what it is, in the order of a module."""
+"""Name of each output and its method -> declaration, in the order of a module."""
 
 _Made = Callable[["_Outputs"], "_Results | Expressions"]
 
 
 def _output(unit: str, meaning: str, **more: bool) -> Callable[[_Made], _Made]:
-    """Declare the method below: results in the motion of the arm, or complete expressions."""
+    """Declare a method as an output: it returns results for the moving arm, or complete expressions."""
 
     def declared(method: _Made) -> _Made:
         _DECLARED[method.__name__] = _Declared(unit, meaning, **more)
@@ -74,11 +74,11 @@ def _output(unit: str, meaning: str, **more: bool) -> Callable[[_Made], _Made]:
 
 
 class _Outputs:
-    """The outputs of an arm's model: a method each."""
+    """The outputs of an arm's model, one method each."""
 
-    def __init__(self, found: Recursion, model: Model) -> None:
-        self._found, self._model = found, model
-        self._joints = range(len(found.inputs))
+    def __init__(self, recursion: Recursion, model: Model) -> None:
+        self._found, self._model = recursion, model
+        self._joints = range(len(recursion.inputs))
         self._moving = tuple(map(_assigned, model.definitions))
 
     def listed(self) -> tuple[Output, ...]:
@@ -98,8 +98,8 @@ class _Outputs:
         listed = [self._made(name, one, **more.get(name, {})) for name, one in declared.items()]
         if self._model.states:
             stepped = _Declared(*step_words(self._model))
-            held = {"without_time": held_states(self._model), "advances": True}
-            listed.append(self._made(STEP, stepped, lambda _: step_updates(self._model), **held))
+            options = {"without_time": held_states(self._model), "advances": True}
+            listed.append(self._made(STEP, stepped, lambda _: step_updates(self._model), **options))
         return tuple(listed)
 
     def _made(self, name: str, one: _Declared, method: _Made | None = None, **more: Any) -> Output:
@@ -113,7 +113,7 @@ class _Outputs:
             per_motor("omega_m", "rad/s", f"velocities of the {n} motors"),
             per_motor("alpha_m", "rad/s^2", f"accelerations of the {n} motors"),
         )[: 3 if one.moves else 1]
-        # What each motor has is a vector; time, its step and hidden states are numbers.
+        # Motor quantities are vectors; time, its step and hidden states are scalars.
         others = (
             per_motor("i", "A", f"armature currents of the {n} motors"),
             per_motor("u", "V", f"armature voltages of the {n} motors"),
@@ -123,8 +123,8 @@ class _Outputs:
         torques = (Input(replace(v.torque, meaning=_TORQUES), n),) if one.by_torques else ()
 
         def expressions() -> Expressions:
-            made = results(self)
-            return made if isinstance(made, Expressions) else _expressions(made, self._stable_moving)
+            values = results(self)
+            return values if isinstance(values, Expressions) else _expressions(values, self._stable_moving)
 
         return Output(
             name,
@@ -137,7 +137,7 @@ class _Outputs:
             **more,
         )
 
-    # What several of them need.
+    # Shared by several outputs.
 
     @cached_property
     def _stable_moving(self) -> tuple[Assignment, ...]:
@@ -154,31 +154,31 @@ class _Outputs:
 
     @cached_property
     def _friction(self) -> list[sp.Expr]:
-        """Each load is multiplied once, by what follows it; effects may contain a load in other ways."""
+        """Friction with each load factored out once; effects may contain a load in other ways."""
         torques = []
         for j, bearing in enumerate(self._found.bearings):
             loads = [load for load in bearing.loads.values() if load.is_Symbol]
             factors: dict[sp.Expr, list[sp.Expr]] = {}
             for term in self._terms(j):
-                rest, own = term.value.as_independent(*loads, as_Add=False)
-                load, factor = (own, rest) if own in loads else (sp.Integer(1), term.value)
+                rest, dependent = term.value.as_independent(*loads, as_Add=False)
+                load, factor = (dependent, rest) if dependent in loads else (sp.Integer(1), term.value)
                 factors.setdefault(load, []).append(factor)
             torques.append(sp.Add(*(load * sp.Add(*parts) for load, parts in factors.items())))
         return torques
 
     @cached_property
     def _levels(self) -> list[Levels]:
-        """Dry friction of every joint by its own direction; the loads are those of the state."""
-        given = {d.symbol for d in self._found.definitions}
+        """Dry friction of every joint by its direction; the loads are those of the current state."""
+        fixed = {d.symbol for d in self._found.definitions}
         return [
-            levels(self._model, inputs.omega_m.symbol, tuple(self._terms(j)), given)
+            levels(self._model, inputs.omega_m.symbol, tuple(self._terms(j)), fixed)
             for j, inputs in enumerate(self._found.inputs)
         ]
 
     @cached_property
     def _both_ways(self) -> tuple[Assignment, ...]:
-        """The definitions, and those that a direction of motion changes, for both."""
-        return (*self._moving, *(a for found in self._levels for a in found.definitions))
+        """The definitions, and the direction-dependent ones for both directions."""
+        return (*self._moving, *(a for dry in self._levels for a in dry.definitions))
 
     def _inertia(self) -> tuple[tuple[Assignment, ...], Matrix]:
         return mass_matrix(self._found, self._moving, self._found.motor_torques)
@@ -186,13 +186,13 @@ class _Outputs:
     def _by_torques(
         self, computed: Callable[[Recursion, NamedSteps, Matrix, list[Levels]], Stepped]
     ) -> Expressions:
-        """What the torques make of the motion: the inertia, the levels, and the steps from them."""
+        """Forward dynamics: the inertia, the levels, and the steps computed from them."""
         definitions, entries = self._inertia()
-        there = {a.target for a in definitions}
+        defined = {a.target for a in definitions}
         named = NamedSteps(self._model)
         inertia = [[named(f"M_{j}_{k}", x) for k, x in enumerate(row)] for j, row in enumerate(entries)]
         steps, results = computed(self._found, named, inertia, self._levels)
-        before = (*definitions, *(a for a in self._both_ways if a.target not in there))
+        before = (*definitions, *(a for a in self._both_ways if a.target not in defined))
         return _expressions(results, (*self._stable(before), *steps))
 
     # The outputs. Those on request are long.
@@ -210,7 +210,7 @@ class _Outputs:
         for j, (bodies, friction) in enumerate(zip(self._found.motor_torques, self._friction, strict=True)):
             mechanical, drive = self._model.balance(f"mechanical_{j}"), self._drive(j)
             conservative = mechanical.sum_of("conservative")
-            # A term of the current is taken at the current without it, as for one joint.
+            # Terms that depend on the current are evaluated at the current without them, as for one joint.
             current = (bodies + friction + conservative) / drive.coefficient
             besides = conservative + mechanical.sum_of("actuator").subs(drive.basis, current)
             yield f"tau_{j}", bodies + friction + besides
@@ -248,8 +248,8 @@ class _Outputs:
             for j, dry in enumerate(self._levels)
             for label, direction in (("lower", -1), ("upper", 1))
         )
-        definitions, held = still(self._found, self._moving, results, self._model.parameter_symbols)
-        return _expressions(held, self._stable(definitions))
+        definitions, at_standstill = still(self._found, self._moving, results, self._model.parameter_symbols)
+        return _expressions(at_standstill, self._stable(definitions))
 
     @_output(
         "N m, N m, N m s/rad",
@@ -327,7 +327,7 @@ class _Outputs:
         on_request=True,
     )
     def mechanical_friction_torque_gradient(self) -> Expressions:
-        """Slopes of every joint's friction by every input, definition by definition."""
+        """Derivatives of every joint's friction by every input, definition by definition."""
         inputs = self._found.inputs
         by = [x.theta_m.symbol for x in inputs] + [x.omega_m.symbol for x in inputs]
         by += [x.alpha_m.symbol for x in inputs]
@@ -352,13 +352,13 @@ def _expressions(results: _Results, definitions: tuple[Assignment, ...]) -> Expr
     return Expressions(tuple((label, _with_held_ratios(e)) for label, e in results), definitions)
 
 
-# In stable steps: the sine and cosine of a joint by those of its half turn, as for one joint.
+# Stable steps: sine and cosine of a joint by those of its half angle, as for one joint.
 
 
-def _stable(found: Recursion, model: Model, definitions: Iterable[Assignment]) -> tuple[Assignment, ...]:
-    """The definitions with these steps; what depends on parameters only is a plain formula."""
+def _stable(recursion: Recursion, model: Model, definitions: Iterable[Assignment]) -> tuple[Assignment, ...]:
+    """The definitions in stable steps, with plain formulas where they depend on parameters only."""
     half_turned: dict[sp.Expr, sp.Expr] = {}
-    for joint, inputs in zip(found.chain.joints, found.inputs, strict=True):
+    for joint, inputs in zip(recursion.chain.joints, recursion.inputs, strict=True):
         theta, mu = inputs.theta_m.symbol, _held(joint.mu)
         half_cosine, half_sine = HalfCosine(theta, mu), HalfSine(theta, mu)
         half_turned[sp.cos(joint.mu * theta)] = 1 - 2 * half_sine**2
@@ -376,17 +376,17 @@ def _stable(found: Recursion, model: Model, definitions: Iterable[Assignment]) -
 
 
 def _held(mu: sp.Expr) -> sp.Expr:
-    """A gear ratio as a double holds it: the period of an angle is split into exact parts of that."""
+    """A gear ratio rounded to double: the period of an angle is split into exact parts of it."""
     return sp.Rational(float(mu)) if mu.is_number else mu
 
 
 def _with_held_ratios(value: sp.Expr) -> sp.Expr:
-    """The same, where an effect follows the angle of a joint or motor."""
+    """The value with rounded gear ratios in effects that depend on the angle of a joint or motor."""
     steps = value.atoms(HalfCosine, HalfSine)
     return value.xreplace({e: e.func(e.args[0], _held(e.args[1])) for e in steps})
 
 
 def _assigned(definition: Definition) -> Assignment:
-    """A definition with its comment; of the components of a vector the first one has it."""
+    """A definition with its comment, without the component of a vector."""
     meaning = definition.quantity.meaning.partition(", component ")[0]
     return Assignment(definition.symbol, definition.value, f"{meaning} [{definition.quantity.unit}]")

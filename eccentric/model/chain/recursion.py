@@ -1,7 +1,7 @@
 """The recursion along a chain: motion from the base outwards, force and moment from the end inwards.
 
-Each step is one of the formulas derived in `motion`, with the numbers and letters of the chain in place of
-its letters. The result is a list of scalar definitions, linear in the number of joints.
+Each step is one of the formulas derived in `motion`, with the chain's numbers and symbols substituted. The
+result is a list of scalar definitions, linear in the number of joints.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from eccentric.model.steps import Magnitude
 
 @dataclass(frozen=True)
 class Inputs:
-    """The motion of one motor, as the paper has it: angle, velocity, acceleration."""
+    """The motion of one motor, as in the paper: angle, velocity, acceleration."""
 
     theta_m: Quantity
     omega_m: Quantity
@@ -33,7 +33,7 @@ class Inputs:
 
 
 def motor_inputs(joint: int) -> Inputs:
-    """The inputs of one motor; those of all joints are a vector with one entry a joint."""
+    """The inputs of one motor, an entry of the vectors of all joints."""
     return Inputs(
         quantity(f"theta_m_{joint}", "rad", f"angle of motor {joint}", "(3)"),
         quantity(f"omega_m_{joint}", "rad/s", f"velocity of motor {joint}", "(3)"),
@@ -43,13 +43,13 @@ def motor_inputs(joint: int) -> Inputs:
 
 @dataclass(frozen=True)
 class Moving:
-    """A body on the way outwards, in the components of its own frame.
+    """The motion of a body, in the components of its frame.
 
     Attributes:
         w, alpha: angular velocity and acceleration.
         a: acceleration of the origin, gravity subtracted.
         U: a + U rho is the acceleration of a point at rho.
-        turn: what the joint turns: axes of the frame, as columns, in the joint's frame at angle 0.
+        turn: rotation by the joint: axes of the frame, as columns, in the joint's frame at angle 0.
         position: of its origin in the frame of the parent.
         carried: angular velocity of the parent in the joint's frame at angle 0.
     """
@@ -113,13 +113,13 @@ def outwards(steps: Steps, j: int, link: Link, parent: Moving, inputs: Inputs) -
     return Moving(velocity, change, a, _turning(steps, j, velocity, change), rotation, position, w)
 
 
-def along(link: Link, given: sp.MatrixBase) -> sp.Expr:
+def along(link: Link, parent_vector: sp.MatrixBase) -> sp.Expr:
     """The component of a vector of the parent along the axis of the joint's frame."""
-    return (link.rotation[:, link.axis].T * given)[0]
+    return (link.rotation[:, link.axis].T * parent_vector)[0]
 
 
 def _turning(steps: Steps, j: int, w: sp.ImmutableMatrix, alpha: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
-    """U = S(alpha) + S(w)^2 of a body, whose products of velocities are formed once."""
+    """U = S(alpha) + S(w)^2 of a body, with each product of velocities formed once."""
     values = {
         motion.w[i] * motion.w[k]: steps(
             f"w_{j}_{AXES[i]}{AXES[k]}", "rad^2/s^2", f"product of velocities of body {j}", w[i] * w[k]
@@ -136,7 +136,7 @@ def _turning(steps: Steps, j: int, w: sp.ImmutableMatrix, alpha: sp.ImmutableMat
     return sp.ImmutableMatrix(3, 3, named)
 
 
-# What a joint's bearing carries, and what its gear passes on: the loads that friction follows.
+# Bearing loads and transmitted torque of a joint: the loads that friction depends on.
 
 
 @dataclass(frozen=True)
@@ -144,14 +144,14 @@ class Bearing:
     """The loads of one joint.
 
     A revolute joint: the radial force F_N across its axis, the axial force F_T along it, the bending moment
-    M_B across it, about the centre of the bearing, and the torque about it, which the gear passes on.
+    M_B across it, about the centre of the bearing, and the torque about it, transmitted by the gear.
 
-    A prismatic joint: its guide carries the force F_N across the axis and the whole moment M_B; the force
-    along the axis is what the drive passes on, so there is no axial load.
+    A prismatic joint: its guide carries the force F_N across the axis and the complete moment M_B; the force
+    along the axis is transmitted by the drive, so there is no axial load.
 
     Attributes:
-        loads: magnitudes by the load that they are.
-        transmitted: torque [N m] or force [N] by which the joint drives its body, with its sign.
+        loads: magnitudes by kind of load.
+        transmitted: torque [N m] or force [N] by which the joint drives its body, signed.
     """
 
     loads: Mapping[Load, sp.Expr]
@@ -190,14 +190,14 @@ def bearing(
 
 
 def magnitude(components: list[sp.Expr]) -> sp.Expr:
-    """The norm of a vector without its components that are 0."""
-    given = [component for component in components if not is_zero(component)]
-    if len(given) < 2:
-        return sp.Abs(given[0]) if given else sp.Integer(0)
-    found = given[0]
-    for component in given[1:]:
-        found = Magnitude(found, component)
-    return found
+    """The norm of a vector; components that are identically 0 are omitted."""
+    nonzero = [component for component in components if not is_zero(component)]
+    if len(nonzero) < 2:
+        return sp.Abs(nonzero[0]) if nonzero else sp.Integer(0)
+    norm = nonzero[0]
+    for component in nonzero[1:]:
+        norm = Magnitude(norm, component)
+    return norm
 
 
 # Inwards: the force and moment of every joint, by the formulas of `motion`.
@@ -208,7 +208,7 @@ ZERO = sp.ImmutableMatrix([0, 0, 0])
 
 @dataclass(frozen=True)
 class Wrench:
-    """What a joint exerts on the body that it moves; the load on the joint is the opposite.
+    """The wrench of a joint on the body that it moves; the load on the joint is the opposite.
 
     Attributes:
         force: in the frame of the body [N].
@@ -220,17 +220,17 @@ class Wrench:
 
 
 def moments_of(steps: Steps, j: int, link: Link) -> dict[sp.Symbol, sp.Expr]:
-    """The moments of mass of a body by the letters of `motion`."""
-    given, found = link.moments, {}
-    found[motion.m] = steps(f"body_mass_{j}", "kg", f"mass of body {j}", given.mass)
-    first = steps.vector(f"body_h_{j}", "kg m", f"first moment of body {j}", given.first)
-    found |= dict(zip(motion.h, first, strict=True))
+    """The moments of mass of a body by the symbols of `motion`."""
+    body, by_symbol = link.moments, {}
+    by_symbol[motion.m] = steps(f"body_mass_{j}", "kg", f"mass of body {j}", body.mass)
+    first = steps.vector(f"body_h_{j}", "kg m", f"first moment of body {j}", body.first)
+    by_symbol |= dict(zip(motion.h, first, strict=True))
     for i in range(3):
         for k in range(i, 3):
             name = f"body_Sigma_{j}_{AXES[i]}{AXES[k]}"
             meaning = f"second moment of body {j}, component {AXES[i]}{AXES[k]}"
-            found[motion.Sigma[i, k]] = steps(name, "kg m^2", meaning, given.second[i, k])
-    return found
+            by_symbol[motion.Sigma[i, k]] = steps(name, "kg m^2", meaning, body.second[i, k])
+    return by_symbol
 
 
 def inwards(
@@ -240,34 +240,34 @@ def inwards(
     moving: list[Moving],
     inputs: tuple[Inputs, ...],
 ) -> tuple[Wrench, ...]:
-    """The wrench of each joint: what moves its body, and what that hands on to the next one."""
-    found: list[Wrench] = []
+    """The wrench of each joint: to move its body, plus the wrench of the next joint."""
+    wrenches: list[Wrench] = []
     force, moment = ZERO, ZERO  # of the next joint, in the frame of this body
     for j in reversed(range(len(links))):
-        own, link, here = _of_body(steps, j, bodies[j], moving[j]), links[j], moving[j]
-        force = steps.vector(f"force_{j}", "N", f"force on body {j} by its joint", own.force + force)
-        moment = steps.vector(f"moment_{j}", "N m", f"moment on body {j} by its joint", own.moment + moment)
-        found.append(Wrench(force, moment))
+        body, link, motion_j = _of_body(steps, j, bodies[j], moving[j]), links[j], moving[j]
+        force = steps.vector(f"force_{j}", "N", f"force on body {j} by its joint", body.force + force)
+        moment = steps.vector(f"moment_{j}", "N m", f"moment on body {j} by its joint", body.moment + moment)
+        wrenches.append(Wrench(force, moment))
         if j == 0:
             break
         # Into the frame of the parent, about its origin.
-        force = steps.vector(f"force_0_{j}", "N", f"force of joint {j}, at angle 0", here.turn * force)
-        moment = here.turn * moment + _of_rotor(link, here, inputs[j])
+        force = steps.vector(f"force_0_{j}", "N", f"force of joint {j}, at angle 0", motion_j.turn * force)
+        moment = motion_j.turn * moment + _of_rotor(link, motion_j, inputs[j])
         moment = steps.vector(
             f"moment_0_{j}", "N m", f"moment of joint {j}, at angle 0, rotor included", moment
         )
         force = steps.vector(
             f"force_p_{j}", "N", f"force of joint {j}, frame of its parent", link.rotation * force
         )
-        moment = link.rotation * moment + here.position.cross(force)
+        moment = link.rotation * moment + motion_j.position.cross(force)
         moment = steps.vector(
             f"moment_p_{j}", "N m", f"moment of joint {j}, about its parent's origin", moment
         )
-    return tuple(reversed(found))
+    return tuple(reversed(wrenches))
 
 
 def _of_body(steps: Steps, j: int, moments: dict[sp.Symbol, sp.Expr], moving: Moving) -> Wrench:
-    """The force and moment that move a body as it does, gravity included."""
+    """The force and moment required for the motion of a body, gravity included."""
     letters, values = tuple(moments), tuple(moments.values())
     # (U_zz - U_yy) Sigma_yz: the difference is formed once.
     differences = {
@@ -290,7 +290,7 @@ def _of_body(steps: Steps, j: int, moments: dict[sp.Symbol, sp.Expr], moving: Mo
 
 
 def _of_rotor(link: Link, moving: Moving, inputs: Inputs) -> sp.ImmutableMatrix:
-    """The moment of the turning rotor on its carrier, the parent: gyroscopic, and by its acceleration."""
+    """The gyroscopic and acceleration moment of a rotor on its carrier, the parent."""
     speeds = (link.sign * inputs.omega_m.symbol, link.sign * inputs.alpha_m.symbol)
     if is_zero(link.joint.J_m):
         return ZERO
@@ -306,12 +306,12 @@ class Recursion:
     """The recursion of a chain.
 
     Attributes:
-        chain: of which.
+        chain: the chain.
         inputs: of each motor.
-        definitions: of everything below, in order.
-        moving: each body's motion.
-        wrenches: of each joint, in the frame that `Chain.links` gives it.
-        bearings: what each joint's bearing carries, and what its gear passes on.
+        definitions: of all symbols below, in order.
+        moving: motion of each body.
+        wrenches: of each joint, in its frame of `Chain.links`.
+        bearings: bearing loads and transmitted torque of each joint.
         rotors: torque that accelerates each rotor, motor side [N m].
     """
 
@@ -325,12 +325,12 @@ class Recursion:
 
     @cached_property
     def torques(self) -> tuple[sp.Expr, ...]:
-        """Torque [N m] or force [N] of each joint about or along its axis: what its gear passes on."""
+        """Torque [N m] or force [N] of each joint about or along its axis, transmitted by its gear."""
         return tuple(bearing.transmitted for bearing in self.bearings)
 
     @cached_property
     def motor_torques(self) -> tuple[sp.Expr, ...]:
-        """Torque [N m] of each motor that moves bodies and rotors and holds the weight, without friction."""
+        """Torque [N m] of each motor for bodies, rotors and gravity, without friction."""
         of_joints = zip(self.chain.joints, self.rotors, self.torques, strict=True)
         return tuple(rotor + joint.mu * torque for joint, rotor, torque in of_joints)
 
@@ -341,7 +341,7 @@ class Recursion:
 
 
 def recursion(chain: Chain) -> Recursion:
-    """The recursion of a chain: Newton and Euler for every body, from positions differentiated."""
+    """The recursion of a chain: Newton and Euler for every body, derived from positions."""
     steps = Steps()
     inputs = tuple(motor_inputs(j) for j in range(len(chain.joints)))
     links = chain.links
@@ -377,20 +377,20 @@ def recursion(chain: Chain) -> Recursion:
     return Recursion(chain, inputs, tuple(steps.definitions), tuple(moving), wrenches, bearings, rotors)
 
 
-# The chain at rest: the torques that hold its weight.
+# The chain at rest: the gravity torques.
 
 
 def at_rest(found: Recursion) -> tuple[tuple[Definition, ...], tuple[sp.Expr, ...]]:
     """The recursion without velocities and accelerations.
 
     Returns:
-        What is left of its definitions, under their names, and the torque of every motor [N m].
+        The remaining definitions, under their names, and the torque of every motor [N m].
     """
-    known, left = dict(found.standing), []
+    known, remaining = dict(found.standing), []
     for definition in found.definitions:
         value = definition.value.xreplace(known)
         if value.is_Atom or (-value).is_Symbol:
             known[definition.symbol] = value
         else:
-            left.append(replace(definition, value=value))
-    return tuple(left), tuple(torque.xreplace(known) for torque in found.motor_torques)
+            remaining.append(replace(definition, value=value))
+    return tuple(remaining), tuple(torque.xreplace(known) for torque in found.motor_torques)

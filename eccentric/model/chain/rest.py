@@ -1,17 +1,18 @@
-"""Friction at rest in an arm: the mass matrix, and a step in time for the set-valued friction of all joints.
+"""Friction at rest in an arm: the mass matrix, and a time step for the set-valued friction of all joints.
 
 M (omega_m' - omega_m) = dt (torque - f), with the friction f of every joint between its levels at rest and
-that of its direction in motion, has one solution: where the convex function E of omega_m' whose slopes are
-the balances, M (omega_m' - omega_m) - dt (torque - f), is least. A sweep makes E least joint by joint, by the
-step of one joint, the others given. So a joint at rest stays at exactly 0.
+that of its direction in motion, has a unique solution: the minimum of the convex function E of omega_m' whose
+gradient is M (omega_m' - omega_m) - dt (torque - f). A sweep minimises E joint by joint (Gauss-Seidel), by
+the step of a single joint with the others fixed. So a joint at rest stays at exactly 0.
 
-Sweeps alone are slow where the joints are strongly coupled. So rounds of two sweeps are followed by the exact
-solution for the joints that move, in the directions that the sweeps have found, and E is made least on the
-way there, past joints that reverse. No part of a round makes E greater, and directions once found are solved
-exactly. There are as many rounds as joints, and a last sweep: at most three sweeps for every joint.
+Sweeps alone converge slowly if the joints are strongly coupled. So each round consists of two sweeps and an
+exact solution for the moving joints, in the directions found by the sweeps, with a line search that minimises
+E on the way there, past joints that reverse. No part of a round increases E, and once the directions are
+correct the solution is exact. There are as many rounds as joints, and a final sweep: at most three sweeps per
+joint.
 
 (M. Silcowitz, S. Niebe, K. Erleben, "A nonsmooth nonlinear conjugate gradient method for interactive contact
-force problems", The Visual Computer 26, 2010, alternate sweeps and solutions likewise.)
+force problems", The Visual Computer 26, 2010, also alternate sweeps and solutions.)
 """
 
 from __future__ import annotations
@@ -31,25 +32,25 @@ Matrix = Sequence[Sequence[sp.Expr]]
 Results = tuple[tuple[str, sp.Expr], ...]
 
 _ZERO, _ONE = sp.Integer(0), sp.Integer(1)
-# What is divided by is never less, and what is solved for never more: then nothing overflows, whatever a
-# matrix with the digits of a double is. Beyond any drive, in SI: inertia, energy; velocity, acceleration.
+# Least divisor and largest unknown: then nothing overflows, even if rounding makes the matrix singular. Both
+# are beyond any drive, in SI: inertia, energy; velocity, acceleration.
 _LEAST = sp.Rational(1, 2**50)
 _MOST = sp.Integer(2**40)
 _STEEPEST = sp.Integer(2**20)
-"""The largest factor from row to row: the root of the largest ratio of two inertias on the motor side."""
+"""Largest elimination factor: the root of the largest ratio of two inertias on the motor side."""
 
 
 # The mass matrix, and values at rest.
 
 
 def mass_matrix(
-    found: Recursion, definitions: Iterable[Assignment], torques: Iterable[sp.Expr]
+    recursion: Recursion, definitions: Iterable[Assignment], torques: Iterable[sp.Expr]
 ) -> tuple[tuple[Assignment, ...], Matrix]:
-    """Definitions and the inertia on the motor side: the slopes of the torques by the accelerations.
+    """Definitions and the inertia on the motor side: the derivatives of the torques by the accelerations.
 
-    It is symmetric: the lower triangle, whose forces are handed on to fewer joints, is its upper one too.
+    It is symmetric: the lower triangle, whose forces pass through fewer joints, is computed and mirrored.
     """
-    by = [inputs.alpha_m.symbol for inputs in found.inputs]
+    by = [inputs.alpha_m.symbol for inputs in recursion.inputs]
     wanted = [Assignment(sp.Symbol(f"moving_{j}", real=True), torque) for j, torque in enumerate(torques)]
     steps = needed((*definitions, *wanted), [a.target for a in wanted])
     steps, slopes = differentiate(steps, by)
@@ -59,14 +60,14 @@ def mass_matrix(
 
 
 def still(
-    found: Recursion, definitions: Iterable[Assignment], results: Results, parameters: Iterable[sp.Symbol]
+    recursion: Recursion, definitions: Iterable[Assignment], results: Results, parameters: Iterable[sp.Symbol]
 ) -> tuple[tuple[Assignment, ...], Results]:
     """Definitions and results without velocities and accelerations.
 
-    What then depends on parameters alone has a name of its own: it is a coefficient, which other functions,
-    whose value moves, must not share.
+    Values that then depend on parameters only get a separate name, since they are constants, unlike those of
+    the same name in other functions.
     """
-    fixed, known = set(parameters), dict(found.standing)
+    fixed, known = set(parameters), dict(recursion.standing)
 
     def folded(value: sp.Expr) -> sp.Expr:
         value = value.xreplace(known)
@@ -75,7 +76,7 @@ def still(
             lambda e: isinstance(e, Magnitude) and _ZERO in e.args, lambda e: sp.Abs(sp.Add(*e.args))
         )
 
-    left = []
+    remaining = []
     for a in definitions:
         value = folded(a.value)
         if value.is_Atom or (-value).is_Symbol:
@@ -86,16 +87,16 @@ def still(
             target = sp.Symbol(f"{a.target.name}_at_rest", **a.target.assumptions0)
             known[a.target] = target
             fixed.add(target)
-        left.append(replace(a, target=target, value=value))
-    return tuple(left), tuple((label, folded(value)) for label, value in results)
+        remaining.append(replace(a, target=target, value=value))
+    return tuple(remaining), tuple((label, folded(value)) for label, value in results)
 
 
-# The law of one joint: torques times the time step, linear in the velocity at its end.
+# The friction law of one joint: torques times the time step, linear in the final velocity.
 
 
 @dataclass(frozen=True)
 class _Piece:
-    """A straight piece of the law in one direction: level + slope velocity."""
+    """A linear piece of the law in one direction: level + slope velocity."""
 
     level: sp.Expr
     slope: sp.Expr
@@ -103,9 +104,9 @@ class _Piece:
 
 @dataclass(frozen=True)
 class _Law:
-    """What friction takes, in both directions: the first piece is that at rest.
+    """Friction in both directions: the first piece applies at rest.
 
-    While presliding builds up there is a second one, and friction is the smaller of both.
+    During presliding there is a second one, and friction is the smaller of both.
     """
 
     forward: tuple[_Piece, ...]
@@ -113,12 +114,12 @@ class _Law:
 
     @property
     def width(self) -> sp.Expr:
-        """Between the levels at rest."""
+        """Difference of the levels at rest."""
         return self.forward[0].level - self.backward[0].level
 
 
 def _laws(named: NamedSteps, levels: Sequence[Levels]) -> list[_Law]:
-    """Those of a time step."""
+    """The friction laws of all joints in a time step."""
     dt = v.dt.symbol
     laws = []
     for j, found in enumerate(levels):
@@ -140,7 +141,7 @@ def _laws(named: NamedSteps, levels: Sequence[Levels]) -> list[_Law]:
 
 
 class _Solved:
-    """The unknowns x of M x + f = momentum, with f by the laws; `start` is where the sweeps begin."""
+    """The unknowns x of M x + f = momentum, with f by the laws; `start` is the initial value."""
 
     def __init__(
         self,
@@ -162,15 +163,15 @@ class _Solved:
         self._sweep()
 
     def friction(self, j: int) -> sp.Expr:
-        """What friction takes of joint j: at rest what the balance needs, within its levels."""
+        """Friction of joint j: at rest the value that balances it, within its levels."""
         law, piece = self._laws[j], self._pieces[j]
-        left = self._name("held", j, self._lacking(j))
+        sticking = self._name("held", j, self._remaining(j))
         if len(self._laws) > 1:
-            left = sp.Max(law.backward[0].level, sp.Min(law.forward[0].level, left))
-        return AtZero(self.x[j], left, piece.level + piece.slope * self.x[j])
+            sticking = sp.Max(law.backward[0].level, sp.Min(law.forward[0].level, sticking))
+        return AtZero(self.x[j], sticking, piece.level + piece.slope * self.x[j])
 
-    def _lacking(self, j: int) -> sp.Expr:
-        """The momentum that the other joints leave to joint j."""
+    def _remaining(self, j: int) -> sp.Expr:
+        """The momentum of joint j minus the coupling with the other joints."""
         return self._momentum[j] - sp.Add(*(self._M[j][k] * self.x[k] for k in self._n if k != j))
 
     def _name(self, name: str, j: int, value: sp.Expr) -> sp.Expr:
@@ -179,24 +180,24 @@ class _Solved:
     def _sweep(self) -> None:
         self._count += 1
         for j in self._n:
-            self.x[j], piece = self._alone(j, self._name("left", j, self._lacking(j)))
+            self.x[j], piece = self._alone(j, self._name("left", j, self._remaining(j)))
             level, slope = self._name("level", j, piece.level), self._name("slope", j, piece.slope)
             self._pieces[j] = _Piece(level, slope)
 
-    def _alone(self, j: int, left: sp.Expr) -> tuple[sp.Expr, _Piece]:
-        """The step of joint j, whose momentum this is: a soft threshold; with its piece of the law."""
+    def _alone(self, j: int, momentum: sp.Expr) -> tuple[sp.Expr, _Piece]:
+        """The step of joint j with this momentum, a soft threshold, and the active piece of its law."""
         law = self._laws[j]
         ends: list[sp.Expr] = []
         pieces: list[_Piece] = []
         for k, (ahead, back) in enumerate(zip(law.forward, law.backward, strict=True)):
-            over = self._name(f"excess{k or ''}", j, Shrunk(left, back.level, ahead.level))
+            over = self._name(f"excess{k or ''}", j, Shrunk(momentum, back.level, ahead.level))
             slope = chosen(over, ahead.slope, back.slope)
             end = over / _at_least(self._name("inertia", j, self._M[j][j] + slope))
             ends.append(self._name(f"end{k or ''}", j, _within(end)))
             pieces.append(_Piece(chosen(over, ahead.level, back.level), slope))
         if len(ends) == 1:
             return ends[0], pieces[0]
-        # The smaller friction leaves the greater speed; at rest neither moves by the first.
+        # The smaller friction gives the greater speed; the joint is at rest if the first piece sticks.
         (bent, slid), (first, second) = ends, pieces
         speed = self._name("faster", j, sp.Abs(slid) - sp.Abs(bent))
         slides = self._name("slides", j, AtZero(bent, _ZERO, Forward(speed)))
@@ -206,12 +207,13 @@ class _Solved:
         return self._name("velocity", j, ByDirection(slides, slid, bent)), _Piece(level, slope)
 
     def _solve(self) -> None:
-        """The exact solution for the joints that move, and the least E on the way there."""
+        """The exact solution for the moving joints, with a line search of E on the way there."""
         n, name, x = self._n, self._name, self.x
         moves = [name("moves", j, AtZero(x[j], _ZERO, _ONE)) for j in n]
-        own = [self._M[j][j] + self._pieces[j].slope for j in n]
+        diagonal = [self._M[j][j] + self._pieces[j].slope for j in n]
         lacks = [
-            name("lacks", j, moves[j] * (self._lacking(j) - self._pieces[j].level - own[j] * x[j])) for j in n
+            name("lacks", j, moves[j] * (self._remaining(j) - self._pieces[j].level - diagonal[j] * x[j]))
+            for j in n
         ]
         # L D L^T of the matrix without the rows and columns of joints at rest.
         lower: dict[tuple[int, int], sp.Expr] = {}
@@ -219,10 +221,10 @@ class _Solved:
         pivots = []
         for j in n:
             before = sp.Add(*(lower[j, k] * above[j, k] for k in range(j)))
-            pivots.append(name("pivot", j, _at_least(name("diagonal", j, own[j] - before))))
+            pivots.append(name("pivot", j, _at_least(name("diagonal", j, diagonal[j] - before))))
             for i in n[j + 1 :]:
-                taken = sp.Add(*(lower[i, k] * above[j, k] for k in range(j)))
-                above[i, j] = name(f"above_{i}", j, moves[i] * moves[j] * self._M[i][j] - taken)
+                eliminated = sp.Add(*(lower[i, k] * above[j, k] for k in range(j)))
+                above[i, j] = name(f"above_{i}", j, moves[i] * moves[j] * self._M[i][j] - eliminated)
                 lower[i, j] = name(f"lower_{i}", j, Bounded(above[i, j] / pivots[j], _STEEPEST))
         down = []
         for j in n:
@@ -236,10 +238,10 @@ class _Solved:
         self.x = [name("on_the_way", j, x[j] + part * way[j]) for j in n]
 
     def _part(self, way: Mapping[int, sp.Expr], gained: sp.Expr) -> sp.Expr:
-        """How far E falls along the way, whose slope is gained (part - 1), and more past each reversal."""
+        """Step length to the minimum of E, whose slope is gained (part - 1), and steeper past reversals."""
         n, name, x = self._n, self._name, self.x
         after = [name("after", j, x[j] + way[j]) for j in n]
-        # Where a joint reverses: speeds before and after have the ratio of what is behind and ahead.
+        # Where a joint reverses: the way is divided in the ratio of the speeds before and after.
         turns = [name("turns", j, x[j] * after[j]) for j in n]
         places = [
             name(
@@ -269,27 +271,27 @@ def _within(value: sp.Expr) -> sp.Expr:
     return Bounded(value, _MOST)
 
 
-# What is emitted.
+# Emitted functions.
 
 
-def _torques(found: Recursion) -> list[sp.Symbol]:
-    return [sp.Symbol(f"torque_{j}", real=True) for j in range(len(found.inputs))]
+def _torques(recursion: Recursion) -> list[sp.Symbol]:
+    return [sp.Symbol(f"torque_{j}", real=True) for j in range(len(recursion.inputs))]
 
 
 Stepped = tuple[tuple[Assignment, ...], Results]
 
 
-def step(found: Recursion, named: NamedSteps, inertia: Matrix, levels: Sequence[Levels]) -> Stepped:
-    """Velocities after a time step and the friction torques in it, and what they are computed from."""
+def step(recursion: Recursion, named: NamedSteps, inertia: Matrix, levels: Sequence[Levels]) -> Stepped:
+    """Velocities after a time step and the friction torques in it, with intermediate assignments."""
     dt, joints = v.dt.symbol, range(len(levels))
-    omega_m = [inputs.omega_m.symbol for inputs in found.inputs]
+    omega_m = [inputs.omega_m.symbol for inputs in recursion.inputs]
     momentum = [
         named(
             f"momentum_{j}",
             sp.Add(*(inertia[j][k] * omega_m[k] for k in joints)) + dt * torque,
             "momentum at the end of the step, if there were no friction [N m s]",
         )
-        for j, torque in enumerate(_torques(found))
+        for j, torque in enumerate(_torques(recursion))
     ]
     solved = _Solved(named, inertia, _laws(named, levels), momentum, omega_m)
     friction = [named(f"taken_{j}", solved.friction(j)) for j in joints]
@@ -298,10 +300,12 @@ def step(found: Recursion, named: NamedSteps, inertia: Matrix, levels: Sequence[
     return tuple(named.listed), tuple(results)
 
 
-def acceleration(found: Recursion, named: NamedSteps, inertia: Matrix, levels: Sequence[Levels]) -> Stepped:
-    """Accelerations by the torques; what is at rest and held within its levels has 0."""
+def acceleration(
+    recursion: Recursion, named: NamedSteps, inertia: Matrix, levels: Sequence[Levels]
+) -> Stepped:
+    """Accelerations by the torques; 0 for joints that stick within their levels."""
     laws = []
-    for j, (inputs, level) in enumerate(zip(found.inputs, levels, strict=True)):
+    for j, (inputs, level) in enumerate(zip(recursion.inputs, levels, strict=True)):
         omega_m = inputs.omega_m.symbol
         forward, backward = named.sides(level, f"_{j}")
         dry = chosen(omega_m, forward.held, backward.held)
@@ -310,5 +314,5 @@ def acceleration(found: Recursion, named: NamedSteps, inertia: Matrix, levels: S
         pieces = [(_Piece(named(f"{end}_{j}", AtZero(omega_m, at, moving)), _ZERO),) for at, end in ends]
         laws.append(_Law(*pieces))
     start = [_ZERO for _ in levels]
-    solved = _Solved(named, inertia, laws, _torques(found), start)
+    solved = _Solved(named, inertia, laws, _torques(recursion), start)
     return tuple(named.listed), tuple((f"alpha_m_{j}", x) for j, x in enumerate(solved.x))

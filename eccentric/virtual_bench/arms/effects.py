@@ -1,4 +1,4 @@
-"""Families of effects in a joint of an arm, requested and drawn, sized along the reference, and at work."""
+"""Effects in a joint of an arm: families, requests, drawing, sizing along the reference, action."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ from eccentric.virtual_bench.effects import (
 )
 from eccentric.virtual_bench.plant import Motion, Plant
 
-# The motion of one joint of an arm, as seen by the laws of its effects.
+# The motion of one joint of an arm, for the laws of its effects.
 
 
 @dataclass(slots=True, eq=False)
 class JointMotion(Motion):
-    """`Motion` of the joint's motor, and what only an arm has.
+    """`Motion` of the joint's motor, with the transmitted torque.
 
-    `normal` is F_N, `gravity` the torque that holds the joint at rest, `transmitted` what its gear passes on
-    without friction, with its sign; both on the motor side [N m].
+    `normal` is F_N, `gravity` the holding torque at rest, `transmitted` the signed torque transmitted by the
+    gear without friction; both on the motor side [N m].
     """
 
     transmitted: float = 0.0
@@ -49,7 +49,7 @@ _OF_ONE_DRIVE = (
     "cogging", "kt_ripple", "local_defect", "cable_spring", "presliding", "magnetic_hysteresis",
     "kt_saturation", "current_bias",
 )  # fmt: skip
-"""Their laws read nothing but the motion, current and temperature of one motor."""
+"""Effects whose laws depend only on the motion, current and temperature of one motor."""
 
 
 def _transmitted(s: Motion) -> float:
@@ -61,7 +61,7 @@ def _gravity(s: Motion) -> float:
 
 
 def load_dependent(request: Request) -> PlantedEffect:
-    """Dry friction of the gear in proportion to the torque that it passes on, or to that of gravity alone."""
+    """Dry friction of the gear proportional to the transmitted torque, or to gravity alone."""
     by_gravity = request.variant == "gravity"
     load = _gravity if by_gravity else _transmitted
     return request.effect(
@@ -74,7 +74,7 @@ def load_dependent(request: Request) -> PlantedEffect:
 
 
 def gear_efficiency(request: Request) -> PlantedEffect:
-    """Loss in proportion to the torque passed on, smaller or larger when the load drives the motor."""
+    """Loss proportional to the transmitted torque, smaller or larger when back-driven."""
     back = request.draw(0.25, 0.5) if request.variant == "easy" else request.draw(1.8, 3.0)
 
     def dry(s: Motion, a: float) -> float:
@@ -92,7 +92,7 @@ def gear_efficiency(request: Request) -> PlantedEffect:
 
 
 def stribeck_load(request: Request) -> PlantedEffect:
-    """Rise of dry friction near rest that grows with the torque passed on, or with F_N."""
+    """Rise of dry friction near rest, proportional to the transmitted torque or F_N."""
     vs = request.draw(0.06, 0.14) * request.setting.top_speed
     by_force = request.variant == "F_N"
 
@@ -109,9 +109,9 @@ def stribeck_load(request: Request) -> PlantedEffect:
 
 
 def bearing_load(request: Request) -> PlantedEffect:
-    """Dry friction of the bearing by a power of F_N, or under a preload across it, beside that by F_N itself.
+    """Dry friction of the bearing by a power of F_N, or with a preload across it, in addition to that by F_N.
 
-    Beside it, and not instead of it: what would be subtracted is more than there is where F_N hardly varies.
+    It does not replace friction by F_N: the difference could be negative where F_N hardly varies.
     The powers are those of a Hertzian point contact, 2/3, and of a deep-groove ball bearing, 1.55 (Palmgren).
     """
     weight = request.plant.M * request.plant.g
@@ -153,7 +153,7 @@ ARM_VARIANTS: dict[str, tuple[str, ...]] = {
 """Variants of a family; one without an entry has none."""
 
 
-# What is requested of the bench for arms: families with their joints and strengths.
+# Requests to the bench for arms: families with joints and strengths.
 
 
 STRENGTH = 0.15
@@ -171,37 +171,37 @@ class EffectRequest:
 
 def effect_requests(effects: Requested, joints: int) -> list[EffectRequest]:
     """Return the requested effects; raises InputError for one that is not allowed."""
-    found = []
+    requests = []
     for name, strength in with_strengths(effects, STRENGTH):
         family, variant, joint = known_joint_effect(name)
         if joint is not None and not 1 <= joint <= joints:
             raise InputError(f"effect {name}", f"a joint from 1 to {joints}", joint)
         check_strength(name, strength)
-        found.append(EffectRequest(family, variant, None if joint is None else joint - 1, float(strength)))
-    return found
+        requests.append(EffectRequest(family, variant, None if joint is None else joint - 1, float(strength)))
+    return requests
 
 
 def known_joint_effect(name: str) -> tuple[str, str | None, int | None]:
-    """Split `family[variant]@joint`; InputError, listing what there is, if there is no such effect."""
+    """Split `family[variant]@joint`; InputError, listing the known effects, for an unknown one."""
     match = re.fullmatch(r"(\w+)(?:\[(.+?)\])?(?:@(\d+))?", name)
     family, variant = known_family(name, match, ARM_EFFECTS, ARM_VARIANTS)
     return family, variant, int(match[3]) if match and match[3] else None
 
 
-# An effect of one joint at work beside that joint's own friction.
+# An effect acting in a joint, in addition to the joint's friction.
 
 
 SMOOTH = 0.003
-"""Part of a joint's top speed over which Coulomb friction turns: sgn w is tanh(w/w_0)."""
+"""w_0 over a joint's top speed: Coulomb friction is smoothed to tanh(w/w_0)."""
 
 
 @dataclass(frozen=True)
 class JointEffect:
-    """A planted effect, its joint (from 0), and that joint as a drive by itself.
+    """A planted effect, its joint (from 0), and that joint as a single drive.
 
     Attributes:
         top_speed: of the motor [rad/s].
-        starts: of each run, the temperature [deg C] and the distance travelled by the motor [rad].
+        starts: temperature [deg C] and motor travel [rad] at the start of each run.
     """
 
     joint: int
@@ -212,7 +212,7 @@ class JointEffect:
 
 
 class Acting:
-    """An effect at work. The caller moves `motion`; `torques` says what the effect adds, motor side."""
+    """An acting effect. The caller updates `motion`; `torques` returns the effect's parts, motor side."""
 
     def __init__(self, planted: JointEffect, run: int) -> None:
         self.joint, self.effect, self.plant = planted.joint, planted.effect, planted.plant
@@ -224,9 +224,9 @@ class Acting:
         self.bias = 0.0  # added to the logged current only [A]
 
     def torques(self, dry: float, viscous: float) -> tuple[float, float, float]:
-        """Return what the effect adds: to the Coulomb level, to the viscous coefficient, against the motor.
+        """Return the effect's parts: Coulomb level, viscous coefficient, torque against the motor.
 
-        `dry` [N m] and `viscous` [N m s/rad] are the joint's own friction.
+        `dry` [N m] and `viscous` [N m s/rad] are the joint's friction without effects.
         """
         s, amplitude = self.motion, self.effect.amplitude
         level = coefficient = against = near_rest = 0.0
@@ -257,7 +257,7 @@ class Acting:
         return level, coefficient, against
 
     def advance(self, dry: float, viscous: float, dt: float) -> None:
-        """Travel, and warm the drive by its losses, over a step."""
+        """Update travel and temperature over a step."""
         s, plant = self.motion, self.plant
         s.travel += abs(s.w_mid) * dt
         if plant.Rth:
@@ -267,31 +267,31 @@ class Acting:
 
 
 MOVING = 0.02
-"""Part of a joint's top speed above which a row counts as in motion."""
+"""Fraction of a joint's top speed above which a row counts as moving."""
 GAP_S = 1.0
-"""Between two runs, unlogged."""
+"""Unlogged time between runs."""
 RISE_K, TAU_S, COLD_C = 40.0, 60.0, 22.0
-"""Of a drive by its mean losses, in the end; how fast; before."""
+"""Final temperature rise of a drive by its mean losses, its time constant, and the initial temperature."""
 _DRAWS = 10
-"""Shapes that are tried."""
+"""Largest number of shapes to try."""
 _SIZED = 2e-3
 """Relative error of a strength along the reference."""
 _OUT_OF_SIGHT = 5.0
-"""An amplitude so many times the first guess belongs to a shape that the course hardly meets."""
+"""Amplitude over the first guess from which the course hardly excites a shape."""
 
 
 def planted(
-    rng: np.random.Generator, arm: BenchArm, course: ArmCourse, gone: Survey, request: EffectRequest
+    rng: np.random.Generator, arm: BenchArm, course: ArmCourse, survey: Survey, request: EffectRequest
 ) -> JointEffect:
-    """Draw an effect, with the amplitude that gives it the requested strength along the reference.
+    """Draw an effect with the amplitude for the requested strength along the reference.
 
-    Raises InputError if the course does not show it: a gear that passes on no torque has no losses.
+    Raises InputError if the course does not excite it: a gear that transmits no torque has no losses.
     """
-    drawn = rng.permutation(len(arm)).tolist()  # also if one is given, for the same shapes
+    drawn = rng.permutation(len(arm)).tolist()  # also if a joint is requested, for the same shapes
     variant = str(rng.choice(ARM_VARIANTS.get(request.family, ("",))))
     joints = drawn if request.joint is None else [request.joint]
     for joint in joints:
-        found = _in_joint(rng, arm, course, gone, request, joint, variant)
+        found = _in_joint(rng, arm, course, survey, request, joint, variant)
         if found is not None:
             return found
     where = " or ".join(str(joint + 1) for joint in sorted(joints))
@@ -305,61 +305,62 @@ def _in_joint(
     rng: np.random.Generator,
     arm: BenchArm,
     course: ArmCourse,
-    gone: Survey,
+    survey: Survey,
     request: EffectRequest,
     joint: int,
     variant: str,
 ) -> JointEffect | None:
-    """Draw an effect in this joint; None if no shape of a plausible amplitude has the strength."""
-    friction = friction_of(arm, gone)[:, joint] * arm.links[joint].mu
-    setting = _setting(arm, course, gone, joint, friction)
-    given = request.variant is not None
-    drawn = Request(request.family, request.strength, request.variant or variant, given, setting, rng)
-    moving = np.abs(gone.w[:, joint]) > MOVING * course.top[joint]
+    """Draw an effect in this joint; None if no shape reaches the strength with a plausible amplitude."""
+    friction = friction_of(arm, survey)[:, joint] * arm.links[joint].mu
+    setting = _setting(arm, course, survey, joint, friction)
+    is_requested = request.variant is not None
+    drawn = Request(request.family, request.strength, request.variant or variant, is_requested, setting, rng)
+    moving = np.abs(survey.w[:, joint]) > MOVING * course.top[joint]
     cold = ((COLD_C, 0.0),) * course.runs
     for _ in range(_DRAWS):
         effect = ARM_EFFECTS[request.family](drawn)
-        found = JointEffect(joint, effect, setting.plant, setting.top_speed, cold)
+        sized = JointEffect(joint, effect, setting.plant, setting.top_speed, cold)
         for _ in range(6):
-            torque, starts = _along(found, arm, course, gone)
-            found = replace(found, starts=starts)
+            torque, starts = _along(sized, arm, course, survey)
+            sized = replace(sized, starts=starts)
             share = float(rms(torque[moving]) / rms(friction[moving]))
             if abs(share / request.strength - 1.0) < _SIZED:
                 break
-            found = corrected(found, share)
-        if found.effect.amplitude < _OUT_OF_SIGHT * effect.amplitude:
-            return found
+            sized = corrected(sized, share)
+        if sized.effect.amplitude < _OUT_OF_SIGHT * effect.amplitude:
+            return sized
     return None
 
 
-def corrected(found: JointEffect, share: float) -> JointEffect:
-    """Return the effect with an amplitude that makes its share of the friction its strength."""
-    effect = found.effect
+def corrected(one: JointEffect, share: float) -> JointEffect:
+    """Return the effect with its amplitude scaled from this share of the friction to its strength."""
+    effect = one.effect
     factor = min(5.0, max(0.2, effect.strength / max(share, 1e-9)))
-    return replace(found, effect=replace(effect, amplitude=min(effect.bound, effect.amplitude * factor)))
+    return replace(one, effect=replace(effect, amplitude=min(effect.bound, effect.amplitude * factor)))
 
 
-def friction_of(arm: BenchArm, gone: Survey) -> np.ndarray:
+def friction_of(arm: BenchArm, survey: Survey) -> np.ndarray:
     """Friction of the joints without effects along a survey [N m], shape (rows, joints)."""
-    dry, viscous = FrictionLaw(arm).of(gone.bearing)
-    return dry * np.sign(gone.w) + viscous * gone.w
+    dry, viscous = FrictionLaw(arm).of(survey.bearing)
+    return dry * np.sign(survey.w) + viscous * survey.w
 
 
 def _setting(
-    arm: BenchArm, course: ArmCourse, gone: Survey, joint: int, friction: np.ndarray
+    arm: BenchArm, course: ArmCourse, survey: Survey, joint: int, friction: np.ndarray
 ) -> PlantSetting:
-    """Magnitudes of one joint's motor; its plant is a single drive with the mean load of the joint."""
+    """Signal magnitudes of one joint's motor; its plant is a single drive with the joint's mean load."""
     link = arm.links[joint]
-    mu, own = link.mu, link.friction
-    speed, current = gone.w[:, joint] / mu, (gone.torque[:, joint] * mu + friction) / link.k_i
+    mu, law = link.mu, link.friction
+    speed, current = survey.w[:, joint] / mu, (survey.torque[:, joint] * mu + friction) / link.k_i
     R = 0.3 * 48.0 / float(np.abs(current).max())  # a third of a bus of 48 V
     seconds = course.runs * (course.seconds + GAP_S)
     loss = float(np.mean(R * current**2 + np.abs(friction * speed)))
     plant = Plant(
-        case="C2", M=float(gone.bearing[:, 0, joint].mean()) / 9.81, M_l=0.0, L=0.0, mu=mu, R=R,
+        case="C2", M=float(survey.bearing[:, 0, joint].mean()) / 9.81, M_l=0.0, L=0.0, mu=mu, R=R,
         k_i=link.k_i, k_e=0.0, J_m=link.J_m,
-        J_l=float(gone.inertia[:, joint].mean()) - link.J_m / mu**2, g=9.81, C_m=own.C_m, B_m=own.B_m,
-        C_lN=own.C_lN, B_lN=own.B_lN, gamma_T=0.0, beta_T=0.0, Rth=RISE_K / loss, tau=TAU_S, Tamb=COLD_C,
+        J_l=float(survey.inertia[:, joint].mean()) - link.J_m / mu**2, g=9.81, C_m=law.C_m,
+        B_m=law.B_m, C_lN=law.C_lN, B_lN=law.B_lN, gamma_T=0.0, beta_T=0.0,
+        Rth=RISE_K / loss, tau=TAU_S, Tamb=COLD_C,
     )  # fmt: skip
     warming = RISE_K * (1.0 - (1.0 - exp(-seconds / TAU_S)) * TAU_S / seconds)
     top = float(course.top[joint]) / mu
@@ -369,17 +370,21 @@ def _setting(
 
 
 def _along(
-    found: JointEffect, arm: BenchArm, course: ArmCourse, gone: Survey
+    one: JointEffect, arm: BenchArm, course: ArmCourse, survey: Survey
 ) -> tuple[np.ndarray, tuple[tuple[float, float], ...]]:
     """Torque of an effect along the survey [N m, motor side], (rows,), and `starts` of the runs."""
-    law, j, rows, starts = FrictionLaw(arm), found.joint, [], [(COLD_C, 0.0)]
-    mu, per_run = arm.links[j].mu, len(gone.q) // course.runs
-    dry, viscous = (part[:, j] * gear for part, gear in zip(law.of(gone.bearing), (mu, mu**2), strict=True))
-    w, alpha, link = gone.w[:, j] / mu, gone.alpha[:, j] / mu, gone.q[:, j]
-    normal, gravity, passed = gone.bearing[:, 0, j], gone.gravity[:, j] * mu, gone.transmitted[:, j] * mu
-    current = (gone.torque[:, j] * mu + dry * np.sign(w) + viscous * w) / found.plant.k_i
+    law, j, rows, starts = FrictionLaw(arm), one.joint, [], [(COLD_C, 0.0)]
+    mu, per_run = arm.links[j].mu, len(survey.q) // course.runs
+    dry, viscous = (part[:, j] * gear for part, gear in zip(law.of(survey.bearing), (mu, mu**2), strict=True))
+    w, alpha, link = survey.w[:, j] / mu, survey.alpha[:, j] / mu, survey.q[:, j]
+    normal, gravity, passed = (
+        survey.bearing[:, 0, j],
+        survey.gravity[:, j] * mu,
+        survey.transmitted[:, j] * mu,
+    )
+    current = (survey.torque[:, j] * mu + dry * np.sign(w) + viscous * w) / one.plant.k_i
     for run in range(course.runs):
-        acting = Acting(replace(found, starts=tuple(starts)), run)
+        acting = Acting(replace(one, starts=tuple(starts)), run)
         s = acting.motion
         for row in range(per_run):
             n = run * per_run + row

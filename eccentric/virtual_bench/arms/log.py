@@ -1,4 +1,4 @@
-"""ArmTrace -> the log as the drives write it, its rig, the arm as it is declared, and the sealed truth."""
+"""ArmTrace -> the log as recorded by the drives, its rig, the declared arm, and the sealed truth."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from eccentric.virtual_bench.arms.scenario import ArmScenario
 from eccentric.virtual_bench.arms.simulation import ArmTrace, Progress, trace
 from eccentric.virtual_bench.files import LOG, csv_archive, json_bytes, new_paths, write_new
 
-# Temperatures of the drives: of one with an effect as it was simulated, of the others from their losses.
+# Drive temperatures: as simulated for drives with an effect, from the losses for the others.
 
 
 def logs_temperature(effects: Sequence[JointEffect]) -> bool:
@@ -27,12 +27,12 @@ def logs_temperature(effects: Sequence[JointEffect]) -> bool:
 
 
 def warmed(rubbed: np.ndarray, current: np.ndarray, dt: float) -> np.ndarray:
-    """Temperature of each drive [deg C], shape (rows, joints): half by friction, half by the winding.
+    """Temperature of each drive [deg C], shape (rows, joints), heated half by friction, half by the winding.
 
     Args:
-        rubbed: power of friction [W], (rows, joints); only its course matters.
-        current: [A], likewise.
-        dt: from row to row [s].
+        rubbed: friction power [W], (rows, joints), in any scale.
+        current: [A], (rows, joints), in any scale.
+        dt: time between rows [s].
     """
     lost = rubbed / rubbed.mean(axis=0) + current**2 / np.mean(current**2, axis=0)
     step = dt / TAU_S
@@ -53,32 +53,32 @@ def simulate_arm(scenario: ArmScenario, progress: Progress | None = None) -> Arm
     """Run the bench for arms; the same scenario gives the same run.
 
     Each effect has the requested strength, its rms over that of its joint's friction, to 3 %, or as close as
-    its physical bound allows; the truth holds the actual one. `progress` is told the part that is done.
+    its physical bound allows; the truth contains the actual one. `progress` gets the completed fraction.
     """
-    scenario, found = trace(scenario, progress)
-    return ArmRun(_log(scenario, found), _rig(scenario), declared(scenario), _truth(scenario, found))
+    scenario, motion = trace(scenario, progress)
+    return ArmRun(_log(scenario, motion), _rig(scenario), declared(scenario), _truth(scenario, motion))
 
 
-def _log(scenario: ArmScenario, found: ArmTrace) -> dict[str, np.ndarray]:
-    """Columns as a drive records them: quantised, noisy, rounded to the digits of the file."""
+def _log(scenario: ArmScenario, motion: ArmTrace) -> dict[str, np.ndarray]:
+    """Columns as recorded by a drive: quantised, noisy, rounded to the file's digits."""
     rng, arm = np.random.default_rng(scenario.seed), scenario.arm
-    columns = {"run": found.run.astype(float), "t_s": np.round(found.t, 4)}
+    columns = {"run": motion.run.astype(float), "t_s": np.round(motion.t, 4)}
     mu = arm.column("mu")
     quantum = 2.0 * pi * mu / scenario.servo.counts
-    peak = np.abs(found.current).max(axis=0)
+    peak = np.abs(motion.current).max(axis=0)
     bit = peak / 2048.0
-    current = found.current + scenario.noise * peak * rng.standard_normal(found.current.shape)
+    current = motion.current + scenario.noise * peak * rng.standard_normal(motion.current.shape)
     current = np.floor(current / bit + 0.5) * bit
     drive = {"current": ("i_A", current), "torque": ("tau_Nm", current * arm.column("k_i") / mu)}
     measured = {
-        "q_rad": (np.floor(found.q / quantum + 0.5) * quantum, 7),
-        "w_rad_s": (found.speed, 5),
+        "q_rad": (np.floor(motion.q / quantum + 0.5) * quantum, 7),
+        "w_rad_s": (motion.speed, 5),
         drive[scenario.measured][0]: (drive[scenario.measured][1], 5),
     }
     if logs_temperature(scenario.effects):
-        warm = warmed(np.abs(found.friction * found.w) / mu, found.current, 1.0 / scenario.sample_rate_hz)
+        warm = warmed(np.abs(motion.friction * motion.w) / mu, motion.current, 1.0 / scenario.sample_rate_hz)
         for k, one in enumerate(scenario.effects):
-            warm[:, one.joint] = found.temperature[:, k]
+            warm[:, one.joint] = motion.temperature[:, k]
         sensed = warm + 0.05 * rng.standard_normal(warm.shape)
         measured["temperature_C"] = np.floor(sensed / 0.1 + 0.5) * 0.1, 2
     for name, (values, digits) in measured.items():
@@ -88,7 +88,7 @@ def _log(scenario: ArmScenario, found: ArmTrace) -> dict[str, np.ndarray]:
 
 
 def _rig(scenario: ArmScenario) -> dict[str, Any]:
-    """What the rig file says: the arm, its columns, its drives."""
+    """Content of the rig file: arm, columns, drives."""
     columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "omega_l": "w_rad_s_{j}"}
     if scenario.measured == "torque":
         drives = {}
@@ -126,13 +126,13 @@ def declared(scenario: ArmScenario) -> dict[str, Any]:
     return {"name": scenario.arm.name, "gravity_m_s2": list(scenario.arm.gravity), "joint": joints}
 
 
-def _truth(scenario: ArmScenario, found: ArmTrace) -> dict[str, Any]:
-    moving, shares = found.moving(scenario.course), found.shares(scenario)
+def _truth(scenario: ArmScenario, motion: ArmTrace) -> dict[str, Any]:
+    moving, shares = motion.moving(scenario.course), motion.shares(scenario)
     joints = [
         {"name": f"joint_{j + 1}", "mu": link.mu, "friction": asdict(link.friction),
-         "friction_rms_Nm": float(rms(found.friction[moving[:, j], j])),
+         "friction_rms_Nm": float(rms(motion.friction[moving[:, j], j])),
          "load_rms": dict(zip(("F_N", "F_T", "M_B"),
-                              rms(found.bearing[moving[:, j], :, j]).tolist(), strict=True))}
+                              rms(motion.bearing[moving[:, j], :, j]).tolist(), strict=True))}
         for j, link in enumerate(scenario.arm.links)
     ]  # fmt: skip
     return {
@@ -141,32 +141,32 @@ def _truth(scenario: ArmScenario, found: ArmTrace) -> dict[str, Any]:
         "kind": "effect" if scenario.effects else "control",
         "log": scenario.course.log_type,
         "runs": scenario.course.runs,
-        "rows": len(found.t),
+        "rows": len(motion.t),
         "noise_frac_of_range": scenario.noise,
         "joints": joints,
         "effects": [
             {"joint": one.joint + 1, "id": one.effect.id, "family": one.effect.family,
              "form": one.effect.form, "amplitude": one.effect.amplitude, "shape": list(one.effect.shape),
              "rms_fraction_asked": one.effect.strength, "rms_fraction_of_friction": share,
-             "rms_fraction_beyond_the_model": _beyond(scenario, found, k),
+             "rms_fraction_beyond_the_model": _beyond(scenario, motion, k),
              "depends_on": list(one.effect.depends_on)}
             for k, (one, share) in enumerate(zip(scenario.effects, shares, strict=True))
         ],
     }  # fmt: skip
 
 
-def _beyond(scenario: ArmScenario, found: ArmTrace, k: int) -> float:
-    """Part of an effect that friction by the bearing's loads, refitted, leaves, over the joint's friction."""
+def _beyond(scenario: ArmScenario, recorded: ArmTrace, k: int) -> float:
+    """Rms residual of an effect after refitting friction by bearing loads, over the joint's friction."""
     j = scenario.effects[k].joint
-    rows = found.moving(scenario.course)[:, j]
-    w = found.w[rows, j]
-    loads = [np.ones_like(w), *found.bearing[rows, :, j].T]
+    rows = recorded.moving(scenario.course)[:, j]
+    w = recorded.w[rows, j]
+    loads = [np.ones_like(w), *recorded.bearing[rows, :, j].T]
     base = np.stack([load * motion for load in loads for motion in (np.sign(w), w)], axis=1)
-    torque = found.effects[rows, k]
+    torque = recorded.effects[rows, k]
     size = np.linalg.norm(base, axis=0)
     base = base[:, size > 1e-9] / size[size > 1e-9]
-    taken, *_ = np.linalg.lstsq(base, torque, rcond=1e-9)
-    return float(rms(torque - base @ taken) / rms(found.friction[rows, j]))
+    coefficients, *_ = np.linalg.lstsq(base, torque, rcond=1e-9)
+    return float(rms(torque - base @ coefficients) / rms(recorded.friction[rows, j]))
 
 
 # ArmRun -> LOG.csv.gz, LOG.toml (the rig), LOG.arm.toml and LOG.truth.json (sealed).
@@ -176,7 +176,7 @@ _BESIDE = (".toml", ".arm.toml", ".truth.json")
 
 
 def write_arm(run: ArmRun, path: str | Path) -> tuple[Path, Path, Path, Path]:
-    """Write the log to `path`, NAME.csv.gz, beside it NAME.toml, NAME.arm.toml and NAME.truth.json.
+    """Write the log to `path`, NAME.csv.gz, and next to it NAME.toml, NAME.arm.toml and NAME.truth.json.
 
     Returns the four paths. The same run gives the same bytes; nothing is left behind if writing fails. Raises
     InputError if the path does not end in .csv.gz, one of the files exists, or they cannot be written.
@@ -203,7 +203,7 @@ def free_arm_paths(path: str | Path) -> tuple[Path, Path, Path, Path]:
 
 
 def _toml(content: dict[str, Any]) -> str:
-    """Text of a table: its values first, then its tables, then its lists of tables, in any depth."""
+    """TOML text of a table: values first, then tables and lists of tables, recursively."""
     return "\n".join(_lines(content, "")).strip() + "\n"
 
 

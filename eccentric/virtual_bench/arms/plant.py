@@ -1,7 +1,7 @@
-"""The arm that the bench simulates, and its rigid bodies by MuJoCo.
+"""The arm simulated by the bench, with its rigid bodies in MuJoCo.
 
-Joints with their links, drives and friction, in SI units. Nothing here comes from the toolkit: the bench is
-an oracle for it, so the two share no code.
+Joints with their links, drives and friction, in SI units. The bench is an oracle for the toolkit, so the two
+share no code.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class JointFriction:
-    """Friction of one joint: of the motor on its own side, of the bearing in proportion to its loads.
+    """Friction of one joint: of the motor, and of the bearing in proportion to its loads.
 
     f = (C_m + mu (C_lN F_N + C_lT F_T + C_lM M_B)) sgn w_m
         + (B_m + mu^2 (B_lN F_N + B_lT F_T + B_lM M_B)) w_m
 
-    on the motor side [N m], with the loads of the moment: F_N across the axis, F_T along it [N], M_B across
+    on the motor side [N m], with the instantaneous loads: F_N across the axis, F_T along it [N], M_B across
     it about the origin of the joint [N m].
     """
 
@@ -51,11 +51,11 @@ class JointFriction:
 
 @dataclass(frozen=True)
 class BenchLink:
-    """A revolute joint, the link that it moves, and its drive, which sits on the link before.
+    """A revolute joint, the link it moves, and its drive, mounted on the previous link.
 
     Attributes:
-        position, rpy: of the joint's frame in that of the link before [m, rad]: turned by roll about x, then
-            pitch about y, then yaw about z of that link.
+        position, rpy: of the joint's frame in that of the previous link [m, rad]: roll about x, then pitch
+            about y, then yaw about z of that link.
         axis: unit vector in the joint's frame.
         mass, centre, inertia: of the link [kg], in the joint's frame [m]; the tensor about the centre of
             mass, as xx, yy, zz, xy, xz, yz [kg m^2].
@@ -79,7 +79,7 @@ class BenchLink:
 
 @dataclass(frozen=True)
 class BenchArm:
-    """Links in a row on a fixed base; `gravity` is the free fall in the base's frame [m/s^2]."""
+    """Links in series on a fixed base; `gravity` is the free-fall acceleration in the base frame [m/s^2]."""
 
     name: str
     links: tuple[BenchLink, ...]
@@ -93,11 +93,11 @@ class BenchArm:
         return np.array([getattr(link, letter) for link in self.links])
 
 
-# Friction of every joint at once, in closed form: a level opposing the motion, and a viscous part.
+# Friction of all joints in closed form: a level opposing the motion, and a viscous part.
 
 
 class FrictionLaw:
-    """The friction of `JointFriction`, as torque of the joints: both parts over mu, the velocity times mu."""
+    """The friction of `JointFriction` on the joint side: both parts over mu, with velocity over mu."""
 
     def __init__(self, arm: BenchArm) -> None:
         mu = arm.column("mu")
@@ -117,28 +117,28 @@ class FrictionLaw:
         return dry, viscous
 
 
-# Mass matrix, gravity and gyroscopic torques, and what each joint carries.
+# Mass matrix, gravity and gyroscopic torques, and joint loads.
 #
 # MuJoCo's `armature` adds J_m/mu^2 to the diagonal of the mass matrix and nothing else. A rotor also turns
-# with the link that carries it, and that link bears its angular momentum. Both are added here in closed form,
-# with e_j the axis of joint j and w_p, alpha_p of the link that carries its rotor:
+# with its carrier link, which bears its angular momentum. Both are added here in closed form, with e_j the
+# axis of joint j and w_p, alpha_p of the link that carries its rotor:
 #
 #     torque on the motor         J_m (alpha_m + e_j . alpha_p)
 #     moment on the link before   -(J_m alpha_m e_j + w_p x J_m omega_m e_j)
 #
-# so that the mass matrix gains J_m/mu e_j . e_k for every joint k before j. The moment is handed to MuJoCo as
-# one from outside, and is then part of what the joints nearer to the base carry. Cheaper than rotors as
-# bodies of their own, which need constraints that MuJoCo solves to a tolerance only.
+# so that the mass matrix gains J_m/mu e_j . e_k for every joint k before j. The moment is passed to MuJoCo as
+# an external one, and is then part of the loads of the joints nearer to the base. This is cheaper than rotors
+# as separate bodies, whose constraints MuJoCo solves only to a tolerance.
 
 
 @dataclass(frozen=True)
 class JointLoads:
-    """What the joints carry, at one or several places of the arm at once.
+    """Joint loads in one or several configurations of the arm.
 
     Attributes:
         bearing: (places, 3, joints): F_N [N] across the axis, F_T [N] along it, M_B [N m] across it about
             the joint's origin.
-        transmitted: (places, joints): torque that the gear passes on to the link, with its sign [N m].
+        transmitted: (places, joints): torque transmitted to the link, signed [N m].
     """
 
     bearing: np.ndarray
@@ -146,7 +146,7 @@ class JointLoads:
 
 
 def require_mujoco() -> ModuleType:
-    """Return the engine. Raises InputError, which names the command that installs it, if it is not there."""
+    """Return the engine; InputError with the installation command if it is missing."""
     try:
         import mujoco
     except ImportError:
@@ -157,11 +157,11 @@ def require_mujoco() -> ModuleType:
 
 
 class RigidArm:
-    """An arm in MuJoCo, at several places at once: `place` it, then ask for `mass`, `bias` and `loads`.
+    """An arm in MuJoCo, in several configurations at once: `place` it, then call `mass`, `bias` and `loads`.
 
-    Torques are those of the joints; the rotors are included. It agrees with Pinocchio to 1e-12 of the largest
-    load. MuJoCo takes a few microseconds for a place, NumPy a hundred for all of them: so runs are simulated
-    side by side.
+    Torques are on the joint side, rotors included. It agrees with Pinocchio to 1e-12 of the largest load.
+    MuJoCo takes a few microseconds per configuration, NumPy a hundred for all of them: so runs are simulated
+    in parallel.
     """
 
     def __init__(self, arm: BenchArm, places: int = 1) -> None:
@@ -172,7 +172,7 @@ class RigidArm:
         self._mu, self._J_m = arm.column("mu"), arm.column("J_m")
         self._ratio = self._J_m / self._mu
         self._reflected = np.diag(self._J_m / self._mu**2)
-        # What a joint's rotor has in common with every joint before it, by the cosine of their axes.
+        # Coupling of a joint's rotor with every joint before it, times the cosine of their axes.
         self._shared = np.tril(np.repeat(self._ratio[:, None], n, axis=1), -1)
         self._before = np.triu(np.ones((n, n)), 1)
         self._weights = np.asarray(self._model.body_subtreemass[1:, None] * np.array(arm.gravity))
@@ -210,18 +210,18 @@ class RigidArm:
 
     def bias(self) -> np.ndarray:
         """Torques [N m] of gravity and velocities without acceleration, shape (places, joints)."""
-        # Each rotor turns with its carrier, and its gyroscopic moment acts on the joints before its own.
+        # Each rotor turns with its carrier, and its gyroscopic moment acts on the joints before it.
         carried = np.cumsum(self._turning, axis=1) - self._turning
-        own = self._ratio * (self._axes * carried).sum(axis=2)
+        rotor = self._ratio * (self._axes * carried).sum(axis=2)
         before = (self._axes @ self._gyroscopic.swapaxes(1, 2) * self._before).sum(axis=2)
-        return self._pull + own + before
+        return self._pull + rotor + before
 
     def gravity_torque(self) -> np.ndarray:
         """Torques [N m] that hold the arm at rest, shape (places, joints)."""
         return -(self._axes * _cross(self._arms, self._weights)).sum(axis=2)
 
     def loads(self, acceleration: np.ndarray) -> JointLoads:
-        """What the joints carry under accelerations [rad/s^2], shape (places, joints)."""
+        """Joint loads at accelerations [rad/s^2], shape (places, joints)."""
         n = acceleration.shape[1]
         rotors = -(self._axes * (self._ratio * acceleration)[:, :, None] + self._gyroscopic)
         for k, data in enumerate(self._data):
@@ -239,7 +239,7 @@ class RigidArm:
         return JointLoads(bearing, along[1])
 
     def energy(self, w: np.ndarray) -> np.ndarray:
-        """Kinetic and potential energy [J] at velocities w where it was placed, shape (places,)."""
+        """Kinetic plus potential energy [J] at velocities w in the placed configurations, shape (places,)."""
         model = self._model
         weights = -model.body_mass[1:, None] * model.opt.gravity
         potential = np.array([np.sum(weights * data.xipos[1:]) for data in self._data])
@@ -255,7 +255,7 @@ def _cross(left: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 def _document(arm: BenchArm) -> str:
-    """Return the arm in MuJoCo's own format, without shapes: nothing can touch."""
+    """Return the arm in MuJoCo's XML format, without shapes, hence without contacts."""
     bodies = ""
     for link in reversed(arm.links):
         bodies = _body(link, bodies)
@@ -290,25 +290,25 @@ def _text(numbers: tuple[float, ...]) -> str:
     return " ".join(repr(float(x)) for x in numbers)
 
 
-# What an arm goes through along its reference: loads and torques, as if its drives followed it perfectly.
+# Loads and torques of an arm along its reference, with perfect tracking.
 
 
 SURVEY_S = 0.02
-"""Between two rows of a survey."""
+"""Time between rows of a survey."""
 _AT_ONCE = 64
-"""Places of the arm that are computed together."""
+"""Configurations of the arm computed together."""
 
 
 @dataclass(frozen=True)
 class Survey:
-    """Rows along the reference of all runs, one after the other; torques of the joints [N m].
+    """Rows along the reference of all runs in sequence; joint torques [N m].
 
     Attributes:
         q, w, alpha: angles, velocities, accelerations, shape (rows, joints).
         bearing: F_N, F_T [N], M_B [N m], shape (rows, 3, joints).
-        transmitted: torque that each gear passes on, (rows, joints).
-        gravity: its part that holds the arm at rest.
-        torque: what the drives give without friction, rotors included.
+        transmitted: torque transmitted by each gear, (rows, joints).
+        gravity: its part at rest.
+        torque: drive torques without friction, rotors included.
         inertia: diagonal of the mass matrix [kg m^2], rotors included.
     """
 
@@ -331,7 +331,7 @@ def survey(arm: BenchArm, course: ArmCourse) -> Survey:
     q, w, alpha = (np.concatenate(part) for part in zip(*motions, strict=True))
     rigid, parts = RigidArm(arm, _AT_ONCE), []
     for first in range(0, len(q), _AT_ONCE):
-        rows = np.minimum(np.arange(first, first + _AT_ONCE), len(q) - 1)  # the last one fills up
+        rows = np.minimum(np.arange(first, first + _AT_ONCE), len(q) - 1)  # padded with the last one
         rigid.place(q[rows], w[rows])
         mass, loads = rigid.mass(), rigid.loads(alpha[rows])
         torque = np.einsum("kji,ki->kj", mass, alpha[rows]) + rigid.bias()

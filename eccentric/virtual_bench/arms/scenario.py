@@ -1,4 +1,4 @@
-"""What to simulate: an arm, its drives, its course, what it does not declare, the seed of its noise."""
+"""Scenarios: an arm, its drives, its course, its friction and effects, the seed of its noise."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, JointFrictio
 from eccentric.virtual_bench.arms.trajectory import ArmCourse, ArmServo, harmonic_course, sweep_course
 from eccentric.virtual_bench.effects import Requested, check_values
 
-# Random arms that could have been built: two links in a vertical plane, three joints, six joints.
+# Plausible random arms: two links in a vertical plane, three joints, six joints.
 
 
 KINDS = ("2r", "3", "6")
 _RIGHT = pi / 2.0
-# Rolls of the joints' frames: a robot with three parallel axes, and one with a spherical wrist.
+# Rolls of the joint frames: a robot with three parallel axes, and one with a spherical wrist.
 _TWISTS = {
     "3": ((0.0, -_RIGHT, 0.0), (0.0, -_RIGHT, _RIGHT)),
     "6": ((0.0, -_RIGHT, 0.0, 0.0, -_RIGHT, _RIGHT), (0.0, -_RIGHT, 0.0, -_RIGHT, _RIGHT, -_RIGHT)),
@@ -31,7 +31,7 @@ def random_arm(rng: np.random.Generator, kind: str) -> BenchArm:
 
 
 def _planar(rng: np.random.Generator) -> BenchArm:
-    """Two tubes that swing about horizontal axes, a drive at the elbow, a weight at the tip; 0 hangs."""
+    """Two tubes swinging about horizontal axes, a drive at the elbow, a weight at the tip; hanging at 0."""
     lengths, tubes = rng.uniform(0.24, 0.36, 2), rng.uniform(0.3, 0.6, 2)
     ends = rng.uniform(0.4, 0.9), rng.uniform(0.3, 0.8)  # elbow drive, weight
     links, place = [], (0.0, 0.0, 0.0)
@@ -44,7 +44,7 @@ def _planar(rng: np.random.Generator) -> BenchArm:
 
 
 def _spatial(rng: np.random.Generator, kind: str) -> BenchArm:
-    """A column, an upper arm and a forearm along x, and a wrist; each link a tube and lumps beside it."""
+    """A column, an upper arm and a forearm along x, and a wrist; each link is a tube with lumped masses."""
     twists = _TWISTS[kind][int(rng.integers(2))]
     n, links = len(twists), []
     place = np.array([0.0, 0.0, rng.uniform(0.1, 0.2)])
@@ -66,14 +66,14 @@ def _spatial(rng: np.random.Generator, kind: str) -> BenchArm:
 
 
 def _ratio(rng: np.random.Generator, low: float, high: float) -> float:
-    """Draw a gear ratio that a catalogue has: one over a whole number."""
+    """Draw a catalogue gear ratio: one over an integer."""
     return 1.0 / round(float(np.exp(rng.uniform(np.log(low), np.log(high)))))
 
 
 def _link(
     position: object, rpy: Vector, bodies: list[tuple[float, np.ndarray, float]], mu: float
 ) -> BenchLink:
-    """Join spheres, each with its mass, place and inertia, into a link; numbers as in a drawing."""
+    """Combine spheres, each with mass, position and inertia, into a link; rounded as in a drawing."""
     mass = sum(m for m, _, _ in bodies)
     centre = np.round(sum(m * p for m, p, _ in bodies) / mass, 5)
     tensor = np.zeros((3, 3))
@@ -109,9 +109,9 @@ class ArmScenario:
     """A complete test of an arm, input of `simulate_arm`.
 
     Attributes:
-        effects: what the arm has beyond its friction, each in one joint.
-        noise: of each current over its largest value.
-        measured: what is logged of the drives: "current", or the joints' "torque", current times k_i/mu.
+        effects: effects beyond its friction, each in one joint.
+        noise: of each current, over its peak.
+        measured: the logged drive signal: "current", or the joints' "torque", current times k_i/mu.
     """
 
     arm: BenchArm
@@ -147,7 +147,7 @@ def random_arm_scenario(
     The same state of `rng` gives the same arm and course, whatever the effects.
 
     Args:
-        rng: the source of all that is drawn.
+        rng: random generator.
         arm: "2r" (two links in a vertical plane, a weight at the tip), "3" or "6" joints in space.
         effects: families, each with its joint and strength if wanted: "stribeck", "stribeck@2",
             ("stribeck@2", 0.1). The strength is the effect's rms over that of the joint's friction (0.15);
@@ -167,17 +167,16 @@ def random_arm_scenario(
          "sample rate [Hz]": (sample_rate_hz, RATES)},
         {"runs": (runs, 3, 20), "seconds": (seconds, 15.0, 3600.0), "noise": (noise, 0.0, 0.5)},
     )  # fmt: skip
-    wanted = effect_requests(effects, joints=2 if arm == "2r" else int(arm))
+    requests = effect_requests(effects, joints=2 if arm == "2r" else int(arm))
     bare = random_arm(rng, arm)
-    chosen = _course(rng, arm, log_type, int(runs), seconds)
-    bodies = survey(bare, chosen)
-    driven = _with_drives(rng, bare, bodies)
-    gone = survey(driven, chosen)
-    complete = _with_friction(rng, driven, gone)
-    servo = _servo(rng, complete, gone)
+    course = _course(rng, arm, log_type, int(runs), seconds)
+    driven = _with_drives(rng, bare, survey(bare, course))
+    rows = survey(driven, course)
+    complete = _with_friction(rng, driven, rows)
+    servo = _servo(rng, complete, rows)
     seed = int(rng.integers(2**32))
-    built = tuple(planted(rng, complete, chosen, gone, one) for one in wanted)
-    return ArmScenario(complete, servo, chosen, built, noise, measured, seed, sample_rate_hz)
+    built = tuple(planted(rng, complete, course, rows, request) for request in requests)
+    return ArmScenario(complete, servo, course, built, noise, measured, seed, sample_rate_hz)
 
 
 def _course(rng: np.random.Generator, arm: str, log_type: str, runs: int, seconds: float) -> ArmCourse:
@@ -193,27 +192,27 @@ def _course(rng: np.random.Generator, arm: str, log_type: str, runs: int, second
     return draw(rng, runs, round(seconds / runs, 2), np.round(home, 3), reach, np.round(top, 3))
 
 
-def _with_drives(rng: np.random.Generator, arm: BenchArm, gone: Survey) -> BenchArm:
-    """Draw rotors of 20 to 100 % of what they move, and motors with 4 to 8 A at the largest torque."""
-    moved, most = gone.inertia.mean(axis=0), np.abs(gone.torque).max(axis=0)
+def _with_drives(rng: np.random.Generator, arm: BenchArm, rows: Survey) -> BenchArm:
+    """Draw rotors of 20 to 100 % of the moved inertia, and motors with 4 to 8 A at the peak torque."""
+    inertia, peak = rows.inertia.mean(axis=0), np.abs(rows.torque).max(axis=0)
     links = []
     for j, link in enumerate(arm.links):
         share = exp(rng.uniform(log(0.2), log(1.0)))
-        J_m = float(f"{share * moved[j] * link.mu**2:.2g}")
-        largest = 1.3 * (1.0 + share) * most[j] * link.mu
+        J_m = float(f"{share * inertia[j] * link.mu**2:.2g}")
+        largest = 1.3 * (1.0 + share) * peak[j] * link.mu
         links.append(replace(link, J_m=J_m, k_i=float(f"{largest / rng.uniform(4.0, 8.0):.2g}")))
     return replace(arm, links=tuple(links))
 
 
-def _with_friction(rng: np.random.Generator, arm: BenchArm, gone: Survey) -> BenchArm:
-    """Draw friction of 15 to 35 % of the torque: half of it the motor's, half by the bearing's loads."""
-    torque, speed, loads = rms(gone.torque), rms(gone.w), rms(gone.bearing)
+def _with_friction(rng: np.random.Generator, arm: BenchArm, rows: Survey) -> BenchArm:
+    """Draw friction of 15 to 35 % of the torque: half in the motor, half by bearing loads."""
+    torque, speed, loads = rms(rows.torque), rms(rows.w), rms(rows.bearing)
     links = []
     for j, link in enumerate(arm.links):
-        # A joint about a vertical axis carries much and moves little.
+        # A joint about a vertical axis has large bearing loads and little torque.
         size = rng.uniform(0.15, 0.35) * float(np.hypot(torque[j], 0.2 * loads[2, j]))
         parts = size * np.array([0.35, 0.15, 0.38, 0.12]) * rng.uniform(0.75, 1.25, 4)
-        # What follows the loads is split among those that are there; each joint has one that leads.
+        # Load-dependent friction is split among the nonzero loads, with one dominant in each joint.
         split = rng.dirichlet([1.0, 0.6, 1.0]) * (loads[:, j] > 1e-6)
         split = split / split.sum()
         by_load = np.divide(split, loads[:, j], out=np.zeros(3), where=split > 0.0)
@@ -226,11 +225,11 @@ def _with_friction(rng: np.random.Generator, arm: BenchArm, gone: Survey) -> Ben
     return replace(arm, links=tuple(links))
 
 
-def _servo(rng: np.random.Generator, arm: BenchArm, gone: Survey) -> ArmServo:
+def _servo(rng: np.random.Generator, arm: BenchArm, rows: Survey) -> ArmServo:
     """Draw loops of 5 to 8 Hz at the mean inertia, on encoders of 2^12 to 2^14 counts, finer at low gears."""
     n, mu = len(arm), arm.column("mu")
     finer = 2.0 ** np.maximum(0, np.floor(np.log2(60.0 * mu)))
-    velocity = 2.0 * pi * rng.uniform(5.0, 8.0, n) * np.exp(np.mean(np.log(gone.inertia), axis=0))
+    velocity = 2.0 * pi * rng.uniform(5.0, 8.0, n) * np.exp(np.mean(np.log(rows.inertia), axis=0))
     return ArmServo(
         counts=rng.choice([4096.0, 8192.0, 16384.0], n) * finer,
         filter_hz=float(rng.choice([60.0, 80.0, 100.0])),

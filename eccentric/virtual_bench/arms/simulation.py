@@ -1,13 +1,13 @@
-"""Scenario of an arm -> log, rig, arm and sealed truth: the arm under its servo drives, step by step.
+"""Simulation of an arm under its servo drives, step by step.
 
 One step of dt: the angles drift half a step, the velocities are kicked, the angles drift the other half.
 
     (M + dt/2 D) alpha = tau - bias - f(w_mid) - D (w - w_mid),   D = df/dw at w_mid
 
-All of it is taken in the middle of the step, where w_mid is extrapolated from the last two: second order in
-dt. Friction is implicit in the velocity, so that Coulomb friction, tanh(w/w_0), is stable however steep it
-is; its loads are those of the step before, 1 ms late: 0.6 % of what varies at 1 Hz. With steps of a quarter
-the currents differ by 0.1 to 0.2 % of their rms.
+Everything is evaluated at the middle of the step, with w_mid extrapolated from the last two velocities:
+second order in dt. Friction is implicit in the velocity, so that Coulomb friction, tanh(w/w_0), is stable
+however steep; its loads are those of the previous step, 1 ms late: 0.6 % of a 1 Hz variation. With steps a
+quarter as long the currents differ by 0.1 to 0.2 % of their rms.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ from eccentric.virtual_bench.arms.scenario import ArmScenario
 from eccentric.virtual_bench.arms.trajectory import ArmCourse, ArmLoop
 
 Progress = Callable[[float], None]
-"""Told the part that is done, 0 to 1."""
+"""Called with the completed fraction, 0 to 1."""
 _CLOSE = 0.03
-"""Relative error of an effect's strength that is good enough."""
+"""Tolerated relative error of an effect's strength."""
 
 
 @dataclass(frozen=True)
 class ArmTrace:
-    """The true motion, one row a sample: shape (rows, joints) unless stated; torques [N m] of the motors.
+    """The true motion, one row per sample, shape (rows, joints) unless stated; motor torques [N m].
 
     Attributes:
         run: number of the run, (rows,).
         t: time [s] from the start of the first run, (rows,).
         q, w: angles and velocities of the joints.
-        speed: velocities as the drives measure them.
+        speed: velocities measured by the drives.
         current: of the motors, without noise [A].
         friction: of motor and bearing, without effects.
         bearing: F_N, F_T [N], M_B [N m], (rows, 3, joints).
-        transmitted: torque that each gear passes on, of the joint.
+        transmitted: torque transmitted by each gear, joint side.
         effects: torque of each effect, (rows, effects).
         temperature: of each effect's drive [deg C], (rows, effects).
     """
@@ -63,20 +63,20 @@ class ArmTrace:
 
     def shares(self, scenario: ArmScenario) -> list[float]:
         """Rms of each effect over that of its joint's friction, over rows in motion."""
-        moving, found = self.moving(scenario.course), []
+        moving, shares = self.moving(scenario.course), []
         for k, one in enumerate(scenario.effects):
             rows = moving[:, one.joint]
-            found.append(float(rms(self.effects[rows, k]) / rms(self.friction[rows, one.joint])))
-        return found
+            shares.append(float(rms(self.effects[rows, k]) / rms(self.friction[rows, one.joint])))
+        return shares
 
 
 def trace(scenario: ArmScenario, progress: Progress | None = None) -> tuple[ArmScenario, ArmTrace]:
-    """Run the arm; once more where an effect differs from its strength by over 3 %, with another amplitude.
+    """Run the arm; again with corrected amplitudes if an effect's strength is off by more than 3 %.
 
-    Returns the scenario with the amplitudes that were used, and the motion.
+    Returns the scenario with the amplitudes used, and the motion.
     """
-    found = _all_runs(scenario, progress)
-    shares = found.shares(scenario)
+    run = _all_runs(scenario, progress)
+    shares = run.shares(scenario)
     wrong = [
         abs(share / one.effect.strength - 1.0) > _CLOSE
         and not (share < one.effect.strength and one.effect.amplitude >= one.effect.bound)
@@ -85,12 +85,12 @@ def trace(scenario: ArmScenario, progress: Progress | None = None) -> tuple[ArmS
     if any(wrong):
         effects = tuple(corrected(*pair) for pair in zip(scenario.effects, shares, strict=True))
         scenario = replace(scenario, effects=effects)
-        found = _all_runs(scenario, progress)
-    return scenario, found
+        run = _all_runs(scenario, progress)
+    return scenario, run
 
 
 def _all_runs(scenario: ArmScenario, progress: Progress | None) -> ArmTrace:
-    """All runs side by side: arrays have one row a run."""
+    """Simulate all runs in parallel: arrays have one row per run."""
     arm, course, steps = scenario.arm, scenario.course, scenario.steps_per_sample
     dt, runs, n = 1.0 / (scenario.sample_rate_hz * steps), course.runs, len(arm)
     count = round(course.seconds * scenario.sample_rate_hz)
@@ -120,11 +120,11 @@ def _all_runs(scenario: ArmScenario, progress: Progress | None) -> ArmTrace:
         q = q + 0.5 * dt * w
         rigid.place(q, middle)
         mass, pull = rigid.mass(), rigid.bias()
-        own_dry, own_viscous = dry, viscous = law.of(loads.bearing)
+        base_dry, base_viscous = dry, viscous = law.of(loads.bearing)
         bias: float | np.ndarray = 0.0
         if scenario.effects:
             moving = _Step(begins + k * dt, dt, q, w, before, middle, alpha, current, rigid.gravity_torque())
-            dry, viscous, against, bias = _with_effects(acting, moving, loads, own_dry, own_viscous, mu)
+            dry, viscous, against, bias = _with_effects(acting, moving, loads, base_dry, base_viscous, mu)
             torque = torque - against
         way = np.tanh(middle / width)
         friction, slope = dry * way + viscous * middle, dry * (1.0 - way * way) / width + viscous
@@ -132,8 +132,8 @@ def _all_runs(scenario: ArmScenario, progress: Progress | None) -> ArmTrace:
         right = torque - pull - friction - slope * (w - middle)
         alpha = np.linalg.solve(mass, right[:, :, None])[:, :, 0]
         if k % steps == 0:
-            own = mu * (own_dry * way + own_viscous * middle)
-            # The drive averages the current over the two pulses around the sample: it does not lead.
+            base_friction = mu * (base_dry * way + base_viscous * middle)
+            # The drive averages the current over the two pulses around the sample, so it does not lead.
             logged = 0.5 * ((last if k else current) + current) + bias
             rows.append(
                 (
@@ -142,10 +142,10 @@ def _all_runs(scenario: ArmScenario, progress: Progress | None) -> ArmTrace:
                     moved,
                     loop.speed,
                     logged,
-                    own,
+                    base_friction,
                     loads.bearing,
                     loads.transmitted,
-                    *_said(acting),
+                    *_effect_rows(acting),
                 )
             )
             if progress is not None and k % (100 * steps) == 0:
@@ -155,7 +155,7 @@ def _all_runs(scenario: ArmScenario, progress: Progress | None) -> ArmTrace:
         q = q + 0.5 * dt * w
     if progress is not None:
         progress(1.0)
-    # From (rows of a run, runs, ...) to all rows of the first run, then those of the second.
+    # From (rows of a run, runs, ...) to the runs in sequence.
     columns = (
         np.array(part).swapaxes(0, 1).reshape(runs * count, *np.shape(part[0])[1:])
         for part in zip(*rows, strict=True)
@@ -165,7 +165,7 @@ def _all_runs(scenario: ArmScenario, progress: Progress | None) -> ArmTrace:
 
 @dataclass(frozen=True)
 class _Step:
-    """The motion at one step: times of the runs, and of the joints (runs, joints)."""
+    """The motion at one step: times of the runs (runs,), joint quantities (runs, joints)."""
 
     t: np.ndarray
     dt: float
@@ -186,7 +186,7 @@ def _with_effects(
     viscous: np.ndarray,
     mu: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Level and viscous coefficient with the effects, torque against the joints, bias of the currents."""
+    """Coulomb level and viscous coefficient with effects, opposing joint torque, current bias."""
     level, coefficient = dry.copy(), viscous.copy()
     against, bias = np.zeros_like(dry), np.zeros_like(dry)
     for run, effects in enumerate(acting):
@@ -209,7 +209,7 @@ def _with_effects(
     return level, coefficient, against, bias
 
 
-def _said(acting: list[list[Acting]]) -> tuple[list[list[float]], list[list[float]]]:
+def _effect_rows(acting: list[list[Acting]]) -> tuple[list[list[float]], list[list[float]]]:
     """Torque and temperature of the effects, by run."""
     return (
         [[one.torque for one in effects] for effects in acting],

@@ -15,14 +15,14 @@ _HARMONICS = 5
 class ArmCourse:
     """Reference of the joints over `runs` runs of `seconds` each.
 
-    `traj`: five harmonics of one period a run, with amplitudes of velocity `size` [rad/s] and `phase`
+    `traj`: five harmonics with the run length as period, velocity amplitudes `size` [rad/s] and `phase`
     [rad], both of shape (runs, joints, 5), faded in over the first second.
     `runs`: constant velocities `size` [rad/s], joined by smooth ramps of `ramp_s` [s] at `start` [s], both
     of shape (runs, joints, parts).
 
     Attributes:
-        home: angles in the middle of the motion [rad], shape (joints,).
-        top: largest velocity of each joint [rad/s], about.
+        home: mean angles of the motion [rad], shape (joints,).
+        top: approximate peak velocity of each joint [rad/s].
     """
 
     log_type: str
@@ -68,7 +68,7 @@ class ArmCourse:
 def harmonic_course(
     rng: np.random.Generator, runs: int, seconds: float, home: np.ndarray, reach: np.ndarray, top: np.ndarray
 ) -> ArmCourse:
-    """Draw sums of harmonics, within `reach` [rad] of home and at most `top` [rad/s], for each run anew."""
+    """Draw sums of harmonics for each run, within `reach` [rad] of home and at most `top` [rad/s]."""
     n = len(home)
     size = rng.uniform(0.3, 1.0, (runs, n, _HARMONICS))
     phase = rng.uniform(-np.pi, np.pi, (runs, n, _HARMONICS))
@@ -97,7 +97,7 @@ def sweep_course(
             for part in range(parts):
                 length = edges[part + 1] - edges[part]
                 step = speeds[part] * top[joint]
-                # Towards the farther end, or as fast as the way to it allows.
+                # Towards the farther end, or as fast as the distance to it allows.
                 way = -way if abs(place + way * step * length) > reach[joint] else way
                 step = min(step, max(0.1 * top[joint], (reach[joint] - way * place) / length))
                 start[run, joint, part], size[run, joint, part] = edges[part], round(way * step, 3)
@@ -111,17 +111,17 @@ def sweep_course(
 
 @dataclass(frozen=True)
 class ArmServo:
-    """How the drives measure and control, one entry a joint.
+    """Measurement and control of the drives, one entry per joint.
 
-    A position loop gives the velocity that is wanted beyond the reference, a PI velocity loop the torque of
-    the joint. The current is that torque times mu/k_i: the current loop is taken as perfect.
+    A position loop gives the velocity correction to the reference, a PI velocity loop the joint torque. The
+    current is that torque times mu/k_i: the current loop is ideal.
 
     Attributes:
         counts: encoder counts per motor turn.
         filter_hz: corner of the velocity filter, one pole.
         position: gain of the position loop [1/s].
         velocity: gain of the velocity loop [N m s/rad].
-        integral: of it, over `velocity` [1/s].
+        integral: integral gain over `velocity` [1/s].
     """
 
     counts: np.ndarray
@@ -132,7 +132,7 @@ class ArmServo:
 
 
 class ArmLoop:
-    """The loops at work: one `torque` every `dt`, from rest and with the torque that holds the arm there."""
+    """The running loops: one `torque` every `dt`, starting at rest with the holding torque."""
 
     def __init__(
         self, servo: ArmServo, mu: np.ndarray, dt: float, q: np.ndarray, holding: np.ndarray
@@ -149,7 +149,7 @@ class ArmLoop:
         return np.floor(q / self._quantum + 0.5) * self._quantum
 
     def torque(self, q: np.ndarray, wanted: np.ndarray, speed: np.ndarray) -> np.ndarray:
-        """Return the torques of the joints [N m] at angles q, where `wanted` [rad] at `speed` [rad/s] was."""
+        """Return the joint torques [N m] at angles q, for the reference `wanted` [rad] at `speed` [rad/s]."""
         angle = self._read(q)
         self.speed = self.speed + self._pole * ((angle - self.angle) / self._dt - self.speed)
         self.angle = angle

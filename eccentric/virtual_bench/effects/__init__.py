@@ -1,4 +1,4 @@
-"""Effects that the paper's model lacks: one builder per family, in the bench's own code.
+"""Effects missing in the paper's model: one builder per family, independent of the toolkit.
 
 `EFFECTS` maps a family to its builder, `builder(request) -> PlantedEffect`, and `VARIANTS` to its variants,
 if any. A builder draws the shape; the amplitude is a first guess for the requested strength, which the

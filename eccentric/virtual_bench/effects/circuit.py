@@ -120,7 +120,7 @@ def sensor_delay(request: Request) -> PlantedEffect:
 
 
 def encoder_eccentricity(request: Request) -> PlantedEffect:
-    """Encoder of motor or link with its scale off centre; the drive controls by the angle that it reads."""
+    """Encoder of motor or link with an eccentric scale; the drive controls by the angle it reads."""
     plant, speed = request.plant, request.setting.speed
     rate, shift = (1.0 if request.variant == "motor" else plant.mu), request.phase()
     angle = {"motor": "thm", "link": "thl"}[request.variant]

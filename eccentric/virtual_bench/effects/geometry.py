@@ -37,14 +37,14 @@ def motor_harmonic_friction(request: Request) -> PlantedEffect:
 
 
 def nonsynchronous_friction(request: Request) -> PlantedEffect:
-    """Dry friction at a non-integer order of the motor: balls and cage of a bearing that rolls without slip.
+    """Dry friction at a non-integer order of the motor: balls and cage of a bearing rolling without slip.
 
-    The orders are those of balls that pass a race, or, where the link turns slowly and the log could not show
-    such a ripple, those of a slower bearing inside the gear.
+    The orders are ball-pass orders or, if the link turns too slowly for the log to show such a ripple, those
+    of a slower bearing inside the gear.
     """
     slow = request.plant.mu < 1.0 / 12.0
-    whole = 0 if slow else int(request.rng.integers(2, 6))
-    order, shift = whole + request.draw(0.55 if slow else 0.2, 0.8), request.phase()
+    integer = 0 if slow else int(request.rng.integers(2, 6))
+    order, shift = integer + request.draw(0.55 if slow else 0.2, 0.8), request.phase()
     return request.effect(
         f"A cos({order:g} thm + phi) sgn w",
         request.torque(1.4),
@@ -173,10 +173,10 @@ def mass_mismatch(request: Request) -> PlantedEffect:
 
 
 def kinematic_error(request: Request) -> PlantedEffect:
-    """Gear whose ratio varies over a turn of the motor or of the link, n times (transmission error).
+    """Gear whose ratio varies n times per turn of the motor or the link (transmission error).
 
-    Unless it is chosen, the angle is that of the link where a turn of it has more than 12 of the motor: no
-    log at 250 rows per second shows a ripple of a motor that is as fast as that.
+    Unless requested otherwise, it follows the link angle for reductions above 12: a log at 250 rows per
+    second cannot show a ripple of so fast a motor.
     """
     plant, setting = request.plant, request.setting
     where, order = request.variant.split(",n=")

@@ -1,4 +1,4 @@
-"""Effects of the load that the transmission carries, and effects with memory."""
+"""Effects of the transmitted load, and effects with memory."""
 
 from collections.abc import Callable
 from math import exp, hypot
@@ -11,7 +11,7 @@ _SETTLING_S = 0.002
 
 
 def _transmitted() -> Callable[[Motion], float]:
-    """Return the law of mu tau_l, eq. (3): torque through the gear, with the lag `_SETTLING_S` [N m]."""
+    """Return the law of mu tau_l, eq. (3): transmitted torque with the lag `_SETTLING_S` [N m]."""
     load, before = 0.0, 0.0
 
     def law(s: Motion) -> float:
@@ -26,7 +26,7 @@ def _transmitted() -> Callable[[Motion], float]:
 
 
 def load_dependent(request: Request) -> PlantedEffect:
-    """Dry friction in proportion to the load: gravity alone, or all torque transmitted (Gogoussis 1987)."""
+    """Dry friction proportional to a load: gravity alone, or the transmitted torque (Gogoussis 1987)."""
     if request.variant == "gravity" and request.chosen:
         request.require_case("C2", "load_dependent[gravity]", "there is no gravity load in the other case")
     if request.variant == "gravity" and request.plant.case == "C2":
@@ -53,7 +53,7 @@ def load_dependent(request: Request) -> PlantedEffect:
 
 
 def stribeck_load(request: Request) -> PlantedEffect:
-    """Rise of dry friction near rest that grows with a load: of the gear, or on the bearing."""
+    """Rise of dry friction near rest, proportional to the gear or the bearing load."""
     if request.variant != "transmitted" and request.chosen:
         request.require_case(
             "C2", f"stribeck_load[{request.variant}]", "only gravity gives a load that varies at low speed"
@@ -92,7 +92,7 @@ def stribeck_load(request: Request) -> PlantedEffect:
 
 
 def bearing_load(request: Request) -> PlantedEffect:
-    """Dry friction of the link by a power of F_N, or under a preload across it, instead of by F_N itself.
+    """Dry friction of the link by a power of F_N, or with a preload across it, instead of by F_N.
 
     The powers are those of a Hertzian point contact, 2/3, and of a deep-groove ball bearing, 1.55 (Palmgren).
     At the largest amplitude all of the paper's C_lN F_N is replaced.
@@ -127,7 +127,7 @@ def bearing_load(request: Request) -> PlantedEffect:
 
 
 def gear_efficiency(request: Request) -> PlantedEffect:
-    """Loss in proportion to the load, smaller or larger when the load drives the motor."""
+    """Loss proportional to the load, smaller or larger when back-driven."""
     back = request.draw(0.25, 0.5) if request.variant == "easy" else request.draw(1.8, 3.0)
     if request.plant.case == "C2":
         form, depends = (
@@ -156,32 +156,32 @@ def gear_efficiency(request: Request) -> PlantedEffect:
 
 
 def backlash(request: Request) -> PlantedEffect:
-    """Gap of A at the motor, which crosses it without the link's torques after the load has reversed.
+    """Gap of A at the motor, which it crosses without the link's torques after a reversal of the load.
 
-    An approximation: the link's friction and gravity are decoupled while the motor turns through the gap, but
-    its inertia stays coupled. A load that changes back within the gap presses against the first flank again.
-    A true two-mass contact would need steps of microseconds. It acts only at
-    reversals, so a short log meets the requested strength approximately; the truth holds the actual one.
+    An approximation: the link's friction and gravity are decoupled while the motor crosses the gap, but its
+    inertia remains coupled. A load that reverses again within the gap returns to the first flank. A true
+    two-mass contact would need steps of microseconds. It acts only at reversals, so a short log meets the
+    requested strength approximately; the truth contains the actual one.
     """
     bound = 0.25 / request.plant.mu
 
     def start() -> dict[str, Law]:
-        flank, left, travel = 0.0, 0.0, 0.0
+        flank, remaining, travel = 0.0, 0.0, 0.0
 
         def free(s: Motion, a: float) -> bool:
-            nonlocal flank, left, travel
+            nonlocal flank, remaining, travel
             load = s.gravity + (s.link_dry + s.link_viscous * abs(s.w_mid)) * sign(s.w_mid)
-            left -= s.travel - travel
+            remaining -= s.travel - travel
             travel = s.travel
-            if load * flank < 0.0:  # back to the flank that it has left, it has to go what it has come
-                left = a - max(left, 0.0)
+            if load * flank < 0.0:  # the way back to the previous flank is the distance covered so far
+                remaining = a - max(remaining, 0.0)
             if load:
                 flank = sign(load)
-            return left > 0.0
+            return remaining > 0.0
 
         state = False
 
-        def dry(s: Motion, a: float) -> float:  # the dry port is evaluated first, and the others depend on it
+        def dry(s: Motion, a: float) -> float:  # evaluated first; the other ports depend on it
             nonlocal state
             state = free(s, a)
             return -s.link_dry if state else 0.0
@@ -201,7 +201,7 @@ def backlash(request: Request) -> PlantedEffect:
     )
 
 
-# Effects with memory: states that the log does not show.
+# Effects with memory: hidden states.
 
 
 _MICRO_DAMPING_S = 0.01  # sigma_1/sigma_0 of the bristles
@@ -211,8 +211,8 @@ def presliding(request: Request) -> PlantedEffect:
     """Compliant contact (seal, grease, strain-wave gear) that builds up torque over x0 after each reversal.
 
     Dahl 1968: dz = dx/x0 (1 - z sgn dx), solved exactly over each step. LuGre (Canudas de Wit 1995) has a
-    level g that falls with the speed, here towards 0.6 of its value at rest, over which the bristles bend as
-    well, dz = dx/x0 (1 - z sgn(dx)/g), and a torque in proportion to dz/dt.
+    level g that falls with the speed, here towards 0.6 of its value at rest, which also limits the bristle
+    deflection, dz = dx/x0 (1 - z sgn(dx)/g), and a torque proportional to dz/dt.
     """
     x0 = request.draw(0.08, 0.3)
     reach, vs = x0 / request.plant.mu, 0.1 * request.setting.top_speed
@@ -244,8 +244,8 @@ def presliding(request: Request) -> PlantedEffect:
 def magnetic_hysteresis(request: Request) -> PlantedEffect:
     """Remanent magnetisation: the torque lags the current in a loop of half-width A in torque.
 
-    An elastic-plastic element of the current, dz = di/i0 within [-1, 1]. Duhem's smooth form was tried: the
-    drive's ripple at each pulse pulls its loop to the centre, but iron does not follow changes that small.
+    An elastic-plastic element of the current, dz = di/i0 within [-1, 1]. Duhem's smooth form is unsuitable:
+    the current ripple of the pulses pulls its loop to the centre, but iron does not follow small changes.
     """
     i0 = request.draw(0.3, 0.6) * request.setting.current
 

@@ -1,4 +1,4 @@
-"""The record of a planted effect (where it acts, its law), its builder's inputs, and checks of requests."""
+"""The record of a planted effect (ports and laws), its builder's inputs, and checks of requests."""
 
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -56,7 +56,7 @@ class Request:
     family: str
     strength: float
     variant: str  # "" where the family has none
-    chosen: bool  # was the variant given, or drawn?
+    chosen: bool  # whether the variant was requested, not drawn
     setting: PlantSetting
     rng: np.random.Generator
 
@@ -71,7 +71,7 @@ class Request:
 
     @property
     def motor_torque(self) -> float:
-        """Rms of k_i i and of the back-EMF's k_i k_e w/R, added in squares [N m]."""
+        """Root sum of squares of the rms of k_i i and of the back-EMF's k_i k_e w/R [N m]."""
         plant = self.plant
         return plant.k_i * hypot(self.setting.current, plant.k_e * self.setting.speed / plant.R)
 
@@ -107,8 +107,8 @@ class PlantedEffect:
     """One effect beyond the paper's model.
 
     `start()` returns {port: law} with fresh memory; a law takes the motion and the amplitude and returns the
-    value at its port (`PORTS`). `bound` limits the amplitude to what is physical. `form` is the law in
-    symbols, `shape` holds its constants, `depends_on` the quantities that its residual follows.
+    value at its port (`PORTS`). `bound` is the physical limit of the amplitude. `form` is the law in symbols,
+    `shape` its constants, `depends_on` the quantities that its residual depends on.
     """
 
     family: str
@@ -134,11 +134,11 @@ Builder = Callable[[Request], PlantedEffect]
 
 
 Requested = Sequence[str | tuple[str, float]] | Mapping[str, float]
-"""Effects by name, each alone or with its strength."""
+"""Effects by name, each with or without its strength."""
 
 
 def with_strengths(effects: Requested, strength: float) -> list[tuple[str, Any]]:
-    """Return the names with their strengths; InputError where that is not what they are."""
+    """Return the names with their strengths; InputError for anything else."""
     if isinstance(effects, str) or not isinstance(effects, Sequence | Mapping):
         raise InputError("effects", "a list of names or of (name, strength)", f"{effects!r}")
     every = effects.items() if isinstance(effects, Mapping) else effects
@@ -169,7 +169,7 @@ def check_strength(name: str, size: object) -> None:
 
 
 def _within(value: object, low: float, high: float) -> bool:
-    """Whether it is a number of the range, which NaN and true are not."""
+    """Whether it is a number in the range; False for NaN and booleans."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         return False
     return bool(low <= value <= high)
@@ -180,7 +180,7 @@ def known_family(
 ) -> tuple[str, str | None]:
     """Return family and variant of a name, the first two groups of its match.
 
-    Raises InputError, listing what there is, if the bench has no such effect.
+    Raises InputError, listing the known effects, if the bench has no such effect.
     """
     if match is None or match[1] not in families:
         hint = meant(name.partition("@")[0], families)

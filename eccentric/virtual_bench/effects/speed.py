@@ -1,4 +1,4 @@
-"""Effects of the speed and its direction."""
+"""Effects of speed and direction."""
 
 from math import asinh, exp
 
@@ -28,7 +28,7 @@ def quadratic_drag(request: Request) -> PlantedEffect:
 
 
 def cubic_drag(request: Request) -> PlantedEffect:
-    """Drag with the cube of the speed, as for fans near their design point."""
+    """Drag proportional to the cube of the speed, as for fans near their design point."""
     return request.effect(
         "A w^3",
         request.torque() / request.setting.speed**3,
@@ -86,9 +86,9 @@ def eddy_current(request: Request) -> PlantedEffect:
 
 
 def sublinear_viscous(request: Request) -> PlantedEffect:
-    """Grease that thins by shear: Eyring's law (1936), Cross's (1965), or a power law (Sisko 1958).
+    """Shear-thinning grease: Eyring's law (1936), Cross's (1965), or a power law (Sisko 1958).
 
-    From the speed wc on, viscous friction grows less than in proportion.
+    Above the speed wc, viscous friction grows less than proportionally.
     """
     wc, name = request.draw(0.03, 0.12) * request.setting.top_speed, request.variant
     forms = {

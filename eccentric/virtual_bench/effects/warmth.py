@@ -1,4 +1,4 @@
-"""Effects of the temperature, and slow ones of time and wear."""
+"""Effects of temperature, and slow effects of time and wear."""
 
 from math import exp
 
@@ -9,7 +9,7 @@ _KELVIN = 273.15
 
 
 def viscosity_temperature(request: Request) -> PlantedEffect:
-    """Oil that becomes thinner as it warms: exponentially (Reynolds 1886), or by Arrhenius' law."""
+    """Oil that thins as it warms: exponentially (Reynolds 1886), or by Arrhenius' law."""
     cold = request.plant.Tamb
     if request.variant == "exponential":
         form, size, bound = (
@@ -42,7 +42,7 @@ def viscosity_temperature(request: Request) -> PlantedEffect:
 
 
 def coulomb_temperature(request: Request) -> PlantedEffect:
-    """Dry friction that falls in proportion to the temperature."""
+    """Dry friction that falls linearly with temperature."""
     cold = request.plant.Tamb
     return request.effect(
         "-A (T - Tamb) c sgn w",
@@ -56,7 +56,7 @@ def coulomb_temperature(request: Request) -> PlantedEffect:
 
 
 def stribeck_temperature(request: Request) -> PlantedEffect:
-    """Rise of dry friction near rest whose speed grows as the oil becomes thinner (Hersey 1914)."""
+    """Rise of dry friction near rest whose characteristic speed grows as the oil thins (Hersey 1914)."""
     cold, vs = request.plant.Tamb, request.draw(0.05, 0.1) * request.setting.top_speed
     thins = request.draw(0.03, 0.06)
     return request.effect(
