@@ -23,7 +23,7 @@ from eccentric.diagnosis import Diagnosis, diagnose
 from eccentric.planning import Bounds, planned
 from eccentric.virtual_bench import EFFECTS, BenchRun, Scenario, on_reference, random_scenario, simulate
 from eccentric.virtual_bench.plant import Plant
-from eccentric.virtual_bench.trajectory import Course
+from eccentric.virtual_bench.scenario import Course
 
 FIRST_SEED = 330000
 LOGS = 40

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from eccentric.core import InputError
-from eccentric.logs.arithmetic import evaluate
 from eccentric.logs.limits import DEEPEST_ARITHMETIC, LONGEST_ARITHMETIC
+from eccentric.logs.units import evaluate
 
 COLUMNS = {
     "a": np.array([1.0, 2.0, 3.0]),

@@ -18,7 +18,7 @@ import pytest
 
 from eccentric.effects import Effect, Setting, library
 from eccentric.emission import complete, executed, render
-from eccentric.joints.extended_arm import in_an_arm
+from eccentric.joints.diagnosed import in_an_arm
 from eccentric.joints.joint_model import joint_model
 from eccentric.model import (
     Change,

@@ -5,7 +5,7 @@ import pytest
 
 from eccentric.core import InputError
 from eccentric.virtual_bench import on_reference, random_scenario, simulate
-from eccentric.virtual_bench.trajectory import Course, speed_runs, sum_of_sines
+from eccentric.virtual_bench.scenario import Course, speed_runs, sum_of_sines
 
 SEEDS = range(200)
 TOP = 30.0

@@ -9,7 +9,7 @@ import pytest
 
 from eccentric.virtual_bench import PlantedEffect
 from eccentric.virtual_bench.plant import Motion, Plant
-from eccentric.virtual_bench.time_step import laws, mover
+from eccentric.virtual_bench.simulation import laws, mover
 from tests.virtual import drawn_scenario, moving
 
 # Table 1 of the paper at mu = 1/5, in the reading that its F_1 and F_0 take: k_e = 0.2 V s/rad, F_T = M_l g.

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from eccentric import cli
-from eccentric.core import InputError, locks, whole_file, whole_folder, workshop
+from eccentric.core import InputError, transaction, whole_file, whole_folder, workshop
 from eccentric.virtual_bench import write
 from tests.kills import ROOT, at_each_step, left_by
 
@@ -135,7 +135,7 @@ def test_a_folder_that_is_no_temporary_one_is_not_removed(tmp_path: Path) -> Non
 
 def test_without_locks_only_what_is_old_is_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """On Windows, or a network disk without locks, nobody knows who lives: an hour must have passed."""
-    monkeypatch.setattr(locks, "fcntl", None)
+    monkeypatch.setattr(transaction, "fcntl", None)
     names = old, young = ".eccentric-" + 16 * "0", ".eccentric-" + 16 * "1"
     for name in names:
         (tmp_path / name).mkdir()
@@ -203,7 +203,7 @@ def test_without_locks_a_run_does_not_meddle_with_one_that_may_live(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A journal younger than an hour is in the way, with one line; an older one is undone."""
-    monkeypatch.setattr(locks, "fcntl", None)
+    monkeypatch.setattr(transaction, "fcntl", None)
     out, other = tmp_path / "out", tmp_path / "out" / (".eccentric-" + 16 * "0")
     with whole_folder(out, "fit") as new:
         (new / "fit.json").write_text("first")

@@ -10,8 +10,8 @@ from scipy.optimize import lsq_linear
 
 from eccentric.cli import main
 from eccentric.exports import ExportedDrive, export
+from eccentric.exports.drive import nearest
 from eccentric.exports.export import decimal
-from eccentric.exports.law import nearest
 from tests.exports import BENCH, BENCH_UNEQUAL, STEADY, drive, link_states
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo (mujoco-core) is not installed")

@@ -14,8 +14,8 @@ from eccentric.api import fleet as api
 from eccentric.core import InputError
 from eccentric.fleet import NOT_GROUPED, FleetProblem, Suspect, run
 from eccentric.fleet.drift import Changed, FleetChange, Series
-from eccentric.fleet.found import Examined, FleetFound, drifting_of
 from eccentric.fleet.periods import History, Period
+from eccentric.fleet.run import Examined, FleetFound, drifting_of
 from eccentric.fleet.sums import Coverage
 from eccentric.presentation import fleet_sentence
 from eccentric.presentation.fleet_html import _levels

@@ -12,7 +12,7 @@ import pytest
 import eccentric
 from eccentric import InputError
 from eccentric.model import LINEAR
-from eccentric.planning import choice, read_bounds
+from eccentric.planning import outcome, read_bounds
 from tests.carriage import RIG, logged
 
 LIMITS = {
@@ -70,7 +70,7 @@ def test_limits_without_room_are_told_in_newtons() -> None:
     channels = SimpleNamespace(rig=SimpleNamespace(axis=LINEAR))
     question = SimpleNamespace(data=SimpleNamespace(drive=SimpleNamespace(channels=channels)))
     nothing: Any = SimpleNamespace(ground=lambda _: SimpleNamespace(met=None), question=question)
-    error = choice._too_tight(nothing, read_bounds(LIMITS, LINEAR))
+    error = outcome._too_tight(nothing, read_bounds(LIMITS, LINEAR))
 
     assert (error.place, error.got) == ("limits", "0.4 m/s, 3 m/s^2, 500 N, 0 to 0.3 m")
     assert error.expected == "speed, acceleration, force and position that leave room for one motion"

@@ -15,7 +15,7 @@ from eccentric.logs import read_log, stream_log
 from eccentric.rigs import Rig
 from eccentric.signals import read_long
 from eccentric.signals.limits import COLUMNS
-from eccentric.signals.long_choice import choose, solved
+from eccentric.signals.long_log import choose, solved
 from eccentric.signals.long_survey import Cells, LogSurvey, Window, state_name, states_of, survey
 from eccentric.signals.table import read_table
 from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain, rig_of

@@ -19,7 +19,7 @@ from eccentric.core import InputError
 from eccentric.logs import Excerpt, Log, read_log, stream_log
 from eccentric.rigs import read_arm_rig
 from eccentric.signals import Channels, limits, read_channels, read_joints, read_long_joints
-from eccentric.signals import long_choice as choice
+from eccentric.signals import long_log as choice
 from eccentric.signals.channels import thinned
 from eccentric.signals.table import read_table
 from tests.arm_logs import RATE_HZ, arm_log_of, arm_rig_of, planar_arm

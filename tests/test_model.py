@@ -19,7 +19,7 @@ from eccentric.model import (
     steps,
 )
 from eccentric.model import vocabulary as v
-from eccentric.model.equation import equation_named
+from eccentric.model.balance import equation_named
 from eccentric.model.limit import PURE, of_expression, of_unit
 
 speed = quantity("speed", "rad/s", "velocity")

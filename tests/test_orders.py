@@ -10,7 +10,7 @@ from eccentric.core import InputError
 from eccentric.diagnosis import Diagnosis, diagnose, orders_of, score
 from eccentric.diagnosis.score import peaks
 from eccentric.presentation import diagnosis_document
-from eccentric.signals.turn_line import turn_line
+from eccentric.signals.motion import turn_line
 from tests import screw
 from tests.logged import SHARED, needs_shared
 from tests.screw import Array

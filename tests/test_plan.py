@@ -32,9 +32,9 @@ from eccentric.planning import (
     read_bounds,
     sought_of,
 )
-from eccentric.planning.choice import Heavier, decided
 from eccentric.planning.limits import MARGIN, UNDECIDED
 from eccentric.planning.motion import Reference, joined, pieces
+from eccentric.planning.outcome import Heavier, decided
 from eccentric.planning.question import Rival
 from eccentric.planning.separation import Ground, Separation
 from eccentric.presentation import diagnosis_document, plan_lines

@@ -12,14 +12,14 @@ import eccentric
 from eccentric.core import InputError
 from eccentric.diagnosis import diagnose
 from eccentric.planning import Bounds, Reference, planned, question_of
-from eccentric.planning.choice import kept
 from eccentric.planning.limits import INTEGRAL_PER_S, SPEED_FILTER_HZ
 from eccentric.planning.motion import joined, pieces
+from eccentric.planning.outcome import kept
 from eccentric.planning.separation import Met, Separation, extremes
 from eccentric.presentation import plan_document, plan_lines
 from eccentric.rigs import AddedMass
 from eccentric.virtual_bench import BenchRun, Scenario, random_scenario, simulate
-from eccentric.virtual_bench.trajectory import Course
+from eccentric.virtual_bench.scenario import Course
 
 SEED = 310012
 """Of the rig."""

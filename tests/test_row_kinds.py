@@ -10,7 +10,7 @@ from eccentric.core import InputError
 from eccentric.logs import Log
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
-from eccentric.signals.kinds import at_the_times
+from eccentric.signals.rows import at_the_times
 from tests.first_order_drive import RIG, A, log
 
 DECLARED = RIG | {"kinds": {"voltage": "held"}}

@@ -16,7 +16,7 @@ from eccentric.diagnosis.search.candidate import Candidate
 from eccentric.diagnosis.search.verdict import NextMeasurement, _outlines, decided, next_measurement
 from eccentric.effects import LOAD, Evidence, Kin, Words
 from eccentric.model import TURNING
-from eccentric.presentation.measurement_text import measurement_sentence
+from eccentric.presentation.plan_text import measurement_sentence
 from eccentric.signals import MANY_RUNS
 from tests.searched import N, candidate, search
 

@@ -13,7 +13,7 @@ from eccentric.identification import refit
 from eccentric.model import TURNING
 from eccentric.presentation import diagnosis_document
 from eccentric.presentation.html.gather import report_data
-from eccentric.presentation.measurement_text import measurement_sentence
+from eccentric.presentation.plan_text import measurement_sentence
 from tests.identified import FILTERED, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Array, Friction, Swing, log_of, sines, write_rig, write_runs
 
@@ -118,7 +118,7 @@ def test_a_fit_that_is_stopped_too_early_says_so(
     data = with_load.data
     assert data.drive.scale is not None
     wrong = replace(data, drive=replace(data.drive, scale=1.05 * data.drive.scale))
-    monkeypatch.setattr("eccentric.identification.extended.MOST_STEPS", 1)
+    monkeypatch.setattr("eccentric.identification.fit_data.MOST_STEPS", 1)
     early = refit(with_load.models.base, (), wrong, bounds=False)
     found = replace(with_load, models=replace(with_load.models, paper=early))
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from eccentric.virtual_bench import PlantedEffect, Scenario, random_scenario, simulate, write
 from eccentric.virtual_bench.plant import Motion, Plant
-from eccentric.virtual_bench.time_step import laws, mover
+from eccentric.virtual_bench.simulation import laws, mover
 
 
 def drawn_scenario(seed: int = 3, /, **options: object) -> Scenario:

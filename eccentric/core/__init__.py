@@ -47,17 +47,22 @@ from eccentric.core.cache import (
     write_cached,
 )
 from eccentric.core.entries import read_document, read_number, read_table, read_utf8, refuse_unknown
-from eccentric.core.errors import InputError, MissingValueError, counted, few, meant, so_more, together
-from eccentric.core.locks import Ended, ended_by_signals, held
-from eccentric.core.places import (
+from eccentric.core.errors import (
+    InputError,
+    MissingValueError,
+    counted,
     derivation,
+    few,
     folder,
     given_path,
     is_arm_file,
+    meant,
     readable,
     refuse_other_files,
     shown,
+    so_more,
+    together,
 )
 from eccentric.core.scripts import asks, loads_behind, remember_loads, run_script, run_text, scripts_behind
 from eccentric.core.targets import EXPORTS, TARGETS
-from eccentric.core.transaction import MARKER, workshop
+from eccentric.core.transaction import MARKER, Ended, ended_by_signals, held, workshop

@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from eccentric.core.errors import InputError
-from eccentric.core.places import given_path
+from eccentric.core.errors import InputError, given_path
 from eccentric.core.transaction import MARKER, alone, files, is_folder, stands, swap, tidy, workshop
 
 # Output folders. The hidden file `.eccentric` lists which command wrote which file.

@@ -22,8 +22,7 @@ from pathlib import Path
 
 from eccentric import import_time
 from eccentric.core.atomic import folder_to_write
-from eccentric.core.errors import InputError
-from eccentric.core.places import folder
+from eccentric.core.errors import InputError, folder
 from eccentric.core.transaction import workshop
 
 OURS_ALONE = 0o700

@@ -13,8 +13,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from eccentric.core.errors import InputError, meant
-from eccentric.core.places import readable
+from eccentric.core.errors import InputError, meant, readable
 
 
 def read_document(path: Path, what: str) -> Mapping[str, Any]:

@@ -9,6 +9,5 @@ solver for is exported as levels of dry friction and damping, never as a torque.
 May import: `core`, `model`, `emission`.
 """
 
-from eccentric.exports.drive import DEFAULT_SPEEDS, ExportedDrive
+from eccentric.exports.drive import DEFAULT_SPEEDS, ConstantLaw, ExportedDrive
 from eccentric.exports.export import Exported, export
-from eccentric.exports.law import ConstantLaw

@@ -9,9 +9,8 @@ from __future__ import annotations
 import json
 
 from eccentric.core import InputError
-from eccentric.exports.drive import ExportedDrive
+from eccentric.exports.drive import ExportedDrive, nearest
 from eccentric.exports.export import Exported
-from eccentric.exports.law import nearest
 
 
 def write(drive: ExportedDrive) -> Exported:

@@ -9,8 +9,7 @@ from importlib import import_module
 
 from eccentric.core import EXPORTS, InputError
 from eccentric.emission import plain, template
-from eccentric.exports.drive import ExportedDrive
-from eccentric.exports.law import ConstantLaw
+from eccentric.exports.drive import ConstantLaw, ExportedDrive
 from eccentric.version import __version__
 
 

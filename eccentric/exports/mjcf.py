@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from eccentric.emission import template
-from eccentric.exports.drive import ExportedDrive
+from eccentric.exports.drive import ConstantLaw, ExportedDrive, nearest
 from eccentric.exports.export import Exported, decimal, pendulum, stated
-from eccentric.exports.law import ConstantLaw, nearest
 
 FREE = ConstantLaw(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, (0.0, 0.0))
 """No friction: that of a joint whose friction is written before each step."""

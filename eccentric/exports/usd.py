@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 from eccentric.emission import template
-from eccentric.exports.drive import ExportedDrive
+from eccentric.exports.drive import ExportedDrive, nearest
 from eccentric.exports.export import Exported, decimal, pendulum, stated
-from eccentric.exports.law import nearest
 
 
 def write(drive: ExportedDrive) -> Exported:

@@ -17,11 +17,10 @@ May import: `identification` and all rooms below it. No log is ever written to.
 
 from eccentric.fleet.cluster import connected
 from eccentric.fleet.drift import FRICTION, RESIDUAL, FleetChange
-from eccentric.fleet.found import Drifting, Examined, FleetFound, Suspect
 from eccentric.fleet.gathered import Assigned, gather, plan_of
 from eccentric.fleet.limits import RATE
 from eccentric.fleet.periods import History, Period
-from eccentric.fleet.run import FleetRequest, run_fleet
+from eccentric.fleet.run import Drifting, Examined, FleetFound, FleetRequest, Suspect, run_fleet
 from eccentric.fleet.sources import (
     NOT_GROUPED,
     NOT_TESTED,

@@ -13,8 +13,7 @@ from eccentric.effects import Effect, Shape
 from eccentric.identification import limits
 from eccentric.identification.drive import Drive, Machine, in_drive_unit
 from eccentric.identification.expressions import alike, base_coefficients
-from eccentric.identification.extended import Extended, Step
-from eccentric.identification.fit_data import FitData, Values, drive_noise
+from eccentric.identification.fit_data import Extended, FitData, Step, Values, drive_noise
 from eccentric.identification.regression import Coefficient, Nonlinear, slopes_between
 from eccentric.identification.uncertainty import TWO_SIDED, Estimate, rms
 from eccentric.model import Model

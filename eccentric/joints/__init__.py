@@ -17,7 +17,12 @@ May import: `diagnosis` and all rooms below it.
 
 from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.bodies import IdentifiedBodies
-from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, diagnose_arm
-from eccentric.joints.extended_arm import arm_name, extended_arm, why_not_emitted
-from eccentric.joints.fitted import ArmFit, JointFit, fit_arm, gain_of
-from eccentric.joints.predicting import payload_of, predicted
+from eccentric.joints.diagnosed import (
+    ArmDiagnosis,
+    JointDiagnosis,
+    arm_name,
+    diagnose_arm,
+    extended_arm,
+    why_not_emitted,
+)
+from eccentric.joints.fitted import ArmFit, JointFit, fit_arm, gain_of, payload_of, predicted

@@ -29,8 +29,8 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few, given_path, meant, shown
 from eccentric.logs import limits
 from eccentric.logs.assemble import Column, Part, Read, number_of, overlaps
-from eccentric.logs.cells import POINT
 from eccentric.logs.formats import format_of
+from eccentric.logs.layout import POINT
 from eccentric.logs.tables import TableLike, read_memory
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ May import: no room but `core`, whose cache keeps models; it knows no data and n
 
 from eccentric.model import steps, vocabulary
 from eccentric.model.axis import AXES, LINEAR, TURNING, AxisKind, spoken_quantity, spoken_symbol
-from eccentric.model.balance import CONTACT, KINDS, Balance, Load, Role, Term
+from eccentric.model.balance import CONTACT, KINDS, Balance, Equation, Identity, Load, Role, Term
 from eccentric.model.chain import (
     Body,
     Chain,
@@ -31,13 +31,7 @@ from eccentric.model.chain import (
     with_letters,
     with_numbers,
 )
-from eccentric.model.equation import Equation, Identity
-from eccentric.model.functions import NumericFunction, PartValues, fingerprint, function_of, printed
-from eccentric.model.load import in_general_letters, load_model, model_names, with_values
-from eccentric.model.model import Change, Extension, Model, extended, spoken
-from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, differentiate, needed
-from eccentric.model.outputs import drive_interface, interface_of, normal_force
-from eccentric.model.parts import (
+from eccentric.model.functions import (
     ANGLE,
     DRIVE_PARTS,
     GEARS,
@@ -48,9 +42,18 @@ from eccentric.model.parts import (
     NO_PART,
     OUTPUT_ANGLE,
     REDUCERS,
+    NumericFunction,
     Parts,
+    PartValues,
+    fingerprint,
+    function_of,
     missing,
+    printed,
 )
+from eccentric.model.load import in_general_letters, load_model, model_names, with_values
+from eccentric.model.model import Change, Extension, Model, extended, spoken
+from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, differentiate, needed
+from eccentric.model.outputs import drive_interface, interface_of, normal_force
 from eccentric.model.quantity import C_KEYWORDS, Definition, Quantity, State, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.rest import law_at_rest, levels, moving

@@ -16,7 +16,7 @@ from typing import Any, ClassVar, Protocol, TypeVar
 
 import sympy as sp
 
-from eccentric.model.equation import Equation
+from eccentric.model.balance import Equation
 from eccentric.model.quantity import Quantity
 
 

@@ -10,8 +10,7 @@ import sympy as sp
 
 from eccentric.model import steps
 from eccentric.model import vocabulary as v
-from eccentric.model.balance import Term
-from eccentric.model.equation import Equation
+from eccentric.model.balance import Equation, Term
 from eccentric.model.model import Model
 from eccentric.model.quantity import Definition, Quantity
 from eccentric.model.steps import Gated

@@ -11,8 +11,7 @@ import sympy as sp
 from eccentric.core import InputError
 from eccentric.model import vocabulary as v
 from eccentric.model.axis import TURNING, AxisKind, in_letters_of, spoken_equation, spoken_quantity
-from eccentric.model.balance import Balance, Role, Term
-from eccentric.model.equation import Equation, equation_named
+from eccentric.model.balance import Balance, Equation, Role, Term, equation_named
 from eccentric.model.output import Interface
 from eccentric.model.quantity import Definition, Quantity, State
 from eccentric.model.steps import meaning

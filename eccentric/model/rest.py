@@ -18,8 +18,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from eccentric.model import vocabulary as v
-from eccentric.model.balance import Role, Term
-from eccentric.model.equation import Equation, Identity
+from eccentric.model.balance import Equation, Identity, Role, Term
 from eccentric.model.model import Model
 from eccentric.model.output import Assignment
 from eccentric.model.steps import (

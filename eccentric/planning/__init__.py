@@ -12,9 +12,8 @@ In: a `Diagnosis`, or logs and its document, and `Bounds`.  Out: a `MeasurementP
 May import: `diagnosis` and all rooms below it.
 """
 
-from eccentric.planning.choice import require_link
 from eccentric.planning.detectable import DetectionPlan, plan_detection, sought_of
 from eccentric.planning.limits import DECIDES, FIRMWARE_HZ, HARDLY, RATE_HZ, SHOWN_AT_Z, WORTH_A_RUN
 from eccentric.planning.motion import Bounds, Reference, read_bounds
-from eccentric.planning.outcome import MeasurementPlan, planned
+from eccentric.planning.outcome import MeasurementPlan, planned, require_link
 from eccentric.planning.question import Question, question_from, question_of

@@ -9,14 +9,12 @@ from eccentric.presentation.arm import arm_diagnosis_lines as arm_diagnosis_line
 from eccentric.presentation.arm import arm_diagnosis_sentence as arm_diagnosis_sentence
 from eccentric.presentation.arm import arm_fit_document as arm_fit_document
 from eccentric.presentation.arm import arm_fit_lines as arm_fit_lines
-from eccentric.presentation.contest_text import contest_document as contest_document
-from eccentric.presentation.contest_text import contest_lines as contest_lines
+from eccentric.presentation.calls_text import export_lines as export_lines
+from eccentric.presentation.calls_text import left_out_sentence as left_out_sentence
 from eccentric.presentation.diagnosis_json import diagnosis_document as diagnosis_document
 from eccentric.presentation.diagnosis_text import diagnosis_lines as diagnosis_lines
 from eccentric.presentation.diagnosis_text import diagnosis_sentence as diagnosis_sentence
 from eccentric.presentation.diagnosis_text import stability_words as stability_words
-from eccentric.presentation.export_text import export_lines as export_lines
-from eccentric.presentation.export_text import left_out_sentence as left_out_sentence
 from eccentric.presentation.fit_json import emitted_parameters as emitted_parameters
 from eccentric.presentation.fit_json import fit_document as fit_document
 from eccentric.presentation.fit_text import NEEDS_MATPLOTLIB as NEEDS_MATPLOTLIB
@@ -45,6 +43,8 @@ from eccentric.presentation.plan_text import detection_document as detection_doc
 from eccentric.presentation.plan_text import detection_lines as detection_lines
 from eccentric.presentation.plan_text import plan_document as plan_document
 from eccentric.presentation.plan_text import plan_lines as plan_lines
+from eccentric.presentation.simulation_text import contest_document as contest_document
+from eccentric.presentation.simulation_text import contest_lines as contest_lines
 from eccentric.presentation.simulation_text import horizons_document as horizons_document
 from eccentric.presentation.simulation_text import loss_sentence as loss_sentence
 from eccentric.presentation.simulation_text import loss_warnings as loss_warnings

@@ -18,7 +18,7 @@ from eccentric.presentation.diagnosis_text import (
     undeclared_parts,
 )
 from eccentric.presentation.fit_json import estimate_entry, gain_entry
-from eccentric.presentation.measurement_text import measurement_sentence
+from eccentric.presentation.plan_text import measurement_sentence
 from eccentric.presentation.ranges_text import excluded_causes, possible_causes, range_document
 from eccentric.signals import Channels
 

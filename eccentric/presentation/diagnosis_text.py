@@ -17,7 +17,7 @@ from eccentric.identification import in_drive_unit
 from eccentric.model import DRIVE_PARTS, spoken_quantity
 from eccentric.presentation.calls_text import calls, share_words
 from eccentric.presentation.fit_text import band_line, inertia_words
-from eccentric.presentation.measurement_text import measurement_sentence
+from eccentric.presentation.plan_text import measurement_sentence
 from eccentric.presentation.ranges_text import (
     declare_sentence,
     effect_name,

@@ -10,9 +10,8 @@ and rotors of the file; meshes are not read, and nothing is fetched.
 May import: `logs` for units, `model` for the vocabulary and chains.
 """
 
-from eccentric.rigs.arm_file import KEYS_OF_ARMS, read_arm
 from eccentric.rigs.arm_parts import KEYS_OF_BODIES, KEYS_OF_JOINTS
-from eccentric.rigs.arm_rig import NUMBER, ArmRig, names_arm, read_arm_rig
+from eccentric.rigs.arm_rig import KEYS_OF_ARMS, NUMBER, ArmRig, names_arm, read_arm, read_arm_rig
 from eccentric.rigs.complaints import Complaint, arm_rig_complaints, rig_complaints
 from eccentric.rigs.controller import STATES, Controller
 from eccentric.rigs.entries import plain_entries, read_pair

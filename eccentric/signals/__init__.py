@@ -13,9 +13,8 @@ from eccentric.signals.joints import read_joints
 from eccentric.signals.limits import FIT_POINTS, LEAST_HELD_OUT, MANY_RUNS
 from eccentric.signals.long_log import read_long, read_long_joints
 from eccentric.signals.measured import Channels
-from eccentric.signals.motion import of_the_motor, white_noise
+from eccentric.signals.motion import of_the_motor, turn_line, white_noise
 from eccentric.signals.quality import Ratio, beside_the_rig, shared_cause
 from eccentric.signals.rows import Band, Filtered, Rows, band_of, blocks_of, require_rows
 from eccentric.signals.sampling import fit_rows, hann_windows, rows_of, search_rows, weights_by_parts
 from eccentric.signals.table import Table, read_table
-from eccentric.signals.turn_line import turn_line

@@ -21,7 +21,6 @@ from eccentric.rigs import COASTING, Alignment, Rig
 from eccentric.signals import limits
 from eccentric.signals.converted import CONTROLLER
 from eccentric.signals.filters import joined, motion_of, rows_of_each, span_velocity, stretches, suited
-from eccentric.signals.kinds import at_times, evidence, refined
 from eccentric.signals.measured import (
     Channels,
     Controlled,
@@ -38,12 +37,13 @@ from eccentric.signals.motion import (
     near_switching,
     of_the_motor,
     quantum_of,
+    standing_lines,
     uneven,
 )
 from eccentric.signals.quality import assess
+from eccentric.signals.rows import at_times, evidence, refined
 from eccentric.signals.sampling import windows_by_parts
 from eccentric.signals.table import Holdout, Table, hold_out, read_table
-from eccentric.signals.turn_line import standing_lines
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -19,18 +19,19 @@ rig where it has one; `refine` -> a fit refined on the simulated error of its tr
 May import: `identification` and all rooms below it.
 """
 
-from eccentric.simulation.controller import Servo, servo_of
 from eccentric.simulation.draws import Draws, draws_of_fit, draws_of_refit
 from eccentric.simulation.errors import (
+    FittedDrive,
     ModelErrors,
     MotionTrace,
+    Predicted,
     SimulatedErrors,
     WholeRunErrors,
+    fitted_drive,
     simulated_errors,
 )
 from eccentric.simulation.integrate import SimulatedMotion, integrate
 from eccentric.simulation.law import Law, step
-from eccentric.simulation.plant import DrivePlant, plants_of, together
-from eccentric.simulation.predicted import FittedDrive, Predicted, fitted_drive
+from eccentric.simulation.plant import DrivePlant, Servo, plants_of, servo_of, together
 from eccentric.simulation.recording import Recording, Spans, recording_of, whole_runs, windows
 from eccentric.simulation.refine import Refined, refine

@@ -16,11 +16,10 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.simulation.law import LawAt, step
+from eccentric.simulation.law import SCALAR, LawAt, step
 from eccentric.simulation.limits import FEW_SPANS, LONGEST_STEP_S
 from eccentric.simulation.plant import DrivePlant
 from eccentric.simulation.recording import Recording, Spans
-from eccentric.simulation.scalar import SCALAR
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

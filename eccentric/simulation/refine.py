@@ -29,7 +29,6 @@ from eccentric.identification import (
     with_solution,
 )
 from eccentric.model import Model
-from eccentric.simulation.controller import Servo, servo_of
 from eccentric.simulation.integrate import integrate
 from eccentric.simulation.law import Law
 from eccentric.simulation.limits import (
@@ -41,7 +40,7 @@ from eccentric.simulation.limits import (
     REFINED_S,
     STEP_PART,
 )
-from eccentric.simulation.plant import DrivePlant, complete, driven, together
+from eccentric.simulation.plant import DrivePlant, Servo, complete, driven, servo_of, together
 from eccentric.simulation.recording import Recording, Spans, recording_of, whole_runs, windows
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from importlib import import_module
 from eccentric.core import TARGETS
 from eccentric.emission.backends.backend import Backend, with_plain_text
 from eccentric.emission.backends.c99 import code, decimal, prepared_values, wrapped
-from eccentric.emission.backends.expression import Language, UnprintableError, printed
+from eccentric.emission.backends.python.dialect import Language, UnprintableError, printed
 
 BACKENDS: Mapping[str, Backend] = {name: import_module(f"{__name__}.{name}").BACKEND for name in TARGETS}
 DEFAULT = tuple(name for name, target in TARGETS.items() if target.default)

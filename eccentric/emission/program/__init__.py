@@ -40,5 +40,5 @@ from eccentric.emission.program.program import (
     Times,
     TurnLeft,
     Within,
+    paired,
 )
-from eccentric.emission.program.shorten import paired

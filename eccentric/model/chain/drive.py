@@ -12,12 +12,11 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from eccentric.model.balance import Balance, Load, Role, Term
+from eccentric.model.balance import Balance, Equation, Load, Role, Term
 from eccentric.model.chain.chain import Chain
 from eccentric.model.chain.links import UNNAMED, Joint, is_zero
 from eccentric.model.chain.outputs import ArmOutputs
 from eccentric.model.chain.recursion import Recursion, recursion
-from eccentric.model.equation import Equation
 from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity, quantity, symbols
 from eccentric.model.steps import Sgn

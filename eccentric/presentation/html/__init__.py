@@ -48,7 +48,7 @@ def page(data: ReportData) -> str:
 
 def arm_page(found: ArmDiagnosis) -> str:
     """The page of an arm, which leads to that of each joint, joint_NUMBER/report.html."""
-    from eccentric.presentation.html.arm_page import arm_view  # the joints of an arm take a while to import
+    from eccentric.presentation.html.view import arm_view  # the joints of an arm take a while to import
 
     return rendered("arm", arm_view(found))
 

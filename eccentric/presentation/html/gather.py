@@ -45,7 +45,7 @@ from eccentric.presentation.html.data import (
 )
 from eccentric.presentation.html.equation import friction_equations, typesetter_of
 from eccentric.presentation.html.text import number, range_of
-from eccentric.presentation.measurement_text import measurement_sentence
+from eccentric.presentation.plan_text import measurement_sentence
 from eccentric.presentation.ranges_text import range_line
 from eccentric.rigs import KNOWNS
 from eccentric.signals import Rows

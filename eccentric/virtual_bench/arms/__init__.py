@@ -15,5 +15,5 @@ toolkit and the bench share no code.
 """
 
 from eccentric.virtual_bench.arms.effects import ARM_EFFECTS, ARM_VARIANTS, known_joint_effect
-from eccentric.virtual_bench.arms.log import ArmRun, free_arm_paths, simulate_arm, write_arm
 from eccentric.virtual_bench.arms.scenario import ArmScenario, random_arm_scenario
+from eccentric.virtual_bench.arms.simulation import ArmRun, free_arm_paths, simulate_arm, write_arm

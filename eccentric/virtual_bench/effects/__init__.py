@@ -5,7 +5,7 @@ if any. A builder draws the shape; the amplitude is a first guess for the reques
 simulation then measures and corrects.
 """
 
-from eccentric.virtual_bench.effects import circuit, geometry, loads, speed, warmth
+from eccentric.virtual_bench.effects import circuit, geometry, loads, speed
 from eccentric.virtual_bench.effects.record import (
     Builder,
     Law,
@@ -22,7 +22,7 @@ from eccentric.virtual_bench.effects.record import (
 
 EFFECTS: dict[str, Builder] = {
     name: builder
-    for file in (speed, warmth, geometry, loads, circuit)
+    for file in (speed, speed, geometry, loads, circuit)
     for name, builder in vars(file).items()
     if getattr(builder, "__module__", "") == file.__name__ and not name.startswith("_")
 }

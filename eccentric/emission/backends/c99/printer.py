@@ -12,7 +12,7 @@ import sympy as sp
 
 from eccentric.core import InputError
 from eccentric.emission.backends.backend import number
-from eccentric.emission.backends.expression import Language, UnprintableError, choice_of_pairs, printed
+from eccentric.emission.backends.python.dialect import Language, UnprintableError, choice_of_pairs, printed
 from eccentric.emission.program import (
     BITS,
     LEADING_BITS,

@@ -10,7 +10,7 @@ import sympy as sp
 
 from eccentric.emission.backends.backend import assigned
 from eccentric.emission.backends.c99.printer import REAL, code, filled, language, wrapped
-from eccentric.emission.backends.expression import printed
+from eccentric.emission.backends.python.dialect import printed
 from eccentric.emission.program import TURN_BITS, Call, Helper, Program, Routine
 from eccentric.model import Assignment, Input
 

@@ -18,7 +18,7 @@ from eccentric.emission.backends.c99.printer import (
     wrapped,
 )
 from eccentric.emission.backends.c99.routine import argument, helper, routine, staged, twin_of
-from eccentric.emission.backends.expression import Language, printed
+from eccentric.emission.backends.python.dialect import Language, printed
 from eccentric.emission.program import (
     ABSENT,
     LARGEST_ANGLE,

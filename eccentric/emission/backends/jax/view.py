@@ -9,8 +9,16 @@ from typing import Any
 import sympy as sp
 
 from eccentric.emission.backends.backend import number, used_series
-from eccentric.emission.backends.expression import Language, choice_of_pairs, printed
-from eccentric.emission.backends.python.dialect import ON_PARAMETERS, WIDTH, Dialect, broken, on_samples
+from eccentric.emission.backends.python.dialect import (
+    ON_PARAMETERS,
+    WIDTH,
+    Dialect,
+    Language,
+    broken,
+    choice_of_pairs,
+    on_samples,
+    printed,
+)
 from eccentric.emission.backends.python.functions import nan_without, quoted
 from eccentric.emission.backends.python.module import module, series, stepped
 from eccentric.emission.program import (

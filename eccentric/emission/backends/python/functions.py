@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
-from eccentric.emission.backends.expression import Language, printed
-from eccentric.emission.backends.python.dialect import WIDTH, Dialect, broken
+from eccentric.emission.backends.python.dialect import WIDTH, Dialect, Language, broken, printed
 from eccentric.emission.program import Helper, Program, Routine
 from eccentric.model import Assignment
 

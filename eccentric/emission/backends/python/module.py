@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from eccentric.emission.backends.backend import default_text
-from eccentric.emission.backends.expression import printed
-from eccentric.emission.backends.python.dialect import Dialect
+from eccentric.emission.backends.python.dialect import Dialect, printed
 from eccentric.emission.backends.python.functions import functions, quoted
 from eccentric.emission.program import Program, Routine, paired, polynomial
 from eccentric.model import Assignment, Quantity
