@@ -31,17 +31,23 @@ from eccentric.model.steps import (
     SquareDifference,
 )
 
+# By identity: a model is immutable, and has no hash. It is kept, so its id stays unique.
+_KEPT = 32
+_interfaces: dict[int, tuple[Model, Interface]] = {}
+
 
 def interface_of(model: Model) -> Interface:
-    """The outputs of a model, derived once for it: those that it declares, else those of one drive.
+    """The outputs of a model: those that it declares, else those of one drive. The last 32 are cached.
 
     Raises:
         InputError: the model lacks something that they require.
     """
-    kept = vars(model)  # as a cached property of the model would keep them
-    if "interface" not in kept:
-        kept["interface"] = drive_interface(model) if model.declares is None else model.declares(model)
-    return kept["interface"]
+    if id(model) not in _interfaces:
+        interface = drive_interface(model) if model.declares is None else model.declares(model)
+        if len(_interfaces) >= _KEPT:
+            del _interfaces[next(iter(_interfaces))]
+        _interfaces[id(model)] = (model, interface)
+    return _interfaces[id(model)][1]
 
 
 # Friction in one direction: its limit at standstill, and its polynomial in the velocity.
