@@ -76,7 +76,7 @@ def test_same_bits(tmp_path: Path, kind: str) -> None:
         assert {python.STILL, python.UPDATED} <= set(expected)
 
 
-@pytest.mark.parametrize(("kind", "name"), [("time_drift", "drift_C"), ("backlash", "backlash_B")])
+@pytest.mark.parametrize(("kind", "name"), [("time_drift", "drift_C"), ("backlash", "backlash_C")])
 def test_a_coefficient_of_unknown_size_is_refused(tmp_path: Path, kind: str, name: str) -> None:
     """At the start its column is 0, by the time or a hidden state: without a value nothing tells its size."""
     with pytest.raises(InputError, match=f"expected {name} other than 0, since nothing else"):
