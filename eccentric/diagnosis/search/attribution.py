@@ -261,7 +261,11 @@ class Search:
         """
         family, found = self.best.variants[place].candidate.family, self._chances(place)
         found[family] += sum(found.get(other, 0.0) for other in self.best.variants[place].covers)
-        return {other: chance for other, chance in found.items() if other not in self._agreeing(place)}
+        # Without variants, the blocks are what a probability rests on: no number of them proves a certainty.
+        blocks = int(self.screen.block[-1]) + 1
+        most = 1.0 if self.stability.variants else (blocks + 1.0) / (blocks + 2.0)
+        agreeing = self._agreeing(place)
+        return {other: min(chance, most) for other, chance in found.items() if other not in agreeing}
 
     def _agreeing(self, place: int) -> tuple[str, ...]:
         """Families whose names an adopted effect covers, or that cover its own: both are right, or none."""

@@ -63,7 +63,8 @@ class Candidate:
     tolerance: of a declared value that it corrects, in units of its coefficient; 0 if it corrects none.
     ridge: penalty on the coefficients, relative to their scaled diagonal (smooth terms only).
     words: what a person reads about it.
-    possible: whether the drive has the parts that it needs; one that is not possible is never adopted.
+    possible: whether the drive has the parts that it needs, and the log shows a period of it; one that is not
+        possible is never adopted.
     """
 
     id: str
