@@ -10,9 +10,6 @@ FITTED = 3
 """Effects that are fitted, at most, to show the best one where none is adopted: each costs a whole fit."""
 MOST_APART = 100.0
 """Electrical residual over the larger of R i and k_e w: a k_e in V/rpm reaches ten, a voltage in mV 1000."""
-LEAST_PERIODS = 1.0
-"""Periods that a log has to travel for an effect that repeats with an angle to be named: over less, any smooth
-curve is a part of a wave, and nothing in the log has repeated."""
 OF_THE_MOTION = {"motor_angle", "link_angle", "velocity", "direction"}
 """What an effect depends on first if it may be most of what a drive does: it is ripple, or over the speed."""
 PROVABLE = 3.0

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from eccentric.core import InputError
-from eccentric.diagnosis.limits import LEAST_DIFFERENCE, LEAST_OTHERS, LEAST_PERIODS, LEAST_SHARE_OF_LOAD
+from eccentric.diagnosis.limits import LEAST_DIFFERENCE, LEAST_OTHERS, LEAST_SHARE_OF_LOAD
 from eccentric.diagnosis.search import (
+    LEAST_PERIODS,
     Candidate,
     balances_of,
     candidate_of,
@@ -146,12 +147,11 @@ class Stage:
         only = "mechanical" if drive.by_voltage else None
         current = drive.slow_current() if drive.measured_twice else None
         given = self.base, self.data.signals, self.friction, only, current, self.instruments
-        parts, setting = drive.channels.rig.parts, self.setting
-
-        def possible(effect: Effect) -> bool:
-            return not effect.lacks(parts) and effect.periods_seen(setting) >= LEAST_PERIODS
-
-        return [replace(candidate_of(e, *given), possible=possible(e)) for e in effects]
+        parts, seen = drive.channels.rig.parts, [effect.periods_seen(self.setting) for effect in effects]
+        return [
+            replace(candidate_of(e, *given), possible=not e.lacks(parts) and x >= LEAST_PERIODS, periods=x)
+            for e, x in zip(effects, seen, strict=True)
+        ]
 
     def with_friction(self, friction: Array, effects: Path | None) -> Stage:
         """The stage with effects that use this friction: coefficients in the order of the balance's columns.

@@ -65,6 +65,7 @@ class Candidate:
     words: what a person reads about it.
     possible: whether the drive has the parts that it needs, and the log shows a period of it; one that is not
         possible is never adopted.
+    periods: how many of its periods the log travels; infinite if it repeats with no angle.
     """
 
     id: str
@@ -86,6 +87,7 @@ class Candidate:
     words: Words = field(default_factory=Words)
     also_instrument: Callable[[Values], Array] | None = None
     possible: bool = True
+    periods: float = np.inf
 
     @property
     def deviation(self) -> float:
