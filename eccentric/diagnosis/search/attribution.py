@@ -30,10 +30,10 @@ Array = np.ndarray
 
 
 class RuledOut(NamedTuple):
-    """Models with a candidate that the drive cannot have, last in each.
+    """Models with a candidate that is not possible, last in each.
 
-    better: those that explain more than the best model; as_well: those that explain the log as well, each
-    with the family of the adopted effect in whose place the candidate is.
+    better: those that explain more than the best model, or no less with fewer effects; as_well: those that
+    explain the log as well, each with the family of the adopted effect in whose place the candidate is.
     """
 
     better: list[Fitted]
@@ -109,7 +109,8 @@ class Search:
         for place, others in beside:
             for fitted in screen.rank(others, leaders=limits.LEADERS_OF_A_SWAP):
                 candidate = fitted.variants[-1]
-                if self.worth_it(self.best, fitted, screen):
+                fewer = len(fitted.variants) < len(self.best.variants) and fitted.score <= self.best.score
+                if fewer or self.worth_it(self.best, fitted, screen):
                     if self._gained(others, candidate, fitted, screen):
                         found.better.append(fitted)
                 elif place is not None:
