@@ -79,7 +79,8 @@ def swung(periods: float) -> dict[str, np.ndarray]:
     parts = [(0.7, 1.9, 0.3), (0.3, 4.3, 1.0)]
     reach = 0.5 * periods * 2.0 * np.pi / ORDER
     theta, omega, alpha = (
-        reach * sum(a * w**n * np.sin(w * t + p + 0.5 * n * np.pi) for a, w, p in parts) for n in range(3)
+        reach * np.sum([a * w**n * np.sin(w * t + p + 0.5 * n * np.pi) for a, w, p in parts], axis=0)
+        for n in range(3)
     )
     dry = 0.02 * np.sign(omega) + 0.01 * np.cos(ORDER * theta) + 0.004 * np.sin(ORDER * theta)
     noise = np.random.default_rng(7).normal(0.0, 5e-4, len(t))

@@ -149,7 +149,7 @@ def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
     if 1.0 - other.explained > min(limits.BETTER * (1.0 - body.explained), limits.EXPLAINED):
         return None
     if torque_per_unit(drive, rig) is None:
-        return _inverted_by_angle(m, drive, rig, other)
+        return _inverted_by_angle(m, m.link, drive, rig, other)
     off = [ratio for ratio in ratios(body, mu) if ratio.off(limits.FACTOR)]
     mended = ratios(other, 1.0 / mu)
     if not off or "M g L" not in {r.name for r in mended} or not all(r.near(1.0) for r in mended):
@@ -159,7 +159,7 @@ def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
     return Finding("contradiction", "mu", text, m.rows, "warning")
 
 
-def _inverted_by_angle(m: Means, drive: str, rig: Rig, other: RigidBody) -> Finding | None:
+def _inverted_by_angle(m: Means, link: Array, drive: str, rig: Rig, other: RigidBody) -> Finding | None:
     """Blame mu where the rig leaves the torque of the drive open: `other` is the body by the inverse.
 
     Gravity must show there alone, better than by any other unit of the angle, and its torque constant be in
@@ -168,7 +168,7 @@ def _inverted_by_angle(m: Means, drive: str, rig: Rig, other: RigidBody) -> Find
     x, mu = m.drives[drive], rig.known["mu"]
     turned = dataclasses.replace(rig, known={**rig.known, "mu": 1.0 / mu})
     units = (
-        body_of(m, x, m.link / factor) for factor in misreadings(Logged(drive, mu, True, rig.axis)).values()
+        body_of(m, x, link / factor) for factor in misreadings(Logged(drive, mu, True, rig.axis)).values()
     )
     if not is_clear(*other.gravity) or other.explained < max(body.explained for body in units):
         return None
