@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from eccentric.cli import main
@@ -67,6 +68,43 @@ def test_a_cause_that_the_drive_cannot_have_is_excluded_with_the_reason(kind: st
     assert effect[0] not in {c["family"] for c in found["candidates"]}
     assert {"family": effect[0], "explains": "more"}.items() <= found["ruled_out"][0].items()
     assert [kind] == list(found["ruled_out"][0]["needs"])
+
+
+COGGING, ORDER, GEAR, INERTIA = "cogging[n=6]", 6, 0.2, 1e-3
+
+
+def swung(periods: float) -> dict[str, np.ndarray]:
+    """A drive with cogging that travels this many of its periods, to and fro: torque by closed forms."""
+    t = np.arange(0.0, 20.0, 0.004)
+    parts = [(0.7, 1.9, 0.3), (0.3, 4.3, 1.0)]
+    reach = 0.5 * periods * 2.0 * np.pi / ORDER
+    theta, omega, alpha = (
+        reach * np.sum([a * w**n * np.sin(w * t + p + 0.5 * n * np.pi) for a, w, p in parts], axis=0)
+        for n in range(3)
+    )
+    dry = 0.02 * np.sign(omega) + 0.01 * np.cos(ORDER * theta) + 0.004 * np.sin(ORDER * theta)
+    noise = np.random.default_rng(7).normal(0.0, 5e-4, len(t))
+    torque = INERTIA * alpha + dry + 1e-4 * omega + noise
+    return {"time_s": t, "theta_m_rad": theta, "omega_m_rad_s": omega, "torque_Nm": torque}
+
+
+@pytest.mark.parametrize("periods", [0.6, 4.0])
+def test_what_repeats_with_an_angle_is_named_once_it_has(periods: float) -> None:
+    """Over less than a period any smooth curve is a part of a wave: it is left out, with what was seen."""
+    known = {"case": "C1", "mu": GEAR, "M_kg": 0.0, "L_m": 0.0, "J_m_kgm2": INERTIA, "J_l_kgm2": 0.0}
+    rig = {"drive": "torque", "known": known}
+    found = diagnosis_document(diagnose([read_log(swung(periods))], rig))
+
+    if periods > 1.0:
+        assert [COGGING] == [effect["id"] for effect in found["effects"]]
+        return
+    assert ("unexplained", []) == (found["verdict"], found["effects"])
+    left_out = {entry["id"]: entry for entry in found["ruled_out"]}
+    assert {"needs": {}, "periods_seen": pytest.approx(periods, rel=0.05)}.items() <= left_out[
+        COGGING
+    ].items()
+    assert "angle" in found["sentence"]
+    assert "motor" in found["undeclared_parts"]
 
 
 def test_leaves_a_control_alone(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 import eccentric
 from eccentric.core import InputError
-from eccentric.diagnosis import diagnose
+from eccentric.diagnosis import SearchRequest, diagnose
 from eccentric.identification import fit
 from eccentric.logs import read_log
 from eccentric.model import load_model
@@ -17,7 +17,7 @@ from eccentric.presentation import diagnosis_document, diagnosis_lines, fit_sent
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from eccentric.virtual_bench import simulate
-from tests.planted import FRICTION, INERTIA, K_I, KNOWN, TORQUE, T, motion, torque, written
+from tests.planted import FRICTION, INERTIA, K_I, KNOWN, MASS, TORQUE, T, motion, torque, written
 from tests.virtual import drawn_scenario
 
 ROTOR = 1e-4
@@ -49,6 +49,26 @@ def test_friction_that_drives_does_not_fit_the_rig(tmp_path: Path) -> None:
     assert "does not fit the rig" in sentence
     assert "zero angle" not in sentence, "which does not matter in a level plane"
     assert "does not fit the rig" in diagnosis_document(found)["sentence"]
+    assert () == found.effects
+
+
+def test_a_torque_constant_outside_its_range_does_not_fit_the_rig(tmp_path: Path) -> None:
+    """A current in mA read as A: the k_i that gravity asks for is a thousandth of what the rig allows.
+
+    Held at the end of its range, both commands leave the same part of the torque.
+    """
+    noise = np.random.default_rng(6).normal(0.0, 1e-3, len(T))
+    little = {name: 0.1 * value for name, value in FRICTION.items()}
+    current = 1e3 * (torque("C2", little) + noise) / K_I
+    known = 'case = "C2"\n' + KNOWN + MASS + '[unknown]\nk_i = ["0.001 N m/A", "20 N m/A"]\n'
+    channels, rig = written(tmp_path, known, {"current_A": current})
+    found = diagnose([tmp_path / "log.csv"], rig, request=SearchRequest(only=("stribeck",)))
+    fitted = fit(channels, rig, load_model(rig.model))
+
+    assert (False, False) == (fitted.fits_the_rig, found.models.fits_the_rig)
+    assert fitted.r_squared["paper"] == pytest.approx(found.models.r_squared, abs=2e-2)
+    scale = found.models.paper.estimates["1/k_i"]
+    assert (1e3, "upper") == (scale.value, scale.bound_active)
     assert () == found.effects
 
 

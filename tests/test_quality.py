@@ -215,6 +215,30 @@ def test_each_damage_is_named(name: str, tmp_path: Path) -> None:
     assert any((f.kind, f.channel) == (kind, channel) and words in f.text and f.rows for f in found), found
 
 
+@pytest.mark.parametrize("wrong", ["mu", "angle", "nothing"])
+def test_an_inverted_gear_is_not_taken_for_a_unit_of_the_angle(wrong: str, tmp_path: Path) -> None:
+    """At 8:1 the inverse turns the link 64 times as far, an angle in deg 57.3 times: gravity knows which.
+
+    With k_i left open no torque of the rig contradicts the log, only the angle does.
+    """
+    scenario = random_scenario(np.random.default_rng(4), case="C2", mu=1 / 8, log_type="traj", seconds=25.0)
+    run = simulate(scenario)
+    known = {
+        k: x for k, x in run.rig["known"].items() if k not in {"k_i_Nm_per_A", "R_ohm", "k_e_Vs_per_rad"}
+    }
+    rig = {
+        **run.rig,
+        "known": {**known, "mu": 8.0 if wrong == "mu" else 1 / 8},
+        "unknown": {"k_i_Nm_per_A": [1e-3, 20.0]},
+    }
+    columns = without(OMEGA)(without(VOLTAGE)(run.columns))
+    columns = scaled(THETA, 360.0 / math.tau if wrong == "angle" else 1.0)(columns)
+    found = findings(*written(tmp_path, columns, rig))
+
+    expected = {"mu": [("contradiction", "mu", "mu = 0.125")], "angle": [("wrong_unit", "theta_m", "")]}
+    assert expected.get(wrong, []) == [(f.kind, f.channel, f.mend) for f in found]
+
+
 @pytest.mark.parametrize("left_out", ["nothing", OMEGA, VOLTAGE, CURRENT, THETA])
 @pytest.mark.parametrize("log", [C1, C2, RUNS, ("C1", "runs")], ids=" ".join)
 def test_an_undamaged_log_has_no_finding(log: tuple[str, str], left_out: str, tmp_path: Path) -> None:

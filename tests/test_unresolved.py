@@ -88,13 +88,16 @@ def test_every_ripple_over_the_motor_declares_how_often_it_repeats() -> None:
             if effect.shapes and often.free_symbols:
                 assert {effect.shapes[0].quantity.symbol} == often.free_symbols
             else:
-                assert turn * int(effect.variant.rpartition("n=")[2]) == pytest.approx(float(often))
+                _, numbered, n = effect.variant.rpartition("n=")
+                assert turn * (int(n) if numbered else 1) == pytest.approx(float(often))
 
     assert visited == {
         "cogging",
+        "encoder_eccentricity",
         "kinematic_error",
         "kt_ripple",
         "link_harmonic_friction",
+        "local_defect",
         "motor_harmonic_friction",
         "nonsynchronous_friction",
     }

@@ -12,6 +12,7 @@ import numpy as np
 from eccentric.core import InputError
 from eccentric.diagnosis.limits import LEAST_DIFFERENCE, LEAST_OTHERS, LEAST_SHARE_OF_LOAD
 from eccentric.diagnosis.search import (
+    LEAST_PERIODS,
     Candidate,
     balances_of,
     candidate_of,
@@ -146,8 +147,11 @@ class Stage:
         only = "mechanical" if drive.by_voltage else None
         current = drive.slow_current() if drive.measured_twice else None
         given = self.base, self.data.signals, self.friction, only, current, self.instruments
-        parts = drive.channels.rig.parts
-        return [replace(candidate_of(e, *given), possible=not e.lacks(parts)) for e in effects]
+        parts, seen = drive.channels.rig.parts, [effect.periods_seen(self.setting) for effect in effects]
+        return [
+            replace(candidate_of(e, *given), possible=not e.lacks(parts) and x >= LEAST_PERIODS, periods=x)
+            for e, x in zip(effects, seen, strict=True)
+        ]
 
     def with_friction(self, friction: Array, effects: Path | None) -> Stage:
         """The stage with effects that use this friction: coefficients in the order of the balance's columns.

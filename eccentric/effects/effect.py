@@ -46,7 +46,7 @@ class Setting:
         left_open: what the rig leaves to be identified: roles of columns, among others "inertia" and
             "gravity", and keys of the rig's alignment, such as "theta_zero_rad".
         mean_square_A2: mean square of the current [A^2]; 0 where nobody asks for it.
-        turns: range of the motor angle over the log, in turns.
+        turns: range of the motor angle over the log, in turns (of a carriage, of its position over 2 pi).
         orders: periods per turn of the motor that stand out in what a first fit leaves, the strongest first.
         lines: whole orders of the motor above 24 that stand out of the drive as logged, the strongest first.
         masses: whether runs carry different known masses: their difference is in newton metres for certain.
@@ -355,6 +355,12 @@ class Effect:
     def lacks(self, parts: Parts) -> dict[str, tuple[str, ...]]:
         """Kind -> the parts one of which the effect needs and a drive of these parts has not; {} if none."""
         return missing(self.only_with, parts)
+
+    def periods_seen(self, setting: Setting) -> float:
+        """How many of its periods the log of a setting travels; infinite if it repeats with no angle."""
+        at = {v.mu.symbol: setting.mu} | {shape.quantity.symbol: shape.low for shape in self.shapes}
+        rates = {term.per_turn for terms in self.change.terms.values() for term in terms} - {0}
+        return min((float(sp.sympify(x).subs(at)) * setting.turns for x in rates), default=math.inf)
 
     def told_for(self, axis: AxisKind) -> Effect:
         """The effect with its words and its formula for an axis; its physics is the same."""

@@ -301,6 +301,7 @@ def local_defect(setting: Setting) -> Iterator[Effect]:
         " Mises, Physikalische Zeitschrift 19, 1918",
         shapes=(Shape(angle, -3.2, 3.2, "linear", 38), Shape(width, 0.06, 0.5, "log", 4)),
         inputs=(v.theta_m,),
+        per_turn=mu,
         words=Words(
             headline="a tight spot at one angle of the link",
             meaning="A tight spot at one link angle.",

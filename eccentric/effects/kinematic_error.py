@@ -218,6 +218,7 @@ def encoder_eccentricity(setting: Setting) -> Iterator[Effect]:
                 "link_harmonic_friction",
             ),
             plausible=(known,),
+            per_turn=rate,
             words=words,
             headline=f"an encoder whose error repeats once per turn of the {where}",
         )

@@ -316,8 +316,8 @@ class Drive:
         unit: of torques: "N m", or "V" or "A" if nothing in the log determines the scale.
         open: the free columns, by their roles: those of a parameter of the model (inertia, load) and those
             outside it (gravity, back_emf, offset, zero_angle).
-        adjusts: the letter that a free gravity column changes: the scale, or L, M or phi known by a range; of
-            phi the column is bounded, in cos(phi).
+        adjusts: what a free gravity column changes: the scale, or L, M or phi known by a range. The column is
+            bounded by the range that the rig gives it, of phi in cos(phi).
         identified: letters that were estimated from the log, for the report.
         warnings: of the first fit.
         rotor: inertia of the motor if the rig knows it, and that of the link has to be estimated [kg m^2].

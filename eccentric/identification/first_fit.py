@@ -166,8 +166,11 @@ def _open(
         found.append(Coefficient(problem.drive.machine.rotor, "inertia", "kg m^2", 0.0))
     if LOAD in rig.unknown:
         found.append(Coefficient(LOAD, "load", "N m"))
-    if turning and adjusts:
-        low, high = (-math.inf, math.inf) if adjusts != "phi" else sorted(map(math.cos, rig.unknown["phi"]))
+    if turning and adjusts == "scale":
+        own, by = next(c for c in problem.coefficients if c.role == "scale"), problem.drive.scale or 1.0
+        found.append(Coefficient("gravity", "gravity", "", by * own.lower, by * own.upper))
+    elif turning and adjusts:
+        low, high = sorted(math.cos(x) if adjusts == "phi" else x for x in rig.unknown[adjusts])
         found.append(Coefficient("gravity", "gravity", "", low, high))
     swings = by_voltage and np.any(channels.motor.off & channels.selection.fit_rows)
     emf_known = problem.drive.machine.back_emf_letters <= set(rig.known)

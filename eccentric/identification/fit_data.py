@@ -425,9 +425,10 @@ class Extended:
         """What is left of a coefficient without a parameter in the module, at a point; as a torque."""
         ends, scale = (outside.lower, outside.upper), point.scale or 1.0
         if outside.role == "gravity":
-            if self.data.drive.adjusts != "phi":
-                return outside
-            lower, upper = (end / math.cos(point.values["phi"]) - 1.0 for end in ends)
+            adjusts = self.data.drive.adjusts
+            now = scale if adjusts == "scale" else point.values[adjusts]
+            now = math.cos(now) if adjusts == "phi" else now
+            lower, upper = (end / now - 1.0 for end in ends)
         else:
             known = point.values["k_e"] if outside.role == "back_emf" else 0.0
             lower, upper = ((end - known) / scale for end in ends)

@@ -86,8 +86,10 @@ def _of_balance(
             found[name] = error.estimate(values[name], slope, units[name], ends, active)
         else:
             name, value, factor, of = _outside(c, fit, step)
-            slope = factor * unit[k]
-            found[name] = error.estimate(value, slope, of)
+            slope, free = factor * unit[k], (-math.inf, math.inf)
+            # The bounds of the free gravity column are those of what it adjusts, relative to its value.
+            ends = (value * (1.0 + c.lower), value * (1.0 + c.upper)) if c.role == "gravity" else free
+            found[name] = error.estimate(value, slope, of, ends, active if c.role == "gravity" else 0)
         if name == "phi":
             first, last = drive.channels.rig.unknown[name]
             cosine, ends = math.cos(values[name]), (math.cos(last), math.cos(first))

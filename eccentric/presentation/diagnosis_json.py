@@ -112,7 +112,10 @@ def holdout_entry(channels: Channels) -> dict[str, Any]:
 
 
 def _ruled_out(found: Diagnosis) -> list[dict[str, Any]]:
-    """Effects that explain more, or as well, with the parts that they need and this drive does not have."""
+    """Effects that explain more, or as well, with the parts that they need and this drive does not have.
+
+    With the periods that the log travels, for those that repeat with an angle.
+    """
     effects = {effect.id: effect for effect in found.offered}
     return [
         {
@@ -120,6 +123,11 @@ def _ruled_out(found: Diagnosis) -> list[dict[str, Any]]:
             "family": c.family,
             "explains": explains,
             "needs": {k: list(words) for k, words in effects[c.id].lacks(found.rig.parts).items()},
+            **(
+                {"periods_seen": seen}
+                if math.isfinite(seen := effects[c.id].periods_seen(found.setting))
+                else {}
+            ),
         }
         for explains, ranked in (
             ("more", found.attribution.ruled_out),

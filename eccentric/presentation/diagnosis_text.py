@@ -23,6 +23,7 @@ from eccentric.presentation.ranges_text import (
     effect_name,
     excluded_sentence,
     outside_sentences,
+    parts_needed,
     possible_causes,
     range_line,
     ruled_out_sentence,
@@ -38,6 +39,7 @@ VERDICTS = {
 _MISFIT = "log does not fit the rig"
 _NONE = "no effect in the library explains"
 _NONE_HERE = "no cause that this drive can have explains"
+_NONE_SEEN = "no effect that this log can prove explains"
 
 
 def verdict_words(verdict: str, fits_the_rig: bool) -> str:
@@ -87,7 +89,9 @@ def _verdict(found: Diagnosis) -> str:
     if a.verdict == "unexplained":
         asked = found.asked.request.only
         explains = f"none of the requested effects ({_listed(asked)}) explains" if asked else _NONE
-        explains = _NONE_HERE if a.ruled_out else explains
+        if a.ruled_out:
+            needing = any(e.lacks(found.rig.parts) for e in _left_out(found))
+            explains = _NONE_HERE if needing else _NONE_SEEN
         return f"The residual still depends on {depends or 'something unknown'}, and {explains} it."
     left = found.score.rmse[found.score.balance]["paper"]
     if left > PROVABLE * found.noise_floor:
@@ -299,7 +303,10 @@ def _causes(found: Diagnosis) -> str:
 
 
 def undeclared_parts(found: Diagnosis) -> tuple[str, ...]:
-    """Kinds of parts that would narrow the causes of a name, or a tie, if the rig declared them."""
+    """Kinds of parts that would narrow the causes of a name, or a tie, if the rig declared them.
+
+    Also those that could rule out a name that was not checked on resampled logs, or an effect left out.
+    """
     offered, best = (
         {effect.id: effect for effect in found.offered},
         {c.family: c.id for c in reversed(found.attribution.candidates)},
@@ -309,8 +316,18 @@ def undeclared_parts(found: Diagnosis) -> tuple[str, ...]:
         for effect, _ in (*found.effects, *found.clear)
     ]
     groups.append([offered[best[family]].only_with for family in tied_families(found)])
+    named = [effect for effect, _ in (*found.effects, *found.clear)]
+    unsure = [e for e in named if (own := found.attribution.adopted_as(e.id)) and not own.variants]
+    unsure += [effect for effect in _left_out(found) if not effect.lacks(found.rig.parts)]
+    groups += [[parts_needed(effect, found.rig), {}] for effect in unsure]
     kinds = {kind for needs in groups for kind in undeclared(found.rig.parts, needs)}
     return tuple(kind for kind in DRIVE_PARTS if kind in kinds)
+
+
+def _left_out(found: Diagnosis) -> list[Effect]:
+    """Effects that explain more, but that the drive cannot have, or of which the log shows no period."""
+    offered = {effect.id: effect for effect in found.offered}
+    return [offered[c.id] for c in found.attribution.ruled_out if c.id in offered]
 
 
 def _grave(found: Diagnosis) -> str:

@@ -7,7 +7,8 @@ from typing import Any
 
 from eccentric.diagnosis import Diagnosis, RangeCheck
 from eccentric.effects import Effect, PossibleCause
-from eccentric.model import ANGLE, DRIVE_PARTS, Parts, missing
+from eccentric.model import ANGLE, DRIVE_PARTS, REDUCERS, Parts, missing
+from eccentric.rigs import Rig
 
 
 def effect_name(headline: str, effect_id: str) -> str:
@@ -60,14 +61,18 @@ def _unit(check: RangeCheck) -> str:
 
 
 def ruled_out_sentence(found: Diagnosis) -> str:
-    """Which effect explains more, but needs a part that the drive does not have; "" for none."""
+    """Which effect explains more, but needs another part or a longer travel; "" for none."""
     effects = {effect.id: effect for effect in found.offered}
     best = next((effects[c.id] for c in found.attribution.ruled_out if c.id in effects), None)
     if best is None:
         return ""
     name = effect_name(best.words.headline, best.id)
-    needs = _needs(best.only_with, found.rig.parts)
-    return f"{name[0].upper()}{name[1:]} explains more of it, but it needs {needs}."
+    if needs := _needs(best.only_with, found.rig.parts):
+        return f"{name[0].upper()}{name[1:]} explains more of it, but it needs {needs}."
+    return (
+        f"{name[0].upper()}{name[1:]} explains more of it, but the log travels only"
+        f" {best.periods_seen(found.setting):.2g} of its period: nothing has repeated."
+    )
 
 
 def possible_causes(found: Diagnosis, effect: Effect) -> tuple[PossibleCause, ...]:
@@ -84,7 +89,8 @@ def possible_causes(found: Diagnosis, effect: Effect) -> tuple[PossibleCause, ..
 def excluded_causes(found: Diagnosis, effect: Effect) -> tuple[PossibleCause, ...]:
     """The causes of an effect that this drive cannot have, also families that explain the log as well."""
     effects = {one.id: one for one in found.offered}
-    families = [effects[c.id] for c in found.attribution.excluded if c.instead_of == effect.family]
+    others = [effects[c.id] for c in found.attribution.excluded if c.instead_of == effect.family]
+    families = [one for one in others if one.lacks(found.rig.parts)]
     covered = (PossibleCause(effect_name(one.words.headline, one.id), one.only_with) for one in families)
     impossible = (cause for cause in effect.words.causes if missing(cause.only_with, found.rig.parts))
     return (*impossible, *covered)
@@ -114,6 +120,12 @@ def undeclared(given: Parts, needs: Sequence[Parts]) -> tuple[str, ...]:
         for kind, words in DRIVE_PARTS.items()
         if kind not in given and any(narrows(kind, word) for word in words)
     )
+
+
+def parts_needed(effect: Effect, rig: Rig) -> Parts:
+    """What a drive needs for an effect; at mu = 1 a gear that reduces hides the angle of the motor."""
+    direct = ANGLE in effect.only_with and rig.known.get("mu") == 1.0
+    return {**effect.only_with, **({"gear": tuple({*DRIVE_PARTS["gear"]} - REDUCERS)} if direct else {})}
 
 
 def declare_sentence(kinds: Iterable[str]) -> str:

@@ -34,6 +34,7 @@ from eccentric.diagnosis.search.limits import (
     CONFIRMED,
     IN_A_DRAW,
     LEAST_DEVIANCE,
+    LEAST_PERIODS,
     LEAST_SHARE,
     PARTS,
     STABLE,

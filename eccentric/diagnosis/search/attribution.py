@@ -30,10 +30,10 @@ Array = np.ndarray
 
 
 class RuledOut(NamedTuple):
-    """Models with a candidate that the drive cannot have, last in each.
+    """Models with a candidate that is not possible, last in each.
 
-    better: those that explain more than the best model; as_well: those that explain the log as well, each
-    with the family of the adopted effect in whose place the candidate is.
+    better: those that explain more than the best model, or no less with fewer effects; as_well: those that
+    explain the log as well, each with the family of the adopted effect in whose place the candidate is.
     """
 
     better: list[Fitted]
@@ -109,7 +109,8 @@ class Search:
         for place, others in beside:
             for fitted in screen.rank(others, leaders=limits.LEADERS_OF_A_SWAP):
                 candidate = fitted.variants[-1]
-                if self.worth_it(self.best, fitted, screen):
+                fewer = len(fitted.variants) < len(self.best.variants) and fitted.score <= self.best.score
+                if fewer or self.worth_it(self.best, fitted, screen):
                     if self._gained(others, candidate, fitted, screen):
                         found.better.append(fitted)
                 elif place is not None:
@@ -261,7 +262,11 @@ class Search:
         """
         family, found = self.best.variants[place].candidate.family, self._chances(place)
         found[family] += sum(found.get(other, 0.0) for other in self.best.variants[place].covers)
-        return {other: chance for other, chance in found.items() if other not in self._agreeing(place)}
+        # Without variants, the blocks are what a probability rests on: no number of them proves a certainty.
+        blocks = int(self.screen.block[-1]) + 1
+        most = 1.0 if self.stability.variants else (blocks + 1.0) / (blocks + 2.0)
+        agreeing = self._agreeing(place)
+        return {other: min(chance, most) for other, chance in found.items() if other not in agreeing}
 
     def _agreeing(self, place: int) -> tuple[str, ...]:
         """Families whose names an adopted effect covers, or that cover its own: both are right, or none."""

@@ -229,7 +229,7 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         bodies = {"inertia", "gravity", "theta_zero_rad"} if along.open else bodies
         force = float(np.mean(along.signals[along.force][rows])) if along.force else force
     highest = float(np.quantile(speed, limits.TOP_SPEED))
-    turns, orders = 0.0, ()
+    turns, orders = float(np.ptp(channels.motion.theta_m[rows])) / (2.0 * np.pi), ()
     # Orders are per turn of the motor: the position of a carriage has none.
     if channels.phased and model.axis.wraps:
         left = data.drive.torque() - load_torque(model, signals) - base_columns(model, signals) @ friction
@@ -242,7 +242,7 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
             }
         )
         gravity = [n * mu for n in range(1, limits.GRAVITY_ORDERS + 1)]
-        turns, orders = standing_orders(angle[rows], turning[rows], left[rows], harmonics, gravity)
+        _, orders = standing_orders(angle[rows], turning[rows], left[rows], harmonics, gravity)
     return Setting(
         base=model,
         mu=signals.known["mu"],

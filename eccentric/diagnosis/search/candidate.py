@@ -63,7 +63,9 @@ class Candidate:
     tolerance: of a declared value that it corrects, in units of its coefficient; 0 if it corrects none.
     ridge: penalty on the coefficients, relative to their scaled diagonal (smooth terms only).
     words: what a person reads about it.
-    possible: whether the drive has the parts that it needs; one that is not possible is never adopted.
+    possible: whether the drive has the parts that it needs, and the log shows a period of it; one that is not
+        possible is never adopted.
+    periods: how many of its periods the log travels; infinite if it repeats with no angle.
     """
 
     id: str
@@ -85,6 +87,7 @@ class Candidate:
     words: Words = field(default_factory=Words)
     also_instrument: Callable[[Values], Array] | None = None
     possible: bool = True
+    periods: float = np.inf
 
     @property
     def deviation(self) -> float:

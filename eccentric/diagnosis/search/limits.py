@@ -78,6 +78,10 @@ ridge of every fit."""
 FORMS_OF_A_PATCH = 3
 """Number of members of one family that no longer count as an effect: one or two orders do, three approximate
 a shape that none of them has."""
+LEAST_PERIODS = 1.0
+"""Periods that a log has to travel for an effect that repeats with an angle to be named: over less, any curve
+is a part of a wave, and nothing in the log has repeated. Two orders of one family part by as much: nearer
+ones approximate any curve together."""
 
 # How stable a name is.
 

@@ -9,6 +9,7 @@ nothing_missing   no candidate and no smooth term gains enough
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -216,10 +217,17 @@ def unconfirmed(found: Attribution) -> Attribution:
 
 
 def _patched(adopted: Sequence[Adopted]) -> list[str]:
-    """The variables of families that needed so many members that none of them is the effect."""
+    """The variables of families whose members are so many, or so near, that none of them is the effect."""
     candidates = [entry.variant.candidate for entry in adopted]
     members = Counter(candidate.family for candidate in candidates)
-    return [c.variable for c in candidates if members[c.family] >= limits.FORMS_OF_A_PATCH]
+    near = {
+        one.family
+        for one, other in itertools.combinations(candidates, 2)
+        if one.family == other.family and abs(one.periods - other.periods) < limits.LEAST_PERIODS
+    }
+    return [
+        c.variable for c in candidates if c.family in near or members[c.family] >= limits.FORMS_OF_A_PATCH
+    ]
 
 
 def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], list[str]]:

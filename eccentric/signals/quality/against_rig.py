@@ -148,6 +148,8 @@ def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
     body, other = body_of(m, x, m.link), body_of(m, x, m.link / mu**2)
     if 1.0 - other.explained > min(limits.BETTER * (1.0 - body.explained), limits.EXPLAINED):
         return None
+    if torque_per_unit(drive, rig) is None:
+        return _inverted_by_angle(m, m.link, drive, rig, other)
     off = [ratio for ratio in ratios(body, mu) if ratio.off(limits.FACTOR)]
     mended = ratios(other, 1.0 / mu)
     if not off or "M g L" not in {r.name for r in mended} or not all(r.near(1.0) for r in mended):
@@ -155,6 +157,27 @@ def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
     said = ", ".join(ratio.text for ratio in off)
     text = f"mu is inverted ({1.0 / mu:.4g} fits, link speed over motor speed): with {mu:.4g}, {said}"
     return Finding("contradiction", "mu", text, m.rows, "warning")
+
+
+def _inverted_by_angle(m: Means, link: Array, drive: str, rig: Rig, other: RigidBody) -> Finding | None:
+    """Blame mu where the rig leaves the torque of the drive open: `other` is the body by the inverse.
+
+    Gravity must show there alone, better than by any other unit of the angle, and its torque constant be in
+    the range of the rig: mu^2 may be nearly the factor of a unit.
+    """
+    x, mu = m.drives[drive], rig.known["mu"]
+    turned = dataclasses.replace(rig, known={**rig.known, "mu": 1.0 / mu})
+    units = (
+        body_of(m, x, link / factor) for factor in misreadings(Logged(drive, mu, True, rig.axis)).values()
+    )
+    if not is_clear(*other.gravity) or other.explained < max(body.explained for body in units):
+        return None
+    if drive == "current" and any(motor_constant(m, other, drive, turned)):
+        return None
+    text = (
+        f"mu is inverted: gravity shows with {1.0 / mu:.4g} (link speed over motor speed), not with {mu:.4g}"
+    )
+    return Finding("contradiction", "mu", text, m.rows, "warning", f"mu = {1.0 / mu:.6g}")
 
 
 def _reversed(body: RigidBody) -> bool:
