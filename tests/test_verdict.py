@@ -225,6 +225,8 @@ def test_what_a_smooth_term_still_takes_out_refuses_a_name(part: float, runs: in
     found = verdict({2: 3.0, 7: left}, A, smooth=candidate("smooth:x", {7: 1.0}), runs=runs)
 
     assert expected == found.verdict
+    # Of the mean square of noise, effect and remainder, 1 + 9 + left^2, the effect takes out 9.
+    assert pytest.approx(9.0 / (10.0 + left**2), rel=0.01) == found.explained
     if expected == "unexplained":
         assert (("of_smooth:x",), ()) == (found.depends_on, found.tied)
         assert NextMeasurement("vary", "of_smooth:x") == found.next_measurement

@@ -36,6 +36,8 @@ VERDICTS = {
     "unexplained": "structure unexplained",
     "nothing_missing": "nothing missing",
 }
+MOSTLY = 0.5
+"""Part of the residual's mean square from which effects that explain it, but not all of it, are mentioned."""
 _MISFIT = "log does not fit the rig"
 _NONE = "no effect in the library explains"
 _NONE_HERE = "no cause that this drive can have explains"
@@ -92,6 +94,14 @@ def _verdict(found: Diagnosis) -> str:
         if a.ruled_out:
             needing = any(e.lacks(found.rig.parts) for e in _left_out(found))
             explains = _NONE_HERE if needing else _NONE_SEEN
+        elif not asked and (part := a.explained) > MOSTLY:
+            effects = [one.variant.candidate for one in a.adopted]
+            names = _listed([effect_name(c.words.headline, c.id) for c in effects])
+            return (
+                f"{names[0].upper()}{names[1:]} would explain {100.0 * part:.0f} % of the residual's mean"
+                f" square, but more than chance is left, so no effect is named. The residual depends on"
+                f" {depends}."
+            )
         return f"The residual still depends on {depends or 'something unknown'}, and {explains} it."
     left = found.score.rmse[found.score.balance]["paper"]
     if left > PROVABLE * found.noise_floor:

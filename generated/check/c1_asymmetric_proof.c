@@ -5,7 +5,7 @@
  * Run Frama-C's Eva: the proof is complete with 0 alarms and 100 % of the logical properties proven. The printed
  * intervals contain the results:
  *
- *   frama-c -eva -eva-slevel 30 -eva-split-return full -eva-subdivide-non-linear 20 \
+ *   frama-c -eva -eva-slevel 30 -eva-split-return full -eva-min-loop-unroll 3 -eva-subdivide-non-linear 20 \
  *     -warn-special-float non-finite -kernel-warn-key annot:missing-spec=abort \
  *     -cpp-extra-args="-DECCENTRIC_REAL=float -I.." c1_asymmetric_proof.c
  *

@@ -136,6 +136,17 @@ class Attribution:
     ruled_out: tuple[Ranked, ...] = ()
     excluded: tuple[Ranked, ...] = ()
 
+    @property
+    def explained(self) -> float:
+        """The part of the cross-validated mean square that the adopted effects explain; 0 without any.
+
+        In the balance of the first of them.
+        """
+        if not self.adopted:
+            return 0.0
+        search = self.searches[self.adopted[0].balance]
+        return 1.0 - search.best.score / search.base.score
+
     def adopted_as(self, effect_id: str) -> Adopted | None:
         """The adopted effect of this id."""
         return next((one for one in self.adopted if one.variant.candidate.id == effect_id), None)

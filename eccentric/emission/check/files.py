@@ -56,11 +56,13 @@ _RANGES_BY_UNIT = {
     "A/s^2": (-_BEND, _BEND),
 }
 _OTHER_RANGE = (-1e2, 1e2)
-# Cases are kept separate, each with its condition, and squares are known to be squares.
+# Cases are kept separate, each with its condition; the two samples of an array too, or their results would count
+# as not initialised; and squares are known to be squares.
 _SUBDIVIDED = "-eva-subdivide-non-linear 20"
-_OPTIONS = f"-eva-slevel 30 -eva-split-return full {_SUBDIVIDED}"
+_SEPARATE = "-eva-split-return full -eva-min-loop-unroll 3"
+_OPTIONS = f"-eva-slevel 30 {_SEPARATE} {_SUBDIVIDED}"
 # The ends of a curve, and of its slope, are further cases.
-_OF_CURVES = "-eva-slevel 100 -eva-split-return full"
+_OF_CURVES = f"-eva-slevel 100 {_SEPARATE}"
 # Any NaN or infinity is an alarm, and no result is taken on trust.
 _STRICT = "-warn-special-float non-finite -kernel-warn-key annot:missing-spec=abort"
 # Only narrow intervals of the angle show that an angle minus itself, which represents lost digits, is 0.

@@ -224,7 +224,7 @@ def _chance(best: CandidateRow, chance: tuple[float, float], verdict: str, torqu
     if verdict == "unexplained":
         return (
             f"{sentence}, more than the {number(level, 3)} that one log in a hundred reaches by chance."
-            " Its residual still depends on a variable, so its shape is not right."
+            " Its residual still depends on a variable: its shape is not right, or more is missing."
         )
     if gained <= LEAST_DEVIANCE:
         return (
