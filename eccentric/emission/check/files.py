@@ -56,8 +56,8 @@ _RANGES_BY_UNIT = {
     "A/s^2": (-_BEND, _BEND),
 }
 _OTHER_RANGE = (-1e2, 1e2)
-# Cases are kept separate, each with its condition; the two samples of an array too, or their results would count
-# as not initialised; and squares are known to be squares.
+# Cases are kept separate, each with its condition; the two samples of an array too, or their results would
+# count as not initialised; and squares are known to be squares.
 _SUBDIVIDED = "-eva-subdivide-non-linear 20"
 _SEPARATE = "-eva-split-return full -eva-min-loop-unroll 3"
 _OPTIONS = f"-eva-slevel 30 {_SEPARATE} {_SUBDIVIDED}"
