@@ -294,6 +294,7 @@ def test_the_level_is_that_at_the_width() -> None:
 X, Y, K = sp.symbols("x y k", real=True)
 STEPS = [  # an expression, its largest slopes for |x| <= 2 and |y| <= 3 with k = 1.5, in closed form
     (steps.Clipped(X, -(1 + sp.Abs(Y)), 1 + K * sp.Abs(Y)), {"x": 1.0, "y": 1.5}),
+    (steps.Bounded(sp.Abs(X), 1 + K * sp.Abs(Y)), {"x": 1.0, "y": 1.5}),
     (K * sp.Abs(X), {"x": 1.5}),
     (sp.Piecewise((X, sp.Eq(K, 0)), (K * X, True)), {"x": 1.5}),
 ]

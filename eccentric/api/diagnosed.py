@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, names_given, sources_of
-from eccentric.api.result import Result, fitted_model
+from eccentric.api.result import Result, fitted_model, speeds_of
 from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, given_path, whole_file, whole_folder
 from eccentric.diagnosis import (
@@ -116,7 +116,7 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
     simulated = simulated_errors(fits)
     document, estimates = diagnosis_document(found), axis.estimates(found.result.estimates)
     model, data = extended_model(found), report_data(found, simulated)
-    unsolvable = not_emitted(inertial_loss(model), axis)
+    unsolvable = not_emitted(inertial_loss(model, *speeds_of(document)[1:]), axis)
     document |= {"warnings": [*document["warnings"], *unsolvable]}
     log = dataclasses.replace(data.log, warnings=(*data.log.warnings, *unsolvable))
     fitted = {name: fitted_model(fit, axis) for name, fit in reversed([*fits.items()])}

@@ -116,9 +116,10 @@ def require_fit(fits_the_rig: bool, source: str, accept_misfit: bool) -> None:
 
 
 def speeds_of(fit: Mapping[str, Any] | None) -> tuple[float, ...]:
-    """The lowest and highest motor speed [rad/s] of the content of a fit; nothing without them."""
+    """The lowest and highest motor speed [rad/s] of the content of a result; nothing without them."""
     ranges = (fit or {}).get("ranges")
-    speeds = ranges.get("speed_m_rad_s") if isinstance(ranges, Mapping) else None
+    given = ranges if isinstance(ranges, Mapping) else {}
+    speeds = given.get("speed_m_rad_s", given.get("speed_m_s"))  # of a turning or a sliding axis
     return tuple(map(float, speeds)) if isinstance(speeds, list | tuple) and len(speeds) == 2 else ()
 
 

@@ -429,7 +429,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
         # A coefficient that is inseparable from another is not fitted: the other represents their sum.
         if value is None or (origin == "friction" and estimates and q.name not in estimates):
             continue
-        if q.name in placeholders and origin in {"unseen", "rig"}:
+        if q.name in placeholders - set(estimates) and origin != "effect":
             continue
         fitted = origin in {"effect", "friction", "bench"}
         unit = in_drive_unit(q.unit, found.unit) if fitted else q.unit
