@@ -214,7 +214,10 @@ def test_what_is_no_friction_is_told(effect: str, left: float, tmp_path: Path) -
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         eccentric.emit(model, tmp_path / "out", compensation=True)
-    told = f"of up to {left} N m that is not friction (cogging, a spring, a load): add {model.name}_gravity"
+    told = (
+        f"of up to {left} N m (motor side) that is not friction (gravity, cogging, a spring, a load): add"
+        f" {model.name}_gravity"
+    )
     assert [told in str(one.message) for one in caught] == [True] * bool(left)
     header = (tmp_path / "out" / f"{model.name}_compensation.h").read_text(encoding="utf-8")
     assert (f"gravity_torque, up to {left} N m" in header) == bool(left)

@@ -280,7 +280,7 @@ class DiagnosisResult(Result):
         holds = self.fits_the_rig and self.solvable
         emitted = complete(self.model, "eccentric diagnose", "model.py") if holds else {}
         write(emitted, folder)
-        text = page(dataclasses.replace(self.data, files=_described(self.own, emitted, self.model.name)))
+        text = page(dataclasses.replace(self.data, files=_described(self.own, emitted, self.model)))
         (folder / "report.html").write_text(text, encoding="utf-8")
         return ["report.html", "diagnosis.json", "model.py", *self.own, *emitted]
 
@@ -296,10 +296,12 @@ def _row(p: Parameter) -> tuple[Any, ...]:
     return (p.name, p.value, p.std_error, low, high, p.unit, p.bound, p.origin)
 
 
-def _described(own: Iterable[str], emitted: Iterable[str], model: str) -> tuple[tuple[str, str], ...]:
+def _described(own: Iterable[str], emitted: Iterable[str], model: Model) -> tuple[tuple[str, str], ...]:
     """(name, what it is) of the files beside a report; `own` are the scripts that the model loads."""
-    return (
+    files = (
         *_WRITTEN,
         *((name, _BASE if name == BASE else "your own script") for name in own),
-        *((name, _EMITTED[name.rpartition(model)[2]]) for name in emitted),
+        *((name, _EMITTED[name.rpartition(model.name)[2]]) for name in emitted),
     )
+    kind = "extended" if model.extensions else "fitted"
+    return tuple((name, what.replace("extended", kind)) for name, what in files)

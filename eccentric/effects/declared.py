@@ -6,7 +6,17 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from eccentric.effects.effect import GRAVITY, LOAD, Correction, Effect, Plausible, Setting, Shape, Words
+from eccentric.effects.effect import (
+    GRAVITY,
+    LOAD,
+    Correction,
+    Effect,
+    Plausible,
+    PossibleCause,
+    Setting,
+    Shape,
+    Words,
+)
 from eccentric.effects.forms import (
     addition,
     alpha_m,
@@ -84,7 +94,9 @@ def mass_mismatch(setting: Setting) -> Iterator[Effect]:
     J_l_true = nonnegative("J_l_true", "kg m^2", "inertia of the link with the true mass", "J_l^*")
     words = Words(
         title="A correction of the declared mass",
-        meaning="The mass on the link differs from the declared one.",
+        meaning="The mass on the link differs from the declared one, or the link without it is not balanced"
+        " about the axis: M L has to be the first moment of all that swings.",
+        causes=(PossibleCause("a wrong M or L"), PossibleCause("a link that is not balanced about the axis")),
         hint="weigh the mass; or hold the link horizontal and read the current in both directions of"
         " approach",
         kin=GRAVITY,

@@ -146,6 +146,7 @@ def _closest(found: Diagnosis) -> dict[str, Any] | None:
         "balance": best.balance,
         f"rmse_holdout_{_suffix(found)}": {"paper": best.before, "extended": best.after},
         "improvement": gain_entry(best.percent, best.interval),
+        "improvement_below_low_pass": best.below and gain_entry(best.below.percent, best.below.interval),
     }
 
 
