@@ -244,9 +244,12 @@ def _model_and_values(
                     path, "the folder of a fit or a diagnosis, with fit.json or model.py", "neither"
                 )
         if not (path.suffix or path.exists() or derivation(source).is_file()):
-            near = meant(source, model_names()).removeprefix("; ")
-            expected = "a model, its derivation, a fit.json, or the folder of a fit or a diagnosis"
-            raise InputError(path, expected, "none with this name", hint=near)
+            raise InputError(
+                path,
+                "a model, its derivation, a fit.json, or the folder of a fit or a diagnosis",
+                "none with this name",
+                hint=meant(source, model_names()).removeprefix("; "),
+            )
         if path.suffix == ".json":
             document = document_of(path)
             named = document.get("model")
